@@ -1,0 +1,2 @@
+//! One versioned binary frame for telemetry, recording and replay.
+//! (written below)

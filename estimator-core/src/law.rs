@@ -1,0 +1,76 @@
+//! Forward contact laws: penetration and its rate in, force out. One file a law.
+//!
+//! All laws report their stiffness and damping at a reference depth δ₀ (1 mm unless configured), so
+//! that the numbers of different laws can be compared and keep their units whatever the exponent:
+//! see "Units" in each.
+
+mod hunt_crossley;
+mod kelvin_voigt;
+
+pub use hunt_crossley::HuntCrossley;
+pub use kelvin_voigt::KelvinVoigt;
+
+use crate::scalar::Scalar;
+use crate::units::Unit;
+
+/// A contact law without memory.
+pub trait ContactLaw<S: Scalar> {
+    /// Force on the probe [N] at penetration `depth_m` [m], which changes by `speed_mps` [m/s].
+    /// Zero outside the material; not saturated, so a law that pulls while unloading does.
+    fn force_n(&self, depth_m: S, speed_mps: S) -> S;
+}
+
+/// What a surface that does not stick can do: push. A simulated rig applies it, estimators do not.
+pub fn unilateral<S: Scalar>(force_n: S) -> S {
+    S::nil().max_of(force_n)
+}
+
+/// Name and unit of one parameter of a law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParameterInfo {
+    /// The key in `estimate.json` and in a model file.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+}
+
+/// Which law; the discriminants are stable and stand in frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum LawKind {
+    /// F = Kδ + λδ̇, (1)
+    KelvinVoigt = 1,
+    /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
+    HuntCrossley = 2,
+}
+
+const STIFFNESS: ParameterInfo = ParameterInfo { name: "stiffness", unit: Unit::NewtonPerMetre };
+const DAMPING: ParameterInfo = ParameterInfo { name: "damping", unit: Unit::NewtonSecondPerMetre };
+const EXPONENT: ParameterInfo = ParameterInfo { name: "exponent", unit: Unit::One };
+const SURFACE: ParameterInfo = ParameterInfo { name: "surface", unit: Unit::Metre };
+
+impl LawKind {
+    /// All laws.
+    pub const ALL: [LawKind; 2] = [LawKind::KelvinVoigt, LawKind::HuntCrossley];
+
+    /// The stable number of frames.
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            LawKind::KelvinVoigt => "kelvin_voigt",
+            LawKind::HuntCrossley => "hunt_crossley",
+        }
+    }
+
+    /// The parameters in the order of their slots in [`crate::estimate::Parameters`].
+    pub const fn parameters(self) -> &'static [ParameterInfo] {
+        match self {
+            LawKind::KelvinVoigt => &[STIFFNESS, DAMPING, SURFACE],
+            LawKind::HuntCrossley => &[STIFFNESS, DAMPING, EXPONENT, SURFACE],
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! What goes in: one instant of both channels, and what may be wrong with it.
+
+use crate::scalar::Real;
+
+/// One instant of force and position, taken at the same tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample<T = f32> {
+    /// Time since start [µs]. 64 bits: a u32 wraps after 71 minutes, and seconds in f32 resolve
+    /// only 10 ms after a day.
+    pub time_us: u64,
+    /// Position of the probe [m], growing into the material.
+    pub position_m: T,
+    /// Force on the probe [N], positive when it pushes the probe out.
+    pub force_n: T,
+    /// What the reader of the sensors already knows to be wrong; [`Faults::NONE`] if nothing.
+    pub faults: Faults,
+}
+
+impl<T: Real> Sample<T> {
+    /// The same instant in another precision.
+    pub fn cast<U: Real>(self) -> Sample<U> {
+        Sample {
+            time_us: self.time_us,
+            position_m: U::from_f64(self.position_m.to_f64()),
+            force_n: U::from_f64(self.force_n.to_f64()),
+            faults: self.faults,
+        }
+    }
+}
+
+/// A numbered fault. The numbers are stable: they stand in frames, logs and `estimate.json`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Fault {
+    /// The force is NaN or infinite; the sample is dropped.
+    ForceNotFinite = 1,
+    /// The position is NaN or infinite; the sample is dropped.
+    PositionNotFinite = 2,
+    /// The time did not advance; the sample is dropped.
+    TimeNotAdvancing = 3,
+    /// More than 1.5 periods since the last sample; the filters start anew.
+    SampleMissed = 4,
+    /// The force channel stands at the end of its range; the sample is not learned from.
+    ForceSaturated = 5,
+    /// The 1 kHz task was late; reported by the board.
+    Overrun = 6,
+    /// A calculation left the finite numbers; the estimator started anew.
+    NotFinite = 7,
+}
+
+impl Fault {
+    /// All faults in the order of their numbers.
+    pub const ALL: [Fault; 7] = [
+        Fault::ForceNotFinite,
+        Fault::PositionNotFinite,
+        Fault::TimeNotAdvancing,
+        Fault::SampleMissed,
+        Fault::ForceSaturated,
+        Fault::Overrun,
+        Fault::NotFinite,
+    ];
+
+    /// The stable number.
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// A short sentence for people.
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Fault::ForceNotFinite => "force not finite, sample dropped",
+            Fault::PositionNotFinite => "position not finite, sample dropped",
+            Fault::TimeNotAdvancing => "time does not advance, sample dropped",
+            Fault::SampleMissed => "samples missing, filters restarted",
+            Fault::ForceSaturated => "force at the end of its range, sample not learned from",
+            Fault::Overrun => "the sampling task was late",
+            Fault::NotFinite => "calculation left the finite numbers, estimator restarted",
+        }
+    }
+}
+
+/// A set of [`Fault`]s; bit `code − 1` stands for the fault with that code.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Faults(u16);
+
+impl Faults {
+    /// Nothing wrong.
+    pub const NONE: Faults = Faults(0);
+
+    /// The set as bits, for frames.
+    pub const fn bits(self) -> u16 {
+        self.0
+    }
+
+    /// The set from bits of a frame; unknown bits are kept.
+    pub const fn from_bits(bits: u16) -> Faults {
+        Faults(bits)
+    }
+
+    /// This set and one fault more.
+    pub const fn with(self, fault: Fault) -> Faults {
+        Faults(self.0 | 1 << (fault.code() - 1))
+    }
+
+    /// Whether the fault is in the set.
+    pub const fn has(self, fault: Fault) -> bool {
+        self.0 & (1 << (fault.code() - 1)) != 0
+    }
+
+    /// The faults in the set, by number.
+    pub fn iter(self) -> impl Iterator<Item = Fault> {
+        Fault::ALL.into_iter().filter(move |fault| self.has(*fault))
+    }
+}
+
+impl core::ops::BitOr for Faults {
+    type Output = Faults;
+    fn bitor(self, other: Faults) -> Faults {
+        Faults(self.0 | other.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_codes_are_stable_and_the_list_is_complete() {
+        let codes: [u8; 7] = Fault::ALL.map(Fault::code);
+        assert_eq!(codes, [1, 2, 3, 4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn a_set_gives_back_what_was_put_in() {
+        let set = Faults::NONE.with(Fault::SampleMissed).with(Fault::Overrun);
+        let mut members = set.iter();
+        assert_eq!(members.next(), Some(Fault::SampleMissed));
+        assert_eq!(members.next(), Some(Fault::Overrun));
+        assert_eq!(members.next(), None);
+        assert_eq!(Faults::from_bits(set.bits()), set);
+    }
+}

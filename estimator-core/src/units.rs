@@ -1,0 +1,34 @@
+//! One table of the units that parameters are reported in.
+
+use core::fmt;
+
+/// The unit of a parameter, SI throughout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// 1
+    One,
+    /// m
+    Metre,
+    /// N/m
+    NewtonPerMetre,
+    /// N s/m
+    NewtonSecondPerMetre,
+}
+
+impl Unit {
+    /// The symbol as it stands in `estimate.json`.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Unit::One => "1",
+            Unit::Metre => "m",
+            Unit::NewtonPerMetre => "N/m",
+            Unit::NewtonSecondPerMetre => "N s/m",
+        }
+    }
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.symbol())
+    }
+}
