@@ -1,15 +1,9 @@
 //! Configuration: what a person writes down, checked once, outside the loop.
 //!
-//! [`Config`] → [`Config::validate`] → [`Params`]. `Params` holds coefficients only; a loop that has
+//! `Config` → `validate` → `Params`. `Params` holds coefficients only; a loop that has
 //! one cannot be misconfigured.
 
-use crate::contact::ContactParams;
-use crate::error::{ConfigError, require};
-use crate::filter::{FilterParams, MAX_HALF_WIDTH};
 use crate::law::LawKind;
-use crate::rls::ForgettingParams;
-use crate::scalar::Real;
-use crate::status::StatusParams;
 
 /// All settings of an estimator. The defaults are for a 1 kHz motor controller that presses
 /// millimetres deep with newtons.
@@ -112,10 +106,10 @@ impl Method {
 pub struct Forgetting {
     /// α₁: 1 − α₁ is the forgetting factor for large errors.
     pub alpha_1: f32,
-    /// α₂ [1/N]: steepness of the transition; `None`: [`Forgetting::STEEPNESS`]/α₃.
+    /// α₂ [1/N]: steepness of the transition; `None`: STEEPNESS/α₃.
     pub alpha_2_per_n: Option<f32>,
     /// α₃ [N]: the threshold between small and large errors; `None`:
-    /// [`Forgetting::THRESHOLD_SIGMAS`] × the noise of the raw force.
+    /// THRESHOLD_SIGMAS × the noise of the raw force.
     pub alpha_3_n: Option<f32>,
     /// A sample is learned from when the regressor has moved by this fraction of its scale since
     /// the last one that was: a hold repeats itself and would wind the covariance up.

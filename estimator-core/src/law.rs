@@ -44,10 +44,22 @@ pub enum LawKind {
     HuntCrossley = 2,
 }
 
-const STIFFNESS: ParameterInfo = ParameterInfo { name: "stiffness", unit: Unit::NewtonPerMetre };
-const DAMPING: ParameterInfo = ParameterInfo { name: "damping", unit: Unit::NewtonSecondPerMetre };
-const EXPONENT: ParameterInfo = ParameterInfo { name: "exponent", unit: Unit::One };
-const SURFACE: ParameterInfo = ParameterInfo { name: "surface", unit: Unit::Metre };
+const STIFFNESS: ParameterInfo = ParameterInfo {
+    name: "stiffness",
+    unit: Unit::NewtonPerMetre,
+};
+const DAMPING: ParameterInfo = ParameterInfo {
+    name: "damping",
+    unit: Unit::NewtonSecondPerMetre,
+};
+const EXPONENT: ParameterInfo = ParameterInfo {
+    name: "exponent",
+    unit: Unit::One,
+};
+const SURFACE: ParameterInfo = ParameterInfo {
+    name: "surface",
+    unit: Unit::Metre,
+};
 
 impl LawKind {
     /// All laws.

@@ -98,7 +98,11 @@ macro_rules! real {
             }
             #[inline]
             fn pow_positive(self, exponent: Self) -> Self {
-                if self > 0.0 { libm::$exp(exponent * libm::$log(self)) } else { 0.0 }
+                if self > 0.0 {
+                    libm::$exp(exponent * libm::$log(self))
+                } else {
+                    0.0
+                }
             }
         }
 

@@ -24,7 +24,12 @@ pub struct HuntCrossley<S> {
 
 impl<S: Scalar> HuntCrossley<S> {
     /// The usual case q = n.
-    pub fn new(stiffness_n_per_m: S, damping_ns_per_m: S, exponent: S, reference_depth_m: S) -> Self {
+    pub fn new(
+        stiffness_n_per_m: S,
+        damping_ns_per_m: S,
+        exponent: S,
+        reference_depth_m: S,
+    ) -> Self {
         HuntCrossley {
             stiffness_n_per_m,
             damping_ns_per_m,

@@ -29,8 +29,10 @@ impl<S: Scalar> ContactLaw<S> for KelvinVoigt<S> {
 mod tests {
     use super::*;
 
-    const GEL: KelvinVoigt<f64> =
-        KelvinVoigt { stiffness_n_per_m: 2260.0, damping_ns_per_m: 123.0 };
+    const GEL: KelvinVoigt<f64> = KelvinVoigt {
+        stiffness_n_per_m: 2260.0,
+        damping_ns_per_m: 123.0,
+    };
 
     #[test]
     fn outside_the_material_nothing_happens_however_fast() {

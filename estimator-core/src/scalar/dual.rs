@@ -17,7 +17,10 @@ pub struct Dual<T, const N: usize> {
 impl<T: Scalar, const N: usize> Dual<T, N> {
     /// A number that depends on no parameter.
     pub fn constant(value: T) -> Self {
-        Dual { value, gradient: [T::nil(); N] }
+        Dual {
+            value,
+            gradient: [T::nil(); N],
+        }
     }
 
     /// Parameter number `index` itself. An index of `N` or more gives a constant.
@@ -31,7 +34,10 @@ impl<T: Scalar, const N: usize> Dual<T, N> {
 
     /// f(self), given f and f' at `self.value`.
     fn chain(self, value: T, slope: T) -> Self {
-        Dual { value, gradient: self.gradient.map(|g| g * slope) }
+        Dual {
+            value,
+            gradient: self.gradient.map(|g| g * slope),
+        }
     }
 
     /// The gradient `a·∂self + b·∂other`.
@@ -92,7 +98,10 @@ impl<T: Scalar, const N: usize> Div for Dual<T, N> {
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
         let scale = T::unit() / other.value;
-        Dual { value, gradient: self.combine(scale, other, -(value * scale)) }
+        Dual {
+            value,
+            gradient: self.combine(scale, other, -(value * scale)),
+        }
     }
 }
 
@@ -129,7 +138,10 @@ impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
         let value = self.value.pow_positive(exponent.value);
         let by_base = exponent.value * value / self.value;
         let by_exponent = value * self.value.ln();
-        Dual { value, gradient: self.combine(by_base, exponent, by_exponent) }
+        Dual {
+            value,
+            gradient: self.combine(by_base, exponent, by_exponent),
+        }
     }
 }
 
@@ -152,8 +164,16 @@ mod tests {
         let by_n = (function(d, n + h) - function(d, n - h)) / (2.0 * h);
         assert_eq!(dual.value, function(d, n));
         // Central differences with h = 1e-6 are good to 1e-9 here.
-        assert!((dual.gradient[0] - by_d).abs() < 1e-8, "{} {by_d}", dual.gradient[0]);
-        assert!((dual.gradient[1] - by_n).abs() < 1e-8, "{} {by_n}", dual.gradient[1]);
+        assert!(
+            (dual.gradient[0] - by_d).abs() < 1e-8,
+            "{} {by_d}",
+            dual.gradient[0]
+        );
+        assert!(
+            (dual.gradient[1] - by_n).abs() < 1e-8,
+            "{} {by_n}",
+            dual.gradient[1]
+        );
     }
 
     #[test]

@@ -1,0 +1,1 @@
+//! Palpate on the host: a simulated rig, replay of logs, reports.
