@@ -161,6 +161,16 @@ impl<T: Real> ContactState<T> {
         }
     }
 
+    /// What the force reads in free air (N).
+    pub fn resting_force_n(&self) -> T {
+        self.rest_n
+    }
+
+    /// Standard deviation of the raw force (N).
+    pub fn force_noise_n(&self) -> T {
+        self.sigma_n
+    }
+
     /// Takes one raw sample.
     pub fn update(&mut self, params: &ContactParams<T>, sample: &Sample<T>) -> Contact<T> {
         let before = self.phase;

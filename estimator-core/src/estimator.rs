@@ -35,6 +35,16 @@ impl<T: Real> State<T> {
             last: Estimate::nothing(params),
         }
     }
+
+    /// What the force reads in free air (N), as it is taken off now; 0 while settling.
+    pub fn resting_force_n(&self) -> T {
+        self.contact.resting_force_n()
+    }
+
+    /// Standard deviation of the raw force (N) that thresholds and standard errors rest on.
+    pub fn force_noise_n(&self) -> T {
+        self.contact.force_noise_n()
+    }
 }
 
 /// A sample is usable when its force and position are within this many times the reference force and
