@@ -1,1 +1,3 @@
 //! Palpate on the host: a simulated rig, replay of logs, reports.
+
+pub mod report;
