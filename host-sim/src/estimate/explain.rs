@@ -57,7 +57,10 @@ fn misfit(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
-    let hold = inspection.holds.iter().max_by(|a, b| a.relaxed.total_cmp(&b.relaxed))?;
+    let hold = inspection
+        .holds
+        .iter()
+        .max_by(|a, b| a.relaxed.total_cmp(&b.relaxed))?;
     (hold.relaxed > RELAXES).then(|| {
         format!(
             "the force relaxes by {:.0} % during the hold from {:.3} to {:.3} s: {} has no \

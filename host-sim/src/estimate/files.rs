@@ -1,34 +1,37 @@
 //! `estimate.json` and `estimate.csv`.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use estimator_core::estimate::{Parameters, Phase};
 use serde_json::{Map, Value, json};
 
-use super::outcome::Outcome;
+use super::outcome::{EventKind, Outcome};
 use crate::output::write_atomically;
 use crate::replay::Replay;
 
 /// What stands in `estimate.json` besides the outcome.
 #[derive(Clone, Debug)]
-pub struct Context<'a> {
+pub(super) struct Context<'a> {
     /// The method's name on the command line.
-    pub method: &'a str,
+    pub(super) method: &'a str,
     /// δ₀ (m).
-    pub reference_depth_m: f64,
+    pub(super) reference_depth_m: f64,
     /// Standard deviation of the raw force (N).
-    pub noise_n: f64,
+    pub(super) noise_n: f64,
     /// The laws that were compared, each with its RMSE (N), if the law was to be chosen.
-    pub selection: &'a [(&'a str, Option<f64>)],
+    pub(super) selection: &'a [(&'a str, Option<f64>)],
     /// What a reader must know, a sentence each.
-    pub notes: &'a [String],
+    pub(super) notes: &'a [String],
 }
 
 /// Six significant digits, so that a value reads as it was computed: in single precision.
 fn number(value: f64) -> Value {
     let text = format!("{value:.6e}");
-    text.parse::<f64>().ok().filter(|v| v.is_finite()).map_or(Value::Null, |v| json!(v))
+    text.parse::<f64>()
+        .ok()
+        .filter(|v| v.is_finite())
+        .map_or(Value::Null, |v| json!(v))
 }
 
 fn seconds(value: f64) -> Value {
@@ -51,7 +54,7 @@ fn parameters(outcome: &Outcome, parameters: &Parameters<f32>) -> Value {
 }
 
 /// The content of `estimate.json`.
-pub fn json(outcome: &Outcome, context: &Context) -> Value {
+pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
     let segments = outcome.segments.iter().map(|segment| {
         json!({
             "from_s": seconds(segment.from_s),
@@ -67,16 +70,16 @@ pub fn json(outcome: &Outcome, context: &Context) -> Value {
             "peak_depth_m": number(touch.peak_depth_m),
         })
     });
-    let events = outcome.events.iter().map(|event| {
-        let mut object = json!({ "t_s": seconds(event.t_s), "kind": event.kind });
-        if let Some(code) = event.code {
-            object["code"] = json!(code);
+    let events = outcome.events.iter().map(|event| match &event.kind {
+        EventKind::Estimator(kind) => json!({ "t_s": seconds(event.time_s), "kind": kind.name() }),
+        EventKind::Fault { code, .. } => {
+            json!({ "t_s": seconds(event.time_s), "kind": "fault", "code": code })
         }
-        object
     });
-    let selection = context.selection.iter().map(|(law, rmse)| {
-        json!({ "law": law, "force_rmse_n": rmse.map(number) })
-    });
+    let selection = context
+        .selection
+        .iter()
+        .map(|(law, rmse)| json!({ "law": law, "force_rmse_n": rmse.map(number) }));
     json!({
         "law": outcome.law.name(),
         "method": context.method,
@@ -98,7 +101,7 @@ pub fn json(outcome: &Outcome, context: &Context) -> Value {
 ///
 /// # Errors
 /// What the file system says; nothing is half written.
-pub fn write_json(path: &Path, value: &Value) -> io::Result<()> {
+pub(super) fn write_json(path: &Path, value: &Value) -> io::Result<()> {
     write_atomically(path, |writer| {
         serde_json::to_writer_pretty(&mut *writer, value)?;
         writeln!(writer)
@@ -110,7 +113,7 @@ pub fn write_json(path: &Path, value: &Value) -> io::Result<()> {
 ///
 /// # Errors
 /// What the file system says; nothing is half written.
-pub fn write_csv(path: &Path, replay: &Replay, every: usize) -> io::Result<()> {
+pub(super) fn write_csv(path: &Path, replay: &Replay, every: usize) -> io::Result<()> {
     write_atomically(path, |writer| {
         let mut table = csv::Writer::from_writer(writer);
         table.write_record(header(replay))?;

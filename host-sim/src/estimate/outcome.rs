@@ -6,23 +6,11 @@ use estimator_core::{Faults, LawKind, Status};
 
 use crate::log::UniformLog;
 use crate::replay::Replay;
+pub use crate::report::estimate::{EventKind, EventMark, Touch};
 use crate::signal;
 
 /// Settled: every parameter within this share of its final value from then on.
 const SETTLED_WITHIN: f64 = 0.05;
-
-/// One touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// Touch (s).
-    pub from_s: f64,
-    /// Lift-off, or the end of the log (s).
-    pub to_s: f64,
-    /// Largest force above rest (N).
-    pub peak_force_n: f64,
-    /// Largest penetration (m).
-    pub peak_depth_m: f64,
-}
 
 /// A stretch of one material.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,17 +21,6 @@ pub struct Segment {
     pub to_s: f64,
     /// The parameters at its end.
     pub parameters: Parameters<f32>,
-}
-
-/// Something that happened.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Happening {
-    /// When (s).
-    pub t_s: f64,
-    /// `contact`, `release`, `material_change` or `fault`.
-    pub kind: &'static str,
-    /// The number of a fault.
-    pub code: Option<u8>,
 }
 
 /// What a replay comes to.
@@ -65,7 +42,7 @@ pub struct Outcome {
     /// All touches.
     pub touches: Vec<Touch>,
     /// All events, in order.
-    pub events: Vec<Happening>,
+    pub events: Vec<EventMark>,
     /// Force of the law with the final parameters at every record (N); 0 in free air.
     pub replayed_n: Vec<f32>,
 }
@@ -74,7 +51,9 @@ impl Outcome {
     /// Draws the sum of a replay of `log`.
     pub fn of(log: &UniformLog, replay: &Replay) -> Outcome {
         let law = replay.params.law();
-        let parameters = replay.last().map_or([None; PARAMETER_SLOTS], |last| last.parameters);
+        let parameters = replay
+            .last()
+            .map_or([None; PARAMETER_SLOTS], |last| last.parameters);
         let replayed_n = replay_force(replay, &parameters);
         Outcome {
             law,
@@ -99,7 +78,9 @@ impl Outcome {
 
     /// The value of the parameter of that name.
     pub fn value(&self, name: &str) -> Option<Estimated<f32>> {
-        self.named(&self.parameters).find(|(info, _)| info.name == name)?.1
+        self.named(&self.parameters)
+            .find(|(info, _)| info.name == name)?
+            .1
     }
 }
 
@@ -115,9 +96,12 @@ pub fn law_with(
             stiffness_n_per_m: value(0)?,
             damping_ns_per_m: value(1)?,
         }),
-        LawKind::HuntCrossley => {
-            Box::new(HuntCrossley::new(value(0)?, value(1)?, value(2)?, reference_depth_m))
-        }
+        LawKind::HuntCrossley => Box::new(HuntCrossley::new(
+            value(0)?,
+            value(1)?,
+            value(2)?,
+            reference_depth_m,
+        )),
     })
 }
 
@@ -128,7 +112,10 @@ fn replay_force(replay: &Replay, parameters: &Parameters<f32>) -> Vec<f32> {
     };
     let mut forces = vec![0.0; replay.records.len()];
     for contact in replay.contacts() {
-        for (force, record) in forces[contact.clone()].iter_mut().zip(&replay.records[contact]) {
+        for (force, record) in forces[contact.clone()]
+            .iter_mut()
+            .zip(&replay.records[contact])
+        {
             *force = law.force_n(f64::from(record.depth_m), f64::from(record.speed_mps)) as f32;
         }
     }
@@ -154,14 +141,20 @@ fn force_rmse(log: &UniformLog, replay: &Replay, replayed_n: &[f32]) -> Option<f
 fn settled_at(replay: &Replay, parameters: &Parameters<f32>) -> Option<f64> {
     // The surface is a place, not a property: a percentage of it means nothing.
     let own = replay.params.law().parameters().len() - 1;
-    let last = parameters[..own].iter().copied().collect::<Option<Vec<_>>>()?;
+    let last = parameters[..own]
+        .iter()
+        .copied()
+        .collect::<Option<Vec<_>>>()?;
     let near = |record: &estimator_core::Estimate<f32>| {
-        record.parameters[..own].iter().zip(&last).all(|(then, end)| {
-            then.is_some_and(|then| {
-                f64::from((then.value - end.value).abs())
-                    <= SETTLED_WITHIN * f64::from(end.value.abs())
+        record.parameters[..own]
+            .iter()
+            .zip(&last)
+            .all(|(then, end)| {
+                then.is_some_and(|then| {
+                    f64::from((then.value - end.value).abs())
+                        <= SETTLED_WITHIN * f64::from(end.value.abs())
+                })
             })
-        })
     };
     let first_near = match replay.records.iter().rposition(|record| !near(record)) {
         Some(far) => far + 1,
@@ -193,7 +186,9 @@ fn segments(replay: &Replay) -> Vec<Segment> {
         return Vec::new();
     };
     let changes = replay.records.iter().enumerate();
-    let changes = changes.filter(|(_, r)| r.event == Some(Event::MaterialChange)).map(|(i, _)| i);
+    let changes = changes
+        .filter(|(_, r)| r.event == Some(Event::MaterialChange))
+        .map(|(i, _)| i);
     let mut bounds: Vec<usize> = std::iter::once(first).chain(changes).collect();
     bounds.push(replay.records.len());
     bounds
@@ -207,17 +202,25 @@ fn segments(replay: &Replay) -> Vec<Segment> {
 }
 
 /// Contacts and changes as they come, faults when they begin.
-fn events(replay: &Replay) -> Vec<Happening> {
+fn events(replay: &Replay) -> Vec<EventMark> {
     let mut events = Vec::new();
     let mut before = Faults::NONE;
     for (index, record) in replay.records.iter().enumerate() {
-        let t_s = replay.time_s(index);
+        let time_s = replay.time_s(index);
         for fault in record.faults.iter().filter(|fault| !before.has(*fault)) {
-            events.push(Happening { t_s, kind: "fault", code: Some(fault.code()) });
+            let description = fault.describe().into();
+            let kind = EventKind::Fault {
+                code: fault.code(),
+                description,
+            };
+            events.push(EventMark { time_s, kind });
         }
         before = record.faults;
         if let Some(event) = record.event {
-            events.push(Happening { t_s, kind: event.name(), code: None });
+            events.push(EventMark {
+                time_s,
+                kind: EventKind::Estimator(event),
+            });
         }
     }
     events

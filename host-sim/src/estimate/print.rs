@@ -5,9 +5,10 @@ use std::path::Path;
 
 use super::{Estimation, MethodChoice};
 use crate::log::UniformLog;
+use crate::report::number::{Measured, quantity};
 
 /// A dozen lines: the log, the parameters, the fit, the notes.
-pub fn summary(path: &Path, log: &UniformLog, estimation: &Estimation) -> String {
+pub(super) fn summary(path: &Path, log: &UniformLog, estimation: &Estimation) -> String {
     let mut text = String::new();
     // Writing into a String cannot fail.
     let _ = write_summary(&mut text, path, log, estimation);
@@ -30,7 +31,12 @@ fn write_summary(
         log.rate_hz,
         outcome.touches.len()
     )?;
-    write!(text, "{} ({method}): {}", outcome.law.name(), outcome.status.name())?;
+    write!(
+        text,
+        "{} ({method}): {}",
+        outcome.law.name(),
+        outcome.status.name()
+    )?;
     match outcome.settled_at_s {
         Some(at) => writeln!(text, ", within 5 % of its end from {at:.3} s on")?,
         None => writeln!(text)?,
@@ -38,11 +44,9 @@ fn write_summary(
     for (info, estimate) in outcome.named(&outcome.parameters) {
         match estimate {
             Some(e) => {
-                let (value, error) = crate::report::number::value_and_error(
-                    f64::from(e.value),
-                    f64::from(e.std_error),
-                );
-                writeln!(text, "  {:<10} {value} ± {error} {}", info.name, info.unit)?;
+                let error = Some(f64::from(e.std_error));
+                let measured = Measured::new(f64::from(e.value), error, info.unit.symbol());
+                writeln!(text, "  {:<10} {measured}", info.name)?;
             }
             None => writeln!(text, "  {:<10} not observable", info.name)?,
         }
@@ -51,8 +55,10 @@ fn write_summary(
         let noise = estimation.inspection.noise_n;
         writeln!(
             text,
-            "force RMSE in contact {rmse:.3e} N, {:.2} times the noise of {noise:.3e} N",
-            rmse / noise
+            "force RMSE in contact {}, {:.2} times the noise of {}",
+            quantity(rmse, 3, "N"),
+            rmse / noise,
+            quantity(noise, 3, "N")
         )?;
     }
     for note in &estimation.notes {

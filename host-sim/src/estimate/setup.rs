@@ -34,10 +34,16 @@ pub struct Setup {
 
 /// Makes a configuration for `log`, from `base` where it says nothing else.
 pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -> Setup {
-    let mut config = Config { method, rate_hz: log.rate_hz as f32, ..base };
+    let mut config = Config {
+        method,
+        rate_hz: log.rate_hz as f32,
+        ..base
+    };
     let mut notes = Vec::new();
     if let Some(position_m) = choices.surface_m {
-        config.contact.surface = Surface::Known { position_m: position_m as f32 };
+        config.contact.surface = Surface::Known {
+            position_m: position_m as f32,
+        };
     }
     set_scales(&mut config, &mut notes, log, choices.reference_depth_m);
     set_free_air(&mut config, &mut notes, log);
@@ -76,11 +82,16 @@ fn decade_below(value: f64) -> f64 {
 /// How deep (m) and how hard (N) the log presses, roughly: from where the force leaves its start to
 /// where it is largest.
 fn reach(log: &UniformLog) -> (f64, f64) {
-    let Some(touch) = free_samples(log) else { return (0.0, 0.0) };
+    let Some(touch) = free_samples(log) else {
+        return (0.0, 0.0);
+    };
     let rest = rest_n(log);
     let peak = (touch..log.len()).max_by(|a, b| log.force_n[*a].total_cmp(&log.force_n[*b]));
     let peak = peak.unwrap_or(touch);
-    ((log.position_m[peak] - log.position_m[touch]).abs(), log.force_n[peak] - rest)
+    (
+        (log.position_m[peak] - log.position_m[touch]).abs(),
+        log.force_n[peak] - rest,
+    )
 }
 
 /// The force that the log starts with (N).
@@ -91,7 +102,11 @@ fn rest_n(log: &UniformLog) -> f64 {
 /// Samples before the force first leaves its start; `None` if it never does.
 fn free_samples(log: &UniformLog) -> Option<usize> {
     let rest = rest_n(log);
-    let peak = log.force_n.iter().map(|f| (f - rest).abs()).fold(0.0, f64::max);
+    let peak = log
+        .force_n
+        .iter()
+        .map(|f| (f - rest).abs())
+        .fold(0.0, f64::max);
     let leaves = (FREE_SHARE * peak).max(6.0 * signal::noise(&log.force_n));
     log.force_n.iter().position(|f| (f - rest).abs() > leaves)
 }
@@ -139,14 +154,22 @@ mod tests {
     }
 
     fn of(log: &UniformLog) -> Setup {
-        setup(log, Config::default(), Method::HuntCrossleyTwoStage, Choices::default())
+        setup(
+            log,
+            Config::default(),
+            Method::HuntCrossleyTwoStage,
+            Choices::default(),
+        )
     }
 
     #[test]
     fn millimetres_and_newtons_keep_the_defaults() {
         let setup = of(&ramp(2e-3, 2000.0, 1.0));
         assert_eq!(setup.config.reference, Config::default().reference);
-        assert_eq!(setup.config.contact.settle_s, Config::default().contact.settle_s);
+        assert_eq!(
+            setup.config.contact.settle_s,
+            Config::default().contact.settle_s
+        );
         assert!(setup.notes.is_empty(), "{:?}", setup.notes);
     }
 
@@ -162,13 +185,20 @@ mod tests {
     #[test]
     fn a_log_that_starts_in_contact_says_so() {
         let setup = of(&ramp(2e-3, 2000.0, 0.0));
-        assert!(setup.notes.iter().any(|n| n.contains("starts in contact")), "{:?}", setup.notes);
+        assert!(
+            setup.notes.iter().any(|n| n.contains("starts in contact")),
+            "{:?}",
+            setup.notes
+        );
         assert!(setup.config.validate::<f32>().is_ok());
     }
 
     #[test]
     fn a_reference_depth_that_was_asked_for_is_kept() {
-        let choices = Choices { reference_depth_m: Some(5e-4), ..Choices::default() };
+        let choices = Choices {
+            reference_depth_m: Some(5e-4),
+            ..Choices::default()
+        };
         let log = ramp(2e-6, 1.0, 1.0);
         let setup = setup(&log, Config::default(), Method::KelvinVoigt, choices);
         assert_eq!(setup.config.reference.depth_m, 5e-4);

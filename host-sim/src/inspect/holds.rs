@@ -28,7 +28,11 @@ pub struct Hold {
 
 /// All holds of a log.
 pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
-    let deepest = replay.records.iter().map(|r| f64::from(r.depth_m)).fold(0.0, f64::max);
+    let deepest = replay
+        .records
+        .iter()
+        .map(|r| f64::from(r.depth_m))
+        .fold(0.0, f64::max);
     let shortest = ((SHORTEST_S / log.period_s()) as usize).max(20);
     let noise_n = signal::noise(&log.force_n);
     let mut found = Vec::new();
@@ -57,7 +61,11 @@ fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
     let edge = ((to - from) / 10).max(1);
     let mean = |range: std::ops::Range<usize>| {
         let count = range.len() as f64;
-        replay.records[range].iter().map(|r| f64::from(r.force_n)).sum::<f64>() / count
+        replay.records[range]
+            .iter()
+            .map(|r| f64::from(r.force_n))
+            .sum::<f64>()
+            / count
     };
     let lead = (to - from) / 50;
     let (from_n, to_n) = (mean(from + lead..from + lead + edge), mean(to - edge..to));
@@ -68,6 +76,10 @@ fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
         depth_m: f64::from(replay.records[from].depth_m),
         from_n,
         to_n,
-        relaxed: if certain && from_n > 0.0 { (1.0 - to_n / from_n).max(0.0) } else { 0.0 },
+        relaxed: if certain && from_n > 0.0 {
+            (1.0 - to_n / from_n).max(0.0)
+        } else {
+            0.0
+        },
     }
 }

@@ -5,15 +5,26 @@ use crate::signal;
 
 /// What looks wrong in the channels of a log, each with its remedy; empty if nothing does.
 pub fn suspicions(log: &UniformLog) -> Vec<String> {
-    [still_channel, swapped, millimetres, milliseconds, force_sign]
-        .into_iter()
-        .filter_map(|look| look(log))
-        .collect()
+    [
+        still_channel,
+        swapped,
+        millimetres,
+        milliseconds,
+        force_sign,
+    ]
+    .into_iter()
+    .filter_map(|look| look(log))
+    .collect()
 }
 
 fn still_channel(log: &UniformLog) -> Option<String> {
-    let named = [("position", "x", &log.position_m), ("force", "f", &log.force_n)];
-    let (name, key, _) = named.into_iter().find(|(_, _, c)| signal::range(c) == 0.0)?;
+    let named = [
+        ("position", "x", &log.position_m),
+        ("force", "f", &log.force_n),
+    ];
+    let (name, key, _) = named
+        .into_iter()
+        .find(|(_, _, c)| signal::range(c) == 0.0)?;
     Some(format!(
         "the {name} never changes: another column may hold it (--columns {key}=NAME), or the sensor \
          was off"
@@ -45,9 +56,7 @@ fn millimetres(log: &UniformLog) -> Option<String> {
 fn milliseconds(log: &UniformLog) -> Option<String> {
     let period = log.period_s();
     (0.5..=100.0).contains(&period).then(|| {
-        format!(
-            "a sample every {period} s: milliseconds given as seconds? (--columns t=t_s*1e-3)"
-        )
+        format!("a sample every {period} s: milliseconds given as seconds? (--columns t=t_s*1e-3)")
     })
 }
 
@@ -55,7 +64,11 @@ fn milliseconds(log: &UniformLog) -> Option<String> {
 fn force_sign(log: &UniformLog) -> Option<String> {
     let noise = signal::noise(&log.force_n);
     let travel = signal::range(&log.position_m);
-    let deepest = log.position_m.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let deepest = log
+        .position_m
+        .iter()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
     let farthest = deepest - travel;
     let mean = |near: f64| {
         let here = log.position_m.iter().zip(&log.force_n);
