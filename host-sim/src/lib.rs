@@ -2,4 +2,7 @@
 
 pub mod diagnostic;
 pub mod log;
+pub mod motion;
 pub mod output;
+pub mod plant;
+pub mod toml_reader;
