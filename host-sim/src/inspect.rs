@@ -49,7 +49,7 @@ pub struct Inspection {
 
 /// Inspects a log with the touches that a replay of it has found.
 pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspection {
-    let noise_n = signal::noise(&log.force_n);
+    let noise_n = log.force_noise_n();
     let contacts = replay.contacts();
     let mut touched = vec![false; log.len()];
     for contact in &contacts {

@@ -47,6 +47,9 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
     }
     set_scales(&mut config, &mut notes, log, choices.reference_depth_m);
     set_free_air(&mut config, &mut notes, log);
+    // Steadiness needs 16 samples at least: a second at 16 Hz.
+    let shortest_s = 16.1 / log.rate_hz as f32;
+    config.judgement.window_s = config.judgement.window_s.max(shortest_s);
     Setup { config, notes }
 }
 
@@ -107,7 +110,7 @@ fn free_samples(log: &UniformLog) -> Option<usize> {
         .iter()
         .map(|f| (f - rest).abs())
         .fold(0.0, f64::max);
-    let leaves = (FREE_SHARE * peak).max(6.0 * signal::noise(&log.force_n));
+    let leaves = (FREE_SHARE * peak).max(6.0 * log.force_noise_n());
     log.force_n.iter().position(|f| (f - rest).abs() > leaves)
 }
 
@@ -124,7 +127,7 @@ fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) 
     let samples = free.clamp(10, wanted.max(10));
     config.contact.settle_s = (1.001 * samples as f64 / log.rate_hz) as f32;
     if config.contact.force_noise_n.is_none() && samples < 50 {
-        let noise = signal::noise(&log.force_n);
+        let noise = log.force_noise_n();
         config.contact.force_noise_n = Some(noise as f32);
         notes.push(format!(
             "{samples} samples of free air at the start are too few to measure the noise in: \
@@ -184,7 +187,12 @@ mod tests {
 
     #[test]
     fn a_log_that_starts_in_contact_says_so() {
-        let setup = of(&ramp(2e-3, 2000.0, 0.0));
+        let mut log = ramp(2e-3, 2000.0, 0.0);
+        // 20 Hz in the material from the first sample on.
+        for (time, force) in log.time_s.iter().zip(&mut log.force_n) {
+            *force = 5.0 + 5.0 * (125.7 * time).sin();
+        }
+        let setup = of(&log);
         assert!(
             setup.notes.iter().any(|n| n.contains("starts in contact")),
             "{:?}",

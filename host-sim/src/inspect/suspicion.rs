@@ -62,7 +62,7 @@ fn milliseconds(log: &UniformLog) -> Option<String> {
 
 /// The sign of the force where the probe is deepest, against where it is farthest out.
 fn force_sign(log: &UniformLog) -> Option<String> {
-    let noise = signal::noise(&log.force_n);
+    let noise = log.force_noise_n();
     let travel = signal::range(&log.position_m);
     let deepest = log
         .position_m

@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::{ByteRecord, ReaderBuilder};
 
 use super::columns::{Channel, Placed};
-use super::preamble::{self, Preamble, decoded};
+use super::preamble::{self, Preamble};
 use super::source::{Source, line_at, unreadable};
 use super::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
 use crate::diagnostic::Diagnostic;
