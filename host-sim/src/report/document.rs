@@ -189,9 +189,12 @@ impl Section {
         }
     }
 
-    /// Adds a paragraph.
+    /// Adds a paragraph; nothing if it is empty.
     pub fn text(mut self, text: impl Into<String>) -> Section {
-        self.blocks.push(Block::Text(text.into()));
+        let text = text.into();
+        if !text.is_empty() {
+            self.blocks.push(Block::Text(text));
+        }
         self
     }
 
@@ -337,7 +340,12 @@ mod tests {
 
     #[test]
     fn an_error_of_writing_names_the_file() {
-        let error = everything().write(Path::new("/nowhere/at/all.html")).unwrap_err();
-        assert!(error.to_string().contains("/nowhere/at/all.html"), "{error}");
+        let error = everything()
+            .write(Path::new("/nowhere/at/all.html"))
+            .unwrap_err();
+        assert!(
+            error.to_string().contains("/nowhere/at/all.html"),
+            "{error}"
+        );
     }
 }

@@ -24,8 +24,10 @@ impl Figure {
             svg: chart.to_svg(&title),
             title,
             caption: String::new(),
-            legend: legend.map(|(class, name)| (class, name.to_string())).collect(),
-            wide: chart.width() == Size::Wide,
+            legend: legend
+                .map(|(class, name)| (class, name.to_string()))
+                .collect(),
+            wide: chart.width() != Size::Half,
         }
     }
 

@@ -37,11 +37,17 @@ impl Input {
                 n => hasher.update(&block[..n]),
             }
         }
-        let hex = hasher.finalize().iter().fold(String::new(), |mut hex, byte| {
-            let _ = write!(hex, "{byte:02x}");
-            hex
-        });
-        Ok(Input::new(path.display().to_string(), format!("sha256:{hex}")))
+        let hex = hasher
+            .finalize()
+            .iter()
+            .fold(String::new(), |mut hex, byte| {
+                let _ = write!(hex, "{byte:02x}");
+                hex
+            });
+        Ok(Input::new(
+            path.display().to_string(),
+            format!("sha256:{hex}"),
+        ))
     }
 }
 
@@ -86,7 +92,11 @@ impl Provenance {
             );
         };
         row("Command", &self.command, "code");
-        row("Version", concat!("palpate ", env!("CARGO_PKG_VERSION")), "code");
+        row(
+            "Version",
+            concat!("palpate ", env!("CARGO_PKG_VERSION")),
+            "code",
+        );
         for input in &self.inputs {
             row("Input", &format!("{}\n{}", input.name, input.hash), "code");
         }

@@ -89,6 +89,12 @@ impl Table {
         }
     }
 
+    /// Adds a column.
+    pub fn column(mut self, heading: impl Into<String>) -> Table {
+        self.columns.push(heading.into());
+        self
+    }
+
     /// What it shows.
     pub fn caption(mut self, caption: impl Into<String>) -> Table {
         self.caption = caption.into();
@@ -102,7 +108,10 @@ impl Table {
     }
 
     /// Adds rows.
-    pub fn rows<R: IntoIterator<Item = Cell>>(mut self, rows: impl IntoIterator<Item = R>) -> Table {
+    pub fn rows<R: IntoIterator<Item = Cell>>(
+        mut self,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Table {
         self.rows
             .extend(rows.into_iter().map(|row| row.into_iter().collect()));
         self
@@ -121,7 +130,11 @@ impl Table {
         }
         out.push_str("<thead><tr>");
         for (i, column) in self.columns.iter().enumerate() {
-            let class = if self.is_numeric(i) { " class=\"num\"" } else { "" };
+            let class = if self.is_numeric(i) {
+                " class=\"num\""
+            } else {
+                ""
+            };
             let _ = write!(out, "<th scope=\"col\"{class}>{}</th>", escape(column));
         }
         out.push_str("</tr></thead>\n<tbody>\n");

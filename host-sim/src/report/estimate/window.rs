@@ -23,7 +23,10 @@ impl Window {
     pub(super) fn of(&self, time_s: &[f64]) -> std::ops::Range<usize> {
         let inside = |t: &f64| *t >= self.from_s && *t <= self.to_s;
         let from = time_s.iter().position(inside).unwrap_or(0);
-        let to = time_s.iter().rposition(inside).map_or(from, |last| last + 1);
+        let to = time_s
+            .iter()
+            .rposition(inside)
+            .map_or(from, |last| last + 1);
         from..to
     }
 }
@@ -85,13 +88,19 @@ mod tests {
     fn a_short_log_is_shown_whole_and_a_long_one_at_its_ends() {
         assert_eq!(names(&[]), [""]);
         assert_eq!(names(&touches(8, 1.0)), [""]);
-        assert_eq!(names(&touches(9, 1.0)), ["first 3 touches", "last 3 touches"]);
+        assert_eq!(
+            names(&touches(9, 1.0)),
+            ["first 3 touches", "last 3 touches"]
+        );
     }
 
     #[test]
     fn one_endless_touch_is_cut() {
         let one = touches(1, 3600.0);
-        assert_eq!(names(&one), ["first 30 s of contact", "last 30 s of contact"]);
+        assert_eq!(
+            names(&one),
+            ["first 30 s of contact", "last 30 s of contact"]
+        );
         let run = Run {
             touches: &one,
             ..Run::default()

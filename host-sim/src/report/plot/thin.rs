@@ -41,6 +41,9 @@ pub(crate) type Piece = Vec<Point>;
 const LOOP_STEP_PX: f64 = 0.7;
 /// A loop with more points than this is thinned further; 8000 points are about 60 kB.
 const LOOP_POINTS: usize = 8000;
+/// A line that is so many times as long as the picture is wide fills it. Six touches are 3 times as
+/// long, a residual of white noise 30 to 60 times, a thousand touches 200 times.
+const DENSE_PX: f64 = 80.0;
 /// Dots closer than this fall on each other [px].
 const DOT_CELL_PX: f64 = 1.5;
 
@@ -123,7 +126,12 @@ impl Column {
         let Some(piece) = pieces.last_mut() else {
             return;
         };
-        let mut kept = [(0, self.first), self.low, self.high, (self.count - 1, self.last)];
+        let mut kept = [
+            (0, self.first),
+            self.low,
+            self.high,
+            (self.count - 1, self.last),
+        ];
         kept.sort_by_key(|(number, _)| *number);
         let mut previous = None;
         for (number, point) in kept {
@@ -189,12 +197,23 @@ fn finish(pieces: &mut [Piece], kept: Option<Point>, last: Option<Point>) {
     }
 }
 
+/// Whether a line over time goes up and down so often that it would fill its picture: then the area
+/// between its extremes is what there is to see.
+pub(crate) fn is_dense(pieces: &[Piece], view: &View) -> bool {
+    let steps = pieces.iter().flat_map(|piece| piece.windows(2));
+    let length: f64 = steps.map(|step| view.distance(step[0], step[1])).sum();
+    length > DENSE_PX * view.size_px.0
+}
+
 /// Dots: one for each cell of the paper that has any.
 pub(crate) fn dots(points: impl Iterator<Item = Point>, view: &View) -> Vec<Point> {
     let mut seen = HashSet::new();
     let cell = |point| {
         let (x, y) = view.pixel(point);
-        ((x / DOT_CELL_PX).round() as i64, (y / DOT_CELL_PX).round() as i64)
+        (
+            (x / DOT_CELL_PX).round() as i64,
+            (y / DOT_CELL_PX).round() as i64,
+        )
     };
     points
         .filter(|point| is_finite(*point) && seen.insert(cell(*point)))
@@ -283,7 +302,12 @@ mod tests {
 
     #[test]
     fn a_value_that_is_not_finite_breaks_the_line_and_a_gap_below_a_pixel_does_not() {
-        let gap = [(0.0, 0.0), (1.0, f64::NAN), (2.0, 0.0), (3.0, f64::INFINITY)];
+        let gap = [
+            (0.0, 0.0),
+            (1.0, f64::NAN),
+            (2.0, 0.0),
+            (3.0, f64::INFINITY),
+        ];
         assert_eq!(
             over_time(gap.into_iter(), &VIEW),
             vec![vec![(0.0, 0.0)], vec![(2.0, 0.0)]]
@@ -311,17 +335,33 @@ mod tests {
     #[test]
     fn the_end_of_a_path_is_kept_however_short_the_last_step() {
         let points = [(0.0, 0.0), (10.0, 0.0), (10.01, 0.0)];
-        assert_eq!(
-            along_path(points.into_iter(), &VIEW),
-            vec![points.to_vec()]
-        );
+        assert_eq!(along_path(points.into_iter(), &VIEW), vec![points.to_vec()]);
+    }
+
+    #[test]
+    fn a_thousand_touches_are_dense_and_ten_are_not() {
+        let touches = |n: f64| {
+            let points = (0..200_000).map(move |i| {
+                let phase = i as f64 / 200_000.0;
+                (
+                    100.0 * phase,
+                    0.9 * (n * std::f64::consts::TAU * phase).sin(),
+                )
+            });
+            is_dense(&over_time(points, &VIEW), &VIEW)
+        };
+        assert!(touches(1000.0) && !touches(10.0));
     }
 
     #[test]
     fn a_band_spans_the_extremes_of_both_edges() {
         let points = (0..10_000).map(|i| {
             let x = i as f64 / 100.0;
-            (x, if i == 5_003 { -0.9 } else { -0.1 }, if i == 20 { 0.8 } else { 0.1 })
+            (
+                x,
+                if i == 5_003 { -0.9 } else { -0.1 },
+                if i == 20 { 0.8 } else { 0.1 },
+            )
         });
         let pieces = band(points, &VIEW);
         assert_eq!(pieces.len(), 1);
