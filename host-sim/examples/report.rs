@@ -15,6 +15,7 @@ use palpate::report::estimate::{
     Elastic, EstimateReport, EventKind, EventMark, FinalParameter, ForgettingLaw, Run, Segment,
     Touch, Trajectory,
 };
+use palpate::report::number::Measured;
 use palpate::report::{Input, Provenance, Tone};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
@@ -161,6 +162,10 @@ impl Log {
             if laws.len() > 1 && t >= middle && log.change_s.is_none() && depth > 0.0 {
                 log.change_s = Some(t + 0.03);
                 log.event(t + 0.03, Event::MaterialChange);
+                filter = Filter {
+                    learned: filter.learned,
+                    ..Filter::new(laws[1], noise_n)
+                };
             }
             let (innovation, beta) = filter.step(depth, speed, force);
             log.record(t, depth, speed, force, innovation, beta, &filter);
@@ -393,7 +398,10 @@ fn write(folder: &Path, name: &str, logs: &[(&str, &Log, f64)]) -> Result<(), Bo
         title: &format!("Estimate of {name}.csv"),
         tone: Tone::Good,
         badge: "converged",
-        verdict: "The contact is of the Hunt–Crossley kind: stiffness 1352 ± 3 N/m and damping 35.8 ± 0.4 N s/m at a depth of 1 mm, exponent 1.349 ± 0.002; it explains the force down to the noise of the load cell.",
+        verdict: &format!(
+            "A Hunt–Crossley contact: {}; it explains the force down to the noise of the load cell.",
+            sentence(&finals[finals.len() - 1])
+        ),
         runs: &runs,
         notes: &["The log is sampled at 1000 Hz without gaps.".into(), "Damping is identified mostly from the loading strokes: the speed while unloading is lower.".into()],
         provenance: Provenance::new(format!("palpate estimate {name}.csv --law auto --out report"))
@@ -409,6 +417,22 @@ fn write(folder: &Path, name: &str, logs: &[(&str, &Log, f64)]) -> Result<(), Bo
         std::fs::metadata(&path)?.len() / 1024
     );
     Ok(())
+}
+
+fn sentence(finals: &[FinalParameter]) -> String {
+    let part = |p: &FinalParameter| {
+        let e = p.estimate?;
+        Some(format!(
+            "{} {}",
+            p.name,
+            Measured::new(e.value, Some(e.std_error), p.unit)
+        ))
+    };
+    finals
+        .iter()
+        .filter_map(part)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 fn trajectories(log: &Log) -> Vec<Trajectory<'_>> {

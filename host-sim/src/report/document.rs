@@ -189,9 +189,12 @@ impl Section {
         }
     }
 
-    /// Adds a paragraph.
+    /// Adds a paragraph; nothing if it is empty.
     pub fn text(mut self, text: impl Into<String>) -> Section {
-        self.blocks.push(Block::Text(text.into()));
+        let text = text.into();
+        if !text.is_empty() {
+            self.blocks.push(Block::Text(text));
+        }
         self
     }
 

@@ -186,10 +186,9 @@ impl EstimateReport<'_> {
         let mut document = Document::new(self.title)
             .verdict(self.tone, self.badge, self.verdict)
             .section(tables::result(self));
-        for section in [tables::notes(self), tables::course(self)] {
-            if !section.is_empty() {
-                document = document.section(section);
-            }
+        let notes = tables::notes(self);
+        if !notes.is_empty() {
+            document = document.section(notes);
         }
         for section in self.figures() {
             document = document.section(section);
@@ -199,23 +198,26 @@ impl EstimateReport<'_> {
 
     /// One section per kind of figure, so that the runs stand side by side.
     fn figures(&self) -> Vec<Section> {
-        let kinds: [(&str, figures::Kind); 5] = [
-            ("Force and depth", figures::contact),
-            ("Parameters over time", figures::parameters),
-            ("Force and displacement over time", figures::over_time),
-            ("Residual", figures::residual),
-            ("Forgetting factor β", figures::forgetting),
+        let kinds: [(&str, &str, figures::Kind); 5] = [
+            ("Force and depth", "", figures::contact),
+            (
+                "Parameters over time",
+                figures::PARAMETERS,
+                figures::parameters,
+            ),
+            ("Force and displacement over time", "", figures::over_time),
+            ("Residual", "", figures::residual),
+            ("Forgetting factor β", "", figures::forgetting),
         ];
         let layout = figures::Layout::new(self.runs.len());
         kinds
             .into_iter()
-            .map(|(heading, kind)| {
+            .filter_map(|(heading, text, kind)| {
                 let figures = self.runs.iter().map(|run| kind(run, &layout));
-                interleave(figures.collect())
-                    .into_iter()
-                    .fold(Section::new(heading), Section::figure)
+                let figures = interleave(figures.collect());
+                let section = Section::new(heading).text(text);
+                (!figures.is_empty()).then(|| figures.into_iter().fold(section, Section::figure))
             })
-            .filter(|section| !section.is_empty())
             .collect()
     }
 }

@@ -27,7 +27,7 @@ impl Figure {
             legend: legend
                 .map(|(class, name)| (class, name.to_string()))
                 .collect(),
-            wide: chart.width() == Size::Wide,
+            wide: chart.width() != Size::Half,
         }
     }
 

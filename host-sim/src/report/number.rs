@@ -34,9 +34,11 @@ const PREFIXES: [Prefix; 9] = [
 ];
 
 /// The prefix under which `magnitude` reads between 1 and 1000. From 0.3 on the bare unit is kept:
-/// an axis that ends at 0.9 N need not become 900 mN.
+/// an axis that ends at 0.9 N need not become 900 mN. Composed units (N/m) take one only from 10⁵
+/// on: gel at 1 350 N/m compares better with plastic at 11 500 N/m than with 11.5 kN/m.
 pub fn prefix_for(magnitude: f64, unit: &str) -> Prefix {
-    pick(magnitude.abs(), unit, 0.3, 1e3)
+    let composed = unit.contains([' ', '/']);
+    pick(magnitude.abs(), unit, 0.3, if composed { 1e5 } else { 1e3 })
 }
 
 fn pick(magnitude: f64, unit: &str, bare_from: f64, bare_to: f64) -> Prefix {
@@ -85,8 +87,7 @@ impl Measured {
     pub fn new(value: f64, std_error: Option<f64>, unit: &str) -> Measured {
         let error = std_error.filter(|e| e.is_finite() && *e > 0.0);
         let size = value.abs().max(error.unwrap_or(0.0));
-        // In a table 11 500 N/m compares better with 1 350 N/m than 11.5 kN/m would.
-        let prefix = pick(size, unit, 0.1, 1e5);
+        let prefix = pick(size, unit, 0.1, if unit.contains('/') { 1e5 } else { 1e3 });
         let (value, error) = (value / prefix.factor, error.map(|e| e / prefix.factor));
         let place = error.map_or_else(|| last_place(value, 4), place_of_error);
         Measured {
@@ -120,6 +121,34 @@ pub fn quantity(value: f64, digits: i32, unit: &str) -> String {
         unit: unit_text(prefix, unit),
     }
     .to_string()
+}
+
+/// A setting that a person wrote: up to four significant digits and no zeros after them.
+pub fn setting(value: f64, unit: &str) -> String {
+    let prefix = prefix_for(value, unit);
+    let scaled = value / prefix.factor;
+    let text = fixed(scaled, last_place(scaled, 4));
+    let trimmed = match text.contains(['.', '·']) {
+        true if !text.contains('·') => text.trim_end_matches('0').trim_end_matches('.'),
+        _ => &text,
+    };
+    Measured {
+        value: trimmed.into(),
+        std_error: None,
+        unit: unit_text(prefix, unit),
+    }
+    .to_string()
+}
+
+/// Values for a column of a table: one prefix and one number of decimals for all, so that they can
+/// be compared at a glance. Returns the unit for the heading, and the cells.
+pub fn column(values: &[f64], digits: i32, unit: &str) -> (String, Vec<String>) {
+    let finite = values.iter().filter(|v| v.is_finite());
+    let largest = finite.map(|v| v.abs()).fold(0.0, f64::max);
+    let prefix = prefix_for(largest, unit);
+    let place = last_place(largest / prefix.factor, digits).min(0);
+    let cells = values.iter().map(|v| fixed(v / prefix.factor, place));
+    (unit_text(prefix, unit), cells.collect())
 }
 
 /// Power of ten of the last digit worth printing (−2: hundredths), by the rule of the Particle Data
@@ -259,6 +288,25 @@ mod tests {
         assert_eq!(prefix_for(12e3, "N").symbol, "k");
         assert_eq!(prefix_for(1000.0, "N").symbol, "k");
         assert_eq!(prefix_for(999.0, "N").symbol, "");
+    }
+
+    #[test]
+    fn a_column_has_one_unit_and_one_number_of_decimals() {
+        let (unit, cells) = column(&[0.000_754, 0.010_2, f64::NAN], 3, "N");
+        assert_eq!(
+            (unit.as_str(), cells.join(" ").as_str()),
+            ("mN", "0.8 10.2 –")
+        );
+        assert_eq!(column(&[], 3, "N"), ("N".into(), vec![]));
+        assert_eq!(column(&[1234.5, 2.0], 3, "1").1, ["1234", "2"]);
+    }
+
+    #[test]
+    fn a_setting_has_no_trailing_zeros() {
+        assert_eq!(setting(0.05, "1"), "0.05");
+        assert_eq!(setting(40.0, "1"), "40");
+        assert_eq!(setting(1e-3, "m"), "1\u{a0}mm");
+        assert_eq!(setting(0.0, "N"), "0\u{a0}N");
     }
 
     #[test]

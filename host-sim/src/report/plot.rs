@@ -13,9 +13,11 @@
 //! A chart never fails: no data gives an empty frame that says so, values that are not finite break
 //! the line, and long series are thinned to what can be seen.
 
+mod annotate;
 mod axis;
 mod canvas;
 mod draw;
+mod layout;
 mod thin;
 
 use std::borrow::Cow;
@@ -58,6 +60,8 @@ pub enum Stroke {
     Dashed = 1,
     /// A dot for each point.
     Dots = 2,
+    /// A hairline, for a noisy signal.
+    Thin = 3,
 }
 
 /// One curve, with a band around it if it has one.
@@ -155,11 +159,20 @@ pub enum StripTone {
     Info = 4,
 }
 
+/// A horizontal band.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    low: f64,
+    high: f64,
+}
+
 /// How much of the page a chart takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
     /// The whole width, for anything over time.
     Wide,
+    /// The whole width and less high, for several above each other.
+    Slim,
     /// Half the width, for loops and for two beside each other.
     Half,
 }
@@ -171,7 +184,7 @@ pub struct Chart<'a> {
     y: Axis,
     size: Size,
     series: Vec<Series<'a>>,
-    bands: Vec<(f64, f64)>,
+    levels: Vec<Level>,
     markers: Vec<Marker>,
     touches: Vec<(f64, f64)>,
     strip: Vec<Span>,
@@ -185,7 +198,7 @@ impl<'a> Chart<'a> {
             y,
             size: Size::Half,
             series: Vec::new(),
-            bands: Vec::new(),
+            levels: Vec::new(),
             markers: Vec::new(),
             touches: Vec::new(),
             strip: Vec::new(),
@@ -204,9 +217,9 @@ impl<'a> Chart<'a> {
         self
     }
 
-    /// Adds a muted horizontal band from `low` to `high` over the whole width, behind the curves.
+    /// Adds a muted horizontal band from `low` to `high` over the whole width.
     pub fn level_band(mut self, low: f64, high: f64) -> Self {
-        self.bands.push((low, high));
+        self.levels.push(Level { low, high });
         self
     }
 

@@ -89,6 +89,12 @@ impl Table {
         }
     }
 
+    /// Adds a column.
+    pub fn column(mut self, heading: impl Into<String>) -> Table {
+        self.columns.push(heading.into());
+        self
+    }
+
     /// What it shows.
     pub fn caption(mut self, caption: impl Into<String>) -> Table {
         self.caption = caption.into();

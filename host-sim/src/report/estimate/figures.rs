@@ -8,6 +8,7 @@ use estimator_core::status::Status;
 use super::window::{Window, windows};
 use super::{EventKind, Run, Trajectory, label};
 use crate::report::Figure;
+use crate::report::number::setting;
 use crate::report::plot::{Axis, Chart, Ink, Marker, Series, Size, Span, StripTone, Stroke};
 
 /// Makes the figures of one kind for one run.
@@ -15,7 +16,9 @@ pub(super) type Kind = for<'a> fn(&'a Run<'a>, &Layout) -> Vec<Figure>;
 
 /// How much room a run has.
 pub(super) struct Layout {
+    /// Of a figure over time, and of one of several above each other.
     over_time: Size,
+    slim: Size,
     named: bool,
 }
 
@@ -24,6 +27,7 @@ impl Layout {
     pub(super) fn new(runs: usize) -> Layout {
         Layout {
             over_time: if runs > 1 { Size::Half } else { Size::Wide },
+            slim: if runs > 1 { Size::Half } else { Size::Slim },
             named: runs > 1,
         }
     }
@@ -34,7 +38,7 @@ impl Layout {
             title += &format!(", {}", run.name);
         }
         if !part.is_empty() {
-            title += &format!(" ({part})");
+            title += &format!(", {part}");
         }
         title
     }
@@ -71,11 +75,14 @@ fn annotate<'a>(chart: Chart<'a>, run: &Run) -> Chart<'a> {
 /// Hysteresis loops, elastic response and power exchange.
 pub(super) fn contact(run: &Run, layout: &Layout) -> Vec<Figure> {
     let windows = windows(run);
-    let mut figures: Vec<Figure> = windows.iter().map(|w| hysteresis(run, layout, w)).collect();
-    figures.extend(elastic(run, layout));
-    let wide = windows.len() == 1;
-    figures.extend(windows.iter().map(|w| power(run, layout, w, wide)));
-    figures
+    let loops = windows.iter().map(|w| hysteresis(run, layout, w));
+    let is_whole = windows.len() == 1;
+    let powers = windows.iter().map(|w| power(run, layout, w, is_whole));
+    // The order that leaves no gaps: one loop and the elastic response share a row, or two loops.
+    match is_whole {
+        true => loops.chain(elastic(run, layout)).chain(powers).collect(),
+        false => loops.chain(powers).chain(elastic(run, layout)).collect(),
+    }
 }
 
 fn hysteresis(run: &Run, layout: &Layout, window: &Window) -> Figure {
@@ -133,7 +140,7 @@ fn power(run: &Run, layout: &Layout, window: &Window, wide: bool) -> Figure {
     let (time, speed) = (part(run.time_s, &range), part(run.speed_mps, &range));
     let measured = product(part(run.measured_n, &range), speed);
     let estimated = product(part(run.estimated_n, &range), speed);
-    let chart = Chart::new(Axis::time(), Axis::new("Power F·δ̇", "W").with_zero())
+    let chart = Chart::new(Axis::time(), Axis::new("Power F dδ/dt", "W").with_zero())
         .size(if wide { layout.over_time } else { Size::Half })
         .series(Series::estimated("estimated", time, estimated))
         .series(Series::measured("measured", time, measured));
@@ -147,6 +154,10 @@ fn power(run: &Run, layout: &Layout, window: &Window, wide: bool) -> Figure {
         shown(window)
     ))
 }
+
+/// How to read the figures of the parameters.
+pub(super) const PARAMETERS: &str = "Line: estimate; band around it: ± one standard error; strip \
+    above: status of the estimate; shaded: in touch.";
 
 /// Every parameter with its standard error, and the status above.
 pub(super) fn parameters(run: &Run, layout: &Layout) -> Vec<Figure> {
@@ -163,7 +174,7 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
     };
     let (values, errors) = (column(|e| e.value), column(|e| e.std_error));
     let mut axis = Axis::new(label(trajectory.name), trajectory.unit);
-    let mut caption = "Line: estimate; band: ± one standard error; above: status.".to_string();
+    let mut caption = format!("{} ± one standard error.", label(trajectory.name));
     if let Some((low, high)) = range_that_matters(&values, &errors) {
         axis = axis.range(low, high);
         if values.iter().any(|v| *v < low || *v > high) {
@@ -171,6 +182,7 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
         }
     }
     let chart = Chart::new(Axis::time(), axis)
+        .size(layout.slim)
         .strip(status_spans(run))
         .series(Series::estimated("", run.time_s, values).band(errors));
     Figure::new(
@@ -199,7 +211,8 @@ fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
     let extreme = |pick: fn(f64, f64) -> f64| finite.iter().map(|(v, _)| *v).reduce(pick);
     let low = extreme(f64::min)?.clamp(middle - 2.5 * half, middle - 1.2 * half);
     let high = extreme(f64::max)?.clamp(middle + 1.2 * half, middle + 2.5 * half);
-    Some((low, high))
+    let margin = 0.05 * (high - low);
+    Some((low - margin, high + margin))
 }
 
 fn quantile(values: impl Iterator<Item = f64>, fraction: f64) -> Option<f64> {
@@ -253,7 +266,7 @@ pub(super) fn over_time(run: &Run, layout: &Layout) -> Vec<Figure> {
         .series(Series::estimated("estimated", run.time_s, run.estimated_n))
         .series(Series::measured("measured", run.time_s, run.measured_n));
     let depth = Chart::new(Axis::time(), Axis::new("Depth δ", "m").with_zero())
-        .size(layout.over_time)
+        .size(layout.slim)
         .series(Series::new(
             "",
             Ink::Measured,
@@ -261,11 +274,16 @@ pub(super) fn over_time(run: &Run, layout: &Layout) -> Vec<Figure> {
             run.time_s,
             run.depth_m,
         ));
+    let mut caption = String::from(
+        "Measured force and the replay with the estimated parameters. Shaded: in touch.",
+    );
+    if windows(run).len() > 1 {
+        caption += " In a log of this length touches may merge into the area that they cover.";
+    }
     vec![
-        Figure::new(layout.title(run, "Force", ""), &annotate(force, run))
-            .caption("Measured force and the replay with the estimated parameters."),
+        Figure::new(layout.title(run, "Force", ""), &annotate(force, run)).caption(caption),
         Figure::new(layout.title(run, "Displacement", ""), &annotate(depth, run))
-            .caption("Penetration; negative in free air."),
+            .caption("Penetration; negative in free air. Shaded: in touch."),
     ]
 }
 
@@ -275,16 +293,54 @@ pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
     let residual: Vec<f64> = forces
         .map(|(measured, estimated)| measured - estimated)
         .collect();
-    let mut chart = Chart::new(Axis::time(), Axis::new("F − F̂", "N").with_zero())
+    let mean = running_mean(&residual, residual.len() / MEANS);
+    let axis = Axis::new("Measured − estimated", "N").with_zero();
+    let mut chart = Chart::new(Axis::time(), axis)
         .size(layout.over_time)
-        .series(Series::estimated("", run.time_s, residual));
-    let mut caption = String::from("Measured less estimated force.");
+        .series(Series::new(
+            "residual",
+            Ink::Muted,
+            Stroke::Thin,
+            run.time_s,
+            residual,
+        ))
+        .series(Series::estimated("running mean", run.time_s, mean));
+    let mut caption = format!(
+        "What the estimate leaves unexplained; running mean over 1/{MEANS} of the log. A mean with \
+         a pattern is something that the law does not know."
+    );
     if let Some(noise) = run.noise_n {
         chart = chart.level_band(-noise, noise);
-        caption += " Grey band: ± one standard deviation of the force noise. A residual that \
-                    leaves it with a pattern is something that the law does not know.";
+        caption += " Band: ± one standard deviation of the force noise.";
     }
     vec![Figure::new(layout.title(run, "Residual", ""), &annotate(chart, run)).caption(caption)]
+}
+
+/// The running mean of a residual has so many independent values: a pattern within a touch of a
+/// 10 s log shows, noise is down to a sixth.
+const MEANS: usize = 250;
+
+/// Mean over `width` values around each; values that are not finite do not count, and where the
+/// value itself is not finite there is none.
+fn running_mean(values: &[f64], width: usize) -> Vec<f64> {
+    let half = width / 2;
+    let mut sums = vec![(0.0, 0.0)];
+    let (mut sum, mut count) = (0.0, 0.0);
+    for value in values {
+        if value.is_finite() {
+            (sum, count) = (sum + value, count + 1.0);
+        }
+        sums.push((sum, count));
+    }
+    let mean = |i: usize| {
+        let (from, to) = (
+            sums[i.saturating_sub(half)],
+            sums[(i + half + 1).min(values.len())],
+        );
+        (to.0 - from.0) / (to.1 - from.1)
+    };
+    let finite_mean = |(i, v): (usize, &f64)| if v.is_finite() { mean(i) } else { f64::NAN };
+    values.iter().enumerate().map(finite_mean).collect()
 }
 
 /// β over |F − F̂| and over time.
@@ -298,7 +354,13 @@ pub(super) fn forgetting(run: &Run, layout: &Layout) -> Vec<Figure> {
             } else {
                 Size::Half
             })
-            .series(Series::estimated("", run.time_s, run.forgetting));
+            .series(Series::new(
+                "",
+                Ink::First,
+                Stroke::Thin,
+                run.time_s,
+                run.forgetting,
+            ));
         figures.push(
             Figure::new(layout.title(run, "β over time", ""), &annotate(chart, run))
                 .caption("1: everything is remembered, or nothing is being learned."),
@@ -319,7 +381,7 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
     let curve_x: Vec<f64> = (0..=300).map(|i| end * f64::from(i) / 300.0).collect();
     let curve_y: Vec<f64> = curve_x.iter().map(|e| law.beta(*e)).collect();
     let chart = Chart::new(
-        Axis::new("|F − F̂|", "N").range(0.0, end),
+        Axis::new("Force error before learning", "N").range(0.0, end),
         Axis::new("β", "1"),
     )
     .series(Series::new(
@@ -337,16 +399,12 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
         run.forgetting,
     ));
     let caption = format!(
-        "The larger the error, the faster the past is forgotten: α₁ = {}, α₂ = {} /N, α₃ = {}. \
-         Dots at β = 1: samples that were not learned from.",
-        number(law.alpha_1),
-        number(law.alpha_2_per_n),
-        crate::report::number::quantity(law.alpha_3_n, 2, "N"),
+        "The larger the error of the predicted force, the faster the past is forgotten: α₁ = {}, α₂ = {} per N, \
+         α₃ = {}. Dots at β = 1: samples that were not learned from.",
+        setting(law.alpha_1, "1"),
+        setting(law.alpha_2_per_n, "1"),
+        setting(law.alpha_3_n, "N"),
     );
     let title = layout.title(run, "β over the force error", "");
     Some(Figure::new(title, &chart).caption(caption))
-}
-
-fn number(value: f64) -> String {
-    crate::report::number::quantity(value, 3, "1")
 }

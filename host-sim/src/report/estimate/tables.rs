@@ -1,14 +1,15 @@
 //! The tables: result, segments, touches, faults.
 
-use estimator_core::estimate::{Estimated, Event};
+use estimator_core::estimate::Estimated;
 
-use super::{EstimateReport, EventKind, FinalParameter, Run, label};
+use super::{EstimateReport, EventKind, FinalParameter, Run, Touch, label};
+use crate::report::number::{column, fixed, setting};
 use crate::report::{Cell, Section, Table};
 
 /// Of touches and faults, so many rows are shown.
 const MOST_ROWS: usize = 14;
 
-/// Law, parameters and figures of merit: a column a run.
+/// Law, parameters and figures of merit, a column a run; then what happened in each run.
 pub(super) fn result(report: &EstimateReport) -> Section {
     let runs = report.runs;
     let names = runs.iter().map(|run| match run.name {
@@ -52,10 +53,14 @@ pub(super) fn result(report: &EstimateReport) -> Section {
     }
     let depth = runs.iter().find_map(|run| run.reference_depth_m);
     let at = depth.map_or(String::new(), |d| {
-        let depth = crate::report::number::quantity(d, 3, "m");
-        format!("; stiffness and damping at a depth of {depth}")
+        format!("; stiffness and damping at a depth of {}", setting(d, "m"))
     });
-    Section::new("Result").table(table.caption(format!("Value ± one standard error{at}.")))
+    let table = table.caption(format!("Value ± one standard error{at}."));
+    let more = runs
+        .iter()
+        .flat_map(|run| [segments(run), touches(run), faults(run)]);
+    more.flatten()
+        .fold(Section::new("Result").table(table), Section::table)
 }
 
 /// Names of all parameters of all runs, in the order in which they come.
@@ -93,20 +98,6 @@ pub(super) fn notes(report: &EstimateReport) -> Section {
     Section::new("Notes").list(report.notes.iter().map(String::as_str))
 }
 
-/// Segments, touches and faults of every run.
-pub(super) fn course(report: &EstimateReport) -> Section {
-    let mut section = Section::new("Course");
-    for run in report.runs {
-        for table in [segments(run), touches(run), faults(run)]
-            .into_iter()
-            .flatten()
-        {
-            section = section.table(table);
-        }
-    }
-    section
-}
-
 fn caption(run: &Run, text: &str) -> String {
     match run.name {
         "" => text.to_string(),
@@ -123,7 +114,7 @@ fn segments(run: &Run) -> Option<Table> {
             names.push(parameter.name);
         }
     }
-    let columns = ["From".to_string(), "To".to_string()].into_iter();
+    let columns = ["From [s]".to_string(), "To [s]".to_string()].into_iter();
     let table = Table::new(columns.chain(names.iter().map(|name| label(name))))
         .caption(caption(run, "Materials"))
         .at_most(MOST_ROWS);
@@ -141,42 +132,49 @@ fn segments(run: &Run) -> Option<Table> {
 }
 
 fn touches(run: &Run) -> Option<Table> {
-    let table = Table::new(["Touch", "From", "To", "Peak force", "Peak depth"])
+    let of = |value: fn(&Touch) -> f64| run.touches.iter().map(value).collect::<Vec<f64>>();
+    let (force_unit, forces) = column(&of(|touch| touch.peak_force_n), 4, "N");
+    let (depth_unit, depths) = column(&of(|touch| touch.peak_depth_m), 4, "m");
+    let table = Table::new(["Touch", "From [s]", "To [s]"])
+        .column(format!("Peak force [{force_unit}]"))
+        .column(format!("Peak depth [{depth_unit}]"))
         .caption(caption(run, "Touches"))
         .at_most(MOST_ROWS);
-    let rows = run.touches.iter().enumerate().map(|(i, touch)| {
+    let cells = run.touches.iter().zip(forces).zip(depths).enumerate();
+    let rows = cells.map(|(i, ((touch, force), depth))| {
         [
             Cell::count(i + 1),
             time(touch.from_s),
             time(touch.to_s),
-            Cell::quantity(touch.peak_force_n, 3, "N"),
-            Cell::quantity(touch.peak_depth_m, 3, "m"),
+            Cell::Number(force),
+            Cell::Number(depth),
         ]
     });
     (!run.touches.is_empty()).then(|| table.rows(rows))
 }
 
-/// What went wrong and where the material changed; contact and release stand in the touches.
+/// What went wrong; other events stand among the touches and the materials.
 fn faults(run: &Run) -> Option<Table> {
     let rows: Vec<_> = run
         .events
         .iter()
         .filter_map(|event| {
-            let text = match &event.kind {
-                EventKind::Fault { code, description } => format!("fault {code}: {description}"),
-                EventKind::Estimator(Event::MaterialChange) => "material change".into(),
-                EventKind::Estimator(Event::Contact | Event::Release) => return None,
+            let EventKind::Fault { code, description } = &event.kind else {
+                return None;
             };
-            Some([time(event.time_s), Cell::from(text)])
+            Some([
+                time(event.time_s),
+                Cell::from(format!("{code}: {description}")),
+            ])
         })
         .collect();
-    let table = Table::new(["Time", "Event"])
-        .caption(caption(run, "Events"))
+    let table = Table::new(["Time [s]", "Fault"])
+        .caption(caption(run, "Faults"))
         .at_most(MOST_ROWS);
     (!rows.is_empty()).then(|| table.rows(rows))
 }
 
 /// An instant, to the millisecond: the sampling period of the board.
 fn time(at_s: f64) -> Cell {
-    Cell::Number(format!("{}\u{a0}s", crate::report::number::fixed(at_s, -3)))
+    Cell::Number(fixed(at_s, -3))
 }

@@ -57,9 +57,8 @@ impl Axis {
         self
     }
 
-    /// Its label, without unit.
-    pub fn label(&self) -> &str {
-        &self.label
+    pub(crate) fn is_tight(&self) -> bool {
+        self.tight
     }
 
     /// Fits the axis to the data (`None` if there is none) on a length of so many ticks.
@@ -209,10 +208,10 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// Decades, thinned to at most eight; with 2 and 5 between where there are fewer than two decades.
+/// Decades, thinned to at most ten; with 2 and 5 between where there are fewer than two decades.
 fn log_ticks(low: f64, high: f64) -> (Vec<(f64, String)>, Vec<f64>) {
     let (first, last) = (low.floor() as i32, high.ceil() as i32);
-    let every = ((last - first) / 8).max(0) + 1;
+    let every = (last - first) / 9 + 1;
     let within = |at: f64| at >= low - 1e-9 && at <= high + 1e-9;
     let between: &[i32] = if high - low < 2.0 { &[1, 2, 5] } else { &[1] };
     let mut ticks = Vec::new();
@@ -233,7 +232,7 @@ fn log_ticks(low: f64, high: f64) -> (Vec<(f64, String)>, Vec<f64>) {
 
 fn decade_label(digit: i32, exponent: i32) -> String {
     match exponent {
-        -3..=3 => fixed(f64::from(digit) * 10f64.powi(exponent), exponent.min(0)),
+        -4..=4 => fixed(f64::from(digit) * 10f64.powi(exponent), exponent.min(0)),
         _ if digit == 1 => format!("10{}", superscript(exponent)),
         _ => format!("{digit}·10{}", superscript(exponent)),
     }
@@ -301,7 +300,7 @@ mod tests {
         let scale = axis.resolve(Some((1e-4, 1e3)), 6);
         assert_eq!(
             labels(&scale),
-            ["10⁻⁴", "0.001", "0.01", "0.1", "1", "10", "100", "1000"]
+            ["0.0001", "0.001", "0.01", "0.1", "1", "10", "100", "1000"]
         );
         assert!(scale.map(0.0).is_nan() && scale.map(-1.0).is_nan());
         assert_eq!(

@@ -14,7 +14,7 @@ use plotters_backend::{
     FontTransform,
 };
 
-use super::{Ink, Stroke};
+use super::{Ink, StripTone, Stroke};
 use crate::report::html::escape;
 
 /// Units of the canvas in a pixel.
@@ -25,7 +25,7 @@ pub(crate) const PX: i32 = 10;
 pub(crate) struct Role(u8);
 
 /// The classes of the roles, by number.
-const CLASSES: [&str; 17] = [
+const CLASSES: [&str; 18] = [
     "grid",
     "minor",
     "axis",
@@ -33,6 +33,7 @@ const CLASSES: [&str; 17] = [
     "name",
     "empty",
     "touch",
+    "edge",
     "event",
     "event major",
     "event-label",
@@ -44,7 +45,16 @@ const CLASSES: [&str; 17] = [
     "strip neutral",
     "strip info",
 ];
-/// Number of the first role that belongs to an ink; each ink has four.
+/// The classes of the roles that belong to an ink, by number; the first four are strokes.
+const INK_CLASSES: [&str; 6] = [
+    "line",
+    "line dashed",
+    "dots",
+    "line thin",
+    "band",
+    "envelope",
+];
+/// Number of the first role of the first ink.
 const FIRST_INK: u8 = 32;
 
 impl Role {
@@ -55,26 +65,31 @@ impl Role {
     pub(crate) const NAME: Role = Role(4);
     pub(crate) const EMPTY: Role = Role(5);
     pub(crate) const TOUCH: Role = Role(6);
-    pub(crate) const STRIP_LABEL: Role = Role(11);
+    pub(crate) const EDGE: Role = Role(7);
+    pub(crate) const STRIP_LABEL: Role = Role(12);
 
     pub(crate) fn event(major: bool) -> Role {
-        Role(7 + u8::from(major))
+        Role(8 + u8::from(major))
     }
 
     pub(crate) fn event_label(major: bool) -> Role {
-        Role(9 + u8::from(major))
+        Role(10 + u8::from(major))
     }
 
-    pub(crate) fn strip(tone: super::StripTone) -> Role {
-        Role(12 + tone as u8)
+    pub(crate) fn strip(tone: StripTone) -> Role {
+        Role(13 + tone as u8)
     }
 
     pub(crate) fn line(ink: Ink, stroke: Stroke) -> Role {
-        Role(FIRST_INK + 4 * ink as u8 + stroke as u8)
+        Role(FIRST_INK + INK_CLASSES.len() as u8 * ink as u8 + stroke as u8)
     }
 
     pub(crate) fn band(ink: Ink) -> Role {
-        Role(FIRST_INK + 4 * ink as u8 + 3)
+        Role(FIRST_INK + INK_CLASSES.len() as u8 * ink as u8 + 4)
+    }
+
+    pub(crate) fn envelope(ink: Ink) -> Role {
+        Role(FIRST_INK + INK_CLASSES.len() as u8 * ink as u8 + 5)
     }
 
     /// The role as plotters carries it.
@@ -88,31 +103,28 @@ impl Role {
 
     /// Class attribute in the SVG and in the legend.
     pub(crate) fn class(self) -> String {
-        match self.0.checked_sub(FIRST_INK) {
+        match self.of_ink() {
             None => CLASSES.get(self.0 as usize).copied().unwrap_or("").into(),
-            Some(ink) => {
-                let kind = ["line", "line dashed", "dots", "band"][usize::from(ink % 4)];
-                format!("{kind} {}", Ink::CLASSES[usize::from(ink / 4)])
-            }
+            Some((ink, kind)) => format!("{} {}", INK_CLASSES[kind], Ink::CLASSES[ink]),
         }
     }
 
-    /// Whether it must not leave the plot.
-    fn is_data(self) -> bool {
-        self.0 >= FIRST_INK
-            || self == Role::TOUCH
-            || self == Role::event(false)
-            || self == Role::event(true)
+    /// Numbers of the ink and of what is drawn in it.
+    fn of_ink(self) -> Option<(usize, usize)> {
+        let number = usize::from(self.0.checked_sub(FIRST_INK)?);
+        Some((number / INK_CLASSES.len(), number % INK_CLASSES.len()))
     }
 
     fn is_dots(self) -> bool {
-        self.0 >= FIRST_INK && (self.0 - FIRST_INK) % 4 == Stroke::Dots as u8
+        self.of_ink()
+            .is_some_and(|(_, kind)| kind == Stroke::Dots as usize)
     }
 }
 
-/// What has been drawn: the frame around the plot, and the plot.
+/// What has been drawn, from the back to the front. Only the data is clipped to the plot.
 #[derive(Debug, Default)]
 pub(crate) struct Layers {
+    pub(crate) back: String,
     pub(crate) frame: String,
     pub(crate) data: String,
 }
@@ -132,9 +144,11 @@ impl<'a> Canvas<'a> {
     }
 
     fn layer(&mut self, role: Role) -> &mut String {
-        match role.is_data() {
-            true => &mut self.layers.data,
-            false => &mut self.layers.frame,
+        match role {
+            Role::TOUCH => &mut self.layers.back,
+            _ if role == Role::event(false) || role == Role::event(true) => &mut self.layers.back,
+            _ if role.of_ink().is_some() || role == Role::EDGE => &mut self.layers.data,
+            _ => &mut self.layers.frame,
         }
     }
 

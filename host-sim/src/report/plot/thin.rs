@@ -41,6 +41,9 @@ pub(crate) type Piece = Vec<Point>;
 const LOOP_STEP_PX: f64 = 0.7;
 /// A loop with more points than this is thinned further; 8000 points are about 60 kB.
 const LOOP_POINTS: usize = 8000;
+/// A line that is so many times as long as the picture is wide fills it. Six touches are 3 times as
+/// long, a residual of white noise 30 to 60 times, a thousand touches 200 times.
+const DENSE_PX: f64 = 80.0;
 /// Dots closer than this fall on each other [px].
 const DOT_CELL_PX: f64 = 1.5;
 
@@ -194,6 +197,14 @@ fn finish(pieces: &mut [Piece], kept: Option<Point>, last: Option<Point>) {
     }
 }
 
+/// Whether a line over time goes up and down so often that it would fill its picture: then the area
+/// between its extremes is what there is to see.
+pub(crate) fn is_dense(pieces: &[Piece], view: &View) -> bool {
+    let steps = pieces.iter().flat_map(|piece| piece.windows(2));
+    let length: f64 = steps.map(|step| view.distance(step[0], step[1])).sum();
+    length > DENSE_PX * view.size_px.0
+}
+
 /// Dots: one for each cell of the paper that has any.
 pub(crate) fn dots(points: impl Iterator<Item = Point>, view: &View) -> Vec<Point> {
     let mut seen = HashSet::new();
@@ -325,6 +336,21 @@ mod tests {
     fn the_end_of_a_path_is_kept_however_short_the_last_step() {
         let points = [(0.0, 0.0), (10.0, 0.0), (10.01, 0.0)];
         assert_eq!(along_path(points.into_iter(), &VIEW), vec![points.to_vec()]);
+    }
+
+    #[test]
+    fn a_thousand_touches_are_dense_and_ten_are_not() {
+        let touches = |n: f64| {
+            let points = (0..200_000).map(move |i| {
+                let phase = i as f64 / 200_000.0;
+                (
+                    100.0 * phase,
+                    0.9 * (n * std::f64::consts::TAU * phase).sin(),
+                )
+            });
+            is_dense(&over_time(points, &VIEW), &VIEW)
+        };
+        assert!(touches(1000.0) && !touches(10.0));
     }
 
     #[test]
