@@ -2,7 +2,9 @@
 
 pub mod diagnostic;
 pub mod log;
+pub mod model;
 pub mod motion;
 pub mod output;
 pub mod plant;
+pub mod simulate;
 pub mod toml_reader;
