@@ -240,7 +240,7 @@ pub fn estimate(
 pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
     let methods = methods(args.law, args.method)?;
     let base = match &args.config {
-        Some(_) => unimplemented_settings()?,
+        Some(path) => crate::settings::read(path)?,
         None => Config::default(),
     };
     let choices = Choices {
@@ -321,7 +321,4 @@ mod tests {
     fn the_folder_of_a_log_is_its_name_without_endings() {
         assert_eq!(stem(Path::new("a/b/log.1.csv.gz")), PathBuf::from("log.1"));
     }
-}
-fn unimplemented_settings() -> Result<Config, Diagnostic> {
-    Ok(Config::default())
 }

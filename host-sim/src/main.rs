@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
-use palpate::{check, estimate};
+use palpate::{check, demo, estimate, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
 ///
@@ -22,8 +22,12 @@ struct Command {
 enum Verb {
     /// Run the board's estimator over logs and report what was touched
     Estimate(estimate::EstimateArgs),
+    /// Run a model on the simulated rig and write what its sensors read
+    Simulate(simulate::SimulateArgs),
     /// Say what is in a log: rate, gaps, units, noise, contacts, and what it is good for
     Check(check::CheckArgs),
+    /// Palpate gel and plastic on the simulated rig; also what `palpate` alone does
+    Demo(demo::DemoArgs),
 }
 
 fn main() -> ExitCode {
@@ -31,7 +35,9 @@ fn main() -> ExitCode {
     let done = match &command.verb {
         Some(Verb::Estimate(args)) => estimate::run(args),
         Some(Verb::Check(args)) => check::run(args),
-        None => Ok(()),
+        Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
+        Some(Verb::Demo(args)) => demo::run(args),
+        None => demo::run(&demo::DemoArgs::default()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -117,13 +117,13 @@ fn mark(diagnostic: Diagnostic, path: &Path, text: &str, span: Option<Range<usiz
         .excerpt(text[start..end].trim_end(), marked)
 }
 
-/// A table of a [`TomlFile`] and the keys that were asked for.
+/// A table of a [`TomlFile`] and the keys that are understood in it: those that were asked for.
 pub struct Table<'a> {
     file: &'a TomlFile,
     items: &'a dyn TableLike,
     name: String,
     span: Option<Range<usize>>,
-    asked: RefCell<Vec<String>>,
+    understood: RefCell<Vec<String>>,
 }
 
 impl<'a> Table<'a> {
@@ -138,7 +138,7 @@ impl<'a> Table<'a> {
             items,
             name,
             span,
-            asked: RefCell::new(Vec::new()),
+            understood: RefCell::new(Vec::new()),
         }
     }
 
@@ -253,11 +253,21 @@ impl<'a> Table<'a> {
         inline.collect()
     }
 
-    /// The keys that were not asked for so far, in the order of the file.
+    /// Names keys that will be asked for, so that an error before that lists them too.
+    pub fn understand(&self, keys: &[&str]) {
+        let mut understood = self.understood.borrow_mut();
+        for key in keys {
+            if !understood.iter().any(|known| known == key) {
+                understood.push((*key).to_string());
+            }
+        }
+    }
+
+    /// The keys that are not understood so far, in the order of the file.
     pub fn remaining_keys(&self) -> Vec<String> {
-        let asked = self.asked.borrow();
+        let understood = self.understood.borrow();
         let keys = self.items.iter().map(|(key, _)| key.to_string());
-        keys.filter(|key| !asked.contains(key)).collect()
+        keys.filter(|key| !understood.contains(key)).collect()
     }
 
     /// Refuses keys that nobody asked for.
@@ -296,7 +306,7 @@ impl<'a> Table<'a> {
     }
 
     fn ask(&self, key: &str) -> Option<&'a Item> {
-        self.asked.borrow_mut().push(key.to_string());
+        self.understand(&[key]);
         self.items.get(key)
     }
 
@@ -375,8 +385,8 @@ impl<'a> Table<'a> {
     }
 
     fn unknown(&self, key: &str) -> Diagnostic {
-        let asked = self.asked.borrow();
-        let known = || asked.iter().map(String::as_str);
+        let understood = self.understood.borrow();
+        let known = || understood.iter().map(String::as_str);
         let place = match self.name.as_str() {
             "" => "the file".to_string(),
             name => format!("`{name}`"),

@@ -356,7 +356,7 @@ mod tests {
     fn a_missing_column_is_answered_with_the_columns_option_that_would_fit() {
         let names = header(&["Elapsed Time (s)", "Displacement (mm)", "Load [kN]", "Temp"]);
         let error = ColumnMap::default().place(&names).unwrap_err();
-        let remedy = error.remedy.unwrap();
+        let remedy = error.remedy.as_deref().unwrap();
         assert!(
             remedy.contains("'t=Elapsed Time (s),x=Displacement (mm)*1e-3,f=Load [kN]*1e3'"),
             "{remedy}"

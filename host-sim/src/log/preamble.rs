@@ -179,6 +179,6 @@ mod tests {
     fn numbers_without_a_header_are_refused() {
         let error = parse(b"0,1,2\n1,1,2\n", Path::new("a.csv")).unwrap_err();
         assert_eq!(error.line, Some(1));
-        assert!(error.remedy.unwrap().contains("t_s,x_m,f_n"));
+        assert!(error.remedy.as_ref().unwrap().contains("t_s,x_m,f_n"));
     }
 }

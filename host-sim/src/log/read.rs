@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Log, Diagnostic
         .delimiter(preamble.delimiter)
         .comment(Some(b'#'))
         .buffer_capacity(1 << 18)
-        .from_reader(source.from_offset(preamble.data_offset));
+        .from_reader(source.starting_at(preamble.data_offset));
     let mut rows = Rows::new(path, &preamble, placed);
     let mut record = ByteRecord::new();
     while reader

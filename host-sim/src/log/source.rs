@@ -40,7 +40,7 @@ impl Source {
     }
 
     /// Everything from byte `offset` of the head on.
-    pub(super) fn from_offset(self, offset: usize) -> impl Read {
+    pub(super) fn starting_at(self, offset: usize) -> impl Read {
         let mut head = Cursor::new(self.head);
         head.set_position(offset as u64);
         head.chain(self.rest)
@@ -129,7 +129,7 @@ fn is_table_name(byte: &u8) -> bool {
 /// Number (from 1) and text of the line that holds byte `offset` or, when only a line end or a
 /// comment follows there, of the next row. Reads the file again: only for errors.
 pub(super) fn line_at(path: &Path, offset: u64) -> Option<(usize, String)> {
-    let mut reader = BufReader::new(Source::open(path).ok()?.from_offset(0));
+    let mut reader = BufReader::new(Source::open(path).ok()?.starting_at(0));
     let (mut number, mut end) = (0, 0);
     let mut line = Vec::new();
     loop {

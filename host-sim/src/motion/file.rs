@@ -59,8 +59,20 @@ impl Motion {
     }
 }
 
+fn keys_of(kind: &str) -> &'static [&'static str] {
+    match kind {
+        "ramp" => &["to", "speed"],
+        "hold" => &["seconds"],
+        "sine" => &["mean", "amplitude", "frequency", "seconds"],
+        "multisine" => &["mean", "amplitude", "frequencies", "seconds"],
+        "chirp" => &["mean", "amplitude", "from", "to", "seconds"],
+        _ => &[],
+    }
+}
+
 fn segment(table: &Table<'_>) -> Result<Segment, Diagnostic> {
     let kind = table.required_text("kind", &KINDS)?;
+    table.understand(keys_of(kind));
     let length = |key: &str| table.required_number(key, Bounds::Any);
     let amplitude_m = || table.required_number("amplitude", Bounds::Positive);
     let frequency = |key: &str| table.required_number(key, Bounds::Within(1e-6, FASTEST_HZ));
