@@ -108,6 +108,22 @@ fn a_ragged_row_is_named() {
 }
 
 #[test]
+fn rows_that_end_with_a_delimiter_are_whole() {
+    let text = table(99, "").replace("0.5\n", "0.5,\n");
+    assert_eq!(strict("closed", &text).unwrap().len(), 20);
+}
+
+#[test]
+fn a_row_of_units_is_called_one() {
+    let text = table(99, "").replace("f_n\n", "f_n\n(s),(m),(N)\n");
+    let error = strict("units-row", &text).unwrap_err();
+    assert!(
+        error.remedy.as_deref().unwrap().contains("row of units"),
+        "{error}"
+    );
+}
+
+#[test]
 fn bad_rows_are_left_out_and_counted_when_asked_for() {
     let mut text = table(5, "0.005,NaN,0.5");
     text.push_str("0.020,0.0");
