@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use estimator_core::estimate::Event;
 
-use super::{EventKind, Run};
+use super::{EventKind, EventMark, Run};
 use crate::report::Figure;
 use crate::report::plot::{Chart, Marker, Series, Size};
 
@@ -42,9 +42,18 @@ impl Layout {
     }
 }
 
+/// More faults than this are left to their table.
+const MOST_FAULTS: usize = 50;
+
 /// Touches, and the lines of what happened.
 pub(super) fn annotate<'a>(chart: Chart<'a>, run: &Run) -> Chart<'a> {
-    let markers = run.events.iter().map(|event| {
+    let is_fault = |event: &&EventMark| matches!(event.kind, EventKind::Fault { .. });
+    let mark_faults = run.events.iter().filter(is_fault).count() <= MOST_FAULTS;
+    let shown = run
+        .events
+        .iter()
+        .filter(|event| mark_faults || !is_fault(event));
+    let markers = shown.map(|event| {
         let (label, major) = match &event.kind {
             EventKind::Estimator(Event::Contact) => ("contact".to_string(), false),
             EventKind::Estimator(Event::Release) => ("release".to_string(), false),

@@ -1,12 +1,14 @@
 //! The tables: result, segments, touches, faults.
 
+use std::collections::BTreeMap;
+
 use estimator_core::estimate::Estimated;
 
 use super::{EstimateReport, EventKind, FinalParameter, Run, Touch, label};
 use crate::report::number::{column, fixed, setting};
 use crate::report::{Cell, Section, Table};
 
-/// Of touches and faults, so many rows are shown.
+/// Of touches and materials, so many rows are shown.
 const MOST_ROWS: usize = 14;
 
 /// Law, parameters and figures of merit, a column a run; then what happened in each run.
@@ -161,25 +163,30 @@ fn touches(run: &Run) -> Option<Table> {
     (!run.touches.is_empty()).then(|| table.rows(rows))
 }
 
-/// What went wrong; other events stand among the touches and the materials.
+/// What went wrong, a row a kind: a log may have a fault in every sample. Other events stand among
+/// the touches and the materials.
 fn faults(run: &Run) -> Option<Table> {
-    let rows: Vec<_> = run
-        .events
+    let mut kinds: BTreeMap<u8, (&str, usize, f64, f64)> = BTreeMap::new();
+    for event in run.events {
+        if let EventKind::Fault { code, description } = &event.kind {
+            let first = (description.as_str(), 0, event.time_s, event.time_s);
+            let (_, count, _, last) = kinds.entry(*code).or_insert(first);
+            *count += 1;
+            *last = event.time_s;
+        }
+    }
+    let rows = kinds
         .iter()
-        .filter_map(|event| {
-            let EventKind::Fault { code, description } = &event.kind else {
-                return None;
-            };
-            Some([
-                time(event.time_s),
+        .map(|(code, (description, count, first, last))| {
+            [
                 Cell::from(format!("{code}: {description}")),
-            ])
-        })
-        .collect();
-    let table = Table::new(["Time [s]", "Fault"])
-        .caption(caption(run, "Faults"))
-        .at_most(MOST_ROWS);
-    (!rows.is_empty()).then(|| table.rows(rows))
+                Cell::count(*count),
+                time(*first),
+                time(*last),
+            ]
+        });
+    let table = Table::new(["Fault", "Times", "First [s]", "Last [s]"]);
+    (!kinds.is_empty()).then(|| table.caption(caption(run, "Faults")).rows(rows))
 }
 
 /// An instant, to the millisecond: the sampling period of the board.

@@ -200,6 +200,25 @@ fn an_hour_at_1_khz_stays_below_half_a_megabyte_and_says_what_it_leaves_out() {
 }
 
 #[test]
+fn a_fault_in_every_sample_is_one_row_and_no_wall_of_markers() {
+    let fault = |i: usize| EventMark {
+        time_s: i as f64 * 1e-3,
+        kind: EventKind::Fault {
+            code: 5,
+            description: "force at the end of its range".into(),
+        },
+    };
+    let mut log = Log::new(2);
+    log.events = (0..4000).map(fault).collect();
+    let html = log.html(&[""]);
+    assert_eq!(html.matches("5: force at the end of its range").count(), 1);
+    assert!(html.contains(">4000</td>") && html.contains(">3.999</td>"));
+    assert!(!html.contains("class=\"event major\""));
+    log.events.truncate(3);
+    assert!(log.html(&[""]).contains("class=\"event major\""));
+}
+
+#[test]
 fn parameters_get_their_symbol_and_unknown_ones_their_name() {
     assert_eq!(label("stiffness"), "Stiffness K");
     assert_eq!(label("relaxation_rate"), "Relaxation rate");
