@@ -1,9 +1,16 @@
 //! Configuration: what a person writes down, checked once, outside the loop.
 //!
-//! `Config` → `validate` → `Params`. `Params` holds coefficients only; a loop that has
+//! [`Config`] → [`Config::validate`] → [`Params`]. `Params` holds coefficients only; a loop that has
 //! one cannot be misconfigured.
 
+use crate::contact::ContactParams;
+use crate::error::{ConfigError, require};
+use crate::filter::FilterParams;
+use crate::identify::{Scale, Start};
 use crate::law::LawKind;
+use crate::rls::ForgettingParams;
+use crate::scalar::Real;
+use crate::status::StatusParams;
 
 /// All settings of an estimator. The defaults are for a 1 kHz motor controller that presses
 /// millimetres deep with newtons.
@@ -106,10 +113,10 @@ impl Method {
 pub struct Forgetting {
     /// α₁: 1 − α₁ is the forgetting factor for large errors.
     pub alpha_1: f32,
-    /// α₂ [1/N]: steepness of the transition; `None`: STEEPNESS/α₃.
+    /// α₂ [1/N]: steepness of the transition; `None`: 200/α₃.
     pub alpha_2_per_n: Option<f32>,
-    /// α₃ [N]: the threshold between small and large errors; `None`:
-    /// THRESHOLD_SIGMAS × the noise of the raw force.
+    /// α₃ [N]: the threshold between small and large errors; `None`: 3 × the noise of
+    /// the raw force.
     pub alpha_3_n: Option<f32>,
     /// A sample is learned from when the regressor has moved by this fraction of its scale since
     /// the last one that was: a hold repeats itself and would wind the covariance up.
@@ -139,4 +146,235 @@ pub struct Judgement {
     pub window_s: f32,
     /// Suspect: mean test ratio over the window above this.
     pub suspect_ratio: f32,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Config {
+            rate_hz: 1000.0,
+            reference: Reference {
+                depth_m: 1e-3,
+                force_n: 1.0,
+            },
+            filter: Filter::SavitzkyGolay { half_width: 10 },
+            contact: Contact {
+                surface: Surface::AtImpact,
+                touch_sigma: 6.0,
+                release_sigma: 3.0,
+                force_noise_n: None,
+                settle_s: 0.2,
+            },
+            method: Method::HuntCrossleyTwoStage,
+            forgetting: Forgetting {
+                alpha_1: 0.05,
+                alpha_2_per_n: None,
+                alpha_3_n: None,
+                excitation_step: 0.01,
+            },
+            initial: Initial {
+                covariance: 1e4,
+                stiffness_n_per_m: 1000.0,
+                damping_ns_per_m: 0.0,
+                exponent: 1.0,
+            },
+            judgement: Judgement {
+                converged_within: 0.05,
+                window_s: 0.5,
+                suspect_ratio: 25.0,
+            },
+        }
+    }
+}
+
+/// Coefficients of the loop, ready to use. Made by [`Config::validate`] only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Params<T> {
+    pub(crate) period_us: u64,
+    pub(crate) method: Method,
+    pub(crate) scale: Scale<T>,
+    pub(crate) filter: FilterParams<T>,
+    pub(crate) contact: ContactParams<T>,
+    pub(crate) forgetting: ForgettingParams<T>,
+    pub(crate) excitation_step: T,
+    pub(crate) start: Start<T>,
+    pub(crate) status: StatusParams<T>,
+}
+
+impl<T: Real> Params<T> {
+    /// Delay of every record behind the newest sample [µs].
+    pub fn delay_us(&self) -> u64 {
+        self.filter.delay_us()
+    }
+
+    /// The law that is identified.
+    pub fn law(&self) -> LawKind {
+        self.method.law()
+    }
+
+    /// (α₁, α₂ [1/N], α₃ [N]) of (24) at a noise of the raw force [N].
+    pub fn alphas(&self, noise_n: T) -> (T, T, T) {
+        self.forgetting.alphas(noise_n)
+    }
+}
+
+impl Config {
+    /// Checks every field and makes the coefficients.
+    ///
+    /// # Errors
+    /// The first field that cannot be used, with its value and what would be right.
+    pub fn validate<T: Real>(&self) -> Result<Params<T>, ConfigError> {
+        let rate = self.rate_hz;
+        require(
+            (1.0..=1e6).contains(&rate),
+            "rate_hz",
+            rate,
+            "must lie between 1 Hz and 1 MHz",
+        )?;
+        self.reference.check()?;
+        self.initial.check()?;
+        let step = self.forgetting.excitation_step;
+        require(
+            (0.0..=1.0).contains(&step),
+            "forgetting.excitation_step",
+            step,
+            "must lie between 0 (always learn) and 1",
+        )?;
+        let scale = Scale::new(self.reference);
+        Ok(Params {
+            period_us: libm::round(1e6 / f64::from(rate)) as u64,
+            method: self.method,
+            scale,
+            filter: FilterParams::validate(self.filter, rate)?,
+            contact: ContactParams::validate(self)?,
+            forgetting: ForgettingParams::validate(self)?,
+            excitation_step: T::from_f64(f64::from(step)),
+            start: Start::new(self.initial, self.reference),
+            status: StatusParams::validate(self)?,
+        })
+    }
+}
+
+impl Reference {
+    fn check(&self) -> Result<(), ConfigError> {
+        let depth = self.depth_m;
+        let good = (1e-10..=1.0).contains(&depth);
+        require(
+            good,
+            "reference.depth_m",
+            depth,
+            "must lie between 1e-10 and 1 m",
+        )?;
+        let force = self.force_n;
+        let good = (1e-12..=1e6).contains(&force);
+        require(
+            good,
+            "reference.force_n",
+            force,
+            "must lie between 1e-12 and 1e6 N",
+        )
+    }
+}
+
+impl Initial {
+    fn check(&self) -> Result<(), ConfigError> {
+        let c = self.covariance;
+        let good = (1e-3..=1e8).contains(&c);
+        require(
+            good,
+            "initial.covariance",
+            c,
+            "must lie between 1e-3 and 1e8",
+        )?;
+        let k = self.stiffness_n_per_m;
+        let good = (0.0..=1e9).contains(&k);
+        require(
+            good,
+            "initial.stiffness_n_per_m",
+            k,
+            "must lie between 0 and 1e9 N/m",
+        )?;
+        let b = self.damping_ns_per_m;
+        let good = (0.0..=1e9).contains(&b);
+        require(
+            good,
+            "initial.damping_ns_per_m",
+            b,
+            "must lie between 0 and 1e9 N s/m",
+        )?;
+        let n = self.exponent;
+        let good = (0.5..=3.0).contains(&n);
+        require(good, "initial.exponent", n, "must lie between 0.5 and 3")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    extern crate std;
+    use std::string::ToString;
+
+    fn error_of(change: impl Fn(&mut Config)) -> ConfigError {
+        let mut config = Config::default();
+        change(&mut config);
+        config.validate::<f32>().unwrap_err()
+    }
+
+    #[test]
+    fn an_error_names_the_field_its_value_and_what_would_be_right() {
+        let error = error_of(|c| c.forgetting.alpha_1 = 1.7);
+        let text = error.to_string();
+        assert_eq!(
+            text,
+            "forgetting.alpha_1 = 1.7: must lie between 0 (never forget) and 0.5"
+        );
+    }
+
+    #[test]
+    fn every_field_is_checked_and_not_a_number_is_never_valid() {
+        type Change = fn(&mut Config);
+        let changes: [(&str, Change); 15] = [
+            ("rate_hz", |c| c.rate_hz = f32::NAN),
+            ("reference.depth_m", |c| c.reference.depth_m = f32::NAN),
+            ("reference.force_n", |c| c.reference.force_n = 0.0),
+            ("filter.half_width", |c| {
+                c.filter = Filter::SavitzkyGolay { half_width: 33 }
+            }),
+            ("filter.cutoff_hz", |c| {
+                c.filter = Filter::StateVariable {
+                    cutoff_hz: f32::NAN,
+                    damping_ratio: 1.0,
+                };
+            }),
+            ("filter.damping_ratio", |c| {
+                c.filter = Filter::StateVariable {
+                    cutoff_hz: 40.0,
+                    damping_ratio: 0.0,
+                };
+            }),
+            ("contact.touch_sigma", |c| c.contact.touch_sigma = 2.0),
+            ("contact.release_sigma", |c| {
+                c.contact.release_sigma = f32::NAN
+            }),
+            ("contact.force_noise_n", |c| {
+                c.contact.force_noise_n = Some(f32::INFINITY)
+            }),
+            ("contact.settle_s", |c| c.contact.settle_s = 0.0),
+            ("contact.surface.position_m", |c| {
+                c.contact.surface = Surface::Known {
+                    position_m: f32::NAN,
+                };
+            }),
+            ("forgetting.alpha_2_per_n", |c| {
+                c.forgetting.alpha_2_per_n = Some(-1.0)
+            }),
+            ("forgetting.alpha_3_n", |c| {
+                c.forgetting.alpha_3_n = Some(f32::NAN)
+            }),
+            ("initial.exponent", |c| c.initial.exponent = f32::NAN),
+            ("judgement.window_s", |c| c.judgement.window_s = f32::NAN),
+        ];
+        for (field, change) in changes {
+            assert_eq!(error_of(change).field, field);
+        }
+    }
 }

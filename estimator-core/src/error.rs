@@ -20,3 +20,20 @@ impl fmt::Display for ConfigError {
 }
 
 impl core::error::Error for ConfigError {}
+/// Ok if `good`, else the error that names the field; NaN is never good.
+pub(crate) fn require(
+    good: bool,
+    field: &'static str,
+    value: f32,
+    expected: &'static str,
+) -> Result<(), ConfigError> {
+    if good {
+        Ok(())
+    } else {
+        Err(ConfigError {
+            field,
+            value,
+            expected,
+        })
+    }
+}

@@ -1,7 +1,9 @@
 //! What comes out: one record per sample.
 
+use crate::config::Params;
 use crate::law::LawKind;
 use crate::sample::Faults;
+use crate::scalar::Real;
 use crate::status::Status;
 
 /// Slots for parameters; [`LawKind::parameters`] says what stands in which.
@@ -34,6 +36,31 @@ pub struct Innovation<T> {
     pub test_ratio: T,
 }
 
+impl<T: Real> Innovation<T> {
+    /// The record of one observation and its prediction, of variance `variance_n2` > 0.
+    pub(crate) fn new(observation_n: T, prediction_n: T, variance_n2: T) -> Self {
+        let innovation_n = observation_n - prediction_n;
+        Innovation {
+            observation_n,
+            prediction_n,
+            innovation_n,
+            variance_n2,
+            test_ratio: innovation_n * innovation_n / variance_n2,
+        }
+    }
+
+    /// The record in newtons from one in units of `unit` newtons.
+    pub(crate) fn in_newtons(self, unit: T) -> Self {
+        Innovation {
+            observation_n: self.observation_n * unit,
+            prediction_n: self.prediction_n * unit,
+            innovation_n: self.innovation_n * unit,
+            variance_n2: self.variance_n2 * unit * unit,
+            test_ratio: self.test_ratio,
+        }
+    }
+}
+
 /// Where the probe is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
@@ -47,6 +74,18 @@ pub enum Phase {
     Contact = 2,
 }
 
+impl Phase {
+    /// The phase with a number.
+    pub const fn from_code(code: u8) -> Option<Phase> {
+        match code {
+            0 => Some(Phase::Settling),
+            1 => Some(Phase::Free),
+            2 => Some(Phase::Contact),
+            _ => None,
+        }
+    }
+}
+
 /// Something that happened at this sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -57,6 +96,27 @@ pub enum Event {
     Release = 2,
     /// The material is another one.
     MaterialChange = 3,
+}
+
+impl Event {
+    /// The event with a number.
+    pub const fn from_code(code: u8) -> Option<Event> {
+        match code {
+            1 => Some(Event::Contact),
+            2 => Some(Event::Release),
+            3 => Some(Event::MaterialChange),
+            _ => None,
+        }
+    }
+
+    /// The name in `estimate.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Event::Contact => "contact",
+            Event::Release => "release",
+            Event::MaterialChange => "material_change",
+        }
+    }
 }
 
 /// One record per sample. Every number in it is finite, whatever came in.
@@ -86,4 +146,42 @@ pub struct Estimate<T = f32> {
     pub event: Option<Event>,
     /// What is wrong, if anything.
     pub faults: Faults,
+}
+
+impl<T: Real> Estimate<T> {
+    /// The record before anything was touched.
+    pub(crate) fn nothing(params: &Params<T>) -> Self {
+        Estimate {
+            time_us: 0,
+            law: params.law(),
+            phase: Phase::default(),
+            status: Status::default(),
+            depth_m: T::nil(),
+            speed_mps: T::nil(),
+            force_n: T::nil(),
+            parameters: [None; PARAMETER_SLOTS],
+            innovation: Innovation::default(),
+            forgetting: T::unit(),
+            event: None,
+            faults: Faults::NONE,
+        }
+    }
+
+    /// Every number is finite.
+    pub fn is_finite(&self) -> bool {
+        let innovation = &self.innovation;
+        let signals = [self.depth_m, self.speed_mps, self.force_n, self.forgetting];
+        let channel = [
+            innovation.observation_n,
+            innovation.prediction_n,
+            innovation.innovation_n,
+            innovation.variance_n2,
+            innovation.test_ratio,
+        ];
+        let parameters = self.parameters.iter().flatten();
+        signals.into_iter().chain(channel).all(Real::finite)
+            && parameters
+                .into_iter()
+                .all(|p| p.value.finite() && p.std_error.finite())
+    }
 }

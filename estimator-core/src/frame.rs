@@ -1,2 +1,387 @@
 //! One versioned binary frame for telemetry, recording and replay.
-//! (written below)
+//!
+//! On the wire: COBS(version, kind, sequence, payload, CRC-32) and a zero byte. Zero occurs nowhere
+//! else, so a reader that starts in the middle, or meets garbage, is in step again at the next zero.
+//! All numbers are little-endian.
+
+use crate::estimate::{Estimate, Estimated, Event, Innovation, PARAMETER_SLOTS, Phase};
+use crate::law::LawKind;
+use crate::sample::{Faults, Sample};
+use crate::status::Status;
+
+/// Version of the layout; a reader refuses any other.
+pub const VERSION: u8 = 1;
+/// Longest frame on the wire, with its zero byte [bytes].
+pub const MAX_ENCODED: usize = MAX_BODY + 2;
+/// Longest frame before COBS [bytes]: that of an estimate.
+const MAX_BODY: usize = 4 + 8 + 7 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
+
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+/// What a frame carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Frame {
+    /// Kind 1: what went in.
+    Sample(Sample<f32>),
+    /// Kind 2: what came out.
+    Estimate(Estimate<f32>),
+}
+
+/// Why bytes between two zeros are not a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameError {
+    /// Not COBS, or longer or shorter than any frame.
+    Framing,
+    /// The check sum does not fit.
+    Checksum,
+    /// A frame of another version.
+    Version(u8),
+    /// Right check sum, but a content that this version does not know.
+    Content,
+}
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            FrameError::Framing => f.write_str("not a frame"),
+            FrameError::Checksum => f.write_str("check sum does not fit"),
+            FrameError::Version(v) => write!(f, "frame version {v}, this is version {VERSION}"),
+            FrameError::Content => f.write_str("content unknown to this version"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// Writes a frame and gives its length, zero byte included.
+pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usize {
+    let mut body = Writer {
+        bytes: [0; MAX_BODY],
+        length: 0,
+    };
+    let kind = match frame {
+        Frame::Sample(_) => 1,
+        Frame::Estimate(_) => 2,
+    };
+    body.put([VERSION, kind]);
+    body.put(sequence.to_le_bytes());
+    match frame {
+        Frame::Sample(sample) => put_sample(&mut body, sample),
+        Frame::Estimate(estimate) => put_estimate(&mut body, estimate),
+    }
+    body.put(CRC.checksum(body.written()).to_le_bytes());
+    // MAX_ENCODED leaves room for the one byte of COBS below 254 bytes, and for the zero.
+    let length = cobs::try_encode(body.written(), out).unwrap_or(0);
+    if let Some(end) = out.get_mut(length) {
+        *end = 0;
+    }
+    length + 1
+}
+
+fn put_sample(body: &mut Writer, sample: &Sample<f32>) {
+    body.put(sample.time_us.to_le_bytes());
+    body.put(sample.faults.bits().to_le_bytes());
+    body.put(sample.position_m.to_le_bytes());
+    body.put(sample.force_n.to_le_bytes());
+}
+
+fn put_estimate(body: &mut Writer, estimate: &Estimate<f32>) {
+    body.put(estimate.time_us.to_le_bytes());
+    let event = estimate.event.map_or(0, |event| event as u8);
+    let (phase, status) = (estimate.phase as u8, estimate.status.code());
+    body.put([estimate.law.code(), phase, status, event]);
+    body.put(estimate.faults.bits().to_le_bytes());
+    let known = (0u8..)
+        .zip(&estimate.parameters)
+        .filter(|(_, parameter)| parameter.is_some());
+    body.put([known.fold(0, |mask, (slot, _)| mask | 1 << slot)]);
+    for parameter in estimate.parameters {
+        let parameter = parameter.unwrap_or_default();
+        body.put(parameter.value.to_le_bytes());
+        body.put(parameter.std_error.to_le_bytes());
+    }
+    let innovation = &estimate.innovation;
+    let numbers = [
+        estimate.depth_m,
+        estimate.speed_mps,
+        estimate.force_n,
+        innovation.prediction_n,
+        innovation.variance_n2,
+        innovation.test_ratio,
+        estimate.forgetting,
+    ];
+    for number in numbers {
+        body.put(number.to_le_bytes());
+    }
+}
+
+/// Finds frames in a stream of bytes.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    bytes: [u8; MAX_ENCODED],
+    length: usize,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Decoder::new()
+    }
+}
+
+impl Decoder {
+    /// In step with a stream that is about to start.
+    pub const fn new() -> Self {
+        Decoder {
+            bytes: [0; MAX_ENCODED],
+            length: 0,
+        }
+    }
+
+    /// Takes one byte. At the end of a frame, gives its sequence number and content, or why it is
+    /// none; the next frame is then read afresh.
+    pub fn push(&mut self, byte: u8) -> Option<Result<(u16, Frame), FrameError>> {
+        if byte != 0 {
+            if let Some(slot) = self.bytes.get_mut(self.length) {
+                *slot = byte;
+            }
+            self.length = self.length.saturating_add(1);
+            return None;
+        }
+        let length = core::mem::replace(&mut self.length, 0);
+        // Two zeros in a row are an idle line, not a broken frame.
+        (length > 0).then(|| match self.bytes.get_mut(..length) {
+            Some(encoded) => decode(encoded),
+            None => Err(FrameError::Framing),
+        })
+    }
+}
+
+fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
+    let length = cobs::decode_in_place(encoded).map_err(|_| FrameError::Framing)?;
+    let body = encoded.get(..length).ok_or(FrameError::Framing)?;
+    let (content, sum) = body.split_last_chunk::<4>().ok_or(FrameError::Framing)?;
+    if CRC.checksum(content) != u32::from_le_bytes(*sum) {
+        return Err(FrameError::Checksum);
+    }
+    let mut reader = Reader { bytes: content };
+    let [version, kind] = reader.take()?;
+    if version != VERSION {
+        return Err(FrameError::Version(version));
+    }
+    let sequence = u16::from_le_bytes(reader.take()?);
+    let frame = match kind {
+        1 => Frame::Sample(take_sample(&mut reader)?),
+        2 => Frame::Estimate(take_estimate(&mut reader)?),
+        _ => return Err(FrameError::Content),
+    };
+    if reader.bytes.is_empty() {
+        Ok((sequence, frame))
+    } else {
+        Err(FrameError::Content)
+    }
+}
+
+fn take_sample(reader: &mut Reader) -> Result<Sample<f32>, FrameError> {
+    Ok(Sample {
+        time_us: u64::from_le_bytes(reader.take()?),
+        faults: Faults::from_bits(u16::from_le_bytes(reader.take()?)),
+        position_m: reader.number()?,
+        force_n: reader.number()?,
+    })
+}
+
+fn take_estimate(reader: &mut Reader) -> Result<Estimate<f32>, FrameError> {
+    let time_us = u64::from_le_bytes(reader.take()?);
+    let [law, phase, status, event] = reader.take()?;
+    let faults = Faults::from_bits(u16::from_le_bytes(reader.take()?));
+    let [known] = reader.take()?;
+    let mut parameters = [None; PARAMETER_SLOTS];
+    for (slot, parameter) in (0u8..).zip(parameters.iter_mut()) {
+        let read = Estimated {
+            value: reader.number()?,
+            std_error: reader.number()?,
+        };
+        *parameter = (known & (1 << slot) != 0).then_some(read);
+    }
+    let [depth_m, speed_mps, force_n] = [reader.number()?, reader.number()?, reader.number()?];
+    let prediction_n = reader.number()?;
+    let innovation = Innovation {
+        observation_n: force_n,
+        prediction_n,
+        innovation_n: force_n - prediction_n,
+        variance_n2: reader.number()?,
+        test_ratio: reader.number()?,
+    };
+    Ok(Estimate {
+        time_us,
+        law: LawKind::from_code(law).ok_or(FrameError::Content)?,
+        phase: Phase::from_code(phase).ok_or(FrameError::Content)?,
+        status: Status::from_code(status).ok_or(FrameError::Content)?,
+        depth_m,
+        speed_mps,
+        force_n,
+        parameters,
+        innovation,
+        forgetting: reader.number()?,
+        event: match event {
+            0 => None,
+            code => Some(Event::from_code(code).ok_or(FrameError::Content)?),
+        },
+        faults,
+    })
+}
+
+struct Writer {
+    bytes: [u8; MAX_BODY],
+    length: usize,
+}
+
+impl Writer {
+    fn put<const N: usize>(&mut self, bytes: [u8; N]) {
+        if let Some(room) = self.bytes.get_mut(self.length..self.length + N) {
+            room.copy_from_slice(&bytes);
+            self.length += N;
+        }
+    }
+
+    fn written(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or(&[])
+    }
+}
+
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], FrameError> {
+        let (head, tail) = self
+            .bytes
+            .split_first_chunk::<N>()
+            .ok_or(FrameError::Content)?;
+        self.bytes = tail;
+        Ok(*head)
+    }
+
+    fn number(&mut self) -> Result<f32, FrameError> {
+        Ok(f32::from_le_bytes(self.take()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    extern crate std;
+    use std::vec::Vec;
+
+    fn estimate() -> Estimate<f32> {
+        let mut parameters = [None; PARAMETER_SLOTS];
+        parameters[0] = Some(Estimated {
+            value: 1350.0,
+            std_error: 1.5,
+        });
+        parameters[3] = Some(Estimated {
+            value: 2.5e-5,
+            std_error: 1e-6,
+        });
+        Estimate {
+            time_us: u64::from(u32::MAX) * 7,
+            law: LawKind::HuntCrossley,
+            phase: Phase::Contact,
+            status: Status::Converged,
+            depth_m: 1e-3,
+            speed_mps: -0.02,
+            force_n: 3.5,
+            parameters,
+            innovation: Innovation {
+                observation_n: 3.5,
+                prediction_n: 3.25,
+                innovation_n: 0.25,
+                variance_n2: 1e-4,
+                test_ratio: 625.0,
+            },
+            forgetting: 0.9999,
+            event: Some(Event::MaterialChange),
+            faults: Faults::from_bits(5),
+        }
+    }
+
+    fn sample() -> Sample<f32> {
+        Sample {
+            time_us: 1000,
+            position_m: 0.0,
+            force_n: -0.5,
+            faults: Faults::NONE,
+        }
+    }
+
+    fn encoded(frame: &Frame, sequence: u16) -> Vec<u8> {
+        let mut out = [0; MAX_ENCODED];
+        let length = encode(frame, sequence, &mut out);
+        out[..length].to_vec()
+    }
+
+    fn frames(bytes: &[u8]) -> Vec<Result<(u16, Frame), FrameError>> {
+        let mut decoder = Decoder::new();
+        bytes
+            .iter()
+            .filter_map(|byte| decoder.push(*byte))
+            .collect()
+    }
+
+    #[test]
+    fn what_goes_in_comes_out() {
+        for frame in [Frame::Estimate(estimate()), Frame::Sample(sample())] {
+            assert_eq!(frames(&encoded(&frame, 65_535)), [Ok((65_535, frame))]);
+        }
+    }
+
+    #[test]
+    fn an_estimate_fits_two_megabaud_at_a_kilohertz_twice() {
+        // 2 Mbaud carries 200 bytes a millisecond, ten bits each.
+        let length = encoded(&Frame::Estimate(estimate()), 0).len();
+        assert!((80..=100).contains(&length), "{length}");
+        assert_eq!(length, MAX_ENCODED);
+    }
+
+    #[test]
+    fn every_flipped_bit_is_refused_and_the_next_frame_is_read() {
+        let good = encoded(&Frame::Estimate(estimate()), 1);
+        let next = encoded(&Frame::Sample(sample()), 2);
+        for bit in 0..8 * (good.len() - 1) {
+            let mut stream = good.clone();
+            stream[bit / 8] ^= 1 << (bit % 8);
+            stream.extend_from_slice(&next);
+            let found = frames(&stream);
+            assert_eq!(
+                found.last(),
+                Some(&Ok((2, Frame::Sample(sample())))),
+                "bit {bit}"
+            );
+            assert!(
+                found[..found.len() - 1].iter().all(Result::is_err),
+                "bit {bit}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_reader_that_starts_in_the_middle_finds_the_next_frame() {
+        let good = encoded(&Frame::Estimate(estimate()), 1);
+        for cut in 1..good.len() - 1 {
+            let stream = [&good[cut..], &good[..]].concat();
+            assert_eq!(
+                frames(&stream).last(),
+                Some(&Ok((1, Frame::Estimate(estimate()))))
+            );
+        }
+    }
+
+    #[test]
+    fn garbage_of_any_length_is_refused() {
+        let mut stream: Vec<u8> = (0..500u32).map(|i| (i * 37 % 255 + 1) as u8).collect();
+        stream.push(0);
+        assert_eq!(frames(&stream), [Err(FrameError::Framing)]);
+        assert_eq!(frames(&[0, 0, 0]), []);
+    }
+}

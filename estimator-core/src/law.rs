@@ -70,6 +70,11 @@ impl LawKind {
         self as u8
     }
 
+    /// The one with a number.
+    pub fn from_code(code: u8) -> Option<LawKind> {
+        LawKind::ALL.into_iter().find(|one| one.code() == code)
+    }
+
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {

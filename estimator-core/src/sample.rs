@@ -32,10 +32,10 @@ impl<T: Real> Sample<T> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Fault {
-    /// The force is NaN or infinite; the sample is dropped.
-    ForceNotFinite = 1,
-    /// The position is NaN or infinite; the sample is dropped.
-    PositionNotFinite = 2,
+    /// The force is NaN, infinite or beyond [`crate::estimator::RANGE`]; the sample is dropped.
+    ForceUnusable = 1,
+    /// The position is NaN, infinite or beyond [`crate::estimator::RANGE`]; the sample is dropped.
+    PositionUnusable = 2,
     /// The time did not advance; the sample is dropped.
     TimeNotAdvancing = 3,
     /// More than 1.5 periods since the last sample; the filters start anew.
@@ -51,8 +51,8 @@ pub enum Fault {
 impl Fault {
     /// All faults in the order of their numbers.
     pub const ALL: [Fault; 7] = [
-        Fault::ForceNotFinite,
-        Fault::PositionNotFinite,
+        Fault::ForceUnusable,
+        Fault::PositionUnusable,
         Fault::TimeNotAdvancing,
         Fault::SampleMissed,
         Fault::ForceSaturated,
@@ -68,8 +68,8 @@ impl Fault {
     /// A short sentence for people.
     pub const fn describe(self) -> &'static str {
         match self {
-            Fault::ForceNotFinite => "force not finite, sample dropped",
-            Fault::PositionNotFinite => "position not finite, sample dropped",
+            Fault::ForceUnusable => "force is not a usable number, sample dropped",
+            Fault::PositionUnusable => "position is not a usable number, sample dropped",
             Fault::TimeNotAdvancing => "time does not advance, sample dropped",
             Fault::SampleMissed => "samples missing, filters restarted",
             Fault::ForceSaturated => "force at the end of its range, sample not learned from",

@@ -60,6 +60,9 @@ pub trait Real:
     + nalgebra::ClosedAddAssign
     + nalgebra::ClosedSubAssign
     + nalgebra::ClosedMulAssign
+    + nalgebra::ClosedDivAssign
+    + num_traits::Zero
+    + num_traits::One
     + AddAssign
     + SubAssign
     + MulAssign

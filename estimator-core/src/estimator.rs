@@ -1,0 +1,236 @@
+//! The whole loop on one screen.
+
+use crate::config::Params;
+use crate::contact::{Contact, ContactState};
+use crate::estimate::{Estimate, Event, Innovation, Phase};
+use crate::filter::{Aligned, FilterState};
+use crate::identify::{self, ForceNoise, Identifier, Instant};
+use crate::sample::{Fault, Faults, Sample};
+use crate::scalar::Real;
+use crate::status::Judge;
+
+/// All that the estimator remembers. Plain data: copy it, keep it, throw it away.
+#[derive(Clone, Debug)]
+pub struct State<T: Real = f32> {
+    filter: FilterState<T>,
+    contact: ContactState<T>,
+    identifier: Identifier<T>,
+    judge: Judge<T>,
+    last_time_us: Option<u64>,
+    /// Samples until the filter has forgotten something that must not be learned from.
+    distrust: u32,
+    last: Estimate<T>,
+}
+
+impl<T: Real> State<T> {
+    /// Before the first sample; also how an estimator is reset.
+    pub fn new(params: &Params<T>) -> Self {
+        State {
+            filter: FilterState::new(&params.filter),
+            contact: ContactState::new(&params.contact),
+            identifier: Identifier::new(params),
+            judge: Judge::new(),
+            last_time_us: None,
+            distrust: 0,
+            last: Estimate::nothing(params),
+        }
+    }
+}
+
+/// A sample is usable when its force and position are within this many times the reference force and
+/// depth: beyond it, squares would leave the range of single precision.
+pub const RANGE: f64 = 1e6;
+/// An instant is learned from when its force is above this many standard deviations.
+const LEARN_SIGMAS: f64 = 6.0;
+
+/// Takes one sample and says what is known after it. Never panics, never allocates; every number in
+/// the result is finite, whatever comes in.
+pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>) -> Estimate<T> {
+    let faults = state.admit(params, &sample);
+    if is_dropped(faults) {
+        return Estimate {
+            faults,
+            event: None,
+            forgetting: T::unit(),
+            ..state.last
+        };
+    }
+    let aligned = state.filter.update(&params.filter, &sample);
+    let contact = state.contact.update(&params.contact, &sample);
+    let (instant, noise) = scaled(params, &aligned, &contact);
+    if contact.phase == Phase::Contact {
+        state.judge.touched();
+    }
+    let innovation = state.predict(&contact, &instant, &noise);
+    let learned = state.learn(params, &contact, &instant, &noise, &innovation);
+    let change = learned.and_then(|_| state.judge(params, &contact, &noise, &innovation));
+    let estimate = Estimate {
+        time_us: sample.time_us.saturating_sub(params.delay_us()),
+        law: params.law(),
+        phase: contact.phase,
+        status: state.judge.status(),
+        depth_m: instant.depth * params.scale.depth_m,
+        speed_mps: aligned.speed_mps,
+        force_n: instant.force * params.scale.force_n,
+        parameters: state.last.parameters,
+        innovation: innovation.in_newtons(params.scale.force_n),
+        forgetting: learned.unwrap_or(T::unit()),
+        event: change.or(contact.event()),
+        faults,
+    };
+    state.keep(params, estimate)
+}
+
+impl<T: Real> State<T> {
+    /// What is wrong with the sample; restarts the filters after a gap.
+    fn admit(&mut self, params: &Params<T>, sample: &Sample<T>) -> Faults {
+        let mut faults = sample.faults;
+        if !within(sample.force_n, params.scale.force_n) {
+            faults = faults.with(Fault::ForceUnusable);
+        }
+        if !within(sample.position_m, params.scale.depth_m) {
+            faults = faults.with(Fault::PositionUnusable);
+        }
+        let elapsed = self
+            .last_time_us
+            .map(|last| sample.time_us.saturating_sub(last));
+        if elapsed == Some(0) {
+            faults = faults.with(Fault::TimeNotAdvancing);
+        }
+        if is_dropped(faults) {
+            return faults;
+        }
+        self.last_time_us = Some(sample.time_us);
+        if elapsed.is_some_and(|elapsed| elapsed > params.period_us + params.period_us / 2) {
+            faults = faults.with(Fault::SampleMissed);
+            self.filter.restart(sample);
+        }
+        self.distrust = self.distrust.saturating_sub(1);
+        if faults.has(Fault::SampleMissed) || faults.has(Fault::ForceSaturated) {
+            self.distrust = params.filter.memory_samples();
+        }
+        faults
+    }
+
+    /// Prediction against observation, scaled; nothing outside contact.
+    fn predict(
+        &self,
+        contact: &Contact<T>,
+        at: &Instant<T>,
+        noise: &ForceNoise<T>,
+    ) -> Innovation<T> {
+        if contact.phase != Phase::Contact {
+            return Innovation::default();
+        }
+        let (prediction, parameter_variance) = self.identifier.predict(at, noise);
+        Innovation::new(
+            at.force,
+            prediction,
+            noise.filtered * noise.filtered + parameter_variance,
+        )
+    }
+
+    /// Learns if there is something to learn from, and gives the forgetting factor that it used.
+    /// The whole window of the filter must lie inside the contact, and the force above the noise.
+    fn learn(
+        &mut self,
+        params: &Params<T>,
+        contact: &Contact<T>,
+        at: &Instant<T>,
+        noise: &ForceNoise<T>,
+        innovation: &Innovation<T>,
+    ) -> Option<T> {
+        let inside = contact.run >= params.filter.memory_samples() && self.distrust == 0;
+        let above = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
+        if !(inside && above) {
+            return None;
+        }
+        let error_n = innovation.innovation_n * params.scale.force_n;
+        let beta = params.forgetting.beta(error_n, contact.noise_n);
+        self.identifier
+            .learn(params, at, noise, beta)
+            .then_some(beta)
+    }
+
+    /// What the new parameters are worth; refreshes the ones that are reported.
+    fn judge(
+        &mut self,
+        params: &Params<T>,
+        contact: &Contact<T>,
+        noise: &ForceNoise<T>,
+        innovation: &Innovation<T>,
+    ) -> Option<Event> {
+        let surface = contact.surface.unwrap_or_default();
+        let judged = self
+            .identifier
+            .judged(noise, surface.std_error_m / params.scale.depth_m);
+        let own = judged
+            .get(..params.law().parameters().len() - 1)
+            .unwrap_or(&[]);
+        let event = self
+            .judge
+            .update(&params.status, own, innovation.test_ratio);
+        self.last.parameters = identify::report(params, own, self.judge.misfit(), surface);
+        event
+    }
+
+    /// Keeps the record for the next sample, or starts anew if it is not finite.
+    fn keep(&mut self, params: &Params<T>, estimate: Estimate<T>) -> Estimate<T> {
+        if estimate.is_finite() {
+            self.last = estimate;
+            return estimate;
+        }
+        self.filter = FilterState::new(&params.filter);
+        self.identifier = Identifier::new(params);
+        self.judge = Judge::new();
+        self.distrust = params.filter.memory_samples();
+        self.last = Estimate::nothing(params);
+        let faults = estimate.faults.with(Fault::NotFinite);
+        Estimate {
+            time_us: estimate.time_us,
+            faults,
+            event: None,
+            ..self.last
+        }
+    }
+}
+
+fn within<T: Real>(value: T, reference: T) -> bool {
+    value.magnitude() < T::from_f64(RANGE) * reference
+}
+
+fn is_dropped(faults: Faults) -> bool {
+    [
+        Fault::ForceUnusable,
+        Fault::PositionUnusable,
+        Fault::TimeNotAdvancing,
+    ]
+    .into_iter()
+    .any(|fault| faults.has(fault))
+}
+
+/// The aligned signals and the noise in the scales of the estimators.
+fn scaled<T: Real>(
+    params: &Params<T>,
+    aligned: &Aligned<T>,
+    contact: &Contact<T>,
+) -> (Instant<T>, ForceNoise<T>) {
+    let scale = &params.scale;
+    let depth = match contact.surface {
+        Some(surface) => (aligned.position_m - surface.position_m) / scale.depth_m,
+        None => T::nil(),
+    };
+    let instant = Instant {
+        depth,
+        speed: aligned.speed_mps / scale.speed_mps,
+        force: (aligned.force_n - contact.rest_n) / scale.force_n,
+    };
+    let raw = contact.noise_n / scale.force_n;
+    (
+        instant,
+        ForceNoise {
+            raw,
+            filtered: raw * params.filter.noise_gain().root(),
+        },
+    )
+}

@@ -1,0 +1,190 @@
+//! The estimators of the menu, one file each, behind one face.
+
+mod confidence;
+mod hunt_crossley;
+mod kelvin_voigt;
+
+pub use confidence::Confidence;
+pub use hunt_crossley::TwoStage;
+pub use kelvin_voigt::Linear;
+
+use crate::config::{Initial, Method, Params, Reference};
+use crate::contact::SurfacePosition;
+use crate::estimate::{Estimated, PARAMETER_SLOTS, Parameters};
+use crate::scalar::Real;
+use crate::status::Judged;
+
+/// Reference speed over reference depth [1/s]: 10 mm/s at 1 mm, a palpation's.
+const SPEED_PER_DEPTH: f64 = 10.0;
+
+/// The scales in which the estimators compute: depth, speed and force are of the order of 1 in
+/// them, from nanonewtons at micrometres to kilonewtons at centimetres. On raw metres an EKF
+/// converged from 26–29 % of random starts, on scaled depth from 95 %.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale<T> {
+    /// δ₀ [m]
+    pub depth_m: T,
+    /// v₀ [m/s]
+    pub speed_mps: T,
+    /// F₀ [N]
+    pub force_n: T,
+}
+
+impl<T: Real> Scale<T> {
+    pub(crate) fn new(reference: Reference) -> Self {
+        let depth = f64::from(reference.depth_m);
+        Scale {
+            depth_m: T::from_f64(depth),
+            speed_mps: T::from_f64(SPEED_PER_DEPTH * depth),
+            force_n: T::from_f64(f64::from(reference.force_n)),
+        }
+    }
+
+    /// N/m in one unit of scaled stiffness.
+    pub fn stiffness(&self) -> T {
+        self.force_n / self.depth_m
+    }
+
+    /// N s/m in one unit of scaled damping.
+    pub fn damping(&self) -> T {
+        self.force_n / self.speed_mps
+    }
+}
+
+/// Where an estimator starts, scaled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<T> {
+    /// c of P(0) = c·I
+    pub covariance: T,
+    /// K
+    pub stiffness: T,
+    /// λ
+    pub damping: T,
+    /// n
+    pub exponent: T,
+}
+
+impl<T: Real> Start<T> {
+    pub(crate) fn new(initial: Initial, reference: Reference) -> Self {
+        let scale = Scale::<f64>::new(reference);
+        Start {
+            covariance: T::from_f64(f64::from(initial.covariance)),
+            stiffness: T::from_f64(f64::from(initial.stiffness_n_per_m) / scale.stiffness()),
+            damping: T::from_f64(f64::from(initial.damping_ns_per_m) / scale.damping()),
+            exponent: T::from_f64(f64::from(initial.exponent)),
+        }
+    }
+}
+
+/// One instant of a contact, scaled.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Instant<T> {
+    /// δ/δ₀
+    pub depth: T,
+    /// δ̇/v₀
+    pub speed: T,
+    /// F/F₀
+    pub force: T,
+}
+
+/// What the force channel is worth, scaled by F₀.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ForceNoise<T> {
+    /// Standard deviation of the raw force.
+    pub raw: T,
+    /// Standard deviation of the filtered force.
+    pub filtered: T,
+}
+
+/// The contract of an estimator. All quantities are scaled.
+pub trait Identify<T: Real> {
+    /// F̂ at an instant, and the variance that the parameters' errors give it.
+    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T);
+
+    /// Learns from an instant with forgetting factor β. False if the instant had nothing to teach.
+    fn learn(
+        &mut self,
+        params: &Params<T>,
+        at: &Instant<T>,
+        noise: &ForceNoise<T>,
+        beta: T,
+    ) -> bool;
+
+    /// Values and standard errors in the order of the law's slots, without the surface;
+    /// `surface_error` is the standard error of the surface position.
+    fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS];
+}
+
+/// The estimator that was chosen.
+#[derive(Clone, Debug)]
+pub enum Identifier<T: Real> {
+    /// See [`Linear`].
+    Linear(Linear<T>),
+    /// See [`TwoStage`].
+    TwoStage(TwoStage<T>),
+}
+
+impl<T: Real> Identifier<T> {
+    /// Before the first contact.
+    pub fn new(params: &Params<T>) -> Self {
+        match params.method {
+            Method::KelvinVoigt => Self::Linear(Linear::new(params)),
+            Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+        }
+    }
+
+    /// See [`Identify::predict`].
+    pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T) {
+        match self {
+            Self::Linear(own) => own.predict(at, noise),
+            Self::TwoStage(own) => own.predict(at, noise),
+        }
+    }
+
+    /// See [`Identify::learn`].
+    pub fn learn(
+        &mut self,
+        params: &Params<T>,
+        at: &Instant<T>,
+        noise: &ForceNoise<T>,
+        beta: T,
+    ) -> bool {
+        match self {
+            Self::Linear(own) => own.learn(params, at, noise, beta),
+            Self::TwoStage(own) => own.learn(params, at, noise, beta),
+        }
+    }
+
+    /// See [`Identify::judged`].
+    pub fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
+        match self {
+            Self::Linear(own) => own.judged(noise, surface_error),
+            Self::TwoStage(own) => own.judged(noise, surface_error),
+        }
+    }
+}
+
+/// The parameters in SI units, the surface behind the law's own; what is not observable is `None`.
+/// `misfit` multiplies the standard errors of what the law explains.
+pub fn report<T: Real>(
+    params: &Params<T>,
+    judged: &[Judged<T>],
+    misfit: T,
+    surface: SurfacePosition<T>,
+) -> Parameters<T> {
+    let units = [params.scale.stiffness(), params.scale.damping(), T::unit()];
+    let mut parameters = [None; PARAMETER_SLOTS];
+    for ((slot, own), unit) in parameters.iter_mut().zip(judged).zip(units) {
+        *slot = own.observable().then(|| Estimated {
+            value: own.value * unit,
+            std_error: own.std_error * misfit * unit,
+        });
+    }
+    if let Some(slot) = parameters.get_mut(judged.len()) {
+        *slot = Some(Estimated {
+            value: surface.position_m,
+            std_error: surface.std_error_m,
+        });
+    }
+    parameters
+}

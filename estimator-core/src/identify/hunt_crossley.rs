@@ -1,0 +1,150 @@
+//! Hunt–Crossley by two recursive least squares in feedback, (25)–(37).
+//!
+//! Γ₁ estimates [K, λ] from y₁ = F, φ₁ = [δ₀(δ/δ₀)ⁿ̂, (δ/δ₀)ⁿ̂δ̇];
+//! Γ₂ estimates n from y₂ = ln(F/(K̂δ₀ + λ̂δ̇)), φ₂ = ln(δ/δ₀).
+//! Each uses the other's latest estimate. Both forget by (24) with the same error |F − F̂|.
+
+use nalgebra::{Vector1, Vector2, Vector3};
+
+use super::kelvin_voigt::size;
+use super::{Confidence, ForceNoise, Identify, Instant};
+use crate::config::Params;
+use crate::estimate::PARAMETER_SLOTS;
+use crate::rls::{Excitation, Rls};
+use crate::scalar::Real;
+use crate::status::Judged;
+
+/// Γ₂ takes forces above this many standard deviations of the filtered force: the logarithm of a
+/// noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
+const LOG_SIGMAS: f64 = 40.0;
+/// Γ₂ takes samples on which damping is less than this share of the spring: K̂δ₀ + λ̂δ̇ must be
+/// positive and not small.
+const DAMPING_SHARE: f64 = 0.8;
+/// n̂ is used within these bounds, so that no start makes a power that single precision cannot hold.
+const EXPONENT: (f64, f64) = (0.3, 4.0);
+
+/// The chapter's estimator, scaled: θ₁ = [K, λ], θ₂ = n.
+#[derive(Clone, Debug)]
+pub struct TwoStage<T: Real> {
+    gamma_1: Rls<T, 2>,
+    gamma_2: Rls<T, 1>,
+    confidence: Confidence<T, 3>,
+    excitation: Excitation<T, 2>,
+}
+
+/// The two factors of F = (K + λw)·dⁿ at an instant, with the present estimates.
+struct Split<T> {
+    /// (δ/δ₀)^n̂
+    shape: T,
+    /// K̂ + λ̂w
+    modulus: T,
+    /// n̂ within bounds
+    exponent: T,
+}
+
+impl<T: Real> TwoStage<T> {
+    /// θ̂(0) and P(0) from the configuration.
+    pub fn new(params: &Params<T>) -> Self {
+        let start = params.start;
+        TwoStage {
+            gamma_1: Rls::new(
+                Vector2::new(start.stiffness, start.damping),
+                start.covariance,
+            ),
+            gamma_2: Rls::new(Vector1::new(start.exponent), start.covariance),
+            confidence: Confidence::new(start.covariance),
+            excitation: Excitation::default(),
+        }
+    }
+
+    fn exponent(&self) -> T {
+        let n = T::from_f64(EXPONENT.0).max_of(self.gamma_2.theta.x);
+        if n > T::from_f64(EXPONENT.1) {
+            T::from_f64(EXPONENT.1)
+        } else {
+            n
+        }
+    }
+
+    fn split(&self, at: &Instant<T>) -> Split<T> {
+        let exponent = self.exponent();
+        let theta = &self.gamma_1.theta;
+        Split {
+            shape: at.depth.pow_positive(exponent),
+            modulus: theta.x + theta.y * at.speed,
+            exponent,
+        }
+    }
+
+    /// ∇F by (K, λ, n), of d > 0.
+    fn gradient(at: &Instant<T>, split: &Split<T>) -> Vector3<T> {
+        let force = split.modulus * split.shape;
+        Vector3::new(split.shape, split.shape * at.speed, force * at.depth.ln())
+    }
+}
+
+impl<T: Real> Identify<T> for TwoStage<T> {
+    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T) {
+        if at.depth <= T::nil() {
+            return (T::nil(), T::nil());
+        }
+        let split = self.split(at);
+        let variance = self
+            .confidence
+            .force_variance(&Self::gradient(at, &split), noise);
+        (split.modulus * split.shape, variance)
+    }
+
+    fn learn(
+        &mut self,
+        params: &Params<T>,
+        at: &Instant<T>,
+        noise: &ForceNoise<T>,
+        beta: T,
+    ) -> bool {
+        if at.depth <= T::nil() {
+            return false;
+        }
+        let Split { shape, .. } = self.split(at);
+        let phi_1 = Vector2::new(shape, shape * at.speed);
+        if !self.excitation.admits(&phi_1, params.excitation_step) {
+            return false;
+        }
+        self.gamma_1.update(&phi_1, at.force, beta);
+
+        let split = self.split(at);
+        let theta = &self.gamma_1.theta;
+        let spring_leads = (theta.y * at.speed).magnitude() < T::from_f64(DAMPING_SHARE) * theta.x;
+        if spring_leads && at.force > T::from_f64(LOG_SIGMAS) * noise.filtered {
+            let y_2 = (at.force / split.modulus).ln();
+            if y_2.finite() {
+                self.gamma_2.update(&Vector1::new(at.depth.ln()), y_2, beta);
+            }
+        }
+
+        let by_surface = -(split.exponent * split.modulus * split.shape / at.depth);
+        self.confidence
+            .update(&Self::gradient(at, &split), by_surface, beta);
+        true
+    }
+
+    fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
+        let errors = self.confidence.std_errors(noise, surface_error);
+        let theta = &self.gamma_1.theta;
+        let values = [
+            (theta.x, size(theta.x, theta.x)),
+            (theta.y, size(theta.y, theta.x)),
+            (self.exponent(), T::unit()),
+        ];
+        let mut judged = [Judged::default(); PARAMETER_SLOTS];
+        for ((slot, (value, scale)), std_error) in judged.iter_mut().zip(values).zip(errors.iter())
+        {
+            *slot = Judged {
+                value,
+                std_error: *std_error,
+                scale,
+            };
+        }
+        judged
+    }
+}
