@@ -16,7 +16,7 @@ use crate::status::StatusParams;
 /// millimetres deep with newtons.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
-    /// Samples per second [Hz].
+    /// Samples per second (Hz).
     pub rate_hz: f32,
     /// Scales at which the problem is well conditioned and the parameters are reported.
     pub reference: Reference,
@@ -37,9 +37,9 @@ pub struct Config {
 /// Scales of the contact. Parameters are reported at `depth_m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
-    /// δ₀ [m].
+    /// δ₀ (m).
     pub depth_m: f32,
-    /// A typical force [N].
+    /// A typical force (N).
     pub force_n: f32,
 }
 
@@ -48,7 +48,7 @@ pub struct Reference {
 pub enum Filter {
     /// Second-order state-variable filter, the chapter's.
     StateVariable {
-        /// Corner frequency [Hz].
+        /// Corner frequency (Hz).
         cutoff_hz: f32,
         /// ζ: 1 is critically damped.
         damping_ratio: f32,
@@ -70,9 +70,9 @@ pub struct Contact {
     pub touch_sigma: f32,
     /// Lift-off below this many.
     pub release_sigma: f32,
-    /// Standard deviation of the raw force [N]; `None`: measured while settling.
+    /// Standard deviation of the raw force (N); `None`: measured while settling.
     pub force_noise_n: Option<f32>,
-    /// Time in free air, at the start, over which noise and resting force are measured [s].
+    /// Time in free air, at the start, over which noise and resting force are measured (s).
     pub settle_s: f32,
 }
 
@@ -81,9 +81,9 @@ pub struct Contact {
 pub enum Surface {
     /// The position of impact is taken for the surface, anew at every touch (the chapter's way).
     AtImpact,
-    /// It is known [m].
+    /// It is known (m).
     Known {
-        /// Position of the surface [m].
+        /// Position of the surface (m).
         position_m: f32,
     },
 }
@@ -113,10 +113,10 @@ impl Method {
 pub struct Forgetting {
     /// α₁: 1 − α₁ is the forgetting factor for large errors.
     pub alpha_1: f32,
-    /// α₂ [1/N]: steepness of the transition; `None`: 200/α₃.
+    /// α₂ (1/N): steepness of the transition; `None`: 2/α₃.
     pub alpha_2_per_n: Option<f32>,
-    /// α₃ [N]: the threshold between small and large errors; `None`: 3 × the noise of
-    /// the raw force.
+    /// α₃ (N): the threshold between small and large errors; `None`: 1.5 × the noise
+    /// of the raw force.
     pub alpha_3_n: Option<f32>,
     /// A sample is learned from when the regressor has moved by this fraction of its scale since
     /// the last one that was: a hold repeats itself and would wind the covariance up.
@@ -128,9 +128,9 @@ pub struct Forgetting {
 pub struct Initial {
     /// c of P(0) = c·I, in squared units of the reference scales.
     pub covariance: f32,
-    /// K [N/m] at the reference depth.
+    /// K (N/m) at the reference depth.
     pub stiffness_n_per_m: f32,
-    /// λ [N s/m] at the reference depth.
+    /// λ (N s/m) at the reference depth.
     pub damping_ns_per_m: f32,
     /// n.
     pub exponent: f32,
@@ -142,7 +142,7 @@ pub struct Judgement {
     /// Converged: every parameter within this fraction of where it was `window_s` of contact ago,
     /// and every standard error below this fraction of its value.
     pub converged_within: f32,
-    /// Time in contact over which parameters must be steady [s].
+    /// Time in contact over which parameters must be steady (s).
     pub window_s: f32,
     /// Suspect: mean test ratio over the window above this.
     pub suspect_ratio: f32,
@@ -166,7 +166,7 @@ impl Default for Config {
             },
             method: Method::HuntCrossleyTwoStage,
             forgetting: Forgetting {
-                alpha_1: 0.05,
+                alpha_1: 0.04,
                 alpha_2_per_n: None,
                 alpha_3_n: None,
                 excitation_step: 0.01,
@@ -175,7 +175,7 @@ impl Default for Config {
                 covariance: 1e4,
                 stiffness_n_per_m: 1000.0,
                 damping_ns_per_m: 0.0,
-                exponent: 1.0,
+                exponent: 1.3,
             },
             judgement: Judgement {
                 converged_within: 0.05,
@@ -201,7 +201,7 @@ pub struct Params<T> {
 }
 
 impl<T: Real> Params<T> {
-    /// Delay of every record behind the newest sample [µs].
+    /// Delay of every record behind the newest sample (µs).
     pub fn delay_us(&self) -> u64 {
         self.filter.delay_us()
     }
@@ -211,7 +211,7 @@ impl<T: Real> Params<T> {
         self.method.law()
     }
 
-    /// (α₁, α₂ [1/N], α₃ [N]) of (24) at a noise of the raw force [N].
+    /// (α₁, α₂ (1/N), α₃ (N)) of (24) at a noise of the raw force (N).
     pub fn alphas(&self, noise_n: T) -> (T, T, T) {
         self.forgetting.alphas(noise_n)
     }

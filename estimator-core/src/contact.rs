@@ -16,7 +16,7 @@ const PRE_TRIGGER: usize = 64;
 const TOUCH_RUN: u32 = 2;
 /// Samples in a row that make a lift-off.
 const RELEASE_RUN: u32 = 3;
-/// The resting force follows the free-air force with this time constant [s].
+/// The resting force follows the free-air force with this time constant (s).
 const REST_TIME_S: f64 = 1.0;
 /// Noise is never taken for less than this fraction of the reference force: a log without noise
 /// would otherwise touch at its first rounding error.
@@ -96,9 +96,9 @@ impl<T: Real> ContactParams<T> {
 /// A surface position with its uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfacePosition<T> {
-    /// Position [m].
+    /// Position (m).
     pub position_m: T,
-    /// Standard error [m]; 0 where it is known.
+    /// Standard error (m); 0 where it is known.
     pub std_error_m: T,
 }
 
@@ -113,9 +113,9 @@ pub struct Contact<T> {
     pub run: u32,
     /// The surface of this or the last contact, once there was one.
     pub surface: Option<SurfacePosition<T>>,
-    /// Force in free air [N], to be taken off.
+    /// Force in free air (N), to be taken off.
     pub rest_n: T,
-    /// Standard deviation of the raw force [N].
+    /// Standard deviation of the raw force (N).
     pub noise_n: T,
 }
 

@@ -24,13 +24,13 @@ pub type Parameters<T> = [Option<Estimated<T>>; PARAMETER_SLOTS];
 /// Prediction against observation, before the estimate has seen the sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Innovation<T> {
-    /// Force that was measured [N], filtered, without the resting force.
+    /// Force that was measured (N), filtered, without the resting force.
     pub observation_n: T,
-    /// Force that the law predicts with the estimates so far [N].
+    /// Force that the law predicts with the estimates so far (N).
     pub prediction_n: T,
-    /// Observation − prediction [N].
+    /// Observation − prediction (N).
     pub innovation_n: T,
-    /// Variance that the innovation should have [N²].
+    /// Variance that the innovation should have (N²).
     pub variance_n2: T,
     /// innovation² / variance: about 1 while the law explains the force.
     pub test_ratio: T,
@@ -122,7 +122,7 @@ impl Event {
 /// One record per sample. Every number in it is finite, whatever came in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<T = f32> {
-    /// The instant that the record describes [µs]: the sample's time less the delay of the filter.
+    /// The instant that the record describes (µs): the sample's time less the delay of the filter.
     pub time_us: u64,
     /// The law that the parameters belong to.
     pub law: LawKind,
@@ -130,11 +130,11 @@ pub struct Estimate<T = f32> {
     pub phase: Phase,
     /// How far the parameters can be trusted.
     pub status: Status,
-    /// Penetration [m]: filtered position − surface; negative in free air, 0 while no surface is known.
+    /// Penetration (m): filtered position − surface; negative in free air, 0 while no surface is known.
     pub depth_m: T,
-    /// Rate of penetration [m/s], with the same delay.
+    /// Rate of penetration (m/s), with the same delay.
     pub speed_mps: T,
-    /// Force [N] with the same delay, resting force removed.
+    /// Force (N) with the same delay, resting force removed.
     pub force_n: T,
     /// The parameters, in SI units at the reference depth.
     pub parameters: Parameters<T>,

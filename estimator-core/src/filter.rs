@@ -17,11 +17,11 @@ use crate::scalar::Real;
 /// Position, speed and force of one instant, `delay` before the newest sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Aligned<T> {
-    /// Position [m].
+    /// Position (m).
     pub position_m: T,
-    /// Speed [m/s].
+    /// Speed (m/s).
     pub speed_mps: T,
-    /// Force [N].
+    /// Force (N).
     pub force_n: T,
 }
 
@@ -73,7 +73,7 @@ impl<T: Real> FilterParams<T> {
         }
     }
 
-    /// Delay of all three outputs [µs].
+    /// Delay of all three outputs (µs).
     pub fn delay_us(&self) -> u64 {
         match self {
             Self::StateVariable(p) => p.delay_us(),

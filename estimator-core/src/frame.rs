@@ -11,9 +11,9 @@ use crate::status::Status;
 
 /// Version of the layout; a reader refuses any other.
 pub const VERSION: u8 = 1;
-/// Longest frame on the wire, with its zero byte [bytes].
+/// Longest frame on the wire, with its zero byte (bytes).
 pub const MAX_ENCODED: usize = MAX_BODY + 2;
-/// Longest frame before COBS [bytes]: that of an estimate.
+/// Longest frame before COBS (bytes): that of an estimate.
 const MAX_BODY: usize = 4 + 8 + 7 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
 
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);

@@ -14,7 +14,7 @@ use crate::estimate::{Estimated, PARAMETER_SLOTS, Parameters};
 use crate::scalar::Real;
 use crate::status::Judged;
 
-/// Reference speed over reference depth [1/s]: 10 mm/s at 1 mm, a palpation's.
+/// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, a palpation's.
 const SPEED_PER_DEPTH: f64 = 10.0;
 
 /// The scales in which the estimators compute: depth, speed and force are of the order of 1 in
@@ -22,11 +22,11 @@ const SPEED_PER_DEPTH: f64 = 10.0;
 /// converged from 26–29 % of random starts, on scaled depth from 95 %.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale<T> {
-    /// δ₀ [m]
+    /// δ₀ (m)
     pub depth_m: T,
-    /// v₀ [m/s]
+    /// v₀ (m/s)
     pub speed_mps: T,
-    /// F₀ [N]
+    /// F₀ (N)
     pub force_n: T,
 }
 

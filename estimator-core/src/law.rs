@@ -15,7 +15,7 @@ use crate::units::Unit;
 
 /// A contact law without memory.
 pub trait ContactLaw<S: Scalar> {
-    /// Force on the probe [N] at penetration `depth_m` [m], which changes by `speed_mps` [m/s].
+    /// Force on the probe (N) at penetration `depth_m` (m), which changes by `speed_mps` (m/s).
     /// Zero outside the material; not saturated, so a law that pulls while unloading does.
     fn force_n(&self, depth_m: S, speed_mps: S) -> S;
 }

@@ -15,7 +15,7 @@ pub struct Noise<T> {
 }
 
 impl<T: Real> Noise<T> {
-    /// Takes one raw force [N].
+    /// Takes one raw force (N).
     pub fn update(&mut self, force_n: T) {
         self.seen = self.seen.saturating_add(1);
         let count = T::from_f64(f64::from(self.seen));
@@ -34,12 +34,12 @@ impl<T: Real> Noise<T> {
         self.seen
     }
 
-    /// Mean force [N].
+    /// Mean force (N).
     pub fn mean_n(&self) -> T {
         self.mean_n
     }
 
-    /// Standard deviation of the raw force [N].
+    /// Standard deviation of the raw force (N).
     pub fn sigma_n(&self) -> T {
         (self.curvature_n2 / T::from_f64(6.0)).root()
     }

@@ -74,7 +74,7 @@ pub trait Real:
     fn magnitude(self) -> Self;
     /// Square root.
     fn root(self) -> Self;
-    /// Arc tangent [rad].
+    /// Arc tangent (rad).
     fn arctan(self) -> Self;
     /// Tangent of an angle in rad.
     fn tangent(self) -> Self;

@@ -60,7 +60,7 @@ impl Status {
 
 /// Snapshots of the parameters that steadiness is judged over.
 const SNAPSHOTS: usize = 8;
-/// Memory of the quick mean of the test ratio [samples]: 20 ms at 1 kHz.
+/// Memory of the quick mean of the test ratio (samples): 20 ms at 1 kHz.
 const QUICK: f64 = 20.0;
 /// A change: the quick mean is this many times what the law used to leave. At 20 independent
 /// samples the quick mean exceeds 12 by chance with probability below 10⁻³⁰.

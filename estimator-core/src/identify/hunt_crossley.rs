@@ -148,3 +148,80 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         judged
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Config;
+    use crate::law::{ContactLaw, HuntCrossley};
+
+    const NOISE: ForceNoise<f64> = ForceNoise {
+        raw: 0.02,
+        filtered: 0.007,
+    };
+
+    /// 6 s of 1.2 Hz strokes on gel, without noise, scaled by 1 mm, 10 mm/s and 1 N.
+    fn palpate(stages: &mut TwoStage<f64>, params: &Params<f64>) {
+        let gel = HuntCrossley::new(1350.0, 36.0, 1.35, 1e-3);
+        for i in 0..6000 {
+            let angle = core::f64::consts::TAU * 1.2 * f64::from(i) * 1e-3;
+            let depth_m = 2e-3 * (1.0 - libm::cos(angle));
+            let speed_mps = 2e-3 * core::f64::consts::TAU * 1.2 * libm::sin(angle);
+            let force = gel.force_n(depth_m, speed_mps);
+            let at = Instant {
+                depth: depth_m / 1e-3,
+                speed: speed_mps / 0.01,
+                force,
+            };
+            let beta = params
+                .forgetting
+                .beta(force - stages.predict(&at, &NOISE).0, NOISE.raw);
+            stages.learn(params, &at, &NOISE, beta);
+        }
+    }
+
+    #[test]
+    fn the_two_stages_agree_on_the_material() {
+        let params = Config::default().validate().unwrap();
+        let mut stages = TwoStage::new(&params);
+        palpate(&mut stages, &params);
+        let [stiffness, damping, exponent, ..] = stages.judged(&NOISE, 0.0);
+        // Without noise what is left is how far the feedback has settled after five strokes.
+        assert!((stiffness.value / 1.35 - 1.0).abs() < 2e-3, "{stiffness:?}");
+        assert!((damping.value / 0.36 - 1.0).abs() < 2e-3, "{damping:?}");
+        assert!((exponent.value - 1.35).abs() < 2e-3, "{exponent:?}");
+    }
+
+    #[test]
+    fn at_the_reference_depth_the_second_stage_is_blind() {
+        // ln(δ/δ₀) = 0: n̂ must stay where it is, whatever the force.
+        let params = Config::default().validate().unwrap();
+        let mut stages = TwoStage::<f64>::new(&params);
+        for i in 0..100 {
+            let speed = 0.1 * f64::from(i % 7);
+            let at = Instant {
+                depth: 1.0,
+                speed,
+                force: 5.0,
+            };
+            stages.learn(&params, &at, &NOISE, 0.99);
+        }
+        let exponent = stages.judged(&NOISE, 0.0)[2];
+        assert!((exponent.value - f64::from(1.3_f32)).abs() < 1e-12);
+        assert!(!exponent.observable());
+    }
+
+    #[test]
+    fn a_surface_that_may_be_off_widens_every_error() {
+        let params = Config::default().validate().unwrap();
+        let mut stages = TwoStage::new(&params);
+        palpate(&mut stages, &params);
+        let (sure, unsure) = (stages.judged(&NOISE, 0.0), stages.judged(&NOISE, 0.05));
+        for (sure, unsure) in sure.iter().zip(&unsure).take(3) {
+            assert!(
+                unsure.std_error > 5.0 * sure.std_error,
+                "{sure:?} {unsure:?}"
+            );
+        }
+    }
+}

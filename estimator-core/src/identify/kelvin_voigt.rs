@@ -84,3 +84,53 @@ pub(super) fn size<T: Real>(value: T, stiffness: T) -> T {
         .magnitude()
         .max_of(T::from_f64(0.1) * stiffness.magnitude())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Config;
+
+    #[test]
+    fn spring_and_damper_are_told_apart() {
+        let params = Config::default().validate().unwrap();
+        let mut linear = Linear::<f64>::new(&params);
+        let noise = ForceNoise {
+            raw: 0.02,
+            filtered: 0.007,
+        };
+        for i in 1..=500 {
+            let angle = 7.5e-3 * f64::from(i);
+            let (depth, speed) = (1.0 - libm::cos(angle), libm::sin(angle));
+            let at = Instant {
+                depth,
+                speed,
+                force: 2.26 * depth + 1.23 * speed,
+            };
+            assert!(linear.learn(&params, &at, &noise, 0.999));
+        }
+        let [stiffness, damping, ..] = linear.judged(&noise, 0.0);
+        // P(0) = 10⁴ is worth 10⁻⁴ of one sample.
+        assert!((stiffness.value - 2.26).abs() < 1e-5);
+        assert!((damping.value - 1.23).abs() < 1e-5);
+        assert!(stiffness.observable() && damping.observable());
+    }
+
+    #[test]
+    fn a_hold_teaches_nothing() {
+        let params = Config::default().validate().unwrap();
+        let mut linear = Linear::<f64>::new(&params);
+        let noise = ForceNoise {
+            raw: 0.02,
+            filtered: 0.007,
+        };
+        let at = Instant {
+            depth: 2.0,
+            speed: 0.0,
+            force: 4.0,
+        };
+        let learned = (0..100_000)
+            .filter(|_| linear.learn(&params, &at, &noise, 0.96))
+            .count();
+        assert!(learned < 100, "{learned}");
+    }
+}

@@ -5,20 +5,20 @@ use crate::scalar::Scalar;
 
 /// F = Kδ₀(δ/δ₀)ⁿ + λδ̇(δ/δ₀)^q for δ > 0: (3) with the depth in units of δ₀.
 ///
-/// **Units.** K [N/m] is the secant stiffness at δ₀, comparable with Kelvin–Voigt's, and λ [N s/m]
-/// the damping there. In the raw form of (3): κ = K·δ₀^(1−n) [N/mⁿ], λ_raw = λ·δ₀^(−q). The numbers
+/// **Units.** K (N/m) is the secant stiffness at δ₀, comparable with Kelvin–Voigt's, and λ (N s/m)
+/// the damping there. In the raw form of (3): κ = K·δ₀^(1−n) (N/mⁿ), λ_raw = λ·δ₀^(−q). The numbers
 /// printed in the chapter are in this form with δ₀ = 1 mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HuntCrossley<S> {
-    /// K [N/m] at the reference depth.
+    /// K (N/m) at the reference depth.
     pub stiffness_n_per_m: S,
-    /// λ [N s/m] at the reference depth.
+    /// λ (N s/m) at the reference depth.
     pub damping_ns_per_m: S,
     /// n: near 1, 3/2 for a Hertzian sphere.
     pub exponent: S,
     /// q: usually n.
     pub damping_exponent: S,
-    /// δ₀ [m]
+    /// δ₀ (m)
     pub reference_depth_m: S,
 }
 
@@ -39,7 +39,7 @@ impl<S: Scalar> HuntCrossley<S> {
         }
     }
 
-    /// κ [N/mⁿ] and λ_raw [N s/m^(q+1)] of the raw form κδⁿ + λδ^q δ̇.
+    /// κ (N/mⁿ) and λ_raw (N s/m^(q+1)) of the raw form κδⁿ + λδ^q δ̇.
     pub fn raw(&self) -> (S, S) {
         let scale = self.reference_depth_m;
         (

@@ -9,9 +9,9 @@ use crate::scalar::Scalar;
 /// unloading the contact pulls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KelvinVoigt<S> {
-    /// K [N/m]
+    /// K (N/m)
     pub stiffness_n_per_m: S,
-    /// λ [N s/m]
+    /// λ (N s/m)
     pub damping_ns_per_m: S,
 }
 

@@ -4,11 +4,13 @@ use crate::config::Config;
 use crate::error::{ConfigError, require};
 use crate::scalar::Real;
 
-/// α₂α₃ when α₂ is left open: at zero error 1 − β = α₁/(π·α₂α₃) = 8·10⁻⁵ for α₁ = 0.05, a memory
-/// of 12 s of learning.
-const STEEPNESS: f64 = 200.0;
-/// α₃ over the noise of the raw force when α₃ is left open.
-const THRESHOLD_SIGMAS: f64 = 3.0;
+/// α₂α₃ when α₂ is left open, and α₃ over the noise of the raw force when α₃ is left open.
+///
+/// Chosen for the two stages over 200 materials (K 300–20 000 N/m, λ/K 3–40 ms, n 1.05–1.7): with
+/// α₁ = 0.04, 165 end within 5 %. A steeper or higher threshold makes the two stages wander on gel
+/// (2 % for 0.3 %); α₁ from 0.08 on lets n run into its bound and stay there.
+const STEEPNESS: f64 = 2.0;
+const THRESHOLD_SIGMAS: f64 = 1.5;
 
 /// Coefficients of (24).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +51,7 @@ impl<T: Real> ForgettingParams<T> {
         })
     }
 
-    /// (α₁, α₂ [1/N], α₃ [N]) at a noise of the raw force [N].
+    /// (α₁, α₂ (1/N), α₃ (N)) at a noise of the raw force (N).
     pub fn alphas(&self, noise_n: T) -> (T, T, T) {
         let alpha_3 = self
             .alpha_3_n
@@ -60,7 +62,7 @@ impl<T: Real> ForgettingParams<T> {
         (self.alpha_1, alpha_2, alpha_3)
     }
 
-    /// β for an error |F − F̂| [N], (24).
+    /// β for an error |F − F̂| (N), (24).
     pub fn beta(&self, error_n: T, noise_n: T) -> T {
         let (alpha_1, alpha_2, alpha_3) = self.alphas(noise_n);
         let angle = (alpha_2 * (error_n.magnitude() - alpha_3)).arctan();

@@ -1,0 +1,269 @@
+//! Samples on an even grid of time.
+
+use super::Log;
+use super::timing::{GAP_PERIODS, Timing};
+use crate::diagnostic::Diagnostic;
+
+/// A log whose stamps deviate from an even grid by less than this many periods is even.
+const EVEN_PERIODS: f64 = 0.01;
+
+/// Largest grid [samples]: 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
+const LARGEST_GRID: f64 = 5e7;
+
+/// A log with even spacing in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UniformLog {
+    /// Samples per second [Hz].
+    pub rate_hz: f64,
+    /// Time [s]: the log's own stamps if nothing was interpolated.
+    pub time_s: Vec<f64>,
+    /// Position [m].
+    pub position_m: Vec<f64>,
+    /// Force [N].
+    pub force_n: Vec<f64>,
+    /// Whether the sample was invented between samples more than 1.5 median periods apart.
+    pub in_gap: Vec<bool>,
+    /// Whether the channels are the log's own, bit for bit.
+    pub untouched: bool,
+    /// The log's notes, and what was done to its samples.
+    pub notes: Vec<String>,
+}
+
+impl UniformLog {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample at all.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Time between samples [s].
+    pub fn period_s(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+}
+
+impl Log {
+    /// The log on an even grid of its own rate; see [`Log::resample`].
+    ///
+    /// # Errors
+    /// Those of [`Log::resample`].
+    pub fn uniform(&self) -> Result<UniformLog, Diagnostic> {
+        let timing = self.timing();
+        self.on_grid(timing.rate_hz(), &timing)
+    }
+
+    /// The log on an even grid of `rate_hz` [Hz] from its first stamp on, by linear interpolation.
+    ///
+    /// A log that has this rate within 0.1 % and is even within 1 % of a period passes untouched.
+    ///
+    /// # Errors
+    /// Fewer than two samples, a rate that is not a positive number, or a grid of more than fifty
+    /// million samples (one wrong time stamp is enough for that).
+    pub fn resample(&self, rate_hz: f64) -> Result<UniformLog, Diagnostic> {
+        self.on_grid(rate_hz, &self.timing())
+    }
+
+    fn on_grid(&self, rate_hz: f64, timing: &Timing) -> Result<UniformLog, Diagnostic> {
+        if self.len() < 2 {
+            return Err(Diagnostic::new("the log has no duration")
+                .in_file(&self.path)
+                .remedy("record at least two samples"));
+        }
+        if !(rate_hz.is_finite() && rate_hz > 0.0) {
+            return Err(Diagnostic::new("a rate must be a positive number")
+                .value(rate_hz)
+                .remedy("give samples per second, such as 1000"));
+        }
+        if self.is_even_at(rate_hz) {
+            return Ok(self.untouched(rate_hz));
+        }
+        if self.duration_s() * rate_hz > LARGEST_GRID {
+            return Err(self.grid_too_large(rate_hz, timing));
+        }
+        Ok(self.interpolated(rate_hz, timing))
+    }
+
+    fn is_even_at(&self, rate_hz: f64) -> bool {
+        let own_period_s = self.duration_s() / (self.len() - 1) as f64;
+        let start_s = self.time_s[0];
+        (own_period_s * rate_hz - 1.0).abs() <= 1.001e-3
+            && self.time_s.iter().enumerate().all(|(index, stamp)| {
+                let even_s = start_s + index as f64 * own_period_s;
+                (stamp - even_s).abs() < EVEN_PERIODS * own_period_s
+            })
+    }
+
+    fn untouched(&self, rate_hz: f64) -> UniformLog {
+        UniformLog {
+            rate_hz,
+            time_s: self.time_s.clone(),
+            position_m: self.position_m.clone(),
+            force_n: self.force_n.clone(),
+            in_gap: vec![false; self.len()],
+            untouched: true,
+            notes: self.notes.clone(),
+        }
+    }
+
+    fn interpolated(&self, rate_hz: f64, timing: &Timing) -> UniformLog {
+        // A thousandth of a period: the last stamp belongs to the grid whatever its rounding.
+        let count = (self.duration_s() * rate_hz + 1e-3).floor() as usize + 1;
+        let mut grid = UniformLog {
+            rate_hz,
+            time_s: Vec::with_capacity(count),
+            position_m: Vec::with_capacity(count),
+            force_n: Vec::with_capacity(count),
+            in_gap: Vec::with_capacity(count),
+            untouched: false,
+            notes: self.notes.clone(),
+        };
+        let mut left = 0;
+        for index in 0..count {
+            let time_s = self.time_s[0] + index as f64 / rate_hz;
+            while left + 2 < self.len() && self.time_s[left + 1] <= time_s {
+                left += 1;
+            }
+            self.push_between(&mut grid, left, time_s, timing);
+        }
+        grid.notes
+            .extend(self.what_interpolation_did(&grid, timing));
+        grid
+    }
+
+    fn push_between(&self, grid: &mut UniformLog, left: usize, time_s: f64, timing: &Timing) {
+        let (from_s, to_s) = (self.time_s[left], self.time_s[left + 1]);
+        let share = ((time_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0);
+        let between = |channel: &[f64]| channel[left] + share * (channel[left + 1] - channel[left]);
+        // On a stamp, to a thousandth of a period, the sample is the log's own.
+        let off_stamps_s = (time_s - from_s).min(to_s - time_s);
+        grid.time_s.push(time_s);
+        grid.position_m.push(between(&self.position_m));
+        grid.force_n.push(between(&self.force_n));
+        grid.in_gap.push(
+            to_s - from_s > GAP_PERIODS * timing.median_period_s
+                && off_stamps_s > 1e-3 * timing.median_period_s,
+        );
+    }
+
+    fn what_interpolation_did(&self, grid: &UniformLog, timing: &Timing) -> Vec<String> {
+        let mut notes = vec![format!(
+            "interpolated to {} Hz: intervals range from {:.4} to {:.4} ms",
+            grid.rate_hz,
+            timing.shortest_s * 1e3,
+            timing.longest_s * 1e3
+        )];
+        let invented = grid.in_gap.iter().filter(|in_gap| **in_gap).count();
+        if invented > 0 {
+            notes.push(format!(
+                "{} gaps: {invented} of {} samples are invented between their ends",
+                timing.gaps.len(),
+                grid.len()
+            ));
+        }
+        let denser = self
+            .time_s
+            .windows(2)
+            .filter(|p| (p[1] - p[0]) * grid.rate_hz < 0.7)
+            .count();
+        if denser as f64 > 0.01 * self.len() as f64 {
+            notes.push(format!(
+                "{denser} samples lie closer than the grid: a higher rate would keep what they show"
+            ));
+        }
+        notes
+    }
+
+    fn grid_too_large(&self, rate_hz: f64, timing: &Timing) -> Diagnostic {
+        let longest = timing
+            .gaps
+            .iter()
+            .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
+        let diagnostic = Diagnostic::new(format!(
+            "{:.3e} s at {rate_hz} Hz are too many samples to interpolate",
+            self.duration_s()
+        ))
+        .in_file(&self.path);
+        match longest {
+            None => diagnostic.remedy("ask for a lower rate, or split the log"),
+            Some(gap) => diagnostic
+                .value(gap.to_s)
+                .note(format!(
+                    "the longest gap reaches from {} to {} s",
+                    gap.from_s, gap.to_s
+                ))
+                .remedy("split the log at the gap, or correct its time stamps"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn straight_line(time_s: Vec<f64>) -> Log {
+        let position = time_s.iter().map(|t| 2e-3 * t).collect();
+        let force = time_s.iter().map(|t| 1.0 - 3.0 * t).collect();
+        Log::from_channels(time_s, position, force)
+    }
+
+    #[test]
+    fn an_even_log_passes_untouched() {
+        // GIVEN stamps that are off by up to 0.6 % of a period, WHEN resampled to its own rate
+        let stamps = (0..500).map(|i| f64::from(i) * 1e-3 + f64::from(i % 3) * 3e-6);
+        let log = straight_line(stamps.collect());
+        let grid = log.uniform().unwrap();
+        // THEN nothing has changed, and nothing is claimed.
+        assert!(grid.untouched);
+        assert_eq!(grid.rate_hz, 1000.0);
+        assert_eq!(grid.time_s, log.time_s);
+        assert_eq!(grid.force_n, log.force_n);
+        assert!(grid.notes.is_empty() && !grid.in_gap.contains(&true));
+    }
+
+    #[test]
+    fn a_straight_line_stays_one_however_uneven_the_stamps() {
+        let stamps = (0..500).map(|i| f64::from(i) * 1e-3 + f64::from(i * 7 % 5) * 1e-4);
+        let log = straight_line(stamps.collect());
+        let grid = log.resample(1000.0).unwrap();
+        assert!(!grid.untouched);
+        assert!(grid.notes[0].contains("interpolated to 1000 Hz"));
+        for (time, force) in grid.time_s.iter().zip(&grid.force_n) {
+            // Rounding of a product and a sum of numbers near one.
+            assert!((force - (1.0 - 3.0 * time)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn samples_inside_a_gap_are_flagged_and_those_at_its_ends_are_not() {
+        let stamps = (0..100)
+            .filter(|i| !(40..45).contains(i))
+            .map(|i| f64::from(i) * 1e-3);
+        let grid = straight_line(stamps.collect()).uniform().unwrap();
+        assert_eq!(grid.len(), 100);
+        let flagged: Vec<usize> = (0..100).filter(|i| grid.in_gap[*i]).collect();
+        assert_eq!(flagged, [40, 41, 42, 43, 44]);
+        assert!(
+            grid.notes[1].contains("1 gaps: 5 of 100"),
+            "{:?}",
+            grid.notes
+        );
+    }
+
+    #[test]
+    fn the_last_sample_stays_on_the_grid() {
+        let log = straight_line((0..101).map(|i| f64::from(i) * 0.1).collect());
+        assert_eq!(log.resample(20.0).unwrap().len(), 201);
+    }
+
+    #[test]
+    fn one_wrong_stamp_does_not_fill_the_memory() {
+        let mut stamps: Vec<f64> = (0..100).map(|i| f64::from(i) * 1e-3).collect();
+        stamps[99] = 1.7e9;
+        let error = straight_line(stamps).uniform().unwrap_err();
+        assert!(error.notes[0].contains("0.098"), "{error}");
+    }
+}

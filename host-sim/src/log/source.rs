@@ -1,0 +1,176 @@
+//! Opening a file: unzipped when it is zipped, refused when it is no table.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::path::Path;
+
+use flate2::bufread::MultiGzDecoder;
+
+use crate::diagnostic::Diagnostic;
+
+/// How much of a file is looked at before it is read [bytes]: a header of a thousand columns fits.
+const HEAD_BYTES: u64 = 1 << 16;
+
+/// An open file and its beginning.
+pub(super) struct Source {
+    pub(super) head: Vec<u8>,
+    rest: Box<dyn Read>,
+}
+
+impl Source {
+    /// Opens `path`, through gzip if its first bytes say so.
+    pub(super) fn open(path: &Path) -> Result<Source, Diagnostic> {
+        let failed = |error: io::Error| unreadable(path, &error);
+        let file = File::open(path).map_err(failed)?;
+        let mut file = BufReader::with_capacity(1 << 18, file);
+        let zipped = file.fill_buf().map_err(failed)?.starts_with(&[0x1f, 0x8b]);
+        let mut rest: Box<dyn Read> = match zipped {
+            true => Box::new(BufReader::with_capacity(1 << 18, MultiGzDecoder::new(file))),
+            false => Box::new(file),
+        };
+        let mut head = Vec::new();
+        rest.by_ref()
+            .take(HEAD_BYTES)
+            .read_to_end(&mut head)
+            .map_err(failed)?;
+        match not_a_table(&head) {
+            None => Ok(Source { head, rest }),
+            Some((what, remedy)) => Err(Diagnostic::new(what).in_file(path).remedy(remedy)),
+        }
+    }
+
+    /// Everything from byte `offset` of the head on.
+    pub(super) fn from_offset(self, offset: usize) -> impl Read {
+        let mut head = Cursor::new(self.head);
+        head.set_position(offset as u64);
+        head.chain(self.rest)
+    }
+}
+
+/// What the operating system says about a file.
+pub(super) fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
+    let remedy = match error.kind() {
+        io::ErrorKind::NotFound => "check the path",
+        io::ErrorKind::PermissionDenied => "ask for the right to read it",
+        io::ErrorKind::IsADirectory => "give the log in the folder, not the folder",
+        io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData | io::ErrorKind::InvalidInput => {
+            "the compressed file is damaged or cut off: copy it again"
+        }
+        _ => "make sure that it is a file that can be read to its end",
+    };
+    Diagnostic::new(format!("cannot read the file: {error}"))
+        .in_file(path)
+        .remedy(remedy)
+}
+
+const WRITE_CSV: &str =
+    "give a CSV file whose first line is t_s,x_m,f_n (or name its columns with --columns)";
+
+/// The kinds of files that end up here by mistake, by their first bytes.
+const OTHER_FILES: [(&[u8], &str); 10] = [
+    (b"PK\x03\x04", "a zip archive or a spreadsheet (xlsx)"),
+    (b"PAR1", "a Parquet file"),
+    (b"\x89HDF", "an HDF5 or MATLAB 7.3 file"),
+    (b"MATLAB 5.0", "a MATLAB file"),
+    (b"\xd0\xcf\x11\xe0", "an old Excel or Word file"),
+    (b"%PDF", "a PDF"),
+    (b"\x89PNG", "a picture"),
+    (b"BZh", "a bzip2 file"),
+    (b"\xfd7zXZ", "an xz file"),
+    (b"\x28\xb5\x2f\xfd", "a zstd file"),
+];
+
+fn not_a_table(head: &[u8]) -> Option<(String, String)> {
+    let text = head.trim_ascii_start();
+    if text.is_empty() {
+        return Some(("the file is empty".into(), WRITE_CSV.into()));
+    }
+    let known = OTHER_FILES
+        .iter()
+        .find(|(magic, _)| head.starts_with(magic));
+    if let Some((_, kind)) = known {
+        return Some((format!("this is {kind}, not a log"), WRITE_CSV.into()));
+    }
+    if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
+        let remedy = "save it as UTF-8 (in a spreadsheet: \"CSV UTF-8\")";
+        return Some(("the text is in UTF-16".into(), remedy.into()));
+    }
+    if head
+        .iter()
+        .any(|byte| *byte < b'\t' || (0x0e..0x20).contains(byte))
+    {
+        return Some(("this is a binary file, not a log".into(), WRITE_CSV.into()));
+    }
+    wrong_text(text).map(|kind| (format!("this is {kind}, not a log"), WRITE_CSV.into()))
+}
+
+fn wrong_text(text: &[u8]) -> Option<&'static str> {
+    let line = text
+        .split(|byte| *byte == b'\n')
+        .next()
+        .unwrap_or(text)
+        .trim_ascii();
+    match text[0] {
+        b'{' => Some("a JSON file"),
+        b'[' if line.ends_with(b"]") && line.len() > 2 && line[1..].iter().all(is_table_name) => {
+            Some("a TOML file (a model or a motion?)")
+        }
+        b'[' => Some("a JSON file"),
+        b'<' => Some("an HTML or XML page"),
+        _ if line.starts_with(b"version https://git-lfs") => Some("a pointer of git-lfs"),
+        _ => None,
+    }
+}
+
+fn is_table_name(byte: &u8) -> bool {
+    byte.is_ascii_alphabetic() || matches!(byte, b'_' | b'.' | b'[' | b']')
+}
+
+/// Number (from 1) and text of the line that holds byte `offset` or, when only a line end or a
+/// comment follows there, of the next row. Reads the file again: only for errors.
+pub(super) fn line_at(path: &Path, offset: u64) -> Option<(usize, String)> {
+    let mut reader = BufReader::new(Source::open(path).ok()?.from_offset(0));
+    let (mut number, mut end) = (0, 0);
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        let length = reader.read_until(b'\n', &mut line).ok()?;
+        if length == 0 {
+            return None;
+        }
+        number += 1;
+        end += length as u64;
+        // The byte may be the \n of the line before: csv stops a row at \r.
+        let remainder = &line[line.len() - (end.saturating_sub(offset) as usize).min(length)..];
+        let content = remainder.trim_ascii();
+        if end > offset && !content.is_empty() && content[0] != b'#' {
+            let text = super::preamble::decoded(&line);
+            return Some((number, text.trim_end_matches(['\r', '\n']).to_string()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_wrong_file_is_called_by_its_name() {
+        for (head, name) in [
+            (&b""[..], "empty"),
+            (b" \n\n ", "empty"),
+            (b"{\"a\": 1}", "JSON"),
+            (b"[1, 2]", "JSON"),
+            (b"<!DOCTYPE html>", "HTML"),
+            (b"[environment]\nlaw = 1", "TOML"),
+            (b"[[segment]]\n", "TOML"),
+            (b"PK\x03\x04....", "xlsx"),
+            (b"t_s,x_m\0\0", "binary"),
+            (b"\xff\xfet\0_\0", "UTF-16"),
+        ] {
+            let (what, _) = not_a_table(head).unwrap();
+            assert!(what.contains(name), "{what}");
+        }
+        assert_eq!(not_a_table(b"t_s,x_m,f_n\n"), None);
+    }
+}
