@@ -58,7 +58,11 @@ fn every_frame_from_the_emulator_has_the_bits_of_the_host() {
     assert_eq!(run.frames.len(), 2 * samples.len());
     for (index, (sample, frames)) in samples.iter().zip(run.frames.chunks(2)).enumerate() {
         let estimate = step(&params, &mut state, *sample);
-        let [(first, Frame::Sample(input)), (second, Frame::Estimate(output))] = frames else {
+        let [
+            (first, Frame::Sample(input)),
+            (second, Frame::Estimate(output)),
+        ] = frames
+        else {
             panic!("sample {index}: not a sample and its estimate: {frames:?}");
         };
         assert_eq!((*first, *second), (2 * index as u16, 2 * index as u16 + 1));
@@ -72,11 +76,18 @@ fn every_frame_from_the_emulator_has_the_bits_of_the_host() {
 
 #[test]
 fn the_run_is_about_contact_in_both_materials_and_every_fault_shows() {
-    let estimates = || REPLAY.run.frames.iter().filter_map(|(_, frame)| match frame {
-        Frame::Estimate(estimate) => Some(estimate),
-        Frame::Sample(_) => None,
-    });
-    let contacts = estimates().filter(|e| e.event == Some(estimator_core::estimate::Event::Contact));
+    let estimates = || {
+        REPLAY
+            .run
+            .frames
+            .iter()
+            .filter_map(|(_, frame)| match frame {
+                Frame::Estimate(estimate) => Some(estimate),
+                Frame::Sample(_) => None,
+            })
+    };
+    let contacts =
+        estimates().filter(|e| e.event == Some(estimator_core::estimate::Event::Contact));
     assert!((60..400).contains(&contacts.count()));
     for fault in [
         Fault::ForceNotFinite,
@@ -99,8 +110,14 @@ fn the_tick_is_one_kilohertz_and_nothing_is_dropped() {
     assert_eq!(budget.tick, 1_000_000);
     assert_eq!(budget.period.mean, 1_000_000);
     let jitter = bounds("tick_jitter");
-    assert!(jitter.contains(&(budget.period.max - budget.tick)), "{budget:?}");
-    assert!(jitter.contains(&(budget.tick - budget.period.min)), "{budget:?}");
+    assert!(
+        jitter.contains(&(budget.period.max - budget.tick)),
+        "{budget:?}"
+    );
+    assert!(
+        jitter.contains(&(budget.tick - budget.period.min)),
+        "{budget:?}"
+    );
 }
 
 #[test]
@@ -194,11 +211,31 @@ fn estimate_fields(estimate: &Estimate<f32>) -> Vec<Field> {
     ];
     for (slot, parameter) in estimate.parameters.iter().enumerate() {
         const NAMES: [[&str; 3]; 5] = [
-            ["parameter 0 observable", "parameter 0", "parameter 0 std_error"],
-            ["parameter 1 observable", "parameter 1", "parameter 1 std_error"],
-            ["parameter 2 observable", "parameter 2", "parameter 2 std_error"],
-            ["parameter 3 observable", "parameter 3", "parameter 3 std_error"],
-            ["parameter 4 observable", "parameter 4", "parameter 4 std_error"],
+            [
+                "parameter 0 observable",
+                "parameter 0",
+                "parameter 0 std_error",
+            ],
+            [
+                "parameter 1 observable",
+                "parameter 1",
+                "parameter 1 std_error",
+            ],
+            [
+                "parameter 2 observable",
+                "parameter 2",
+                "parameter 2 std_error",
+            ],
+            [
+                "parameter 3 observable",
+                "parameter 3",
+                "parameter 3 std_error",
+            ],
+            [
+                "parameter 4 observable",
+                "parameter 4",
+                "parameter 4 std_error",
+            ],
         ];
         let known = parameter.unwrap_or_default();
         fields.push((NAMES[slot][0], u64::from(parameter.is_some())));

@@ -57,6 +57,9 @@ pub trait Board {
     /// 4 s (emulator) or 25 s (board). Takes no more than a load.
     fn now() -> u32;
 
+    /// Called over and over while there is nothing to do. Returns at the latest with the next tick.
+    fn idle();
+
     /// Ends the program; never called on a healthy board. The emulator exits with a status, a
     /// board stops with interrupts off, its outputs as they are after reset.
     fn stop(outcome: Outcome) -> !;

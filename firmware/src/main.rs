@@ -116,7 +116,7 @@ mod app {
     #[idle]
     fn idle(_: idle::Context) -> ! {
         loop {
-            cortex_m::asm::wfi();
+            Selected::idle();
         }
     }
 }

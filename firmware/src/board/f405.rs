@@ -86,6 +86,10 @@ impl Board for F405 {
         DWT::cycle_count()
     }
 
+    fn idle() {
+        cortex_m::asm::wfi();
+    }
+
     fn stop(_: Outcome) -> ! {
         cortex_m::interrupt::disable();
         loop {

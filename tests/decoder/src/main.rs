@@ -13,7 +13,9 @@ fn main() {
 }
 
 fn decode() -> Result<(), String> {
-    let path = env::args_os().nth(1).ok_or("usage: defmt-lines ELF < bytes")?;
+    let path = env::args_os()
+        .nth(1)
+        .ok_or("usage: defmt-lines ELF < bytes")?;
     let elf = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     let table = Table::parse(&elf)
         .map_err(|error| error.to_string())?
@@ -37,7 +39,8 @@ fn print(decoder: &mut dyn StreamDecoder) -> Result<(), String> {
         match decoder.decode() {
             Ok(frame) => {
                 let level = frame.level().map_or("println", |level| level.as_str());
-                writeln!(out, "{level:5} {}", frame.display_message()).map_err(|e| e.to_string())?;
+                writeln!(out, "{level:5} {}", frame.display_message())
+                    .map_err(|e| e.to_string())?;
             }
             Err(DecodeError::UnexpectedEof) => return out.flush().map_err(|e| e.to_string()),
             Err(DecodeError::Malformed) => return Err("malformed log".into()),

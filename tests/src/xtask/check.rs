@@ -16,13 +16,19 @@ pub(crate) fn everything() -> Result<(), String> {
         Ok(environment) => {
             tests.args(["--features", "tests/qemu"]).envs(environment);
         }
-        Err(error) => note(Err(format!("{error}\nSo the emulator's tests did not run."))),
+        Err(error) => note(Err(format!(
+            "{error}\nSo the emulator's tests did not run."
+        ))),
     }
     note(run("tests", tests));
     if failed.is_empty() {
         return Ok(());
     }
-    Err(format!("{} failed:\n\n{}", failed.len(), failed.join("\n\n")))
+    Err(format!(
+        "{} failed:\n\n{}",
+        failed.len(),
+        failed.join("\n\n")
+    ))
 }
 
 /// Builds all that the emulator's tests need and says where it is.
@@ -52,8 +58,16 @@ fn firmware_steps(
 fn host_lints() -> Result<(), String> {
     let mut result = Ok(());
     if runs(cargo(&["fmt", "--version"])) {
-        for manifest in ["Cargo.toml", "firmware/Cargo.toml", "tests/decoder/Cargo.toml"] {
-            let all = if manifest == "Cargo.toml" { "--all" } else { "--quiet" };
+        for manifest in [
+            "Cargo.toml",
+            "firmware/Cargo.toml",
+            "tests/decoder/Cargo.toml",
+        ] {
+            let all = if manifest == "Cargo.toml" {
+                "--all"
+            } else {
+                "--quiet"
+            };
             let format = cargo(&["fmt", all, "--check", "--manifest-path", manifest]);
             result = result.and(run(&format!("format of {manifest}"), format));
         }

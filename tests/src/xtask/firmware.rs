@@ -22,7 +22,10 @@ impl Firmware {
     pub(crate) fn set_up() -> Result<Self, String> {
         let directory = root().join("firmware");
         let toolchain = Toolchain::find(&directory)?;
-        println!("compiler for the board: {}", crate::toolchain::describe(toolchain));
+        println!(
+            "compiler for the board: {}",
+            crate::toolchain::describe(toolchain)
+        );
         Ok(Firmware {
             directory,
             toolchain,
@@ -44,8 +47,9 @@ impl Firmware {
 
     /// Links only if no panic is left.
     pub(crate) fn prove_panic_freedom(&self) -> Result<(), String> {
-        run("link proof: step cannot panic", self.proof("panic-proof"))
-            .map_err(|e| format!("{e}\nAn undefined `{PROOF}` means that a panic path is left in `step`."))
+        run("link proof: step cannot panic", self.proof("panic-proof")).map_err(|e| {
+            format!("{e}\nAn undefined `{PROOF}` means that a panic path is left in `step`.")
+        })
     }
 
     /// With a panic path, the proof must fail, and for that reason.
@@ -57,7 +61,9 @@ impl Firmware {
             println!("    fails to link, as it must: undefined `{PROOF}`");
             return Ok(());
         }
-        Err(format!("{name}: should fail with an undefined `{PROOF}`, but:\n{errors}"))
+        Err(format!(
+            "{name}: should fail with an undefined `{PROOF}`, but:\n{errors}"
+        ))
     }
 
     /// Lints for both boards; `None` where there is no clippy.
@@ -76,7 +82,13 @@ impl Firmware {
     fn proof(&self, feature: &str) -> Command {
         let mut cargo = self.cargo("build");
         cargo.args(["--locked", "--release", "--bin", "panic-free"]);
-        cargo.args(["--no-default-features", "--features", "qemu", "--features", feature]);
+        cargo.args([
+            "--no-default-features",
+            "--features",
+            "qemu",
+            "--features",
+            feature,
+        ]);
         cargo
     }
 
@@ -90,12 +102,19 @@ pub(crate) fn decoder() -> Result<PathBuf, String> {
     let root = root();
     let mut cargo = command("cargo", &root);
     let target = root.join("target/decoder");
-    cargo.args(["build", "--locked", "--manifest-path", "tests/decoder/Cargo.toml"]);
+    cargo.args([
+        "build",
+        "--locked",
+        "--manifest-path",
+        "tests/decoder/Cargo.toml",
+    ]);
     cargo.arg("--target-dir").arg(&target);
     run("decoder of the firmware's log", cargo)?;
     Ok(executable(&target.join("debug"), "defmt-lines"))
 }
 
 fn executable(directory: &Path, name: &str) -> PathBuf {
-    directory.join(name).with_extension(std::env::consts::EXE_EXTENSION)
+    directory
+        .join(name)
+        .with_extension(std::env::consts::EXE_EXTENSION)
 }

@@ -35,7 +35,8 @@ pub(crate) fn install(packages: &[&str], what: &str) -> Result<(), String> {
     let apt = |arguments: &[&str]| {
         let mut apt = command("apt-get", &root());
         // Another apt may be at work: wait for it.
-        apt.args(["-o", "DPkg::Lock::Timeout=300", "-qq"]).args(arguments);
+        apt.args(["-o", "DPkg::Lock::Timeout=300", "-qq"])
+            .args(arguments);
         apt.env("DEBIAN_FRONTEND", "noninteractive");
         apt
     };

@@ -25,7 +25,10 @@ pub(crate) fn run(elf: Option<&Path>) -> Result<(), String> {
         elf,
         directory,
     };
-    println!("\n==> QEMU: {} s of simulated palpation, gel, then plastic", SAMPLES / 1000);
+    println!(
+        "\n==> QEMU: {} s of simulated palpation, gel, then plastic",
+        SAMPLES / 1000
+    );
     let run = emulator.run(&palpation(SAMPLES, 1), |line| println!("{line}"))?;
     println!(
         "\n{} frames in {}",

@@ -114,8 +114,11 @@ fn debian_is_complete(firmware: &Path) -> bool {
         output(rustc)
     };
     let recent = ask(&["--version"]).is_some_and(|version| minor(&version) >= Some(89));
-    let sources = ask(&["--print", "sysroot"])
-        .is_some_and(|root| Path::new(&root).join("lib/rustlib/src/rust/library/core").exists());
+    let sources = ask(&["--print", "sysroot"]).is_some_and(|root| {
+        Path::new(&root)
+            .join("lib/rustlib/src/rust/library/core")
+            .exists()
+    });
     recent && sources && Path::new(DEBIAN_CARGO).exists() && which("ld.lld").is_some()
 }
 
@@ -129,7 +132,9 @@ pub(crate) fn describe(toolchain: Toolchain) -> &'static str {
     let offline = env::var("RUSTUP_AUTO_INSTALL").is_ok_and(|value| value == "0");
     match (toolchain, offline) {
         (Toolchain::Ordinary, _) => "the toolchain of firmware/rust-toolchain.toml",
-        (Toolchain::Debian, true) => "Debian's, since rustup may not download (RUSTUP_AUTO_INSTALL=0)",
+        (Toolchain::Debian, true) => {
+            "Debian's, since rustup may not download (RUSTUP_AUTO_INSTALL=0)"
+        }
         (Toolchain::Debian, false) => "Debian's, since the target is not installed",
     }
 }
