@@ -65,7 +65,9 @@ fn every_frame_from_the_emulator_has_the_bits_of_the_host() {
         else {
             panic!("sample {index}: not a sample and its estimate: {frames:?}");
         };
-        assert_eq!((*first, *second), (2 * index as u16, 2 * index as u16 + 1));
+        // 16 bits of the number of frames.
+        assert_eq!(*first, (2 * index) as u16);
+        assert_eq!(*second, (2 * index + 1) as u16);
         if let Some(difference) = differs(&sample_fields(sample), &sample_fields(input))
             .or_else(|| differs(&estimate_fields(&estimate), &estimate_fields(output)))
         {
@@ -90,8 +92,8 @@ fn the_run_is_about_contact_in_both_materials_and_every_fault_shows() {
         estimates().filter(|e| e.event == Some(estimator_core::estimate::Event::Contact));
     assert!((60..400).contains(&contacts.count()));
     for fault in [
-        Fault::ForceNotFinite,
-        Fault::PositionNotFinite,
+        Fault::ForceUnusable,
+        Fault::PositionUnusable,
         Fault::TimeNotAdvancing,
         Fault::SampleMissed,
         Fault::ForceSaturated,
@@ -106,18 +108,12 @@ fn the_tick_is_one_kilohertz_and_nothing_is_dropped() {
     let samples = REPLAY.samples.len() as u64;
     assert_eq!((budget.samples, budget.ticks), (samples, samples));
     assert_eq!(budget.dropped, 0);
-    // 1 instruction is 1 ns: a tick of 1 ms is 1 000 000 of them.
+    // 1 instruction is 1 ns: a tick of 1 ms is 1 000 000 of them. QEMU rounds a period of SysTick
+    // down to whole nanoseconds: 999 999.
     assert_eq!(budget.tick, 1_000_000);
-    assert_eq!(budget.period.mean, 1_000_000);
-    let jitter = bounds("tick_jitter");
-    assert!(
-        jitter.contains(&(budget.period.max - budget.tick)),
-        "{budget:?}"
-    );
-    assert!(
-        jitter.contains(&(budget.tick - budget.period.min)),
-        "{budget:?}"
-    );
+    contains("tick.mean", budget.period.mean);
+    contains("tick.min", budget.period.min);
+    contains("tick.max", budget.period.max);
 }
 
 #[test]

@@ -58,8 +58,8 @@ impl Board for Qemu {
     }
 
     /// Not `wfi`: with `sleep=off`, QEMU 7.2 goes past the first tick to the second before the core
-    /// wakes, and a tick takes 2 ms. An instruction that does nothing costs the host nothing: 400
-    /// of them at a time take 27 µs of real time a tick, and delay a tick by at most 400 ns.
+    /// wakes, and a tick takes 2 ms. Instructions that do nothing are as good: a tick full of them
+    /// takes the host 27 µs in runs of 400 (75 µs in runs of 100), and a tick ends a run early.
     fn idle() {
         // SAFETY: no operation.
         unsafe { core::arch::asm!(".rept 400", "nop", ".endr", options(nomem, nostack)) }

@@ -59,7 +59,14 @@ pub(crate) fn run(name: &str, mut command: Command) -> Result<(), String> {
         println!("    {name}: {took:.1} s");
         return Ok(());
     }
-    Err(format!("{name} failed ({status}): {command:?}"))
+    Err(format!("{name} failed ({status}): {}", line(&command)))
+}
+
+/// What a person would type, without the environment.
+fn line(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
+    words.join(" ")
 }
 
 /// Runs a command that is expected to fail, and shows nothing.
