@@ -136,11 +136,16 @@ pub struct ContactState<T> {
     noise: Noise<T>,
     rest_n: T,
     sigma_n: T,
+    /// What thresholds are multiples of: the noise, or the wander of the free-air force if larger.
+    wander_n: T,
     phase: Phase,
     run: u32,
     /// Samples in a row that speak for the other phase.
     against: u32,
     surface: Option<SurfacePosition<T>>,
+    /// The probe has been outside of the last surface since it last touched. If it has not, a lost
+    /// and regained force is a fast retreat within the material and not an impact.
+    outside: bool,
     ring: [(T, T); PRE_TRIGGER],
     newest: usize,
 }
@@ -152,13 +157,25 @@ impl<T: Real> ContactState<T> {
             noise: Noise::default(),
             rest_n: T::nil(),
             sigma_n: params.noise_floor_n,
+            wander_n: params.noise_floor_n,
             phase: Phase::Settling,
             run: 0,
             against: 0,
             surface: None,
+            outside: true,
             ring: [(T::nil(), T::nil()); PRE_TRIGGER],
             newest: 0,
         }
+    }
+
+    /// What the force reads in free air (N).
+    pub fn resting_force_n(&self) -> T {
+        self.rest_n
+    }
+
+    /// Standard deviation of the raw force (N).
+    pub fn force_noise_n(&self) -> T {
+        self.sigma_n
     }
 
     /// Takes one raw sample.
@@ -186,6 +203,10 @@ impl<T: Real> ContactState<T> {
             self.rest_n = self.noise.mean_n();
             let sigma = params.configured_noise_n.unwrap_or(self.noise.sigma_n());
             self.sigma_n = params.noise_floor_n.max_of(sigma);
+            self.wander_n = match params.configured_noise_n {
+                Some(_) => self.sigma_n,
+                None => self.sigma_n.max_of(self.noise.spread_n()),
+            };
             self.phase = Phase::Free;
         }
         self.ring = [(sample.position_m, T::nil()); PRE_TRIGGER];
@@ -203,8 +224,8 @@ impl<T: Real> ContactState<T> {
         let touching = self.phase == Phase::Contact;
         let other = match params.surface {
             Some(surface) => (sample.position_m > surface) != touching,
-            None if touching => force < params.release_sigma * self.sigma_n,
-            None => force > params.touch_sigma * self.sigma_n,
+            None if touching => force < params.release_sigma * self.wander_n,
+            None => force > params.touch_sigma * self.wander_n,
         };
         self.against = if other { self.against + 1 } else { 0 };
         if self.against >= if touching { RELEASE_RUN } else { TOUCH_RUN } {
@@ -214,16 +235,20 @@ impl<T: Real> ContactState<T> {
             } else {
                 Phase::Contact
             };
-            if !touching {
+            if !touching && self.outside {
                 self.surface = Some(self.locate(params));
+                self.outside = false;
             }
         }
+        self.outside |= self
+            .surface
+            .is_some_and(|surface| sample.position_m < surface.position_m);
         self.run = if self.phase == Phase::Contact {
             self.run.saturating_add(1)
         } else {
             0
         };
-        let small = T::from_f64(3.0) * self.sigma_n;
+        let small = T::from_f64(3.0) * self.wander_n;
         if self.phase == Phase::Free && !other && force.magnitude() < small {
             self.rest_n += params.rest_gain * force;
         }
@@ -250,7 +275,7 @@ impl<T: Real> ContactState<T> {
             .chain(older.unwrap_or(&[]).iter().rev());
         let touch = back.next().copied().unwrap_or_default();
         let impact = back
-            .find(|(_, force)| *force < self.sigma_n)
+            .find(|(_, force)| *force < self.wander_n)
             .copied()
             .unwrap_or(touch);
         SurfacePosition {
@@ -336,6 +361,34 @@ mod tests {
             (found.position_m, found.std_error_m),
             (f64::from(0.0005_f32), 0.0)
         );
+    }
+
+    #[test]
+    fn a_force_that_is_lost_and_regained_within_the_material_is_no_new_surface() {
+        let params = params(Surface::AtImpact);
+        let mut state = ContactState::new(&params);
+        let approach = (0..600).map(|i| f64::from(i - 400) * 1e-5);
+        let mut surfaces = Vec::new();
+        for (i, position_m) in approach.chain(core::iter::repeat_n(2e-3, 100)).enumerate() {
+            // Twenty samples without force, 2 mm deep.
+            let lost = (620..640).contains(&i);
+            let force_n = if lost {
+                0.0
+            } else {
+                2000.0 * position_m.max(0.0)
+            };
+            let sample = Sample {
+                position_m,
+                force_n,
+                ..Sample::default()
+            };
+            let contact = state.update(&params, &sample);
+            if contact.event() == Some(Event::Contact) {
+                surfaces.push(contact.surface.unwrap().position_m);
+            }
+        }
+        assert_eq!(surfaces.len(), 2);
+        assert_eq!(surfaces[0], surfaces[1]);
     }
 
     #[test]

@@ -35,6 +35,16 @@ impl<T: Real> State<T> {
             last: Estimate::nothing(params),
         }
     }
+
+    /// What the force reads in free air (N), as it is taken off now; 0 while settling.
+    pub fn resting_force_n(&self) -> T {
+        self.contact.resting_force_n()
+    }
+
+    /// Standard deviation of the raw force (N) that thresholds and standard errors rest on.
+    pub fn force_noise_n(&self) -> T {
+        self.contact.force_noise_n()
+    }
 }
 
 /// A sample is usable when its force and position are within this many times the reference force and
@@ -61,7 +71,7 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     if contact.phase == Phase::Contact {
         state.judge.touched();
     }
-    let innovation = state.predict(&contact, &instant, &noise);
+    let innovation = state.predict(params, &contact, &instant, &noise);
     let learned = state.learn(params, &contact, &instant, &noise, &innovation);
     let change = learned.and_then(|_| state.judge(params, &contact, &noise, &innovation));
     let estimate = Estimate {
@@ -115,6 +125,7 @@ impl<T: Real> State<T> {
     /// Prediction against observation, scaled; nothing outside contact.
     fn predict(
         &self,
+        params: &Params<T>,
         contact: &Contact<T>,
         at: &Instant<T>,
         noise: &ForceNoise<T>,
@@ -122,11 +133,13 @@ impl<T: Real> State<T> {
         if contact.phase != Phase::Contact {
             return Innovation::default();
         }
-        let (prediction, parameter_variance) = self.identifier.predict(at, noise);
+        let (prediction, model_variance) =
+            self.identifier
+                .predict(at, noise, surface_error(params, contact));
         Innovation::new(
             at.force,
             prediction,
-            noise.filtered * noise.filtered + parameter_variance,
+            noise.filtered * noise.filtered + model_variance,
         )
     }
 
@@ -161,16 +174,21 @@ impl<T: Real> State<T> {
         innovation: &Innovation<T>,
     ) -> Option<Event> {
         let surface = contact.surface.unwrap_or_default();
-        let judged = self
+        let mut judged = self
             .identifier
-            .judged(noise, surface.std_error_m / params.scale.depth_m);
+            .judged(noise, surface_error(params, contact));
+        // What the law does not explain makes every parameter less certain.
+        let misfit = self.judge.misfit();
+        judged
+            .iter_mut()
+            .for_each(|parameter| parameter.std_error = parameter.std_error * misfit);
         let own = judged
             .get(..params.law().parameters().len() - 1)
             .unwrap_or(&[]);
         let event = self
             .judge
             .update(&params.status, own, innovation.test_ratio);
-        self.last.parameters = identify::report(params, own, self.judge.misfit(), surface);
+        self.last.parameters = identify::report(params, own, surface);
         event
     }
 
@@ -207,6 +225,11 @@ fn is_dropped(faults: Faults) -> bool {
     ]
     .into_iter()
     .any(|fault| faults.has(fault))
+}
+
+/// Standard error of the surface position, scaled.
+fn surface_error<T: Real>(params: &Params<T>, contact: &Contact<T>) -> T {
+    contact.surface.unwrap_or_default().std_error_m / params.scale.depth_m
 }
 
 /// The aligned signals and the noise in the scales of the estimators.

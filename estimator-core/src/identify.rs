@@ -98,8 +98,9 @@ pub struct ForceNoise<T> {
 
 /// The contract of an estimator. All quantities are scaled.
 pub trait Identify<T: Real> {
-    /// F̂ at an instant, and the variance that the parameters' errors give it.
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T);
+    /// F̂ at an instant, and the variance that the errors of the parameters and of the surface
+    /// position (standard error `surface_error`) give it.
+    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T);
 
     /// Learns from an instant with forgetting factor β. False if the instant had nothing to teach.
     fn learn(
@@ -134,10 +135,10 @@ impl<T: Real> Identifier<T> {
     }
 
     /// See [`Identify::predict`].
-    pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T) {
+    pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         match self {
-            Self::Linear(own) => own.predict(at, noise),
-            Self::TwoStage(own) => own.predict(at, noise),
+            Self::Linear(own) => own.predict(at, noise, surface_error),
+            Self::TwoStage(own) => own.predict(at, noise, surface_error),
         }
     }
 
@@ -165,11 +166,9 @@ impl<T: Real> Identifier<T> {
 }
 
 /// The parameters in SI units, the surface behind the law's own; what is not observable is `None`.
-/// `misfit` multiplies the standard errors of what the law explains.
 pub fn report<T: Real>(
     params: &Params<T>,
     judged: &[Judged<T>],
-    misfit: T,
     surface: SurfacePosition<T>,
 ) -> Parameters<T> {
     let units = [params.scale.stiffness(), params.scale.damping(), T::unit()];
@@ -177,7 +176,7 @@ pub fn report<T: Real>(
     for ((slot, own), unit) in parameters.iter_mut().zip(judged).zip(units) {
         *slot = own.observable().then(|| Estimated {
             value: own.value * unit,
-            std_error: own.std_error * misfit * unit,
+            std_error: own.std_error * unit,
         });
     }
     if let Some(slot) = parameters.get_mut(judged.len()) {

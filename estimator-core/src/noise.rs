@@ -11,6 +11,7 @@ pub struct Noise<T> {
     previous: [T; 2],
     seen: u32,
     mean_n: T,
+    spread_n2: T,
     curvature_n2: T,
 }
 
@@ -19,7 +20,9 @@ impl<T: Real> Noise<T> {
     pub fn update(&mut self, force_n: T) {
         self.seen = self.seen.saturating_add(1);
         let count = T::from_f64(f64::from(self.seen));
-        self.mean_n += (force_n - self.mean_n) / count;
+        let before = force_n - self.mean_n;
+        self.mean_n += before / count;
+        self.spread_n2 += (before * (force_n - self.mean_n) - self.spread_n2) / count;
         if self.seen > 2 {
             let [last, before] = self.previous;
             let curvature = (force_n - last) - (last - before);
@@ -39,7 +42,13 @@ impl<T: Real> Noise<T> {
         self.mean_n
     }
 
-    /// Standard deviation of the raw force (N).
+    /// Standard deviation about the mean (N): noise and everything slower, hum, drag and drift
+    /// included.
+    pub fn spread_n(&self) -> T {
+        self.spread_n2.root()
+    }
+
+    /// Standard deviation of the noise of the raw force (N).
     pub fn sigma_n(&self) -> T {
         (self.curvature_n2 / T::from_f64(6.0)).root()
     }
@@ -64,5 +73,6 @@ mod tests {
         let mut noise = Noise::<f64>::default();
         (0..1000).for_each(|i| noise.update(if i % 2 == 0 { 0.02 } else { -0.02 }));
         assert!((noise.sigma_n() - 0.08 / libm::sqrt(6.0)).abs() < 1e-12);
+        assert!((noise.spread_n() - 0.02).abs() < 1e-12);
     }
 }

@@ -13,7 +13,7 @@
 //! status 2. What is not the input's fault (a full disk) stays an [`std::io::Error`]: status 1.
 
 use std::fmt;
-use std::ops::Range;
+use std::ops::{Deref, DerefMut, Range};
 use std::path::{Path, PathBuf};
 
 /// Widest excerpt [characters]: with its margin it fits a terminal of 80 columns.
@@ -22,9 +22,16 @@ const EXCERPT_WIDTH: usize = 74;
 /// Longest list of names in one note; a log may have hundreds of columns.
 const LISTED_NAMES: usize = 24;
 
-/// What is wrong with some input.
+/// What is wrong with some input. Its parts are those of [`Details`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostic {
+    // Boxed: every result of a reader would carry 200 bytes otherwise.
+    details: Box<Details>,
+}
+
+/// The parts of a [`Diagnostic`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Details {
     /// What is wrong, in lower case and without a full stop.
     pub what: String,
     /// The file; `None` for an argument of the command line.
@@ -56,8 +63,10 @@ impl Diagnostic {
     /// A diagnostic that says only what is wrong; the other methods add to it.
     pub fn new(what: impl Into<String>) -> Self {
         Diagnostic {
-            what: what.into(),
-            ..Diagnostic::default()
+            details: Box::new(Details {
+                what: what.into(),
+                ..Details::default()
+            }),
         }
     }
 
@@ -126,6 +135,19 @@ impl Diagnostic {
             place.push_str(field);
         }
         (!place.is_empty()).then_some(place)
+    }
+}
+
+impl Deref for Diagnostic {
+    type Target = Details;
+    fn deref(&self) -> &Details {
+        &self.details
+    }
+}
+
+impl DerefMut for Diagnostic {
+    fn deref_mut(&mut self) -> &mut Details {
+        &mut self.details
     }
 }
 

@@ -1,5 +1,18 @@
 //! Palpate on the host: a simulated rig, replay of logs, reports.
 
+pub mod check;
+pub mod demo;
 pub mod diagnostic;
+pub mod estimate;
+pub mod inspect;
 pub mod log;
+pub mod model;
+pub mod motion;
 pub mod output;
+pub mod plant;
+pub mod replay;
+pub mod report;
+pub mod settings;
+pub mod signal;
+pub mod simulate;
+pub mod toml_reader;

@@ -1,3 +1,57 @@
-//! The `palpate` command.
+//! The `palpate` command: arguments in, exit status out.
 
-fn main() {}
+use std::error::Error;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use palpate::diagnostic::Diagnostic;
+use palpate::{check, demo, estimate, simulate};
+
+/// Contact estimation: what a load cell and an encoder say about what they touch.
+///
+/// Without a verb it runs the demo: a simulated rig palpates the gel and the plastic of Biagiotti &
+/// Melchiorri, and the estimator tells them apart.
+#[derive(Parser)]
+#[command(version, about, long_about, arg_required_else_help = false)]
+struct Command {
+    #[command(subcommand)]
+    verb: Option<Verb>,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Run the board's estimator over logs and report what was touched
+    Estimate(estimate::EstimateArgs),
+    /// Run a model on the simulated rig and write what its sensors read
+    Simulate(simulate::SimulateArgs),
+    /// Say what is in a log: rate, gaps, units, noise, contacts, and what it is good for
+    Check(check::CheckArgs),
+    /// Palpate gel and plastic on the simulated rig; also what `palpate` alone does
+    Demo(demo::DemoArgs),
+}
+
+fn main() -> ExitCode {
+    let command = Command::parse();
+    let done = match &command.verb {
+        Some(Verb::Estimate(args)) => estimate::run(args),
+        Some(Verb::Check(args)) => check::run(args),
+        Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
+        Some(Verb::Demo(args)) => demo::run(args),
+        None => demo::run(&demo::DemoArgs::default()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => fail(error.as_ref()),
+    }
+}
+
+/// Bad input is 2, everything else that goes wrong 1. A closed pipe (`palpate … | head`) is no
+/// failure.
+fn fail(error: &(dyn Error + 'static)) -> ExitCode {
+    if error.is::<Diagnostic>() {
+        eprintln!("{error}");
+        return ExitCode::from(2);
+    }
+    eprintln!("error: {error}");
+    ExitCode::FAILURE
+}

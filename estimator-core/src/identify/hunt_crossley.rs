@@ -76,6 +76,11 @@ impl<T: Real> TwoStage<T> {
         }
     }
 
+    /// ∂F/∂x₀, of d > 0.
+    fn by_surface(at: &Instant<T>, split: &Split<T>) -> T {
+        -(split.exponent * split.modulus * split.shape / at.depth)
+    }
+
     /// ∇F by (K, λ, n), of d > 0.
     fn gradient(at: &Instant<T>, split: &Split<T>) -> Vector3<T> {
         let force = split.modulus * split.shape;
@@ -84,14 +89,14 @@ impl<T: Real> TwoStage<T> {
 }
 
 impl<T: Real> Identify<T> for TwoStage<T> {
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T) {
+    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         if at.depth <= T::nil() {
             return (T::nil(), T::nil());
         }
         let split = self.split(at);
-        let variance = self
-            .confidence
-            .force_variance(&Self::gradient(at, &split), noise);
+        let by_surface = Self::by_surface(at, &split) * surface_error;
+        let gradient = Self::gradient(at, &split);
+        let variance = self.confidence.force_variance(&gradient, noise) + by_surface * by_surface;
         (split.modulus * split.shape, variance)
     }
 
@@ -122,7 +127,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
             }
         }
 
-        let by_surface = -(split.exponent * split.modulus * split.shape / at.depth);
+        let by_surface = Self::by_surface(at, &split);
         self.confidence
             .update(&Self::gradient(at, &split), by_surface, beta);
         true
@@ -175,7 +180,7 @@ mod tests {
             };
             let beta = params
                 .forgetting
-                .beta(force - stages.predict(&at, &NOISE).0, NOISE.raw);
+                .beta(force - stages.predict(&at, &NOISE, 0.0).0, NOISE.raw);
             stages.learn(params, &at, &NOISE, beta);
         }
     }

@@ -37,12 +37,11 @@ fn regressor<T: Real>(at: &Instant<T>) -> Vector2<T> {
 }
 
 impl<T: Real> Identify<T> for Linear<T> {
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T) {
+    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         let phi = regressor(at);
-        (
-            self.rls.predict(&phi),
-            self.confidence.force_variance(&phi, noise),
-        )
+        let by_surface = self.rls.theta.x * surface_error;
+        let variance = self.confidence.force_variance(&phi, noise) + by_surface * by_surface;
+        (self.rls.predict(&phi), variance)
     }
 
     fn learn(

@@ -255,6 +255,10 @@ impl ColumnMap {
         ))
         .in_column(wanted)
         .note(format!("the columns are {}", listed(names())));
+        if header.len() < Channel::ALL.len() {
+            let advice = "the header must be the first line, with commas, semicolons or tabs; put # before lines above it";
+            return diagnostic.remedy(advice);
+        }
         if let Some(near) = nearest(wanted, names()) {
             diagnostic = diagnostic.note(format!("the nearest name is `{near}`"));
         }
@@ -356,7 +360,7 @@ mod tests {
     fn a_missing_column_is_answered_with_the_columns_option_that_would_fit() {
         let names = header(&["Elapsed Time (s)", "Displacement (mm)", "Load [kN]", "Temp"]);
         let error = ColumnMap::default().place(&names).unwrap_err();
-        let remedy = error.remedy.unwrap();
+        let remedy = error.remedy.as_deref().unwrap();
         assert!(
             remedy.contains("'t=Elapsed Time (s),x=Displacement (mm)*1e-3,f=Load [kN]*1e3'"),
             "{remedy}"
@@ -371,6 +375,17 @@ mod tests {
             .unwrap_err();
         assert_eq!(error.field.as_deref(), Some("column f_n"));
         assert!(error.notes[1].contains("`fn`"), "{error}");
+    }
+
+    #[test]
+    fn a_title_above_the_header_is_answered_with_what_to_do_about_it() {
+        let error = ColumnMap::default()
+            .place(&header(&["Results Table 1"]))
+            .unwrap_err();
+        assert!(
+            error.remedy.as_deref().unwrap().contains("put # before"),
+            "{error}"
+        );
     }
 
     #[test]

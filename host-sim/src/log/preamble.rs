@@ -43,7 +43,9 @@ pub(super) fn parse(head: &[u8], path: &Path) -> Result<Preamble, Diagnostic> {
         }
     }
     let Some(first) = rows.first() else {
-        return Err(no_header(path, 1, "").note("the file holds only comments"));
+        return Err(Diagnostic::new("the file holds nothing but comments")
+            .in_file(path)
+            .remedy("write the names of the columns without # before them"));
     };
     let delimiter = delimiter(&first.text, &rows.last().unwrap_or(first).text);
     let fields = split(&first.text, delimiter);
@@ -94,18 +96,20 @@ pub(super) fn decoded(bytes: &[u8]) -> String {
 }
 
 fn uncommented(line: &str) -> &str {
-    line.trim().trim_start_matches('#')
+    line.trim().trim_start_matches('#').trim_start()
 }
 
-/// The delimiter that gives header and first row the same number of fields, and most of them.
+/// The delimiter that gives header and first row the same number of fields, and most of them; a
+/// blank only if no other does.
 fn delimiter(header: &str, row: &str) -> u8 {
     let fields = |line: &str, delimiter: u8| line.bytes().filter(|b| *b == delimiter).count();
-    let candidates = [b'\t', b';', b','];
-    let agreeing = candidates
-        .into_iter()
-        .filter(|d| fields(header, *d) >= 1 && fields(header, *d) == fields(row, *d));
-    let best = agreeing.max_by_key(|d| fields(header, *d));
-    best.or_else(|| candidates.into_iter().max_by_key(|d| fields(header, *d)))
+    let usual = [b'\t', b';', b','];
+    let agrees = |d: &u8| fields(header, *d) >= 1 && fields(header, *d) == fields(row, *d);
+    let agreeing = usual.into_iter().filter(agrees);
+    agreeing
+        .max_by_key(|d| fields(header, *d))
+        .or(Some(b' ').filter(agrees))
+        .or_else(|| usual.into_iter().max_by_key(|d| fields(header, *d)))
         .unwrap_or(b',')
 }
 
@@ -152,6 +156,11 @@ mod tests {
     fn the_delimiter_is_the_one_that_header_and_row_agree_on() {
         assert_eq!(parsed("t_s,x_m,f_n\n0,1,2\n").delimiter, b',');
         assert_eq!(parsed("t_s;x_m;f_n\n0,001;0,1;2,0\n").delimiter, b';');
+        assert_eq!(
+            parsed("# made by numpy\n# t_s x_m f_n\n0 1 2\n").delimiter,
+            b' '
+        );
+        assert_eq!(parsed("t s, x m, f n\n0, 1, 2\n").delimiter, b',');
         assert_eq!(parsed("Time [s, rel]\tx\tF\n0\t1\t2\n").delimiter, b'\t');
     }
 
@@ -179,6 +188,6 @@ mod tests {
     fn numbers_without_a_header_are_refused() {
         let error = parse(b"0,1,2\n1,1,2\n", Path::new("a.csv")).unwrap_err();
         assert_eq!(error.line, Some(1));
-        assert!(error.remedy.unwrap().contains("t_s,x_m,f_n"));
+        assert!(error.remedy.as_ref().unwrap().contains("t_s,x_m,f_n"));
     }
 }

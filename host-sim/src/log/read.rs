@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::{ByteRecord, ReaderBuilder};
 
 use super::columns::{Channel, Placed};
-use super::preamble::{self, Preamble, decoded};
+use super::preamble::{self, Preamble};
 use super::source::{Source, line_at, unreadable};
 use super::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
 use crate::diagnostic::Diagnostic;
@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Log, Diagnostic
         .delimiter(preamble.delimiter)
         .comment(Some(b'#'))
         .buffer_capacity(1 << 18)
-        .from_reader(source.from_offset(preamble.data_offset));
+        .from_reader(source.starting_at(preamble.data_offset));
     let mut rows = Rows::new(path, &preamble, placed);
     let mut record = ByteRecord::new();
     while reader
@@ -128,7 +128,10 @@ impl<'a> Rows<'a> {
     }
 
     fn take(&mut self, record: &ByteRecord) -> Result<(), Problem> {
-        if record.len() != self.preamble.names.len() {
+        let names = self.preamble.names.len();
+        // Some loggers end every row, but not the header, with a delimiter.
+        let closed = record.len() == names + 1 && record[names].is_empty();
+        if record.len() != names && !closed {
             return Err(Problem::Ragged {
                 found: record.len(),
             });
@@ -282,10 +285,7 @@ impl<'a> Rows<'a> {
         let text = located.as_ref().map_or("", |(_, text)| text.as_str());
         let diagnostic = match problem {
             Problem::Ragged { found } => self.ragged(*found, text),
-            Problem::Text { slot, value } => self.in_cell(*slot, text, value).remedy(format!(
-                "write the {}, or leave the row out",
-                Channel::ALL[*slot].quantity()
-            )),
+            Problem::Text { slot, value } => self.text(*slot, text, value),
             Problem::Missing { slot, value } => self.missing(*slot, text, value),
             Problem::Backward { time_s } => self.backward(*time_s, text),
         };
@@ -300,6 +300,16 @@ impl<'a> Rows<'a> {
             .in_column(self.name(slot))
             .excerpt(text, self.cell(slot, text))
             .value(value)
+    }
+
+    fn text(&self, slot: usize, text: &str, value: &str) -> Diagnostic {
+        let quantity = Channel::ALL[slot].quantity();
+        let remedy = if self.log.is_empty() {
+            format!("write the {quantity}; if this is a row of units, remove it")
+        } else {
+            format!("write the {quantity}, or leave the row out")
+        };
+        self.in_cell(slot, text, value).remedy(remedy)
     }
 
     fn missing(&self, slot: usize, text: &str, value: &str) -> Diagnostic {

@@ -81,9 +81,12 @@ fn a_bad_value_is_named_with_line_column_value_and_remedy() {
         assert!(error.what.contains(what), "{error}");
         assert!(error.path.is_some() && error.remedy.is_some(), "{error}");
         assert!(error.to_string().lines().count() < 10, "{error}");
-        let excerpt = error.excerpt.unwrap();
+        let excerpt = error.excerpt.as_ref().unwrap();
         assert_eq!(excerpt.text, row);
-        assert_eq!(excerpt.text[excerpt.marked].trim_end_matches(','), value);
+        assert_eq!(
+            excerpt.text[excerpt.marked.clone()].trim_end_matches(','),
+            value
+        );
     }
 }
 
@@ -94,7 +97,7 @@ fn lines_are_counted_right_after_blank_lines_comments_and_windows_line_ends() {
         .replace('\n', "\r\n");
     let error = strict("crlf", &text).unwrap_err();
     assert_eq!(error.line, Some(10), "{error}");
-    assert_eq!(error.excerpt.unwrap().text, "0.005,0.001,abc");
+    assert_eq!(error.excerpt.as_ref().unwrap().text, "0.005,0.001,abc");
 }
 
 #[test]
@@ -102,6 +105,22 @@ fn a_ragged_row_is_named() {
     let error = strict("ragged", &table(19, "0.019,0.0")).unwrap_err();
     assert_eq!(error.line, Some(21), "{error}");
     assert!(error.what.contains("2 values in a row, 3 names"), "{error}");
+}
+
+#[test]
+fn rows_that_end_with_a_delimiter_are_whole() {
+    let text = table(99, "").replace("0.5\n", "0.5,\n");
+    assert_eq!(strict("closed", &text).unwrap().len(), 20);
+}
+
+#[test]
+fn a_row_of_units_is_called_one() {
+    let text = table(99, "").replace("f_n\n", "f_n\n(s),(m),(N)\n");
+    let error = strict("units-row", &text).unwrap_err();
+    assert!(
+        error.remedy.as_deref().unwrap().contains("row of units"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -161,7 +180,7 @@ fn a_second_recording_in_one_file_is_recognised() {
         table(99, "").trim_start_matches("t_s,x_m,f_n\n")
     );
     let error = strict("twice", &text).unwrap_err();
-    assert!(error.remedy.unwrap().contains("second recording"));
+    assert!(error.remedy.as_ref().unwrap().contains("second recording"));
 }
 
 #[test]
@@ -218,7 +237,13 @@ fn a_zipped_log_reads_the_same_and_a_truncated_one_is_an_error() {
     assert_eq!(log.time_s, strict("unzipped", &text).unwrap().time_s);
     let cut = Temporary::new("cut.csv.gz", &zipped[..zipped.len() - 12]);
     let error = Log::read(&cut.0, &options).unwrap_err();
-    assert!(error.remedy.unwrap().contains("damaged or cut off"));
+    assert!(
+        error
+            .remedy
+            .as_ref()
+            .unwrap()
+            .contains("damaged or cut off")
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::Log;
 use super::timing::{GAP_PERIODS, Timing};
 use crate::diagnostic::Diagnostic;
+use crate::signal;
 
 /// A log whose stamps deviate from an even grid by less than this many periods is even.
 const EVEN_PERIODS: f64 = 0.01;
@@ -38,6 +39,21 @@ impl UniformLog {
     /// Whether there is no sample at all.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
+    }
+
+    /// Standard deviation of the force noise [N], from the samples that were not invented.
+    pub fn force_noise_n(&self) -> f64 {
+        let measured = self.in_gap.chunk_by(|a, b| a == b).scan(0, |start, run| {
+            let from = *start;
+            *start += run.len();
+            Some((run[0], from..*start))
+        });
+        // The longest stretch without a gap: second differences across one mean nothing.
+        let longest = measured
+            .filter(|(invented, _)| !invented)
+            .map(|(_, range)| range);
+        let longest = longest.max_by_key(|range| range.len()).unwrap_or(0..0);
+        signal::noise(&self.force_n[longest])
     }
 
     /// Time between samples [s].
@@ -144,8 +160,8 @@ impl Log {
         grid.position_m.push(between(&self.position_m));
         grid.force_n.push(between(&self.force_n));
         grid.in_gap.push(
-            to_s - from_s > GAP_PERIODS * timing.median_period_s
-                && off_stamps_s > 1e-3 * timing.median_period_s,
+            to_s - from_s > GAP_PERIODS * timing.base_period_s
+                && off_stamps_s > 1e-3 * timing.base_period_s,
         );
     }
 

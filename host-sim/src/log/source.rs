@@ -40,7 +40,7 @@ impl Source {
     }
 
     /// Everything from byte `offset` of the head on.
-    pub(super) fn from_offset(self, offset: usize) -> impl Read {
+    pub(super) fn starting_at(self, offset: usize) -> impl Read {
         let mut head = Cursor::new(self.head);
         head.set_position(offset as u64);
         head.chain(self.rest)
@@ -81,7 +81,10 @@ const OTHER_FILES: [(&[u8], &str); 10] = [
 ];
 
 fn not_a_table(head: &[u8]) -> Option<(String, String)> {
-    let text = head.trim_ascii_start();
+    let text = head
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(head)
+        .trim_ascii_start();
     if text.is_empty() {
         return Some(("the file is empty".into(), WRITE_CSV.into()));
     }
@@ -100,6 +103,10 @@ fn not_a_table(head: &[u8]) -> Option<(String, String)> {
         .any(|byte| *byte < b'\t' || (0x0e..0x20).contains(byte))
     {
         return Some(("this is a binary file, not a log".into(), WRITE_CSV.into()));
+    }
+    if text.contains(&b'\r') && !text.contains(&b'\n') {
+        let remedy = "save it with the line ends of Unix or Windows";
+        return Some(("the lines end as on an old Macintosh".into(), remedy.into()));
     }
     wrong_text(text).map(|kind| (format!("this is {kind}, not a log"), WRITE_CSV.into()))
 }
@@ -129,7 +136,7 @@ fn is_table_name(byte: &u8) -> bool {
 /// Number (from 1) and text of the line that holds byte `offset` or, when only a line end or a
 /// comment follows there, of the next row. Reads the file again: only for errors.
 pub(super) fn line_at(path: &Path, offset: u64) -> Option<(usize, String)> {
-    let mut reader = BufReader::new(Source::open(path).ok()?.from_offset(0));
+    let mut reader = BufReader::new(Source::open(path).ok()?.starting_at(0));
     let (mut number, mut end) = (0, 0);
     let mut line = Vec::new();
     loop {
@@ -158,7 +165,8 @@ mod tests {
     fn each_wrong_file_is_called_by_its_name() {
         for (head, name) in [
             (&b""[..], "empty"),
-            (b" \n\n ", "empty"),
+            (b"\xef\xbb\xbf \n\n ", "empty"),
+            (b"t_s,x_m,f_n\r0,1,2\r", "Macintosh"),
             (b"{\"a\": 1}", "JSON"),
             (b"[1, 2]", "JSON"),
             (b"<!DOCTYPE html>", "HTML"),

@@ -2,7 +2,7 @@
 
 use super::Log;
 
-/// An interval longer than this many median periods is a gap: at least one sample is missing.
+/// An interval longer than this many base periods is a gap: at least one sample is missing.
 pub(super) const GAP_PERIODS: f64 = 1.5;
 
 /// A measured rate this near a round one is that one: 0.1 % is what a host's clock or stamps of
@@ -12,9 +12,9 @@ const SNAP: f64 = 1e-3;
 /// How evenly a log is sampled.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Median interval between samples [s].
-    pub median_period_s: f64,
-    /// Mean of the intervals that are no gap and at least half a median period [s]: unlike the
+    /// Median interval between samples [s]; of a log with two rates, that of the denser one.
+    pub base_period_s: f64,
+    /// Mean of the intervals that are no gap and at least half a base period [s]: unlike the
     /// median it is free of the rounding of the stamps.
     pub mean_period_s: f64,
     /// Standard deviation of those intervals [s].
@@ -23,7 +23,7 @@ pub struct Timing {
     pub shortest_s: f64,
     /// Longest interval [s].
     pub longest_s: f64,
-    /// Intervals longer than 1.5 median periods.
+    /// Intervals longer than 1.5 base periods.
     pub gaps: Vec<Gap>,
 }
 
@@ -49,20 +49,19 @@ impl Log {
         if periods.is_empty() {
             return Timing::default();
         }
-        let middle = periods.len() / 2;
-        let median = *periods.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let ordinary = |period: &f64| (0.5 * median..=GAP_PERIODS * median).contains(period);
+        let base = base_period(&mut periods);
+        let ordinary = |period: &f64| (0.5 * base..=GAP_PERIODS * base).contains(period);
         let regular = || periods.iter().copied().filter(ordinary);
         let count = regular().count() as f64;
         let mean = regular().sum::<f64>() / count;
         let variance = regular().map(|period| (period - mean).powi(2)).sum::<f64>() / count;
         Timing {
-            median_period_s: median,
+            base_period_s: base,
             mean_period_s: mean,
             jitter_s: variance.sqrt(),
             shortest_s: periods.iter().copied().fold(f64::INFINITY, f64::min),
             longest_s: periods.iter().copied().fold(0.0, f64::max),
-            gaps: gaps(&self.time_s, GAP_PERIODS * median),
+            gaps: gaps(&self.time_s, GAP_PERIODS * base),
         }
     }
 
@@ -82,6 +81,17 @@ impl Timing {
             0.0
         }
     }
+}
+
+/// The median interval, unless a tenth of the intervals is denser than two thirds of it: then the
+/// log has two rates (a ramp at 2048 Hz, a hold at 256 Hz), and the dense one is where things move.
+fn base_period(periods: &mut [f64]) -> f64 {
+    let at = |periods: &mut [f64], index: usize| {
+        *periods.select_nth_unstable_by(index, f64::total_cmp).1
+    };
+    let median = at(periods, periods.len() / 2);
+    let dense = at(periods, periods.len() / 10);
+    if dense < median / 1.5 { dense } else { median }
 }
 
 fn gaps(time_s: &[f64], longest_s: f64) -> Vec<Gap> {
@@ -157,7 +167,7 @@ mod tests {
             .map(|i| (f64::from(i) / 256.0 * 1e5).round() / 1e5)
             .collect();
         let log = log(stamps);
-        assert!((log.timing().median_period_s - 0.00391).abs() < 1e-9);
+        assert!((log.timing().base_period_s - 0.00391).abs() < 1e-9);
         assert_eq!(log.rate_hz(), 256.0);
     }
 

@@ -1,0 +1,253 @@
+//! `palpate check`: what is in a log, before any law.
+
+use std::error::Error;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use estimator_core::Config;
+use estimator_core::config::Method;
+
+use crate::estimate::{Choices, ReadingArgs, estimate};
+use crate::inspect::{Inspection, suspicions};
+use crate::log::{Log, Timing, UniformLog};
+use crate::report::number::quantity;
+
+/// Arguments of `palpate check`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Example:\n  palpate check log.csv")]
+pub struct CheckArgs {
+    /// The log: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out).
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// How the log is read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A [`crate::diagnostic::Diagnostic`] for a file that cannot be read.
+pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
+    let raw = Log::read(&args.log, &args.reading.options())?;
+    let log = raw.uniform()?;
+    // Kelvin–Voigt: any contact will do to find the touches.
+    let estimation = estimate(
+        &log,
+        Config::default(),
+        &[Method::KelvinVoigt],
+        Choices::default(),
+    )?;
+    print!(
+        "{}",
+        describe(
+            &args.log.display().to_string(),
+            &raw,
+            &log,
+            &estimation.inspection
+        )
+    );
+    Ok(())
+}
+
+/// The text of `check`: a screen at most for an ordinary log.
+pub fn describe(name: &str, raw: &Log, log: &UniformLog, inspection: &Inspection) -> String {
+    let mut text = String::new();
+    // Writing into a String cannot fail.
+    let _ = timing(&mut text, name, raw, &raw.timing())
+        .and_then(|()| channels(&mut text, raw, inspection))
+        .and_then(|()| contacts(&mut text, inspection))
+        .and_then(|()| verdict(&mut text, log, inspection));
+    text
+}
+
+fn timing(text: &mut String, name: &str, raw: &Log, timing: &Timing) -> std::fmt::Result {
+    writeln!(text, "{name}")?;
+    writeln!(
+        text,
+        "  time      {} samples, {}, {} Hz, jitter {}",
+        raw.len(),
+        quantity(raw.duration_s(), 4, "s"),
+        (timing.rate_hz() * 1e3).round() / 1e3,
+        quantity(timing.jitter_s, 2, "s"),
+    )?;
+    if let Some(longest) = timing
+        .gaps
+        .iter()
+        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))
+    {
+        writeln!(
+            text,
+            "            {} gaps, the longest from {} to {} s",
+            timing.gaps.len(),
+            longest.from_s,
+            longest.to_s
+        )?;
+    }
+    for note in &raw.notes {
+        writeln!(text, "            {note}")?;
+    }
+    Ok(())
+}
+
+fn extent(channel: &[f64]) -> (f64, f64) {
+    let low = channel.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = channel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (low, high)
+}
+
+fn channels(text: &mut String, raw: &Log, inspection: &Inspection) -> std::fmt::Result {
+    let line = |name: &str, channel: &[f64], unit: &str, step: Option<f64>| {
+        let (low, high) = extent(channel);
+        let step = step.map_or("no steps".into(), |s| {
+            format!("steps of {}", quantity(s, 2, unit))
+        });
+        let (low, high) = (quantity(low, 4, unit), quantity(high, 4, unit));
+        format!("  {name:<9} {low} … {high}, {step}")
+    };
+    writeln!(
+        text,
+        "{}",
+        line("position", &raw.position_m, "m", inspection.position_step_m)
+    )?;
+    let force = line("force", &raw.force_n, "N", inspection.force_step_n);
+    writeln!(
+        text,
+        "{force}, noise {} rms",
+        quantity(inspection.noise_n, 2, "N")
+    )?;
+    if let Some(limit) = inspection.saturated_n {
+        writeln!(
+            text,
+            "            flat tops at {}: saturated",
+            quantity(limit, 4, "N")
+        )?;
+    }
+    for extra in &raw.extra {
+        let (low, high) = extent(&extra.values);
+        writeln!(text, "  further   {}: {low} … {high}", extra.name)?;
+    }
+    Ok(())
+}
+
+fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
+    let rest = quantity(inspection.rest_n, 2, "N");
+    write!(
+        text,
+        "  free air  {}, force {rest}",
+        quantity(inspection.free_s, 3, "s")
+    )?;
+    match inspection.disturbance {
+        Some(times) if times > 2.0 => writeln!(
+            text,
+            ", wandering {times:.1} × more than its noise: drag, drift or hum"
+        )?,
+        _ => writeln!(text)?,
+    }
+    writeln!(text, "  touches   {}", inspection.touches.len())?;
+    for touch in inspection.touches.iter().take(8) {
+        writeln!(
+            text,
+            "            {:9.3} … {:9.3} s, up to {} and {} deep",
+            touch.from_s,
+            touch.to_s,
+            quantity(touch.peak_force_n, 3, "N"),
+            quantity(touch.peak_depth_m, 3, "m"),
+        )?;
+    }
+    if inspection.touches.len() > 8 {
+        writeln!(
+            text,
+            "            … and {} more",
+            inspection.touches.len() - 8
+        )?;
+    }
+    for hold in inspection.holds.iter().take(8) {
+        writeln!(
+            text,
+            "  hold      {:9.3} … {:9.3} s at {}: {} → {}{}",
+            hold.from_s,
+            hold.to_s,
+            quantity(hold.depth_m, 3, "m"),
+            quantity(hold.from_n, 3, "N"),
+            quantity(hold.to_n, 3, "N"),
+            if hold.relaxed > 0.0 {
+                format!(", relaxes by {:.1} %", 100.0 * hold.relaxed)
+            } else {
+                String::new()
+            }
+        )?;
+    }
+    if inspection.pull_n > 0.0 {
+        let pull = quantity(inspection.pull_n, 3, "N");
+        writeln!(
+            text,
+            "  pulls     {pull} below rest: adhesion, or a moving resting force"
+        )?;
+    }
+    Ok(())
+}
+
+fn verdict(text: &mut String, log: &UniformLog, inspection: &Inspection) -> std::fmt::Result {
+    for suspicion in suspicions(log) {
+        writeln!(text, "  ! {suspicion}")?;
+    }
+    let (good, bad) = uses(inspection);
+    for (label, uses) in [("good for", good), ("not for", bad)] {
+        if !uses.is_empty() {
+            writeln!(text, "  {label:<9} {}", uses.join("; "))?;
+        }
+    }
+    Ok(())
+}
+
+/// What the log is good for, and what not.
+fn uses(inspection: &Inspection) -> (Vec<String>, Vec<String>) {
+    let (mut good, mut bad) = (Vec::new(), Vec::new());
+    let mut say = |is_good: bool, yes: String, no: &str| {
+        if is_good {
+            good.push(yes)
+        } else {
+            bad.push(no.into())
+        }
+    };
+    let touches = inspection.touches.len();
+    let deepest = inspection
+        .touches
+        .iter()
+        .map(|t| t.peak_force_n)
+        .fold(0.0, f64::max);
+    let strong = deepest > 50.0 * inspection.noise_n;
+    say(
+        touches > 0 && strong,
+        "stiffness and exponent".into(),
+        "stiffness and exponent (no contact of 50 times the noise)",
+    );
+    let (slow, fast) = inspection.speeds_mps.unwrap_or((1.0, 1.0));
+    say(
+        touches > 0 && fast > 2.0 * slow,
+        format!(
+            "damping (speeds from {} to {})",
+            quantity(slow, 2, "m/s"),
+            quantity(fast, 2, "m/s")
+        ),
+        "damping (one speed only)",
+    );
+    let longest = inspection
+        .holds
+        .iter()
+        .map(|h| h.to_s - h.from_s)
+        .fold(0.0, f64::max);
+    say(
+        longest > 0.0,
+        format!("relaxation (a hold of {})", quantity(longest, 3, "s")),
+        "relaxation (no hold)",
+    );
+    say(
+        inspection.free_s > 0.2,
+        "noise, resting force and friction in free air".into(),
+        "noise and resting force (hardly any free air)",
+    );
+    (good, bad)
+}

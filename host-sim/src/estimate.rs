@@ -1,0 +1,324 @@
+//! `palpate estimate`: the board's step over a log, and what it comes to.
+
+mod explain;
+mod files;
+pub mod outcome;
+mod print;
+mod setup;
+mod show;
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use estimator_core::Config;
+use estimator_core::config::Method;
+
+pub use explain::explain;
+pub use outcome::Outcome;
+pub use setup::{Choices, Setup, setup};
+pub use show::{Shown, document};
+
+use crate::diagnostic::Diagnostic;
+use crate::inspect::{Inspection, inspect};
+use crate::log::{ColumnMap, Log, ReadOptions, UniformLog};
+use crate::replay::{Replay, replay};
+
+/// What a simpler law may leave more than the best one and still be chosen: 2 %.
+const SIMPLER_MARGIN: f64 = 1.02;
+
+/// Arguments of `palpate estimate`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "Example:\n  palpate estimate log.csv --law hunt_crossley --out result\n  \
+    palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\""
+)]
+pub struct EstimateArgs {
+    /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or .csv.gz.
+    #[arg(required = true, value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    /// The contact law; auto takes the one that explains the force best.
+    #[arg(long, value_enum, default_value_t = LawChoice::Auto)]
+    pub law: LawChoice,
+    /// The estimator; by default the law's own.
+    #[arg(long, value_enum)]
+    pub method: Option<MethodChoice>,
+    /// Where estimate.json, estimate.csv and report.html go; a folder per log if there are several.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Estimator configuration (TOML): filter, contact, forgetting, initial values.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Depth (m) at which stiffness and damping are reported; 1 mm unless the log is of another scale.
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub reference_depth: Option<f64>,
+    /// Position of the surface (m), if it is known; otherwise the position of impact is taken.
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = finite)]
+    pub surface: Option<f64>,
+    /// Write every N-th sample into estimate.csv.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    /// How the log is read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+/// How logs of other machines are read.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ReadingArgs {
+    /// Other column names, signs and units: "t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz".
+    #[arg(long, value_name = "MAP")]
+    pub columns: Option<ColumnMap>,
+    /// Leave rows with missing or non-finite values out instead of stopping at the first.
+    #[arg(long)]
+    pub skip_bad_rows: bool,
+}
+
+impl ReadingArgs {
+    pub(crate) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            columns: self.columns.clone().unwrap_or_default(),
+            skip_bad_rows: self.skip_bad_rows,
+        }
+    }
+
+    /// Reads a log onto an even grid.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn read(&self, path: &Path) -> Result<UniformLog, Diagnostic> {
+        Log::read(path, &self.options())?.uniform()
+    }
+}
+
+/// The laws on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum LawChoice {
+    /// The one that explains the force best
+    Auto,
+    /// F = Kδ + λδ̇
+    KelvinVoigt,
+    /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ
+    HuntCrossley,
+}
+
+/// The methods on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum MethodChoice {
+    /// Recursive least squares (kelvin_voigt)
+    Rls,
+    /// Two recursive least squares in feedback (hunt_crossley)
+    TwoStage,
+}
+
+impl MethodChoice {
+    fn of(method: Method) -> Self {
+        match method {
+            Method::KelvinVoigt => MethodChoice::Rls,
+            Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            MethodChoice::Rls => "rls",
+            MethodChoice::TwoStage => "two_stage",
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err("must be positive, in metres".into())
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .parse()
+        .map_err(|_| "must be a number in metres, such as 0.001")?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err("must be finite".into())
+    }
+}
+
+/// The methods that a choice of law and method leaves, simplest law first.
+fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, Diagnostic> {
+    let all = [
+        (LawChoice::KelvinVoigt, Method::KelvinVoigt),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage),
+    ];
+    let fits = |(own, candidate): &(LawChoice, Method)| {
+        (law == LawChoice::Auto || law == *own)
+            && method.is_none_or(|method| method == MethodChoice::of(*candidate))
+    };
+    let left: Vec<Method> = all
+        .into_iter()
+        .filter(fits)
+        .map(|(_, method)| method)
+        .collect();
+    if left.is_empty() {
+        return Err(Diagnostic::new("this method does not estimate this law")
+            .value(method.map_or("", MethodChoice::name))
+            .remedy(
+                "rls goes with kelvin_voigt, two_stage with hunt_crossley; or leave --method out",
+            ));
+    }
+    Ok(left)
+}
+
+/// An estimate of one log.
+#[derive(Clone, Debug)]
+pub struct Estimation {
+    /// The replay of the law that was chosen.
+    pub replay: Replay,
+    /// What it comes to.
+    pub outcome: Outcome,
+    /// What is in the log.
+    pub inspection: Inspection,
+    /// Every law that was tried, with its RMSE (N).
+    pub selection: Vec<(&'static str, Option<f64>)>,
+    /// What a reader must know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Estimates a log with each method and keeps the law that explains the force best; of two that do
+/// so within 2 %, the simpler one.
+///
+/// # Errors
+/// The field of the configuration that cannot be used.
+pub fn estimate(
+    log: &UniformLog,
+    base: Config,
+    methods: &[Method],
+    choices: Choices,
+) -> Result<Estimation, Diagnostic> {
+    let mut best: Option<(Replay, Outcome, Vec<String>)> = None;
+    let mut selection = Vec::new();
+    for method in methods {
+        let Setup { config, notes } = setup(log, base, *method, choices);
+        let replay = replay(log, &config).map_err(|error| {
+            Diagnostic::new(format!("the configuration cannot be used: {error}"))
+                .at_key(error.field)
+                .value(error.value)
+                .remedy(error.expected)
+        })?;
+        let outcome = Outcome::of(log, &replay);
+        selection.push((outcome.law.name(), outcome.force_rmse_n));
+        let rmse = outcome.force_rmse_n.unwrap_or(f64::INFINITY);
+        let to_beat = best
+            .as_ref()
+            .map(|(_, kept, _)| kept.force_rmse_n.unwrap_or(f64::INFINITY));
+        if to_beat.is_none_or(|kept| rmse * SIMPLER_MARGIN < kept) {
+            best = Some((replay, outcome, notes));
+        }
+    }
+    let (replay, outcome, mut notes) = best.ok_or_else(|| Diagnostic::new("no method to try"))?;
+    let inspection = inspect(log, &replay, &outcome.touches);
+    notes.extend(log.notes.iter().cloned());
+    notes.extend(explain(log, &replay, &outcome, &inspection));
+    Ok(Estimation {
+        replay,
+        outcome,
+        inspection,
+        selection,
+        notes,
+    })
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A [`Diagnostic`] for input that cannot be used; else what the file system says.
+pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
+    let methods = methods(args.law, args.method)?;
+    let base = match &args.config {
+        Some(path) => crate::settings::read(path)?,
+        None => Config::default(),
+    };
+    let choices = Choices {
+        reference_depth_m: args.reference_depth,
+        surface_m: args.surface,
+    };
+    for path in &args.logs {
+        let log = args.reading.read(path)?;
+        let estimation = estimate(&log, base, &methods, choices)?;
+        print!("{}", print::summary(path, &log, &estimation));
+        if let Some(out) = &args.out {
+            let folder = if args.logs.len() > 1 {
+                out.join(stem(path))
+            } else {
+                out.clone()
+            };
+            write(&folder, path, &log, &estimation, args.every as usize)?;
+            println!("report: {}", folder.join("report.html").display());
+        }
+    }
+    Ok(())
+}
+
+/// The name of a log without its endings.
+fn stem(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.trim_end_matches(".gz").trim_end_matches(".csv");
+    PathBuf::from(name)
+}
+
+fn write(
+    folder: &Path,
+    path: &Path,
+    log: &UniformLog,
+    estimation: &Estimation,
+    every: usize,
+) -> Result<(), Box<dyn Error>> {
+    let context = files::Context {
+        method: MethodChoice::of(estimation.replay.config.method).name(),
+        reference_depth_m: f64::from(estimation.replay.config.reference.depth_m),
+        noise_n: estimation.replay.noise_n,
+        selection: &estimation.selection,
+        notes: &estimation.notes,
+    };
+    files::write_json(
+        &folder.join("estimate.json"),
+        &files::json(&estimation.outcome, &context),
+    )?;
+    files::write_csv(&folder.join("estimate.csv"), &estimation.replay, every)?;
+    let title = format!("Estimate of {}", path.display());
+    let shown = Shown::new("", log, estimation);
+    document(&[shown], &title, &[path])?.write(&folder.join("report.html"))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_method_that_does_not_go_with_the_law_is_refused_with_a_remedy() {
+        let error = methods(LawChoice::KelvinVoigt, Some(MethodChoice::TwoStage)).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .contains("remedy: rls goes with kelvin_voigt"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn auto_tries_every_law_the_simplest_first() {
+        let all = methods(LawChoice::Auto, None).unwrap();
+        assert_eq!(all, [Method::KelvinVoigt, Method::HuntCrossleyTwoStage]);
+    }
+
+    #[test]
+    fn the_folder_of_a_log_is_its_name_without_endings() {
+        assert_eq!(stem(Path::new("a/b/log.1.csv.gz")), PathBuf::from("log.1"));
+    }
+}

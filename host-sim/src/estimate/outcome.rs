@@ -1,0 +1,227 @@
+//! What a replay comes to: the numbers of `estimate.json`.
+
+use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters};
+use estimator_core::law::{ContactLaw, HuntCrossley, KelvinVoigt, ParameterInfo};
+use estimator_core::{Faults, LawKind, Status};
+
+use crate::log::UniformLog;
+use crate::replay::Replay;
+pub use crate::report::estimate::{EventKind, EventMark, Touch};
+use crate::signal;
+
+/// Settled: every parameter within this share of its final value from then on.
+const SETTLED_WITHIN: f64 = 0.05;
+
+/// A stretch of one material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment {
+    /// From its first touch (s).
+    pub from_s: f64,
+    /// To the change to the next material, or the end (s).
+    pub to_s: f64,
+    /// The parameters at its end.
+    pub parameters: Parameters<f32>,
+}
+
+/// What a replay comes to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The law.
+    pub law: LawKind,
+    /// How far the parameters can be trusted at the end.
+    pub status: Status,
+    /// The parameters at the end, in the order of [`LawKind::parameters`].
+    pub parameters: Parameters<f32>,
+    /// Raw force against the law with the final parameters, in contact (N rms); `None` without
+    /// contact or parameters.
+    pub force_rmse_n: Option<f64>,
+    /// When the parameters had settled (s); `None` if they never did.
+    pub settled_at_s: Option<f64>,
+    /// A stretch per material.
+    pub segments: Vec<Segment>,
+    /// All touches.
+    pub touches: Vec<Touch>,
+    /// All events, in order.
+    pub events: Vec<EventMark>,
+    /// Force of the law with the final parameters at every record (N); 0 in free air.
+    pub replayed_n: Vec<f32>,
+}
+
+impl Outcome {
+    /// Draws the sum of a replay of `log`.
+    pub fn of(log: &UniformLog, replay: &Replay) -> Outcome {
+        let law = replay.params.law();
+        let parameters = replay
+            .last()
+            .map_or([None; PARAMETER_SLOTS], |last| last.parameters);
+        let replayed_n = replay_force(replay, &parameters);
+        Outcome {
+            law,
+            status: replay.last().map_or(Status::NoContact, |last| last.status),
+            force_rmse_n: force_rmse(log, replay, &replayed_n),
+            settled_at_s: settled_at(replay, &parameters),
+            segments: segments(replay),
+            touches: touches(replay),
+            events: events(replay),
+            parameters,
+            replayed_n,
+        }
+    }
+
+    /// Name, unit and estimate of every parameter of the law.
+    pub fn named<'a>(
+        &'a self,
+        parameters: &'a Parameters<f32>,
+    ) -> impl Iterator<Item = (&'static ParameterInfo, Option<Estimated<f32>>)> + 'a {
+        self.law.parameters().iter().zip(parameters.iter().copied())
+    }
+
+    /// The value of the parameter of that name.
+    pub fn value(&self, name: &str) -> Option<Estimated<f32>> {
+        self.named(&self.parameters)
+            .find(|(info, _)| info.name == name)?
+            .1
+    }
+}
+
+/// The law with a set of parameters, in double precision.
+pub fn law_with(
+    law: LawKind,
+    parameters: &Parameters<f32>,
+    reference_depth_m: f64,
+) -> Option<Box<dyn ContactLaw<f64>>> {
+    let value = |slot: usize| parameters[slot].map(|p| f64::from(p.value));
+    Some(match law {
+        LawKind::KelvinVoigt => Box::new(KelvinVoigt {
+            stiffness_n_per_m: value(0)?,
+            damping_ns_per_m: value(1)?,
+        }),
+        LawKind::HuntCrossley => Box::new(HuntCrossley::new(
+            value(0)?,
+            value(1)?,
+            value(2)?,
+            reference_depth_m,
+        )),
+    })
+}
+
+fn replay_force(replay: &Replay, parameters: &Parameters<f32>) -> Vec<f32> {
+    let reference_depth_m = f64::from(replay.config.reference.depth_m);
+    let Some(law) = law_with(replay.params.law(), parameters, reference_depth_m) else {
+        return vec![0.0; replay.records.len()];
+    };
+    let mut forces = vec![0.0; replay.records.len()];
+    for contact in replay.contacts() {
+        for (force, record) in forces[contact.clone()]
+            .iter_mut()
+            .zip(&replay.records[contact])
+        {
+            *force = law.force_n(f64::from(record.depth_m), f64::from(record.speed_mps)) as f32;
+        }
+    }
+    forces
+}
+
+/// Over the instants whose whole filter window lies in contact: there the smoothed depth and speed
+/// are those of the raw force.
+fn force_rmse(log: &UniformLog, replay: &Replay, replayed_n: &[f32]) -> Option<f64> {
+    let memory = 2 * replay.delay + 1;
+    let errors = replay.contacts().into_iter().flat_map(|contact| {
+        contact.skip(memory).filter_map(|index| {
+            let raw = log.force_n[replay.sample_of(index)?] - f64::from(replay.rest_n[index]);
+            Some(raw - f64::from(replayed_n[index]))
+        })
+    });
+    let errors: Vec<f64> = errors.collect();
+    let known = replayed_n.iter().any(|force| *force != 0.0);
+    (known && !errors.is_empty()).then(|| signal::rms(errors))
+}
+
+/// From the end backward to the last record that is further than 5 % from the end's parameters.
+fn settled_at(replay: &Replay, parameters: &Parameters<f32>) -> Option<f64> {
+    // The surface is a place, not a property: a percentage of it means nothing.
+    let own = replay.params.law().parameters().len() - 1;
+    let last = parameters[..own]
+        .iter()
+        .copied()
+        .collect::<Option<Vec<_>>>()?;
+    let near = |record: &estimator_core::Estimate<f32>| {
+        record.parameters[..own]
+            .iter()
+            .zip(&last)
+            .all(|(then, end)| {
+                then.is_some_and(|then| {
+                    f64::from((then.value - end.value).abs())
+                        <= SETTLED_WITHIN * f64::from(end.value.abs())
+                })
+            })
+    };
+    let first_near = match replay.records.iter().rposition(|record| !near(record)) {
+        Some(far) => far + 1,
+        None => 0,
+    };
+    (first_near < replay.records.len()).then(|| replay.time_s(first_near))
+}
+
+fn touches(replay: &Replay) -> Vec<Touch> {
+    let contacts = replay.contacts().into_iter();
+    contacts
+        .map(|contact| {
+            let records = &replay.records[contact.clone()];
+            let peak = |of: fn(&estimator_core::Estimate<f32>) -> f32| {
+                f64::from(records.iter().map(of).fold(0.0, f32::max))
+            };
+            Touch {
+                from_s: replay.time_s(contact.start + replay.delay),
+                to_s: replay.time_s(contact.end - 1 + replay.delay),
+                peak_force_n: peak(|record| record.force_n),
+                peak_depth_m: peak(|record| record.depth_m),
+            }
+        })
+        .collect()
+}
+
+fn segments(replay: &Replay) -> Vec<Segment> {
+    let Some(first) = replay.contacts().first().map(|contact| contact.start) else {
+        return Vec::new();
+    };
+    let changes = replay.records.iter().enumerate();
+    let changes = changes
+        .filter(|(_, r)| r.event == Some(Event::MaterialChange))
+        .map(|(i, _)| i);
+    let mut bounds: Vec<usize> = std::iter::once(first).chain(changes).collect();
+    bounds.push(replay.records.len());
+    bounds
+        .windows(2)
+        .map(|pair| Segment {
+            from_s: replay.time_s(pair[0]),
+            to_s: replay.time_s(pair[1] - 1),
+            parameters: replay.records[pair[1] - 1].parameters,
+        })
+        .collect()
+}
+
+/// Contacts and changes as they come, faults when they begin.
+fn events(replay: &Replay) -> Vec<EventMark> {
+    let mut events = Vec::new();
+    let mut before = Faults::NONE;
+    for (index, record) in replay.records.iter().enumerate() {
+        let time_s = replay.time_s(index);
+        for fault in record.faults.iter().filter(|fault| !before.has(*fault)) {
+            let description = fault.describe().into();
+            let kind = EventKind::Fault {
+                code: fault.code(),
+                description,
+            };
+            events.push(EventMark { time_s, kind });
+        }
+        before = record.faults;
+        if let Some(event) = record.event {
+            events.push(EventMark {
+                time_s,
+                kind: EventKind::Estimator(event),
+            });
+        }
+    }
+    events
+}

@@ -1,0 +1,68 @@
+//! The estimate on the terminal.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::{Estimation, MethodChoice};
+use crate::log::UniformLog;
+use crate::report::number::{Measured, quantity};
+
+/// A dozen lines: the log, the parameters, the fit, the notes.
+pub(super) fn summary(path: &Path, log: &UniformLog, estimation: &Estimation) -> String {
+    let mut text = String::new();
+    // Writing into a String cannot fail.
+    let _ = write_summary(&mut text, path, log, estimation);
+    text
+}
+
+fn write_summary(
+    text: &mut String,
+    path: &Path,
+    log: &UniformLog,
+    estimation: &Estimation,
+) -> std::fmt::Result {
+    let outcome = &estimation.outcome;
+    let method = MethodChoice::of(estimation.replay.config.method).name();
+    let seconds = log.len() as f64 * log.period_s();
+    writeln!(
+        text,
+        "{}: {seconds:.2} s at {} Hz, {} touches",
+        path.display(),
+        log.rate_hz,
+        outcome.touches.len()
+    )?;
+    write!(
+        text,
+        "{} ({method}): {}",
+        outcome.law.name(),
+        outcome.status.name()
+    )?;
+    match outcome.settled_at_s {
+        Some(at) => writeln!(text, ", within 5 % of its end from {at:.3} s on")?,
+        None => writeln!(text)?,
+    }
+    for (info, estimate) in outcome.named(&outcome.parameters) {
+        match estimate {
+            Some(e) => {
+                let error = Some(f64::from(e.std_error));
+                let measured = Measured::new(f64::from(e.value), error, info.unit.symbol());
+                writeln!(text, "  {:<10} {measured}", info.name)?;
+            }
+            None => writeln!(text, "  {:<10} not observable", info.name)?,
+        }
+    }
+    if let Some(rmse) = outcome.force_rmse_n {
+        let noise = estimation.inspection.noise_n;
+        writeln!(
+            text,
+            "force RMSE in contact {}, {:.2} times the noise of {}",
+            quantity(rmse, 3, "N"),
+            rmse / noise,
+            quantity(noise, 3, "N")
+        )?;
+    }
+    for note in &estimation.notes {
+        writeln!(text, "note: {note}")?;
+    }
+    Ok(())
+}

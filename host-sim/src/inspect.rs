@@ -1,0 +1,136 @@
+//! What is in a log, before any law: units that look wrong, noise, contacts, holds, and what the
+//! log is good for. `check` prints it, and `estimate` says with it why a law cannot fit.
+
+mod holds;
+mod suspicion;
+
+pub use holds::{Hold, holds};
+pub use suspicion::suspicions;
+
+use crate::estimate::outcome::Touch;
+use crate::log::UniformLog;
+use crate::replay::Replay;
+use crate::signal;
+
+/// A force below rest by this many standard deviations of the noise pulls.
+const PULL_SIGMAS: f64 = 8.0;
+/// A pull is one if it lasts for this many samples: spikes are not adhesion.
+const PULL_SAMPLES: usize = 5;
+/// The largest force, held for this share of the samples in contact, is the end of the range.
+const FLAT_TOP_SHARE: f64 = 0.01;
+
+/// What is in a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inspection {
+    /// Standard deviation of the force noise, from second differences (N).
+    pub noise_n: f64,
+    /// Scatter of the force in free air after its noise is averaged out, over what white noise would
+    /// leave; about 1 unless something disturbs the force slowly. `None` without enough free air.
+    pub disturbance: Option<f64>,
+    /// Resolution of the force (N), if it is quantised.
+    pub force_step_n: Option<f64>,
+    /// Resolution of the position (m), if it is quantised.
+    pub position_step_m: Option<f64>,
+    /// Force in free air (N).
+    pub rest_n: f64,
+    /// Time in free air (s).
+    pub free_s: f64,
+    /// Touches.
+    pub touches: Vec<Touch>,
+    /// Holds in contact, with what the force did meanwhile.
+    pub holds: Vec<Hold>,
+    /// Deepest pull below the resting force (N); 0 if the contact never pulls.
+    pub pull_n: f64,
+    /// The force at which the channel ends, if flat tops show it (N).
+    pub saturated_n: Option<f64>,
+    /// Speeds in contact: the lower and upper decile of the non-zero ones (m/s).
+    pub speeds_mps: Option<(f64, f64)>,
+}
+
+/// Inspects a log with the touches that a replay of it has found.
+pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspection {
+    let noise_n = log.force_noise_n();
+    let contacts = replay.contacts();
+    let mut touched = vec![false; log.len()];
+    for contact in &contacts {
+        touched[contact.clone()].fill(true);
+    }
+    let free: Vec<f64> = pick(&log.force_n, &touched, false);
+    let rest_n = signal::median(free.clone());
+    Inspection {
+        noise_n,
+        disturbance: disturbance(&free, noise_n),
+        force_step_n: signal::step(&log.force_n),
+        position_step_m: signal::step(&log.position_m),
+        rest_n,
+        free_s: free.len() as f64 * log.period_s(),
+        touches: touches.to_vec(),
+        holds: holds(log, replay),
+        pull_n: pull(&log.force_n, rest_n, noise_n),
+        saturated_n: saturation(&pick(&log.force_n, &touched, true), noise_n),
+        speeds_mps: speeds(replay),
+    }
+}
+
+fn pick(channel: &[f64], touched: &[bool], wanted: bool) -> Vec<f64> {
+    let picked = channel
+        .iter()
+        .zip(touched)
+        .filter(|(_, touched)| **touched == wanted);
+    picked.map(|(value, _)| *value).collect()
+}
+
+/// Means of 32 samples scatter by σ/√32 if the noise is white.
+fn disturbance(free: &[f64], noise_n: f64) -> Option<f64> {
+    const BLOCK: usize = 32;
+    let means: Vec<f64> = free
+        .chunks_exact(BLOCK)
+        .map(|block| block.iter().sum::<f64>() / BLOCK as f64)
+        .collect();
+    if means.len() < 8 || noise_n <= 0.0 {
+        return None;
+    }
+    let middle = signal::median(means.clone());
+    let scatter = signal::median(means.iter().map(|mean| (mean - middle).abs()).collect()) / 0.6745;
+    Some(scatter / (noise_n / (BLOCK as f64).sqrt()))
+}
+
+fn pull(force_n: &[f64], rest_n: f64, noise_n: f64) -> f64 {
+    // The smallest of neighbours that all pull: what lasts, not what spikes.
+    let lasting = force_n.windows(PULL_SAMPLES).map(|window| {
+        window
+            .iter()
+            .map(|force| rest_n - force)
+            .fold(f64::INFINITY, f64::min)
+    });
+    let deepest = lasting.fold(0.0, f64::max);
+    if deepest > PULL_SIGMAS * noise_n {
+        deepest
+    } else {
+        0.0
+    }
+}
+
+fn saturation(contact: &[f64], noise_n: f64) -> Option<f64> {
+    let peak = contact.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // Noise never repeats the largest code in a row; the end of a range does.
+    let longest = contact
+        .split(|force| *force < peak)
+        .map(<[f64]>::len)
+        .max()
+        .unwrap_or(0);
+    let enough = (FLAT_TOP_SHARE * contact.len() as f64).max(10.0);
+    (noise_n > 0.0 && longest as f64 > enough).then_some(peak)
+}
+
+fn speeds(replay: &Replay) -> Option<(f64, f64)> {
+    let contacts = replay.contacts().into_iter().flatten();
+    let mut speeds: Vec<f64> = contacts
+        .map(|index| f64::from(replay.records[index].speed_mps.abs()))
+        .collect();
+    let fastest = speeds.iter().copied().fold(0.0, f64::max);
+    speeds.retain(|speed| *speed > 0.01 * fastest);
+    speeds.sort_unstable_by(f64::total_cmp);
+    let at = |share: f64| speeds.get((share * speeds.len() as f64) as usize).copied();
+    Some((at(0.1)?, at(0.9)?))
+}

@@ -1,0 +1,128 @@
+//! Columns that look exchanged, units that look wrong: what a person should look at first.
+
+use crate::log::UniformLog;
+use crate::signal;
+
+/// What looks wrong in the channels of a log, each with its remedy; empty if nothing does.
+pub fn suspicions(log: &UniformLog) -> Vec<String> {
+    [
+        still_channel,
+        swapped,
+        millimetres,
+        milliseconds,
+        force_sign,
+    ]
+    .into_iter()
+    .filter_map(|look| look(log))
+    .collect()
+}
+
+fn still_channel(log: &UniformLog) -> Option<String> {
+    let named = [
+        ("position", "x", &log.position_m),
+        ("force", "f", &log.force_n),
+    ];
+    let (name, key, _) = named
+        .into_iter()
+        .find(|(_, _, c)| signal::range(c) == 0.0)?;
+    Some(format!(
+        "the {name} never changes: another column may hold it (--columns {key}=NAME), or the sensor \
+         was off"
+    ))
+}
+
+fn swapped(log: &UniformLog) -> Option<String> {
+    let (travel, span) = (signal::range(&log.position_m), signal::range(&log.force_n));
+    // Stiffness below 1 N per 100 m: no contact is that soft, but x and f exchanged look like it.
+    (span > 0.0 && travel > 0.1 && span < 0.01 * travel).then(|| {
+        format!(
+            "x spans {travel:.3} m and f only {span:.3e} N: position and force may be exchanged \
+             (--columns x=f_n,f=x_m)"
+        )
+    })
+}
+
+fn millimetres(log: &UniformLog) -> Option<String> {
+    let travel = signal::range(&log.position_m);
+    let span = signal::range(&log.force_n);
+    (travel > 0.5 && span >= 0.01 * travel).then(|| {
+        format!(
+            "the probe travels {travel:.3} m: millimetres or micrometres given as metres? \
+             (--columns x=x_m*1e-3)"
+        )
+    })
+}
+
+fn milliseconds(log: &UniformLog) -> Option<String> {
+    let period = log.period_s();
+    (0.5..=100.0).contains(&period).then(|| {
+        format!("a sample every {period} s: milliseconds given as seconds? (--columns t=t_s*1e-3)")
+    })
+}
+
+/// The sign of the force where the probe is deepest, against where it is farthest out.
+fn force_sign(log: &UniformLog) -> Option<String> {
+    let noise = log.force_noise_n();
+    let travel = signal::range(&log.position_m);
+    let deepest = log
+        .position_m
+        .iter()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
+    let farthest = deepest - travel;
+    let mean = |near: f64| {
+        let here = log.position_m.iter().zip(&log.force_n);
+        let here = here.filter(|(x, _)| (*x - near).abs() <= 0.05 * travel);
+        signal::median(here.map(|(_, f)| *f).collect())
+    };
+    let (deep, out) = (mean(deepest), mean(farthest));
+    let span = signal::range(&log.force_n);
+    let falls = deep < out - 0.2 * span && span > 20.0 * noise;
+    (travel > 0.0 && falls).then(|| {
+        format!(
+            "the force falls from {out:.3e} to {deep:.3e} N on the way in: its sign, or that of the \
+             position, may be reversed (--columns f=-f_n or x=-x_m)"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Log;
+
+    /// A 1 Hz press to 2 mm on 2 N/mm with the channels scaled.
+    fn log(time: f64, position: f64, force: f64) -> UniformLog {
+        let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();
+        let depth = |t: &f64| 2e-3 * (1.0 - (std::f64::consts::TAU * t).cos()) - 1e-3;
+        let x: Vec<f64> = t.iter().map(depth).collect();
+        let f: Vec<f64> = x.iter().map(|x| force * 2000.0 * x.max(0.0)).collect();
+        let t = t.iter().map(|t| t * time).collect();
+        let x = x.iter().map(|x| x * position).collect();
+        Log::from_channels(t, x, f).uniform().unwrap()
+    }
+
+    fn only(log: &UniformLog, words: &str) {
+        let found = suspicions(log);
+        assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+    }
+
+    #[test]
+    fn a_good_log_raises_no_suspicion() {
+        assert_eq!(suspicions(&log(1.0, 1.0, 1.0)), [""; 0]);
+        assert_eq!(suspicions(&log(1.0, 1e-3, 1e-6)), [""; 0]);
+    }
+
+    #[test]
+    fn wrong_units_signs_and_columns_are_recognised() {
+        only(&log(1.0, 1000.0, 1.0), "millimetres");
+        only(&log(1000.0, 1.0, 1.0), "milliseconds");
+        only(&log(1.0, 1.0, -1.0), "sign");
+        let mut exchanged = log(1.0, 1.0, 1.0);
+        std::mem::swap(&mut exchanged.position_m, &mut exchanged.force_n);
+        only(&exchanged, "exchanged");
+        let mut still = log(1.0, 1.0, 1.0);
+        still.position_m.fill(0.001);
+        only(&still, "position never changes");
+    }
+}

@@ -1,0 +1,139 @@
+//! Models: what a rig is believed to be, as TOML.
+//!
+//! The environment's law with its parameters, the effects that the rig adds, and sensors for a
+//! simulation. Values are starting points of a fit unless they are `fixed`.
+
+mod effect;
+mod environment;
+mod write;
+
+pub use effect::Effect;
+pub use environment::{Elastic, Environment, EnvironmentLaw, Parameter, RelaxationMode};
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Diagnostic, listed, nearest};
+use crate::plant::Sensors;
+use crate::toml_reader::{Bounds, Table, TomlFile};
+
+/// A model file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// What is touched.
+    pub environment: Environment,
+    /// What the rig adds, in the order of the file.
+    pub effects: Vec<Effect>,
+    /// The sensors of a simulation.
+    pub sensors: Sensors,
+}
+
+impl Model {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] with line, key, value and remedy.
+    pub fn read(path: &Path) -> Result<Model, Diagnostic> {
+        Model::from_toml(&TomlFile::read(path)?, path)
+    }
+
+    /// A model from a parsed file; `path` is kept.
+    ///
+    /// # Errors
+    /// As [`Model::read`].
+    pub fn from_toml(file: &TomlFile, path: &Path) -> Result<Model, Diagnostic> {
+        let root = file.root();
+        let environment = root.table("environment")?;
+        let effects = root.tables("effect")?;
+        let sensors = root.table("sensors")?;
+        root.finish()?;
+        let Some(environment) = environment else {
+            return Err(root
+                .wrong_table("the model has no [environment]")
+                .at_key("environment")
+                .remedy("write [environment] with a law, even if it is law = \"free\""));
+        };
+        Ok(Model {
+            path: path.to_path_buf(),
+            environment: Environment::from_table(&environment)?,
+            effects: effects
+                .iter()
+                .map(Effect::from_table)
+                .collect::<Result<_, _>>()?,
+            sensors: sensors.map_or(Ok(Sensors::default()), |table| read_sensors(&table))?,
+        })
+    }
+}
+
+fn read_sensors(table: &Table<'_>) -> Result<Sensors, Diagnostic> {
+    table.understand(&[
+        "force_noise",
+        "force_step",
+        "force_min",
+        "position_step",
+        "rate",
+    ]);
+    let usual = Sensors::default();
+    let optional = |key: &str, bounds, usual: f64| -> Result<f64, Diagnostic> {
+        Ok(table.number(key, bounds)?.unwrap_or(usual))
+    };
+    let force_step_n = optional("force_step", Bounds::NotNegative, usual.force_step_n)?;
+    // A quarter of the range below zero, as in the default.
+    let force_min_n = -1024.0 * force_step_n;
+    let sensors = Sensors {
+        force_noise_n: optional("force_noise", Bounds::NotNegative, usual.force_noise_n)?,
+        force_step_n,
+        force_min_n: optional("force_min", Bounds::Any, force_min_n)?,
+        position_step_m: optional("position_step", Bounds::NotNegative, usual.position_step_m)?,
+        // A simulation holds every sample in memory: 1 MHz for ten seconds are 0.6 GB.
+        rate_hz: optional("rate", Bounds::Within(1.0, 1e6), usual.rate_hz)?,
+    };
+    table.finish()?;
+    Ok(sensors)
+}
+
+/// What a fit must not move and what it found, of an environment or an effect.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fit {
+    /// Parameters that a fit must not move.
+    pub fixed: Vec<String>,
+    /// Standard errors of a fit, in the parameters' units.
+    pub std_error: Vec<(String, f64)>,
+}
+
+impl Fit {
+    /// `fixed` and `std_error` of a table whose parameters are `known`.
+    fn from_table(table: &Table<'_>, known: &[String]) -> Result<Fit, Diagnostic> {
+        let fixed = table.texts("fixed")?;
+        if let Some(name) = fixed.iter().find(|name| !known.contains(*name)) {
+            return Err(unknown_parameter(table.wrong("fixed", ""), name, known));
+        }
+        let mut std_error = Vec::new();
+        if let Some(errors) = table.table("std_error")? {
+            for name in known {
+                if let Some(value) = errors.number(name, Bounds::NotNegative)? {
+                    std_error.push((name.clone(), value));
+                }
+            }
+            errors.finish()?;
+        }
+        Ok(Fit { fixed, std_error })
+    }
+}
+
+fn unknown_parameter(mut diagnostic: Diagnostic, name: &str, known: &[String]) -> Diagnostic {
+    let names = || known.iter().map(String::as_str);
+    diagnostic.what = format!("`{name}` is no parameter here");
+    diagnostic = diagnostic
+        .value(name)
+        .note(format!("the parameters are {}", listed(names())));
+    match nearest(name, names()) {
+        Some(near) => diagnostic.remedy(format!("write \"{near}\"")),
+        None => diagnostic.remedy("name one of them, or none"),
+    }
+}
+
+#[cfg(test)]
+#[path = "model_tests.rs"]
+mod tests;

@@ -1,0 +1,100 @@
+//! Models back to TOML.
+
+use std::fmt;
+
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value};
+
+use super::{Effect, Elastic, Environment, EnvironmentLaw, Fit, Model};
+use crate::plant::Sensors;
+
+impl Model {
+    /// The model as TOML; reading it back gives the same model, apart from path and lines.
+    pub fn to_toml(&self) -> String {
+        let mut document = DocumentMut::new();
+        document["environment"] = Item::Table(environment(&self.environment));
+        if !self.effects.is_empty() {
+            let mut effects = ArrayOfTables::new();
+            self.effects.iter().for_each(|e| effects.push(effect(e)));
+            document["effect"] = Item::ArrayOfTables(effects);
+        }
+        if self.sensors != Sensors::default() {
+            document["sensors"] = Item::Table(sensors(&self.sensors));
+        }
+        document.to_string()
+    }
+}
+
+impl fmt::Display for Model {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.to_toml())
+    }
+}
+
+fn environment(environment: &Environment) -> Table {
+    let mut table = Table::new();
+    table["law"] = value(environment.law.name());
+    for parameter in environment.parameters() {
+        if !parameter.name.starts_with("relaxation_") {
+            table[&parameter.name] = value(parameter.value);
+        }
+    }
+    if let EnvironmentLaw::QuasiLinear {
+        elastic,
+        relaxation,
+        ..
+    } = &environment.law
+    {
+        if matches!(elastic, Elastic::Exponential { .. }) {
+            table["elastic"] = value("exponential");
+        }
+        let modes: Array = relaxation
+            .iter()
+            .map(|mode| {
+                let fields = [("fraction", mode.fraction), ("rate", mode.rate)];
+                Value::InlineTable(fields.into_iter().collect::<InlineTable>())
+            })
+            .collect();
+        table["relaxation"] = value(modes);
+    }
+    table["surface"] = value(environment.surface_m);
+    table["reference_depth"] = value(environment.reference_depth_m);
+    push_fit(&mut table, &environment.fit);
+    table
+}
+
+fn effect(effect: &Effect) -> Table {
+    let mut table = Table::new();
+    table["id"] = value(effect.id.as_str());
+    for (name, number) in &effect.parameters {
+        table[name] = value(*number);
+    }
+    push_fit(&mut table, &effect.fit);
+    table
+}
+
+fn sensors(sensors: &Sensors) -> Table {
+    let mut table = Table::new();
+    for (name, number) in [
+        ("force_noise", sensors.force_noise_n),
+        ("force_step", sensors.force_step_n),
+        ("force_min", sensors.force_min_n),
+        ("position_step", sensors.position_step_m),
+        ("rate", sensors.rate_hz),
+    ] {
+        table[name] = value(number);
+    }
+    table
+}
+
+fn push_fit(table: &mut Table, fit: &Fit) {
+    if !fit.fixed.is_empty() {
+        table["fixed"] = value(fit.fixed.iter().map(String::as_str).collect::<Array>());
+    }
+    if !fit.std_error.is_empty() {
+        let errors = fit
+            .std_error
+            .iter()
+            .map(|(name, number)| (name.as_str(), *number));
+        table["std_error"] = value(errors.collect::<InlineTable>());
+    }
+}

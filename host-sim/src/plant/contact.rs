@@ -1,0 +1,128 @@
+//! A material under the probe: one of the core's laws, from a surface on, that only pushes.
+
+use estimator_core::law::{ContactLaw, HuntCrossley, KelvinVoigt, unilateral};
+
+/// The laws that the rig simulates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// Nothing to touch.
+    Free,
+    /// F = Kδ + λδ̇, (1)
+    KelvinVoigt(KelvinVoigt<f64>),
+    /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
+    HuntCrossley(HuntCrossley<f64>),
+}
+
+/// A law and where its material begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The law.
+    pub law: Law,
+    /// Position of the surface [m].
+    pub surface_m: f64,
+}
+
+impl Contact {
+    /// Free air.
+    pub const FREE: Contact = Contact {
+        law: Law::Free,
+        surface_m: 0.0,
+    };
+
+    /// Force on the probe [N] at `position_m` [m], moving at `speed_mps` [m/s]: max(law, 0), for a
+    /// surface that does not stick.
+    pub fn force_n(&self, position_m: f64, speed_mps: f64) -> f64 {
+        let depth_m = position_m - self.surface_m;
+        let force_n = match &self.law {
+            Law::Free => 0.0,
+            Law::KelvinVoigt(law) => law.force_n(depth_m, speed_mps),
+            Law::HuntCrossley(law) => law.force_n(depth_m, speed_mps),
+        };
+        unilateral(force_n)
+    }
+
+    /// Whether a probe at `position_m` [m] is in the material.
+    pub fn touches(&self, position_m: f64) -> bool {
+        self.law != Law::Free && position_m > self.surface_m
+    }
+
+    /// Depth [m] at which the material at rest pushes with `force_n` [N]; `None` in free air or if
+    /// it never does within a metre.
+    pub fn depth_at_m(&self, force_n: f64) -> Option<f64> {
+        let pushes = |depth_m: f64| self.force_n(self.surface_m + depth_m, 0.0) >= force_n;
+        let (mut low, mut high) = (0.0, 1.0);
+        if !pushes(high) {
+            return None;
+        }
+        // 60 halvings of a metre: to the last bit of any depth above a picometre.
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if pushes(middle) {
+                high = middle
+            } else {
+                low = middle
+            }
+        }
+        Some(high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{GEL, PLASTIC};
+    use super::*;
+
+    #[test]
+    fn kelvin_voigt_under_a_prescribed_sine_is_the_closed_form() {
+        let contact = Contact {
+            law: Law::KelvinVoigt(KelvinVoigt {
+                stiffness_n_per_m: 2260.0,
+                damping_ns_per_m: 123.0,
+            }),
+            surface_m: 0.4e-3,
+        };
+        // δ = A(1 − cos ωt) ≥ 0: F = KA(1 − cos ωt) + λAω sin ωt where that is positive.
+        let (amplitude, omega) = (2e-3_f64, 12.0_f64);
+        let (mut pushed, mut let_go) = (0, 0);
+        for step in 1..1000 {
+            let phase: f64 = omega * f64::from(step) * 1e-3;
+            let depth = amplitude * (1.0 - phase.cos());
+            let speed = amplitude * omega * phase.sin();
+            let closed = 2260.0 * depth + 123.0 * speed;
+            let force = contact.force_n(0.4e-3 + depth, speed);
+            // The surface is added and taken away again: 1e-16 of a position, times K and λ.
+            assert!((force - closed.max(0.0)).abs() < 1e-11, "{force} {closed}");
+            if closed > 0.0 {
+                pushed += 1
+            } else {
+                let_go += 1
+            }
+        }
+        assert!(pushed > 500 && let_go > 100, "{pushed} {let_go}");
+    }
+
+    #[test]
+    fn a_material_never_pulls_and_free_air_never_pushes() {
+        assert_eq!(GEL.at(0.0).force_n(1e-3, -1.0), 0.0);
+        assert_eq!(Contact::FREE.force_n(1.0, 1.0), 0.0);
+        assert!(!Contact::FREE.touches(1.0));
+    }
+
+    #[test]
+    fn the_depth_of_a_force_is_where_the_law_has_it() {
+        // (F/Kδ₀)^(1/n)·δ₀
+        let exact = (10.0_f64 / 1.35).powf(1.0 / 1.35) * 1e-3;
+        let depth = GEL.at(2e-3).depth_at_m(10.0).unwrap();
+        // The surface of 2 mm is added and taken away again.
+        assert!((depth - exact).abs() < 1e-17, "{depth}");
+        assert!(Contact::FREE.depth_at_m(1.0).is_none());
+    }
+
+    #[test]
+    fn the_chapters_materials_reach_its_forces() {
+        for (material, low, high) in [(GEL, 9.0, 12.0), (PLASTIC, 11.0, 14.0)] {
+            let force = material.at(0.0).force_n(material.peak_depth_m, 0.0);
+            assert!((low..high).contains(&force), "{}: {force} N", material.name);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! The board's step over a log: same code, same single precision, same bits.
+
+use estimator_core::config::Params;
+use estimator_core::estimate::Phase;
+use estimator_core::{Config, ConfigError, Estimate, Faults, Sample, State, step};
+
+use crate::log::UniformLog;
+
+/// What the estimator said to each sample of a log.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The configuration that was replayed.
+    pub config: Config,
+    /// Its coefficients.
+    pub params: Params<f32>,
+    /// A record per sample. Record `i` describes sample `i − delay`.
+    pub records: Vec<Estimate<f32>>,
+    /// The resting force (N) at each sample.
+    pub rest_n: Vec<f32>,
+    /// Standard deviation of the raw force (N) as the estimator measured it.
+    pub noise_n: f64,
+    /// Samples that the records are late.
+    pub delay: usize,
+    /// Time of the first sample (s).
+    pub start_s: f64,
+    /// Time between samples (s).
+    pub period_s: f64,
+}
+
+/// Runs the estimator over a log.
+///
+/// # Errors
+/// The field of the configuration that cannot be used.
+pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> {
+    let params = config.validate::<f32>()?;
+    let mut state = State::new(&params);
+    let mut records = Vec::with_capacity(log.len());
+    let mut rest_n = Vec::with_capacity(log.len());
+    for sample in samples(log) {
+        records.push(step(&params, &mut state, sample));
+        rest_n.push(state.resting_force_n());
+    }
+    Ok(Replay {
+        config: *config,
+        params,
+        records,
+        rest_n,
+        noise_n: f64::from(state.force_noise_n()),
+        delay: (params.delay_us() as f64 * 1e-6 * log.rate_hz).round() as usize,
+        start_s: log.time_s.first().copied().unwrap_or(0.0),
+        period_s: log.period_s(),
+    })
+}
+
+/// The log as the board would have sampled it; the first sample is one period after time zero.
+pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {
+    let period_us = 1e6 / log.rate_hz;
+    let channels = log.position_m.iter().zip(&log.force_n);
+    channels
+        .zip(1u64..)
+        .map(move |((position, force), count)| Sample {
+            time_us: (count as f64 * period_us).round() as u64,
+            position_m: *position as f32,
+            force_n: *force as f32,
+            faults: Faults::NONE,
+        })
+}
+
+impl Replay {
+    /// Time (s) of the instant that record `index` describes.
+    pub fn time_s(&self, index: usize) -> f64 {
+        self.start_s + (index as f64 - self.delay as f64) * self.period_s
+    }
+
+    /// The index of the sample that record `index` describes; `None` before the first.
+    pub fn sample_of(&self, index: usize) -> Option<usize> {
+        index.checked_sub(self.delay)
+    }
+
+    /// The last record; `None` of an empty log.
+    pub fn last(&self) -> Option<&Estimate<f32>> {
+        self.records.last()
+    }
+
+    /// Stretches of contact as ranges of records.
+    pub fn contacts(&self) -> Vec<std::ops::Range<usize>> {
+        let mut contacts: Vec<std::ops::Range<usize>> = Vec::new();
+        for (index, record) in self.records.iter().enumerate() {
+            if record.phase != Phase::Contact {
+                continue;
+            }
+            match contacts.last_mut() {
+                Some(last) if last.end == index => last.end = index + 1,
+                _ => contacts.push(index..index + 1),
+            }
+        }
+        contacts
+    }
+}

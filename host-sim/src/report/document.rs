@@ -1,0 +1,351 @@
+//! The page: verdict first, then what supports it, then where it comes from.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use super::html::escape;
+use super::{Figure, Provenance, Table};
+
+const STYLE: &str = include_str!("style.css");
+
+/// How good the news is; a shape and a word beside the colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// As it should be.
+    Good,
+    /// Usable, with a reservation.
+    Warning,
+    /// Not usable.
+    Bad,
+    /// Neither.
+    Neutral,
+}
+
+impl Tone {
+    fn class(self) -> &'static str {
+        match self {
+            Tone::Good => "good",
+            Tone::Warning => "warning",
+            Tone::Bad => "bad",
+            Tone::Neutral => "neutral",
+        }
+    }
+
+    fn sign(self) -> &'static str {
+        match self {
+            Tone::Good => "✓",
+            Tone::Warning => "!",
+            Tone::Bad => "✕",
+            Tone::Neutral => "–",
+        }
+    }
+}
+
+/// A report under construction.
+///
+/// ```
+/// use palpate::report::{Cell, Document, Section, Table, Tone};
+///
+/// let table = Table::new(["Parameter", "Value"])
+///     .row([Cell::from("Stiffness K"), Cell::measured(1352.2, Some(3.4), "N/m")]);
+/// let html = Document::new("Estimate of gel.csv")
+///     .verdict(Tone::Good, "converged", "The gel is a Hunt–Crossley contact.")
+///     .section(Section::new("Result").table(table))
+///     .to_html();
+/// assert!(html.contains("1352 ± 3"));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Document {
+    title: String,
+    verdict: Option<(Tone, String, String)>,
+    sections: Vec<Section>,
+    provenance: Option<Provenance>,
+}
+
+impl Document {
+    /// An empty report.
+    pub fn new(title: impl Into<String>) -> Document {
+        Document {
+            title: title.into(),
+            verdict: None,
+            sections: Vec::new(),
+            provenance: None,
+        }
+    }
+
+    /// The sentence to read if only one is read, with a badge of one or two words before it.
+    pub fn verdict(
+        mut self,
+        tone: Tone,
+        badge: impl Into<String>,
+        sentence: impl Into<String>,
+    ) -> Document {
+        self.verdict = Some((tone, badge.into(), sentence.into()));
+        self
+    }
+
+    /// Adds a section.
+    pub fn section(mut self, section: Section) -> Document {
+        self.sections.push(section);
+        self
+    }
+
+    /// What the report was made from; stands at the end.
+    pub fn provenance(mut self, provenance: Provenance) -> Document {
+        self.provenance = Some(provenance);
+        self
+    }
+
+    /// The whole page.
+    pub fn to_html(&self) -> String {
+        let title = escape(&self.title);
+        let mut out = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\" xmlns=\"http://www.w3.org/1999/xhtml\">\n<head>\n\
+             <meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <meta name=\"generator\" content=\"palpate {}\"/>\n\
+             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
+             <header>\n<p class=\"brand\">Palpate</p>\n<h1>{title}</h1>\n",
+            env!("CARGO_PKG_VERSION"),
+        );
+        if let Some((tone, badge, sentence)) = &self.verdict {
+            let _ = writeln!(
+                out,
+                "<p class=\"verdict {}\"><span class=\"badge\"><span aria-hidden=\"true\">{}</span> \
+                 {}</span> <span class=\"sentence\">{}</span></p>",
+                tone.class(),
+                tone.sign(),
+                escape(badge),
+                escape(sentence),
+            );
+        }
+        out.push_str("</header>\n");
+        let mut figures = 0;
+        for section in &self.sections {
+            section.push_html(&mut out, &mut figures);
+        }
+        if let Some(provenance) = &self.provenance {
+            provenance.push_html(&mut out);
+        }
+        out.push_str("</main>\n</body>\n</html>\n");
+        out
+    }
+
+    /// Writes the page; a reader of `path` sees the old file or the new one, never half of it.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
+        let written = fs::File::create(&temporary)
+            .and_then(|mut file| {
+                file.write_all(self.to_html().as_bytes())?;
+                file.sync_all()
+            })
+            .and_then(|()| fs::rename(&temporary, path));
+        written.map_err(|error| {
+            // Nothing to add if that fails too: the first error says what is wrong.
+            let _ = fs::remove_file(&temporary);
+            io::Error::new(
+                error.kind(),
+                format!("cannot write the report {}: {error}", path.display()),
+            )
+        })
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Block {
+    Text(String),
+    List(Vec<String>),
+    Table(Table),
+    Figure(Figure),
+}
+
+impl Block {
+    /// Tables stand beside each other where there is room, and figures.
+    fn group(&self) -> Option<&'static str> {
+        match self {
+            Block::Table(_) => Some("tables"),
+            Block::Figure(_) => Some("figures"),
+            _ => None,
+        }
+    }
+}
+
+/// A heading with text, tables and figures below, in the order in which they were added.
+#[derive(Clone, Debug)]
+pub struct Section {
+    heading: String,
+    blocks: Vec<Block>,
+}
+
+impl Section {
+    /// A section without contents; with an empty heading it continues the one before.
+    pub fn new(heading: impl Into<String>) -> Section {
+        Section {
+            heading: heading.into(),
+            blocks: Vec::new(),
+        }
+    }
+
+    /// Adds a paragraph; nothing if it is empty.
+    pub fn text(mut self, text: impl Into<String>) -> Section {
+        let text = text.into();
+        if !text.is_empty() {
+            self.blocks.push(Block::Text(text));
+        }
+        self
+    }
+
+    /// Adds a list; nothing if it is empty.
+    pub fn list<T: Into<String>>(mut self, items: impl IntoIterator<Item = T>) -> Section {
+        let items: Vec<String> = items.into_iter().map(Into::into).collect();
+        if !items.is_empty() {
+            self.blocks.push(Block::List(items));
+        }
+        self
+    }
+
+    /// Adds a table.
+    pub fn table(mut self, table: Table) -> Section {
+        self.blocks.push(Block::Table(table));
+        self
+    }
+
+    /// Adds a figure.
+    pub fn figure(mut self, figure: Figure) -> Section {
+        self.blocks.push(Block::Figure(figure));
+        self
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    fn push_html(&self, out: &mut String, figures: &mut usize) {
+        out.push_str("<section>\n");
+        if !self.heading.is_empty() {
+            let _ = writeln!(out, "<h2>{}</h2>", escape(&self.heading));
+        }
+        let mut group = None;
+        for block in &self.blocks {
+            if block.group() != group {
+                if group.is_some() {
+                    out.push_str("</div>\n");
+                }
+                if let Some(class) = block.group() {
+                    let _ = writeln!(out, "<div class=\"{class}\">");
+                }
+                group = block.group();
+            }
+            push_block(block, out, figures);
+        }
+        out.push_str(if group.is_some() { "</div>\n" } else { "" });
+        out.push_str("</section>\n");
+    }
+}
+
+fn push_block(block: &Block, out: &mut String, figures: &mut usize) {
+    match block {
+        Block::Text(text) => {
+            let _ = writeln!(out, "<p>{}</p>", escape(text));
+        }
+        Block::List(items) => {
+            out.push_str("<ul>\n");
+            for item in items {
+                let _ = writeln!(out, "<li>{}</li>", escape(item));
+            }
+            out.push_str("</ul>\n");
+        }
+        Block::Table(table) => table.push_html(out),
+        Block::Figure(figure) => {
+            *figures += 1;
+            figure.push_html(out, *figures);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Cell;
+    use crate::report::plot::{Axis, Chart, Series};
+
+    const EVIL: &str = "<script>alert(\"x\")</script> & 'y'";
+
+    fn everything() -> Document {
+        let chart = Chart::new(Axis::new(EVIL, EVIL), Axis::new(EVIL, "N"))
+            .series(Series::measured(EVIL, vec![0.0, 1.0], vec![0.0, 1.0]))
+            .series(Series::estimated("b", vec![0.0, 1.0], vec![0.0, 1.0]));
+        let table = Table::new([EVIL, "v"])
+            .caption(EVIL)
+            .row([Cell::from(EVIL), Cell::measured(1.0, Some(0.1), EVIL)]);
+        Document::new(EVIL)
+            .verdict(Tone::Bad, EVIL, EVIL)
+            .section(
+                Section::new(EVIL)
+                    .text(EVIL)
+                    .list([EVIL])
+                    .table(table)
+                    .figure(Figure::new(EVIL, &chart).caption(EVIL)),
+            )
+            .provenance(
+                Provenance::new(EVIL)
+                    .input(super::super::Input::new(EVIL, EVIL))
+                    .setting(EVIL, EVIL),
+            )
+    }
+
+    #[test]
+    fn no_text_of_the_caller_becomes_markup_and_the_page_is_well_formed() {
+        let html = everything().to_html();
+        assert!(!html.contains("<script"));
+        let options = roxmltree::ParsingOptions {
+            allow_dtd: true,
+            ..Default::default()
+        };
+        roxmltree::Document::parse_with_options(&html, options).unwrap();
+    }
+
+    #[test]
+    fn the_page_asks_for_nothing_from_elsewhere() {
+        let html = everything().to_html();
+        for link in ["src=", "href=", "url(", "@import"] {
+            assert!(!html.contains(link), "{link}");
+        }
+    }
+
+    #[test]
+    fn the_verdict_stands_before_tables_figures_and_provenance_in_this_order() {
+        let html = everything().to_html();
+        let at = |what: &str| html.find(what).unwrap();
+        assert!(at("class=\"verdict") < at("<table"));
+        assert!(at("<table") < at("<figure"));
+        assert!(at("<figure") < at("id=\"provenance\""));
+    }
+
+    #[test]
+    fn writing_replaces_the_old_file_and_leaves_nothing_else() {
+        let folder = std::env::temp_dir().join(format!("palpate-report-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("report.html");
+        fs::write(&path, "old").unwrap();
+        everything().write(&path).unwrap();
+        assert!(fs::read_to_string(&path).unwrap().starts_with("<!DOCTYPE"));
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn an_error_of_writing_names_the_file() {
+        let error = everything()
+            .write(Path::new("/nowhere/at/all.html"))
+            .unwrap_err();
+        assert!(
+            error.to_string().contains("/nowhere/at/all.html"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,259 @@
+//! The report of `palpate estimate`: what a touch says about the material.
+//!
+//! [`EstimateReport`] borrows what the replay of a log has recorded; [`EstimateReport::document`]
+//! makes tables and the figures that readers of the chapter know: hysteresis loop, power exchange,
+//! parameters over time, force and displacement over time, elastic response, β. Several runs stand
+//! side by side.
+
+mod figures;
+mod tables;
+mod window;
+
+use estimator_core::estimate::{Estimated, Event};
+use estimator_core::status::Status;
+
+use super::{Document, Provenance, Section, Tone};
+
+/// Everything that the report shows. Slices of a [`Run`] may be empty, and where they should have
+/// the same length the shortest counts: a figure without data says so.
+#[derive(Clone, Debug)]
+pub struct EstimateReport<'a> {
+    /// The heading: what was estimated from what.
+    pub title: &'a str,
+    /// How good the news is.
+    pub tone: Tone,
+    /// The badge: a status in one or two words.
+    pub badge: &'a str,
+    /// The sentence to read if only one is read.
+    pub verdict: &'a str,
+    /// One log, or several to compare.
+    pub runs: &'a [Run<'a>],
+    /// What a reader should know before trusting the numbers.
+    pub notes: &'a [String],
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// One log and what was estimated from it. One entry per sample, in SI units.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Run<'a> {
+    /// What was touched, or the name of the log; may be empty for a single run.
+    pub name: &'a str,
+    /// The law, as in files: `hunt_crossley`.
+    pub law: &'a str,
+    /// Time [s].
+    pub time_s: &'a [f64],
+    /// Penetration [m].
+    pub depth_m: &'a [f64],
+    /// Rate of penetration [m/s].
+    pub speed_mps: &'a [f64],
+    /// Measured force [N].
+    pub measured_n: &'a [f64],
+    /// Force of a replay with the estimated parameters [N]; NaN where there is none.
+    pub estimated_n: &'a [f64],
+    /// F − F̂ before the sample was learned from [N]: the argument of (24).
+    pub innovation_n: &'a [f64],
+    /// β of (24) that was used.
+    pub forgetting: &'a [f64],
+    /// How far the estimate could be trusted.
+    pub status: &'a [Status],
+    /// Standard deviation of the force noise [N].
+    pub noise_n: Option<f64>,
+    /// The settings of (24).
+    pub forgetting_law: Option<ForgettingLaw>,
+    /// The parameters over time.
+    pub parameters: &'a [Trajectory<'a>],
+    /// The parameters at the end, in the order of the table.
+    pub finals: &'a [FinalParameter<'a>],
+    /// Between changes of material.
+    pub segments: &'a [Segment<'a>],
+    /// The touches in order.
+    pub touches: &'a [Touch],
+    /// What happened when, in order.
+    pub events: &'a [EventMark],
+    /// Force over depth at rest.
+    pub elastic: Option<Elastic<'a>>,
+    /// Raw measured force against the replay with the final parameters, in contact [N].
+    pub force_rmse_n: Option<f64>,
+    /// From first contact until every parameter stays within 5 % of its final value [s].
+    pub settled_at_s: Option<f64>,
+    /// δ₀, where stiffness and damping are reported [m].
+    pub reference_depth_m: Option<f64>,
+}
+
+/// A parameter over time.
+#[derive(Clone, Copy, Debug)]
+pub struct Trajectory<'a> {
+    /// As in files: `stiffness`.
+    pub name: &'a str,
+    /// Without prefix: `N/m`, `1`.
+    pub unit: &'a str,
+    /// One a sample; `None` where it is not observable.
+    pub values: &'a [Option<Estimated<f64>>],
+}
+
+/// A parameter at the end.
+#[derive(Clone, Copy, Debug)]
+pub struct FinalParameter<'a> {
+    /// As in files: `stiffness`.
+    pub name: &'a str,
+    /// Without prefix: `N/m`, `1`.
+    pub unit: &'a str,
+    /// `None` if it is not observable.
+    pub estimate: Option<Estimated<f64>>,
+}
+
+/// One material from a change to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<'a> {
+    /// From [s].
+    pub from_s: f64,
+    /// To [s].
+    pub to_s: f64,
+    /// The parameters at its end.
+    pub parameters: &'a [FinalParameter<'a>],
+}
+
+/// One touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// From [s].
+    pub from_s: f64,
+    /// To [s].
+    pub to_s: f64,
+    /// Largest force [N].
+    pub peak_force_n: f64,
+    /// Largest depth [m].
+    pub peak_depth_m: f64,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventMark {
+    /// When [s].
+    pub time_s: f64,
+    /// What.
+    pub kind: EventKind,
+}
+
+/// What can happen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EventKind {
+    /// An event of the estimator.
+    Estimator(Event),
+    /// A fault, by its number and in words.
+    Fault {
+        /// The stable number.
+        code: u8,
+        /// For people.
+        description: String,
+    },
+}
+
+/// The settings of (24).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForgettingLaw {
+    /// α₁
+    pub alpha_1: f64,
+    /// α₂ [1/N]
+    pub alpha_2_per_n: f64,
+    /// α₃ [N]
+    pub alpha_3_n: f64,
+}
+
+impl ForgettingLaw {
+    /// β = 1 − α₁{(1/π)·arctan[α₂(|F − F̂| − α₃)] + ½}, (24).
+    pub fn beta(&self, error_n: f64) -> f64 {
+        let angle = (self.alpha_2_per_n * (error_n.abs() - self.alpha_3_n)).atan();
+        1.0 - self.alpha_1 * (angle / std::f64::consts::PI + 0.5)
+    }
+}
+
+/// Force over depth without damping.
+#[derive(Clone, Copy, Debug)]
+pub struct Elastic<'a> {
+    /// Depth [m].
+    pub depth_m: &'a [f64],
+    /// Estimated elastic force [N].
+    pub estimated_n: &'a [f64],
+    /// The true one [N], where it is known (a simulated rig); else empty.
+    pub true_n: &'a [f64],
+}
+
+impl EstimateReport<'_> {
+    /// The report.
+    pub fn document(&self) -> Document {
+        let mut document = Document::new(self.title)
+            .verdict(self.tone, self.badge, self.verdict)
+            .section(tables::result(self));
+        let notes = tables::notes(self);
+        if !notes.is_empty() {
+            document = document.section(notes);
+        }
+        for section in self.figures() {
+            document = document.section(section);
+        }
+        document.provenance(self.provenance.clone())
+    }
+
+    /// One section per kind of figure, so that the runs stand side by side.
+    fn figures(&self) -> Vec<Section> {
+        let kinds: [(&str, &str, figures::Kind); 5] = [
+            ("Force and depth", "", figures::contact),
+            (
+                "Parameters over time",
+                figures::PARAMETERS,
+                figures::parameters,
+            ),
+            ("Force and displacement over time", "", figures::over_time),
+            ("Residual", "", figures::residual),
+            ("Forgetting factor β", "", figures::forgetting),
+        ];
+        let layout = figures::Layout::new(self.runs.len());
+        kinds
+            .into_iter()
+            .filter_map(|(heading, text, kind)| {
+                let figures = self.runs.iter().map(|run| kind(run, &layout));
+                let figures = interleave(figures.collect());
+                let section = Section::new(heading).text(text);
+                (!figures.is_empty()).then(|| figures.into_iter().fold(section, Section::figure))
+            })
+            .collect()
+    }
+}
+
+/// First figures of all runs, then second ones, …: the same kind beside each other.
+fn interleave<T>(runs: Vec<Vec<T>>) -> Vec<T> {
+    let mut runs: Vec<_> = runs.into_iter().map(Vec::into_iter).collect();
+    let mut out = Vec::new();
+    loop {
+        let before = out.len();
+        out.extend(runs.iter_mut().filter_map(Iterator::next));
+        if out.len() == before {
+            return out;
+        }
+    }
+}
+
+/// Name of a parameter for people, with its symbol in the equations.
+fn label(name: &str) -> String {
+    let symbol = match name {
+        "stiffness" => " K",
+        "damping" => " λ",
+        "exponent" => " n",
+        "damping_exponent" => " q",
+        "second_stiffness" => " κ₂",
+        _ => "",
+    };
+    let words = name.replace('_', " ");
+    let mut chars = words.chars();
+    let first: String = chars
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
+    format!("{first}{}{symbol}", chars.as_str())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,13 @@
+use super::*;
+
+fn empty() -> EstimateReport<'static> {
+    EstimateReport {
+        title: "empty",
+        tone: Tone::Neutral,
+        badge: "no contact",
+        verdict: "Nothing was touched.",
+        runs: &[],
+        notes: &[],
+        provenance: Provenance::new("palpate estimate empty.csv"),
+    }
+}

@@ -1,0 +1,123 @@
+//! Which part of a long log a figure of loops shows.
+
+use super::{Run, Touch};
+
+/// With more touches than this, or longer in contact, the loops would cover each other.
+const MOST_TOUCHES: usize = 8;
+const MOST_CONTACT_S: f64 = 120.0;
+/// So many touches stand at either end of a long log, and at most so long.
+const SHOWN_TOUCHES: usize = 3;
+const SHOWN_S: f64 = 30.0;
+
+/// A part of a run, and what to call it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Window {
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+    /// Empty if it is everything.
+    pub(super) name: String,
+}
+
+impl Window {
+    /// Index range of the samples inside.
+    pub(super) fn of(&self, time_s: &[f64]) -> std::ops::Range<usize> {
+        let inside = |t: &f64| *t >= self.from_s && *t <= self.to_s;
+        let from = time_s.iter().position(inside).unwrap_or(0);
+        let to = time_s
+            .iter()
+            .rposition(inside)
+            .map_or(from, |last| last + 1);
+        from..to
+    }
+}
+
+/// The whole run, or its first and last touches.
+pub(super) fn windows(run: &Run) -> Vec<Window> {
+    let touches = run.touches;
+    let contact_s: f64 = touches.iter().map(|t| t.to_s - t.from_s).sum();
+    if touches.len() <= MOST_TOUCHES && contact_s <= MOST_CONTACT_S {
+        return vec![Window {
+            from_s: f64::NEG_INFINITY,
+            to_s: f64::INFINITY,
+            name: String::new(),
+        }];
+    }
+    let shown = SHOWN_TOUCHES.min(touches.len());
+    let first = &touches[..shown];
+    let last = &touches[touches.len() - shown..];
+    vec![
+        cut(first, "first", |from, to| (from, to.min(from + SHOWN_S))),
+        cut(last, "last", |from, to| (from.max(to - SHOWN_S), to)),
+    ]
+}
+
+fn cut(touches: &[Touch], which: &str, shorten: fn(f64, f64) -> (f64, f64)) -> Window {
+    let from = touches.first().map_or(0.0, |t| t.from_s);
+    let to = touches.last().map_or(0.0, |t| t.to_s);
+    let (from_s, to_s) = shorten(from, to);
+    let name = match (from, to) == (from_s, to_s) && touches.len() > 1 {
+        true => format!("{which} {} touches", touches.len()),
+        false => format!("{which} {:.0} s of contact", to_s - from_s),
+    };
+    Window { from_s, to_s, name }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn touches(n: usize, long_s: f64) -> Vec<Touch> {
+        let touch = |i: usize| Touch {
+            from_s: i as f64 * (long_s + 1.0),
+            to_s: i as f64 * (long_s + 1.0) + long_s,
+            peak_force_n: 1.0,
+            peak_depth_m: 1e-3,
+        };
+        (0..n).map(touch).collect()
+    }
+
+    fn names(touches: &[Touch]) -> Vec<String> {
+        let run = Run {
+            touches,
+            ..Run::default()
+        };
+        windows(&run).into_iter().map(|w| w.name).collect()
+    }
+
+    #[test]
+    fn a_short_log_is_shown_whole_and_a_long_one_at_its_ends() {
+        assert_eq!(names(&[]), [""]);
+        assert_eq!(names(&touches(8, 1.0)), [""]);
+        assert_eq!(
+            names(&touches(9, 1.0)),
+            ["first 3 touches", "last 3 touches"]
+        );
+    }
+
+    #[test]
+    fn one_endless_touch_is_cut() {
+        let one = touches(1, 3600.0);
+        assert_eq!(
+            names(&one),
+            ["first 30 s of contact", "last 30 s of contact"]
+        );
+        let run = Run {
+            touches: &one,
+            ..Run::default()
+        };
+        let last = &windows(&run)[1];
+        assert_eq!((last.from_s, last.to_s), (3570.0, 3600.0));
+    }
+
+    #[test]
+    fn a_window_outside_the_samples_is_empty() {
+        let window = Window {
+            from_s: 5.0,
+            to_s: 6.0,
+            name: String::new(),
+        };
+        assert!(window.of(&[]).is_empty());
+        assert!(window.of(&[1.0, 2.0]).is_empty());
+        assert_eq!(window.of(&[1.0, 5.0, 5.5, 7.0]), 1..3);
+    }
+}

@@ -1,0 +1,159 @@
+//! From a [`Chart`] to SVG: frame, bands, curves.
+
+use std::convert::Infallible;
+
+use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
+use plotters::coord::Shift;
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{PathElement, Polygon, Rectangle};
+use plotters::style::Color;
+
+use super::annotate::{self, text_style};
+use super::axis::Scale;
+use super::canvas::{Canvas, Layers, PX, Role};
+use super::layout::Layout;
+use super::thin::{self, View};
+use super::{Chart, Ink, Level, Series, Stroke};
+
+pub(super) type Error = DrawingAreaErrorKind<Infallible>;
+pub(super) type Root<'c> = DrawingArea<Canvas<'c>, Shift>;
+pub(super) type Plot<'a, 'c> = ChartContext<'a, Canvas<'c>, Cartesian2d<Scale, Scale>>;
+
+/// Curves leave the plot by at most this many of its sizes: plotters counts in i32, and the clip
+/// hides the rest.
+const FAR: f64 = 20.0;
+
+/// The chart as an SVG element.
+pub(super) fn to_svg(chart: &Chart, title: &str) -> String {
+    let layout = Layout::new(chart);
+    let mut layers = Layers::default();
+    // The canvas writes to memory; the only error left would be a layout without room.
+    let drawn = draw(chart, &layout, &mut layers);
+    debug_assert!(drawn.is_ok(), "{drawn:?}");
+    layout.assemble(chart, title, &layers)
+}
+
+fn draw(chart: &Chart, layout: &Layout, layers: &mut Layers) -> Result<(), Error> {
+    let size = ((layout.width * PX) as u32, (layout.height * PX) as u32);
+    let root = Canvas::new(layers, size).into_drawing_area();
+    annotate::above(chart, layout, &root)?;
+    let mut plot = ChartBuilder::on(&root)
+        .margin_top(layout.top * PX)
+        .margin_right(layout.right() * PX)
+        .set_label_area_size(LabelAreaPosition::Left, layout.left * PX)
+        .set_label_area_size(LabelAreaPosition::Bottom, layout.bottom() * PX)
+        .build_cartesian_2d(layout.x.clone(), layout.y.clone())?;
+    annotate::behind(chart, layout, &plot)?;
+    frame(layout, &mut plot)?;
+    if !layout.has_data {
+        let middle = (
+            f64::from(layout.width) * 0.54,
+            f64::from(layout.height) * 0.45,
+        );
+        return annotate::text(&root, "no data", Role::EMPTY, middle);
+    }
+    let view = layout.view();
+    for level in &chart.levels {
+        level_band(level, layout, &plot)?;
+    }
+    for series in &chart.series {
+        band(series, layout, &view, &plot)?;
+    }
+    for series in &chart.series {
+        curve(series, layout, &view, &plot)?;
+    }
+    // In front of a dense curve the edges still tell where the band is.
+    for level in &chart.levels {
+        level_edges(level, layout, &plot)?;
+    }
+    Ok(())
+}
+
+/// Axes, grid, tick labels, names.
+fn frame(layout: &Layout, plot: &mut Plot) -> Result<(), Error> {
+    plot.configure_mesh()
+        .bold_line_style(Role::GRID.color())
+        .light_line_style(Role::MINOR.color())
+        .axis_style(Role::AXIS.color())
+        .label_style(text_style(Role::TICK))
+        .axis_desc_style(text_style(Role::NAME))
+        .set_all_tick_mark_size(4 * PX)
+        .x_desc(layout.x.name.as_str())
+        .y_desc(layout.y.name.as_str())
+        .draw()
+}
+
+fn level_band(level: &Level, layout: &Layout, plot: &Plot) -> Result<(), Error> {
+    let ends = [level.low, level.high].map(|v| clamp(layout.y.map(v), layout.view().y));
+    if !(ends[0] < ends[1]) {
+        return Ok(());
+    }
+    let corners = [(layout.x.low, ends[0]), (layout.x.high, ends[1])];
+    let style = Role::band(Ink::Muted).color().filled();
+    plot.plotting_area().draw(&Rectangle::new(corners, style))
+}
+
+fn level_edges(level: &Level, layout: &Layout, plot: &Plot) -> Result<(), Error> {
+    for end in [level.low, level.high] {
+        let y = clamp(layout.y.map(end), layout.view().y);
+        if y.is_finite() {
+            let line = vec![(layout.x.low, y), (layout.x.high, y)];
+            plot.plotting_area()
+                .draw(&PathElement::new(line, Role::EDGE.color()))?;
+        }
+    }
+    Ok(())
+}
+
+fn band(series: &Series, layout: &Layout, view: &View, plot: &Plot) -> Result<(), Error> {
+    let Some(half_width) = &series.half_width else {
+        return Ok(());
+    };
+    let points = series.x.iter().zip(series.y.iter()).zip(half_width.iter());
+    let points = points.map(|((x, y), half)| {
+        let edge = |v: f64| clamp(layout.y.map(v), view.y);
+        (
+            clamp(layout.x.map(*x), view.x),
+            edge(y - half),
+            edge(y + half),
+        )
+    });
+    for outline in thin::band(points, view) {
+        let role = Role::band(series.ink);
+        plot.plotting_area()
+            .draw(&Polygon::new(outline, role.color()))?;
+    }
+    Ok(())
+}
+
+fn curve(series: &Series, layout: &Layout, view: &View, plot: &Plot) -> Result<(), Error> {
+    let points = series.x.iter().zip(series.y.iter()).map(|(x, y)| {
+        let (x, y) = (layout.x.map(*x), layout.y.map(*y));
+        (clamp(x, view.x), clamp(y, view.y))
+    });
+    let area = plot.plotting_area();
+    let over_time = series.stroke != Stroke::Dots && thin::is_time_series(&series.x);
+    let pieces = match series.stroke {
+        Stroke::Dots => vec![thin::dots(points.clone(), view)],
+        _ if over_time => thin::over_time(points.clone(), view),
+        _ => thin::along_path(points.clone(), view),
+    };
+    if over_time && thin::is_dense(&pieces, view) {
+        for outline in thin::band(points.map(|(x, y)| (x, y, y)), view) {
+            area.draw(&Polygon::new(outline, Role::envelope(series.ink).color()))?;
+        }
+        return Ok(());
+    }
+    let role = Role::line(series.ink, series.stroke);
+    for piece in pieces {
+        area.draw(&PathElement::new(piece, role.color()))?;
+    }
+    Ok(())
+}
+
+/// Keeps a value near enough to the axis for plotters' whole numbers; what is not finite becomes NaN.
+fn clamp(value: f64, (low, high): (f64, f64)) -> f64 {
+    let far = FAR * (high - low);
+    value.max(low - far).min(high + far) + 0.0 * value
+}

@@ -1,0 +1,225 @@
+//! The estimator's configuration as a file: TOML with the fields of [`Config`], all optional.
+//!
+//! ```toml
+//! [filter]                 # one of
+//! half_width = 10          # Savitzky–Golay: samples on either side
+//! # cutoff_hz = 40.0       # state-variable filter (Hz)
+//! # damping_ratio = 1.0
+//!
+//! [reference]
+//! depth_m = 1e-3           # δ₀
+//! force_n = 1.0
+//!
+//! [contact]
+//! surface_m = 0.0          # if known
+//! touch_sigma = 6.0
+//! release_sigma = 3.0
+//! force_noise_n = 0.02     # measured if absent
+//! settle_s = 0.2
+//!
+//! [forgetting]             # (24)
+//! alpha_1 = 0.04
+//! alpha_2_per_n = 66.0     # 2/α₃ if absent
+//! alpha_3_n = 0.03         # 1.5 × noise if absent
+//! excitation_step = 0.01
+//!
+//! [initial]
+//! covariance = 1e4
+//! exponent = 1.3
+//!
+//! [judgement]
+//! converged_within = 0.05
+//! window_s = 0.5
+//! suspect_ratio = 25.0
+//! ```
+
+use std::path::Path;
+
+use estimator_core::Config;
+use estimator_core::config::{Filter, Method, Surface};
+
+use crate::diagnostic::Diagnostic;
+use crate::toml_reader::{Bounds, Table, TomlFile};
+
+/// Reads a configuration; what it does not name keeps its default. The rate is the log's.
+///
+/// # Errors
+/// Unknown keys, wrong types, and values that [`Config::validate`] refuses, with their line.
+pub fn read(path: &Path) -> Result<Config, Diagnostic> {
+    parse(&TomlFile::read(path)?)
+}
+
+fn parse(file: &TomlFile) -> Result<Config, Diagnostic> {
+    let root = file.root();
+    let mut config = Config::default();
+    type Section = fn(&Table, &mut Config) -> Result<(), Diagnostic>;
+    let sections: [(&str, Section); 6] = [
+        ("filter", filter),
+        ("reference", reference),
+        ("contact", contact),
+        ("forgetting", forgetting),
+        ("initial", initial),
+        ("judgement", judgement),
+    ];
+    for (key, read) in sections {
+        if let Some(table) = root.table(key)? {
+            read(&table, &mut config)?;
+            table.finish()?;
+        }
+    }
+    root.finish()?;
+    config.method = Method::HuntCrossleyTwoStage;
+    match config.validate::<f32>() {
+        Ok(_) => Ok(config),
+        Err(error) => Err(refused(&root, &error)?),
+    }
+}
+
+/// The error of a value, at its line.
+fn refused(root: &Table, error: &estimator_core::ConfigError) -> Result<Diagnostic, Diagnostic> {
+    let (section, key) = error.field.split_once('.').unwrap_or(("", error.field));
+    let key = if key == "surface.position_m" {
+        "surface_m"
+    } else {
+        key
+    };
+    let what = format!("`{key}` cannot be {}", error.value);
+    let diagnostic = match root.table(section)? {
+        Some(table) => table.wrong(key, what),
+        None => root.wrong(key, what),
+    };
+    Ok(diagnostic.remedy(error.expected))
+}
+
+fn set(table: &Table, key: &str, field: &mut f32) -> Result<(), Diagnostic> {
+    if let Some(value) = table.number(key, Bounds::Any)? {
+        *field = value as f32;
+    }
+    Ok(())
+}
+
+fn filter(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    let half_width = table.number("half_width", Bounds::Within(2.0, 32.0))?;
+    let cutoff = table.number("cutoff_hz", Bounds::Positive)?;
+    let damping = table.number("damping_ratio", Bounds::Positive)?;
+    config.filter = match (half_width, cutoff) {
+        (Some(_), Some(_)) => {
+            return Err(table
+                .wrong("cutoff_hz", "two filters at once")
+                .remedy("half_width chooses Savitzky–Golay, cutoff_hz the state-variable filter"));
+        }
+        (Some(half_width), None) => Filter::SavitzkyGolay {
+            half_width: half_width as u8,
+        },
+        (None, Some(cutoff_hz)) => Filter::StateVariable {
+            cutoff_hz: cutoff_hz as f32,
+            damping_ratio: damping.unwrap_or(1.0) as f32,
+        },
+        (None, None) => config.filter,
+    };
+    Ok(())
+}
+
+fn reference(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    set(table, "depth_m", &mut config.reference.depth_m)?;
+    set(table, "force_n", &mut config.reference.force_n)
+}
+
+fn contact(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    if let Some(position) = table.number("surface_m", Bounds::Any)? {
+        config.contact.surface = Surface::Known {
+            position_m: position as f32,
+        };
+    }
+    set(table, "touch_sigma", &mut config.contact.touch_sigma)?;
+    set(table, "release_sigma", &mut config.contact.release_sigma)?;
+    set(table, "settle_s", &mut config.contact.settle_s)?;
+    let noise = table.number("force_noise_n", Bounds::Any)?;
+    config.contact.force_noise_n = noise.map(|noise| noise as f32);
+    Ok(())
+}
+
+fn forgetting(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    set(table, "alpha_1", &mut config.forgetting.alpha_1)?;
+    set(
+        table,
+        "excitation_step",
+        &mut config.forgetting.excitation_step,
+    )?;
+    let optional = |key| Ok(table.number(key, Bounds::Any)?.map(|value| value as f32));
+    config.forgetting.alpha_2_per_n = optional("alpha_2_per_n")?;
+    config.forgetting.alpha_3_n = optional("alpha_3_n")?;
+    Ok(())
+}
+
+fn initial(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    set(table, "covariance", &mut config.initial.covariance)?;
+    set(
+        table,
+        "stiffness_n_per_m",
+        &mut config.initial.stiffness_n_per_m,
+    )?;
+    set(
+        table,
+        "damping_ns_per_m",
+        &mut config.initial.damping_ns_per_m,
+    )?;
+    set(table, "exponent", &mut config.initial.exponent)
+}
+
+fn judgement(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    set(
+        table,
+        "converged_within",
+        &mut config.judgement.converged_within,
+    )?;
+    set(table, "window_s", &mut config.judgement.window_s)?;
+    set(table, "suspect_ratio", &mut config.judgement.suspect_ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Result<Config, Diagnostic> {
+        parse(&TomlFile::parse(text.into(), Path::new("estimator.toml"))?)
+    }
+
+    #[test]
+    fn an_empty_file_is_the_defaults() {
+        assert_eq!(of("").unwrap(), Config::default());
+    }
+
+    #[test]
+    fn the_filter_of_the_chapter_is_chosen_by_its_corner() {
+        let config = of("[filter]\ncutoff_hz = 40.0\n").unwrap();
+        let chosen = Filter::StateVariable {
+            cutoff_hz: 40.0,
+            damping_ratio: 1.0,
+        };
+        assert_eq!(config.filter, chosen);
+    }
+
+    #[test]
+    fn a_value_that_cannot_be_used_is_shown_at_its_line() {
+        let error = of("[contact]\nsettle_s = 0.2\n\n[forgetting]\nalpha_1 = 1.7\n").unwrap_err();
+        assert_eq!(error.line, Some(5), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains("between 0 (never forget) and 0.5"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn an_unknown_key_names_the_nearest() {
+        let error = of("[forgetting]\nalpha1 = 0.1\n").unwrap_err().to_string();
+        assert!(error.contains("alpha_1"), "{error}");
+    }
+
+    #[test]
+    fn two_filters_at_once_are_refused() {
+        assert!(of("[filter]\nhalf_width = 10\ncutoff_hz = 40.0\n").is_err());
+    }
+}

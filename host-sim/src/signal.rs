@@ -1,0 +1,97 @@
+//! What a channel says about itself, before any model.
+
+/// Standard deviation of the noise of a channel, from second differences: x(h) − 2x(h−1) + x(h−2)
+/// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
+/// out; a channel whose noise is below its step reads step/√12, the quantisation's own.
+pub fn noise(channel: &[f64]) -> f64 {
+    let differences = channel.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
+    // The median of |normal| is 0.6745 σ.
+    let sigma = median(differences.collect()) / 0.6745 / 6.0_f64.sqrt();
+    sigma.max(step(channel).unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+/// The resolution of a channel: the smallest change between neighbours, if nine tenths of the
+/// changes are whole multiples of it. `None` for a channel that is not quantised.
+pub fn step(channel: &[f64]) -> Option<f64> {
+    let span = range(channel);
+    let changes: Vec<f64> = channel
+        .windows(2)
+        .map(|w| (w[1] - w[0]).abs())
+        .filter(|change| *change > 1e-9 * span)
+        .collect();
+    let smallest = changes.iter().copied().fold(f64::INFINITY, f64::min);
+    let whole = changes
+        .iter()
+        .filter(|change| {
+            let codes = *change / smallest;
+            codes < 1e4 && (codes - codes.round()).abs() < 0.02
+        })
+        .count();
+    (changes.len() >= 10 && 10 * whole >= 9 * changes.len()).then_some(smallest)
+}
+
+/// Largest minus smallest value; 0 if there is none.
+pub fn range(channel: &[f64]) -> f64 {
+    let lowest = channel.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = channel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (highest - lowest).max(0.0)
+}
+
+/// The median; 0 of nothing.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Root of the mean square; 0 of nothing.
+pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, count), value| {
+        (sum + value * value, count + 1)
+    });
+    if count == 0 {
+        0.0
+    } else {
+        (sum / f64::from(count)).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    const SEED_NOISE: u64 = 11;
+
+    fn noisy(sigma: f64, step: f64) -> Vec<f64> {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED_NOISE);
+        let normal = Normal::new(0.0, sigma).unwrap();
+        (0..4000)
+            .map(|i| 5.0 * (f64::from(i) * 2e-3).sin() + normal.sample(&mut rng))
+            .map(|value: f64| (value / step).round() * step)
+            .collect()
+    }
+
+    #[test]
+    fn noise_is_found_under_a_slow_signal_of_hundreds_of_its_size() {
+        let sigma = noise(&noisy(0.02, 1e-9));
+        // 4000 second differences: the median is good to 2 %.
+        assert!((0.019..0.021).contains(&sigma), "{sigma}");
+    }
+
+    #[test]
+    fn a_step_is_found_and_a_channel_without_one_has_none() {
+        assert!((step(&noisy(0.02, 5e-3)).unwrap() - 5e-3).abs() < 1e-12);
+        assert_eq!(step(&noisy(0.02, 1e-12)), None);
+        assert_eq!(step(&[1.0; 100]), None);
+    }
+
+    #[test]
+    fn without_noise_the_step_is_the_noise() {
+        let ramp: Vec<f64> = (0..1000).map(|i| f64::from(i / 4) * 0.01).collect();
+        assert!((noise(&ramp) - 0.01 / 12.0_f64.sqrt()).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,228 @@
+//! `palpate simulate`: a model and a motion through the simulated rig, into a log.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::diagnostic::{Diagnostic, listed};
+use crate::model::Model;
+use crate::motion::Motion;
+use crate::plant::{Contact, Rig, Run, Stage};
+
+/// Force at the deepest point of the built-in motion [N]: the chapter's touches reach 10 to 14 N.
+const PALPATION_FORCE_N: f64 = 10.0;
+
+/// Depth of the built-in motion where nothing pushes back [m]: the chapter's on gel.
+const FREE_DEPTH_M: f64 = 4.2e-3;
+
+/// Arguments of `palpate simulate`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    about = "Run a model on the simulated rig and write what its sensors read",
+    long_about = "Run a model on the simulated rig (position-controlled linear motor, load cell, encoder) \
+                  and write what its sensors read as a log: t_s [s], x_m [m] growing into the material, \
+                  f_n [N] pushing the probe out.",
+    after_help = "Example:\n  palpate simulate --model gel.toml --motion palpation --seed 7 --out run1\n\n\
+                  A model, in SI units:\n  [environment]\n  law = \"hunt_crossley\"\n  \
+                  stiffness = 1350.0   # N/m at 1 mm\n  damping = 36.0       # N s/m at 1 mm\n  \
+                  exponent = 1.35\n  surface = 0.0        # m"
+)]
+pub struct SimulateArgs {
+    /// Model file (TOML): environment, effects, sensors.
+    #[arg(long, value_name = "FILE")]
+    pub model: PathBuf,
+    /// Motion file (TOML, in m, m/s, Hz, s), or `palpation`: rest, touches at 1 and 2 Hz, ramp and
+    /// hold, scaled to about 10 N.
+    #[arg(long, value_name = "FILE", default_value = "palpation")]
+    pub motion: PathBuf,
+    /// Seed of the sensors' noise; one seed is one recording.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for `log.csv`; made if missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// Simulates, writes `log.csv` and says what it did.
+///
+/// # Errors
+/// A [`Diagnostic`] for a model or motion that cannot be read or simulated; an I/O error if the log
+/// cannot be written.
+pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
+    let model = Model::read(&args.model)?;
+    let contact = simulated(&model)?;
+    let motion = read_motion(args, &contact)?;
+    let rig = Rig {
+        sensors: model.sensors,
+        ..Rig::default()
+    };
+    let run = rig.run(&Stage::throughout(contact), &motion, args.seed)?;
+    let path = args.out.join("log.csv");
+    run.log.write_csv(&path)?;
+    println!("{}", summary(&run, &model, args));
+    println!("  log         {}", path.display());
+    Ok(())
+}
+
+/// The model as this version's rig can have it.
+///
+/// # Errors
+/// A law or an effect that the rig does not simulate: it must not pretend.
+pub fn simulated(model: &Model) -> Result<Contact, Diagnostic> {
+    if let Some(effect) = model.effects.first() {
+        let ids = model.effects.iter().map(|effect| effect.id.as_str());
+        let mut diagnostic = Diagnostic::new(format!(
+            "this version does not simulate the effect `{}`",
+            effect.id
+        ))
+        .in_file(&model.path)
+        .at_key("effect")
+        .value(&effect.id)
+        .note(format!(
+            "the model holds {}; this version simulates laws alone",
+            listed(ids)
+        ))
+        .remedy("remove the [[effect]] tables, knowing that the log will lack them");
+        diagnostic.line = effect.line;
+        return Err(diagnostic);
+    }
+    model.environment.contact().ok_or_else(|| {
+        let law = model.environment.law.name();
+        Diagnostic::new(format!("this version does not simulate the law `{law}`"))
+            .in_file(&model.path)
+            .at_key("environment.law")
+            .value(law)
+            .note("this version simulates `kelvin_voigt`, `hunt_crossley` and `free`")
+            .remedy("describe the material by one of them")
+    })
+}
+
+fn read_motion(args: &SimulateArgs, contact: &Contact) -> Result<Motion, Diagnostic> {
+    if args.motion.as_os_str() != "palpation" {
+        return Motion::read(&args.motion);
+    }
+    let depth_m = contact
+        .depth_at_m(PALPATION_FORCE_N)
+        .unwrap_or(FREE_DEPTH_M);
+    Ok(Motion::palpation(depth_m).shifted(contact.surface_m))
+}
+
+fn summary(run: &Run, model: &Model, args: &SimulateArgs) -> String {
+    let largest = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let deepest_m = largest(&run.truth.position_m) - model.environment.surface_m;
+    let mut text = format!(
+        "simulated {} over {}\n  rate        {} Hz\n  duration    {:.3} s, {} samples\n  \
+         peak force  {:.3} N\n  peak depth  {:.4} mm\n  seed        {}",
+        model.environment.law.name(),
+        args.motion.display(),
+        model.sensors.rate_hz,
+        run.log.duration_s(),
+        run.log.len(),
+        largest(&run.truth.force_n),
+        deepest_m * 1e3,
+        args.seed,
+    );
+    for note in &run.log.notes {
+        text.push_str(&format!("\n  note        {note}"));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{Log, ReadOptions};
+    use std::fs;
+
+    /// A folder that disappears with its test.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn with_model(name: &str, model: &str) -> Folder {
+            let unique = format!("palpate-simulate-{}-{name}", std::process::id());
+            let folder = std::env::temp_dir().join(unique);
+            fs::create_dir_all(&folder).unwrap();
+            fs::write(folder.join("model.toml"), model).unwrap();
+            Folder(folder)
+        }
+
+        fn args(&self, seed: u64) -> SimulateArgs {
+            SimulateArgs {
+                model: self.0.join("model.toml"),
+                motion: "palpation".into(),
+                seed,
+                out: self.0.join(format!("out{seed}")),
+            }
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    const GEL: &str = "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 1350.0\n\
+                       damping = 36.0\nexponent = 1.35\nsurface = 0.003\n";
+
+    #[test]
+    fn a_model_becomes_a_log_that_reads_and_one_seed_one_file() {
+        let folder = Folder::with_model("gel", GEL);
+        let (first, second) = (folder.args(1), folder.args(2));
+        run(&first).unwrap();
+        run(&second).unwrap();
+        let log = Log::read(&first.out.join("log.csv"), &ReadOptions::default()).unwrap();
+        assert_eq!(log.rate_hz(), 1000.0);
+        assert!(log.notes.is_empty(), "{:?}", log.notes);
+        let peak = log.force_n.iter().copied().fold(0.0, f64::max);
+        // 10 N at rest, more with the damper's share.
+        assert!((10.0..13.0).contains(&peak), "{peak} N");
+        // The surface at 3 mm is where the force begins.
+        let touching = log
+            .position_m
+            .iter()
+            .zip(&log.force_n)
+            .filter(|(_, force)| **force > 0.5);
+        assert!(touching.clone().count() > 2000);
+        assert!(touching.into_iter().all(|(position, _)| *position > 3e-3));
+        let bytes = |args: &SimulateArgs| fs::read(args.out.join("log.csv")).unwrap();
+        let before = bytes(&first);
+        run(&first).unwrap();
+        assert_eq!(bytes(&first), before);
+        assert_ne!(bytes(&second), before);
+    }
+
+    #[test]
+    fn what_the_rig_cannot_simulate_is_refused_not_left_out() {
+        let effect = format!("{GEL}\n[[effect]]\nid = \"coulomb_friction\"\nforce = 0.4\n");
+        let zener = "[environment]\nlaw = \"zener\"\nstiffness = 3000\nsecond_stiffness = 900\ndamping = 40\n";
+        for (name, model, what, line) in [
+            (
+                "effect",
+                effect.as_str(),
+                "the effect `coulomb_friction`",
+                Some(8),
+            ),
+            ("zener", zener, "the law `zener`", None),
+        ] {
+            let folder = Folder::with_model(name, model);
+            let args = folder.args(1);
+            let error = run(&args).unwrap_err();
+            let diagnostic = error.downcast_ref::<Diagnostic>().unwrap();
+            assert!(diagnostic.what.contains(what), "{diagnostic}");
+            assert_eq!(diagnostic.line, line);
+            assert!(!args.out.exists(), "nothing is written");
+        }
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_a_failure_not_bad_input() {
+        let folder = Folder::with_model("full", GEL);
+        let mut args = folder.args(1);
+        args.out = folder.0.join("model.toml");
+        let error = run(&args).unwrap_err();
+        assert!(error.downcast_ref::<Diagnostic>().is_none());
+        assert!(error.to_string().contains("cannot write"), "{error}");
+    }
+}
