@@ -46,8 +46,7 @@ pub trait Board {
 
     /// Brings the board up. The tick may be raised from here on; RTIC delivers it after `init`.
     ///
-    /// Returns in bounded time whatever the hardware does; what had to be replaced (a dead
-    /// crystal) is logged.
+    /// Waits with a bound for whatever may be absent (a crystal), and logs what had to replace it.
     fn start(
         core: cortex_m::Peripherals,
         device: pac::Peripherals,

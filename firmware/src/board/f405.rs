@@ -20,7 +20,7 @@ use crate::convert::wiring::{
 use cortex_m::peripheral::DWT;
 use defmt_rtt as _;
 use estimator_core::{Fault, Faults};
-use ring::{Block, Memory, Ring};
+use ring::{Memory, Ring};
 use stm32f4xx_hal::adc::config::{
     AdcConfig, Clock, Dma, ExternalTrigger, SampleTime, Sequence, TriggerMode,
 };
@@ -174,10 +174,11 @@ pub struct LoadCellAndEncoder {
     forces: Ring<Stream0<DMA2>>,
     positions: Ring<Stream7<DMA1>>,
     ticks: u64,
-    /// [`F405::now`] of the last tick, on time.
+    /// [`F405::now`] of the last tick, had it been on time.
     on_time: Option<u32>,
+    /// What the timer counted last, and what that is without its 16 bits.
     counter: u16,
-    position: i32,
+    count: i32,
 }
 
 impl LoadCellAndEncoder {
@@ -188,7 +189,7 @@ impl LoadCellAndEncoder {
             ticks: 0,
             on_time: None,
             counter: 0,
-            position: 0,
+            count: 0,
         }
     }
 
@@ -203,15 +204,18 @@ impl LoadCellAndEncoder {
         ticks
     }
 
-    /// The 16-bit counts of a block, each taken on from the last: right as long as the probe moves
-    /// less than 32 768 counts between two of them. Their sum, in position codes.
-    fn extend(&mut self, counts: &Block) -> i32 {
+    /// The sum of the last 32 latches, in position codes. Each 16-bit count is taken on from the
+    /// last: right as long as the probe moves less than 32 768 counts between two of them.
+    ///
+    /// The latest, not the last block: should the first event have reached only one of the two
+    /// channels, they are one event (31 µs) apart instead of a block.
+    fn position(&mut self) -> i32 {
         let mut sum = 0_i32;
-        for count in ring::values(counts) {
+        for count in self.positions.latest() {
             let moved = count.wrapping_sub(self.counter) as i16;
             self.counter = count;
-            self.position = self.position.wrapping_add(i32::from(moved));
-            sum = sum.wrapping_add(self.position);
+            self.count = self.count.wrapping_add(i32::from(moved));
+            sum = sum.wrapping_add(self.count);
         }
         sum
     }
@@ -226,7 +230,7 @@ impl Sensors for LoadCellAndEncoder {
         }
         self.ticks += u64::from(ticks);
         let (force, saturated) = sum_of_force(self.forces.finished());
-        let position = self.extend(self.positions.finished());
+        let position = self.position();
         Acquired::Sample(RawSample {
             time_us: self.ticks * u64::from(1_000_000 / RATE_HZ),
             position: Reading {
@@ -244,9 +248,9 @@ impl Sensors for LoadCellAndEncoder {
 
 /// The sum of a block's conversions, and whether one of them stood at an end of the range: within
 /// 16 codes (13 mV) of a rail, where no amplifier is linear any more.
-fn sum_of_force(conversions: &Block) -> (i32, bool) {
+fn sum_of_force(conversions: impl Iterator<Item = u16>) -> (i32, bool) {
     let mut saturated = false;
-    let sum = ring::values(conversions)
+    let sum = conversions
         .map(|code| {
             saturated |= !(16..4096 - 16).contains(&code);
             i32::from(code)

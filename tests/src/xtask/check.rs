@@ -1,7 +1,7 @@
 //! Everything, in the order that ends with cargo's own summary.
 
 use crate::firmware::{Firmware, decoder};
-use crate::step::{command, run, runs};
+use crate::step::{command, run, run_quietly, runs};
 use crate::{packages, root};
 use std::process::Command;
 
@@ -20,7 +20,8 @@ pub(crate) fn everything() -> Result<(), String> {
             "{error}\nSo the emulator's tests did not run."
         ))),
     }
-    note(run("tests", tests));
+    // Nothing is printed after cargo's own summary, unless something failed.
+    note(run_quietly("tests", tests));
     if failed.is_empty() {
         return Ok(());
     }

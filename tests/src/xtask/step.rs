@@ -49,17 +49,22 @@ pub(crate) fn output(mut command: Command) -> Option<String> {
     output.status.success().then(|| text.trim().to_string())
 }
 
-/// Runs a command in full view.
-pub(crate) fn run(name: &str, mut command: Command) -> Result<(), String> {
-    println!("\n==> {name}");
+/// Runs a command in full view and says how long it took.
+pub(crate) fn run(name: &str, command: Command) -> Result<(), String> {
     let start = Instant::now();
+    run_quietly(name, command)?;
+    println!("    {name}: {:.1} s", start.elapsed().as_secs_f32());
+    Ok(())
+}
+
+/// Runs a command in full view.
+pub(crate) fn run_quietly(name: &str, mut command: Command) -> Result<(), String> {
+    println!("\n==> {name}");
     let status = command.status().map_err(|e| cannot_start(&command, &e))?;
-    let took = start.elapsed().as_secs_f32();
-    if status.success() {
-        println!("    {name}: {took:.1} s");
-        return Ok(());
-    }
-    Err(format!("{name} failed ({status}): {}", line(&command)))
+    status
+        .success()
+        .then_some(())
+        .ok_or_else(|| format!("{name} failed ({status}): {}", line(&command)))
 }
 
 /// What a person would type, without the environment.

@@ -96,9 +96,6 @@ impl Toolchain {
 }
 
 fn has_target(firmware: &Path) -> bool {
-    if which("cargo").is_none() {
-        return false;
-    }
     let mut rustc = command("rustc", firmware);
     rustc.args(["--print", "target-libdir", "--target", TARGET]);
     let directory = output(rustc).unwrap_or_default();

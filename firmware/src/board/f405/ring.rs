@@ -9,8 +9,8 @@ use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::{Stream, StreamISR};
 use stm32f4xx_hal::dma::{CurrentBuffer, DmaChannel, DmaDataSize, DmaDirection};
 
-/// The conversions or counts of one sample. Atomic, since the DMA writes behind the compiler's back.
-pub type Block = [AtomicU16; OVERSAMPLING as usize];
+/// The values of one sample. Atomic, since the DMA writes behind the compiler's back.
+type Block = [AtomicU16; OVERSAMPLING as usize];
 
 /// Both blocks.
 pub type Memory = [Block; 2];
@@ -18,11 +18,6 @@ pub type Memory = [Block; 2];
 /// Memory for a ring, for a static.
 pub const fn memory() -> Memory {
     [const { [const { AtomicU16::new(0) }; OVERSAMPLING as usize] }; 2]
-}
-
-/// The numbers in a block.
-pub fn values(block: &Block) -> impl Iterator<Item = u16> + '_ {
-    block.iter().map(|value| value.load(Ordering::Relaxed))
 }
 
 /// A stream that runs.
@@ -76,10 +71,35 @@ impl<S: Stream + StreamISR> Ring<S> {
     }
 
     /// The block that is not being filled. Valid for the 1 ms that the other one takes.
-    pub fn finished(&self) -> &'static Block {
-        match self.stream.current_buffer() {
+    pub fn finished(&self) -> impl Iterator<Item = u16> + use<S> {
+        let block = match self.stream.current_buffer() {
             CurrentBuffer::FirstBuffer => &self.memory[1],
             CurrentBuffer::SecondBuffer => &self.memory[0],
+        };
+        block.iter().map(|value| value.load(Ordering::Relaxed))
+    }
+
+    /// The last values, as many as a block has, wherever blocks begin. Valid for 1 ms.
+    pub fn latest(&self) -> impl Iterator<Item = u16> + use<S> {
+        const BLOCK: usize = OVERSAMPLING as usize;
+        let values = self.memory.as_flattened();
+        let oldest = self.next() + values.len() - BLOCK;
+        (0..BLOCK).map(move |i| values[(oldest + i) % (2 * BLOCK)].load(Ordering::Relaxed))
+    }
+
+    /// Where the next value goes, counted over both blocks.
+    fn next(&self) -> usize {
+        loop {
+            let before = self.stream.current_buffer();
+            let left = self.stream.number_of_transfers();
+            // A block that ends between the two reads does so once in a millisecond.
+            if self.stream.current_buffer() == before {
+                let start = match before {
+                    CurrentBuffer::FirstBuffer => 0,
+                    CurrentBuffer::SecondBuffer => OVERSAMPLING,
+                };
+                return usize::from(start + OVERSAMPLING.saturating_sub(left));
+            }
         }
     }
 }
