@@ -113,10 +113,10 @@ impl Method {
 pub struct Forgetting {
     /// α₁: 1 − α₁ is the forgetting factor for large errors.
     pub alpha_1: f32,
-    /// α₂ (1/N): steepness of the transition; `None`: 2/α₃.
+    /// α₂ (1/N): steepness of the transition; `None`: 8/α₃.
     pub alpha_2_per_n: Option<f32>,
-    /// α₃ (N): the threshold between small and large errors; `None`: 1.5 × the noise
-    /// of the raw force.
+    /// α₃ (N): the threshold between small and large errors; `None`: the noise of
+    /// the raw force.
     pub alpha_3_n: Option<f32>,
     /// A sample is learned from when the regressor has moved by this fraction of its scale since
     /// the last one that was: a hold repeats itself and would wind the covariance up.
@@ -166,7 +166,7 @@ impl Default for Config {
             },
             method: Method::HuntCrossleyTwoStage,
             forgetting: Forgetting {
-                alpha_1: 0.04,
+                alpha_1: 0.03,
                 alpha_2_per_n: None,
                 alpha_3_n: None,
                 excitation_step: 0.01,

@@ -18,9 +18,9 @@
 //! settle_s = 0.2
 //!
 //! [forgetting]             # (24)
-//! alpha_1 = 0.04
-//! alpha_2_per_n = 66.0     # 2/α₃ if absent
-//! alpha_3_n = 0.03         # 1.5 × noise if absent
+//! alpha_1 = 0.03
+//! alpha_2_per_n = 400.0    # 8/α₃ if absent
+//! alpha_3_n = 0.02         # the noise if absent
 //! excitation_step = 0.01
 //!
 //! [initial]

@@ -54,7 +54,7 @@ impl Tone {
 ///     .verdict(Tone::Good, "converged", "The gel is a Hunt–Crossley contact.")
 ///     .section(Section::new("Result").table(table))
 ///     .to_html();
-/// assert!(html.contains("1352 ± 3"));
+/// assert!(html.contains("<b>1352.2</b> ± 3.4"));
 /// ```
 #[derive(Clone, Debug)]
 pub struct Document {

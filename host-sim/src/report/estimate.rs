@@ -5,7 +5,11 @@
 //! parameters over time, force and displacement over time, elastic response, β. Several runs stand
 //! side by side.
 
+mod course;
 mod figures;
+mod forgetting;
+mod loops;
+mod parameters;
 mod tables;
 mod window;
 
@@ -199,15 +203,15 @@ impl EstimateReport<'_> {
     /// One section per kind of figure, so that the runs stand side by side.
     fn figures(&self) -> Vec<Section> {
         let kinds: [(&str, &str, figures::Kind); 5] = [
-            ("Force and depth", "", figures::contact),
+            ("Force and depth", "", loops::figures),
             (
                 "Parameters over time",
-                figures::PARAMETERS,
-                figures::parameters,
+                parameters::HOW_TO_READ,
+                parameters::figures,
             ),
-            ("Force and displacement over time", "", figures::over_time),
-            ("Residual", "", figures::residual),
-            ("Forgetting factor β", "", figures::forgetting),
+            ("Force and displacement over time", "", course::forces),
+            ("Residual", "", course::residual),
+            ("Forgetting factor β", "", forgetting::figures),
         ];
         let layout = figures::Layout::new(self.runs.len());
         kinds

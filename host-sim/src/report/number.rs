@@ -298,7 +298,7 @@ mod tests {
             ("mN", "0.8 10.2 –")
         );
         assert_eq!(column(&[], 3, "N"), ("N".into(), vec![]));
-        assert_eq!(column(&[1234.5, 2.0], 3, "1").1, ["1234", "2"]);
+        assert_eq!(column(&[1234.4, 2.0], 3, "1").1, ["1234", "2"]);
     }
 
     #[test]

@@ -1,12 +1,14 @@
 //! The tables: result, segments, touches, faults.
 
+use std::collections::BTreeMap;
+
 use estimator_core::estimate::Estimated;
 
 use super::{EstimateReport, EventKind, FinalParameter, Run, Touch, label};
 use crate::report::number::{column, fixed, setting};
 use crate::report::{Cell, Section, Table};
 
-/// Of touches and faults, so many rows are shown.
+/// Of touches and materials, so many rows are shown.
 const MOST_ROWS: usize = 14;
 
 /// Law, parameters and figures of merit, a column a run; then what happened in each run.
@@ -16,51 +18,59 @@ pub(super) fn result(report: &EstimateReport) -> Section {
         "" => "Estimate",
         name => name,
     });
-    let mut table = Table::new(std::iter::once("Parameter").chain(names));
-    let row = |name: String, cell: &dyn Fn(&Run) -> Cell| {
-        std::iter::once(Cell::from(name))
-            .chain(runs.iter().map(cell))
-            .collect::<Vec<_>>()
-    };
-    table = table.row(row("Law".into(), &|run| Cell::Number(law(run.law))));
-    for name in parameter_names(runs) {
-        table = table.row(row(label(name), &|run| {
-            let of_run = run.finals.iter().find(|p| p.name == name);
-            of_run.map_or(Cell::Missing("–".into()), value)
-        }));
-    }
-    let merits: [(&str, fn(&Run) -> Option<Cell>); 5] = [
-        ("Settled, after first contact", |run| {
-            run.settled_at_s.map(|t| Cell::quantity(t, 2, "s"))
-        }),
-        ("Force error, rms in contact", |run| {
-            run.force_rmse_n.map(|f| Cell::quantity(f, 2, "N"))
-        }),
-        ("Force noise, rms", |run| {
-            run.noise_n.map(|f| Cell::quantity(f, 2, "N"))
-        }),
-        ("Touches", |run| Some(Cell::count(run.touches.len()))),
-        ("Length of the log", |run| {
-            let ends = run.time_s.first().zip(run.time_s.last());
-            ends.map(|(from, to)| Cell::quantity(to - from, 3, "s"))
-        }),
-    ];
-    for (name, merit) in merits {
-        if runs.iter().any(|run| merit(run).is_some()) {
-            let cell = |run: &Run| merit(run).unwrap_or(Cell::Missing("–".into()));
-            table = table.row(row(name.into(), &cell));
-        }
-    }
     let depth = runs.iter().find_map(|run| run.reference_depth_m);
-    let at = depth.map_or(String::new(), |d| {
-        format!("; stiffness and damping at a depth of {}", setting(d, "m"))
+    let at = depth.map_or(String::new(), |depth| {
+        format!(
+            "; stiffness and damping at a depth of {}",
+            setting(depth, "m")
+        )
     });
-    let table = table.caption(format!("Value ± one standard error{at}."));
+    let table = Table::new(std::iter::once("Parameter").chain(names))
+        .caption(format!("Value ± one standard error{at}."))
+        .row(row(runs, "Law", &|run| Some(Cell::Number(law(run.law)))))
+        .rows(parameter_names(runs).into_iter().map(|name| {
+            row(runs, &label(name), &|run| {
+                run.finals.iter().find(|p| p.name == name).map(value)
+            })
+        }))
+        .rows(merits(runs));
     let more = runs
         .iter()
         .flat_map(|run| [segments(run), touches(run), faults(run)]);
     more.flatten()
         .fold(Section::new("Result").table(table), Section::table)
+}
+
+/// A row of the result; a dash for a run that has no such value.
+fn row(runs: &[Run], name: &str, cell: &dyn Fn(&Run) -> Option<Cell>) -> Vec<Cell> {
+    let cell = |run: &Run| cell(run).unwrap_or(Cell::Missing("–".into()));
+    std::iter::once(Cell::from(name))
+        .chain(runs.iter().map(cell))
+        .collect()
+}
+
+/// Figures of merit that at least one run has.
+fn merits(runs: &[Run]) -> Vec<Vec<Cell>> {
+    type Merit = fn(&Run) -> Option<Cell>;
+    let settled: Merit = |run| run.settled_at_s.map(|t| Cell::quantity(t, 2, "s"));
+    let error: Merit = |run| run.force_rmse_n.map(|f| Cell::quantity(f, 2, "N"));
+    let noise: Merit = |run| run.noise_n.map(|f| Cell::quantity(f, 2, "N"));
+    let touches: Merit = |run| Some(Cell::count(run.touches.len()));
+    let length: Merit = |run| {
+        let ends = run.time_s.first().zip(run.time_s.last());
+        ends.map(|(from, to)| Cell::quantity(to - from, 3, "s"))
+    };
+    let merits = [
+        ("Settled, after first contact", settled),
+        ("Force error, rms in contact", error),
+        ("Force noise, rms", noise),
+        ("Touches", touches),
+        ("Length of the log", length),
+    ];
+    let known = merits
+        .iter()
+        .filter(|(_, merit)| runs.iter().any(|run| merit(run).is_some()));
+    known.map(|(name, merit)| row(runs, name, merit)).collect()
 }
 
 /// Names of all parameters of all runs, in the order in which they come.
@@ -153,25 +163,30 @@ fn touches(run: &Run) -> Option<Table> {
     (!run.touches.is_empty()).then(|| table.rows(rows))
 }
 
-/// What went wrong; other events stand among the touches and the materials.
+/// What went wrong, a row a kind: a log may have a fault in every sample. Other events stand among
+/// the touches and the materials.
 fn faults(run: &Run) -> Option<Table> {
-    let rows: Vec<_> = run
-        .events
+    let mut kinds: BTreeMap<u8, (&str, usize, f64, f64)> = BTreeMap::new();
+    for event in run.events {
+        if let EventKind::Fault { code, description } = &event.kind {
+            let first = (description.as_str(), 0, event.time_s, event.time_s);
+            let (_, count, _, last) = kinds.entry(*code).or_insert(first);
+            *count += 1;
+            *last = event.time_s;
+        }
+    }
+    let rows = kinds
         .iter()
-        .filter_map(|event| {
-            let EventKind::Fault { code, description } = &event.kind else {
-                return None;
-            };
-            Some([
-                time(event.time_s),
+        .map(|(code, (description, count, first, last))| {
+            [
                 Cell::from(format!("{code}: {description}")),
-            ])
-        })
-        .collect();
-    let table = Table::new(["Time [s]", "Fault"])
-        .caption(caption(run, "Faults"))
-        .at_most(MOST_ROWS);
-    (!rows.is_empty()).then(|| table.rows(rows))
+                Cell::count(*count),
+                time(*first),
+                time(*last),
+            ]
+        });
+    let table = Table::new(["Fault", "Times", "First [s]", "Last [s]"]);
+    (!kinds.is_empty()).then(|| table.caption(caption(run, "Faults")).rows(rows))
 }
 
 /// An instant, to the millisecond: the sampling period of the board.

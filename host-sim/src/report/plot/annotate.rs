@@ -151,7 +151,7 @@ fn strip(chart: &Chart, layout: &Layout, root: &Root) -> Result<(), Error> {
         let from = layout.x_px(span.from).max(drawn_to);
         let to = layout.x_px(span.to);
         // Shorter than half a pixel: not seen, and a flickering state could fill the file.
-        if !(to - from >= 0.5) {
+        if to - from < 0.5 || to.is_nan() || from.is_nan() {
             continue;
         }
         drawn_to = to;

@@ -211,7 +211,7 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
 /// Decades, thinned to at most ten; with 2 and 5 between where there are fewer than two decades.
 fn log_ticks(low: f64, high: f64) -> (Vec<(f64, String)>, Vec<f64>) {
     let (first, last) = (low.floor() as i32, high.ceil() as i32);
-    let every = (last - first) / 9 + 1;
+    let every = (last - first) / 10 + 1;
     let within = |at: f64| at >= low - 1e-9 && at <= high + 1e-9;
     let between: &[i32] = if high - low < 2.0 { &[1, 2, 5] } else { &[1] };
     let mut ticks = Vec::new();

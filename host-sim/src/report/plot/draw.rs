@@ -86,7 +86,7 @@ fn frame(layout: &Layout, plot: &mut Plot) -> Result<(), Error> {
 
 fn level_band(level: &Level, layout: &Layout, plot: &Plot) -> Result<(), Error> {
     let ends = [level.low, level.high].map(|v| clamp(layout.y.map(v), layout.view().y));
-    if !(ends[0] < ends[1]) {
+    if ends.iter().any(|end| end.is_nan()) {
         return Ok(());
     }
     let corners = [(layout.x.low, ends[0]), (layout.x.high, ends[1])];

@@ -39,6 +39,8 @@ pub(crate) type Piece = Vec<Point>;
 /// Farther apart than this on paper, points of a loop are kept [px]: less than half the width of
 /// the line (1.6 px).
 const LOOP_STEP_PX: f64 = 0.7;
+/// The largest such distance [px].
+const LOOP_STEP_MOST_PX: f64 = 4.0;
 /// A loop with more points than this is thinned further; 8000 points are about 60 kB.
 const LOOP_POINTS: usize = 8000;
 /// A line that is so many times as long as the picture is wide fills it. Six touches are 3 times as
@@ -148,8 +150,17 @@ pub(crate) fn along_path(points: impl Iterator<Item = Point> + Clone, view: &Vie
     let mut step = LOOP_STEP_PX;
     loop {
         let pieces = thin_path(points.clone(), view, step);
-        if pieces.iter().map(Vec::len).sum::<usize>() <= LOOP_POINTS || step > 20.0 {
+        let count = pieces.iter().map(Vec::len).sum::<usize>();
+        if count <= LOOP_POINTS {
             return pieces;
+        }
+        // Noise from one end of the picture to the other: no distance thins it.
+        if step > LOOP_STEP_MOST_PX {
+            let every = count.div_ceil(LOOP_POINTS);
+            let thinned = pieces
+                .into_iter()
+                .map(|p| p.into_iter().step_by(every).collect());
+            return thinned.collect();
         }
         step *= 1.5;
     }

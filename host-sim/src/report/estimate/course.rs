@@ -1,0 +1,90 @@
+//! The log from its first to its last sample: force, displacement, residual.
+
+use super::Run;
+use super::figures::{Layout, annotate, compare};
+use super::window::windows;
+use crate::report::Figure;
+use crate::report::plot::{Axis, Chart, Ink, Series, Stroke};
+
+/// Force above displacement.
+pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
+    let force =
+        Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero()).size(layout.over_time);
+    let force = compare(force, run, run.time_s, run.measured_n, run.estimated_n);
+    let depth = Chart::new(Axis::time(), Axis::new("Depth δ", "m").with_zero())
+        .size(layout.slim)
+        .series(Series::new(
+            "",
+            Ink::Measured,
+            Stroke::Solid,
+            run.time_s,
+            run.depth_m,
+        ));
+    let mut caption = String::from(
+        "Measured force and the replay with the estimated parameters. Shaded: in touch.",
+    );
+    if windows(run).len() > 1 {
+        caption += " In a log of this length touches may merge into the area that they cover.";
+    }
+    vec![
+        Figure::new(layout.title(run, "Force", ""), &annotate(force, run)).caption(caption),
+        Figure::new(layout.title(run, "Displacement", ""), &annotate(depth, run))
+            .caption("Penetration; negative in free air. Shaded: in touch."),
+    ]
+}
+
+/// What the law leaves unexplained, against the noise.
+pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
+    let forces = run.measured_n.iter().zip(run.estimated_n);
+    let residual: Vec<f64> = forces
+        .map(|(measured, estimated)| measured - estimated)
+        .collect();
+    let mean = running_mean(&residual, residual.len() / MEANS);
+    let axis = Axis::new("Measured − estimated", "N").with_zero();
+    let mut chart = Chart::new(Axis::time(), axis)
+        .size(layout.over_time)
+        .series(Series::new(
+            "residual",
+            Ink::Muted,
+            Stroke::Thin,
+            run.time_s,
+            residual,
+        ))
+        .series(Series::estimated("running mean", run.time_s, mean));
+    let mut caption = format!(
+        "What the estimate leaves unexplained; running mean over 1/{MEANS} of the log. A mean with \
+         a pattern is something that the law does not know."
+    );
+    if let Some(noise) = run.noise_n {
+        chart = chart.level_band(-noise, noise);
+        caption += " Band: ± one standard deviation of the force noise.";
+    }
+    vec![Figure::new(layout.title(run, "Residual", ""), &annotate(chart, run)).caption(caption)]
+}
+
+/// The running mean of a residual has so many independent values: a pattern within a touch of a
+/// 10 s log shows, noise is down to a sixth.
+const MEANS: usize = 250;
+
+/// Mean over `width` values around each; values that are not finite do not count, and where the
+/// value itself is not finite there is none.
+fn running_mean(values: &[f64], width: usize) -> Vec<f64> {
+    let half = width / 2;
+    let mut sums = vec![(0.0, 0.0)];
+    let (mut sum, mut count) = (0.0, 0.0);
+    for value in values {
+        if value.is_finite() {
+            (sum, count) = (sum + value, count + 1.0);
+        }
+        sums.push((sum, count));
+    }
+    let mean = |i: usize| {
+        let (from, to) = (
+            sums[i.saturating_sub(half)],
+            sums[(i + half + 1).min(values.len())],
+        );
+        (to.0 - from.0) / (to.1 - from.1)
+    };
+    let finite_mean = |(i, v): (usize, &f64)| if v.is_finite() { mean(i) } else { f64::NAN };
+    values.iter().enumerate().map(finite_mean).collect()
+}

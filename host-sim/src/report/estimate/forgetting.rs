@@ -1,0 +1,73 @@
+//! β of (24): what it does with an error, and when it did.
+
+use super::Run;
+use super::figures::{Layout, annotate};
+use crate::report::Figure;
+use crate::report::number::setting;
+use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
+
+/// β over |F − F̂| and over time.
+pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    figures.extend(beta_over_error(run, layout));
+    if !run.forgetting.is_empty() {
+        let chart = Chart::new(Axis::time(), Axis::new("β", "1"))
+            .size(if figures.is_empty() {
+                layout.over_time
+            } else {
+                Size::Half
+            })
+            .series(Series::new(
+                "",
+                Ink::First,
+                Stroke::Thin,
+                run.time_s,
+                run.forgetting,
+            ));
+        figures.push(
+            Figure::new(layout.title(run, "β over time", ""), &annotate(chart, run))
+                .caption("1: everything is remembered, or nothing is being learned."),
+        );
+    }
+    figures
+}
+
+fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
+    let law = run.forgetting_law?;
+    let errors: Vec<f64> = run.innovation_n.iter().map(|e| e.abs()).collect();
+    let largest = errors
+        .iter()
+        .copied()
+        .filter(|e| e.is_finite())
+        .fold(0.0, f64::max);
+    let end = (3.0 * law.alpha_3_n).max(1.05 * largest);
+    let curve_x: Vec<f64> = (0..=300).map(|i| end * f64::from(i) / 300.0).collect();
+    let curve_y: Vec<f64> = curve_x.iter().map(|e| law.beta(*e)).collect();
+    let chart = Chart::new(
+        Axis::new("Force error before learning", "N").range(0.0, end),
+        Axis::new("β", "1"),
+    )
+    .series(Series::new(
+        "equation (24)",
+        Ink::Muted,
+        Stroke::Solid,
+        curve_x,
+        curve_y,
+    ))
+    .series(Series::new(
+        "visited",
+        Ink::First,
+        Stroke::Dots,
+        errors,
+        run.forgetting,
+    ));
+    let caption = format!(
+        "The larger the error of the predicted force, the faster the past is forgotten: α₁ = {}, α₂ = {} per N, \
+         α₃ = {}. Dots at β = 1: samples that were not learned from.",
+        setting(law.alpha_1, "1"),
+        setting(law.alpha_2_per_n, "1"),
+        setting(law.alpha_3_n, "N"),
+    );
+    let title = layout.title(run, "β over the force error", "");
+    Some(Figure::new(title, &chart).caption(caption))
+}

@@ -1,0 +1,113 @@
+//! The parameters over time, with their standard errors and the status.
+
+use estimator_core::estimate::Estimated;
+use estimator_core::status::Status;
+
+use super::figures::{Layout, annotate};
+use super::{Run, Trajectory, label};
+use crate::report::Figure;
+use crate::report::plot::{Axis, Chart, Series, Span, StripTone};
+
+/// How to read the figures of the parameters.
+pub(super) const HOW_TO_READ: &str = "Line: estimate; band around it: ± one standard error; strip \
+    above: status of the estimate; shaded: in touch.";
+
+/// Every parameter with its standard error, and the status above.
+pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
+    run.parameters
+        .iter()
+        .map(|trajectory| parameter(run, layout, trajectory))
+        .collect()
+}
+
+fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
+    let column = |of: fn(&Estimated<f64>) -> f64| -> Vec<f64> {
+        let value = |v: &Option<_>| v.as_ref().map_or(f64::NAN, of);
+        trajectory.values.iter().map(value).collect()
+    };
+    let (values, errors) = (column(|e| e.value), column(|e| e.std_error));
+    let mut axis = Axis::new(label(trajectory.name), trajectory.unit);
+    let mut caption = format!("{} ± one standard error.", label(trajectory.name));
+    if let Some((low, high)) = range_that_matters(&values, &errors) {
+        axis = axis.range(low, high);
+        if values.iter().any(|v| *v < low || *v > high) {
+            caption += " The axis shows where the estimate ends up; the transient leaves it.";
+        }
+    }
+    let chart = Chart::new(Axis::time(), axis)
+        .size(layout.slim)
+        .strip(status_spans(run))
+        .series(Series::estimated("", run.time_s, values).band(errors));
+    Figure::new(
+        layout.title(run, &label(trajectory.name), ""),
+        &annotate(chart, run),
+    )
+    .caption(caption)
+}
+
+/// The range in which a trajectory spends its time, with room for a transient, if it is smaller than
+/// all that it visits. The first estimates may be wrong by orders of magnitude; on an axis with room
+/// for them nothing else could be read.
+fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
+    let finite: Vec<(f64, f64)> = values
+        .iter()
+        .zip(errors)
+        .filter(|(v, _)| v.is_finite())
+        .map(|(v, e)| (*v, if e.is_finite() { *e } else { 0.0 }))
+        .collect();
+    // The last four fifths; a material that is touched for a hundredth of them still counts.
+    let late = &finite[finite.len() / 5..];
+    let low = quantile(late.iter().map(|(v, e)| v - e), 0.01)?;
+    let high = quantile(late.iter().map(|(v, e)| v + e), 0.99)?;
+    let middle = 0.5 * (low + high);
+    let half = (0.5 * (high - low)).max(0.1 * middle.abs());
+    let extreme = |pick: fn(f64, f64) -> f64| finite.iter().map(|(v, _)| *v).reduce(pick);
+    let low = extreme(f64::min)?.clamp(middle - 2.5 * half, middle - 1.2 * half);
+    let high = extreme(f64::max)?.clamp(middle + 1.2 * half, middle + 2.5 * half);
+    let margin = 0.05 * (high - low);
+    Some((low - margin, high + margin))
+}
+
+fn quantile(values: impl Iterator<Item = f64>, fraction: f64) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    let at = (fraction * values.len().saturating_sub(1) as f64).round() as usize;
+    let at = at.min(values.len().checked_sub(1)?);
+    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
+}
+
+/// Runs of equal status.
+fn status_spans(run: &Run) -> Vec<Span> {
+    let mut spans: Vec<(Status, f64, f64)> = Vec::new();
+    for (status, time) in run.status.iter().zip(run.time_s) {
+        match spans.last_mut() {
+            Some((last, _, to)) => {
+                *to = *time;
+                if last != status {
+                    spans.push((*status, *time, *time));
+                }
+            }
+            None => spans.push((*status, *time, *time)),
+        }
+    }
+    let shown = spans
+        .into_iter()
+        .filter(|(s, _, _)| *s != Status::NoContact);
+    shown
+        .map(|(status, from, to)| Span {
+            from,
+            to,
+            label: status.name().replace('_', " "),
+            tone: tone(status),
+        })
+        .collect()
+}
+
+fn tone(status: Status) -> StripTone {
+    match status {
+        Status::NoContact | Status::Unobservable => StripTone::Neutral,
+        Status::Converging => StripTone::Warning,
+        Status::Converged => StripTone::Good,
+        Status::Changed => StripTone::Info,
+        Status::ModelSuspect => StripTone::Bad,
+    }
+}
