@@ -1,3 +1,49 @@
-//! Sets up what the tests need and runs them.
+//! Sets up what the tests need and runs them: `cargo xtask test`; or runs a firmware in the
+//! emulator: `cargo xtask qemu`.
 
-fn main() {}
+#[path = "xtask/check.rs"]
+mod check;
+#[path = "xtask/firmware.rs"]
+mod firmware;
+#[path = "xtask/packages.rs"]
+mod packages;
+#[path = "xtask/qemu.rs"]
+mod qemu;
+#[path = "xtask/step.rs"]
+mod step;
+#[path = "xtask/toolchain.rs"]
+mod toolchain;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask test         set up what is missing and run everything: host tests, firmware builds,
+                         link proof, emulator
+cargo xtask qemu [ELF]   run a firmware in the emulator on a simulated palpation and print its log;
+                         without ELF: build it first
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words[..] {
+        ["test"] => check::everything(),
+        ["qemu"] => qemu::run(None),
+        ["qemu", elf] => qemu::run(Some(Path::new(elf))),
+        _ => Err(USAGE.into()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("\n{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The repository's root.
+fn root() -> PathBuf {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.parent().unwrap_or(package).to_path_buf()
+}

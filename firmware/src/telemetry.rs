@@ -1,0 +1,142 @@
+//! Frames out, and a log line for whatever a person would want to see. Low priority: may be late,
+//! may not be wrong.
+
+use crate::board::Link;
+use embedded_hal::digital::OutputPin;
+use estimator_core::estimate::{Event, Phase};
+use estimator_core::frame::{self, Frame, MAX_ENCODED};
+use estimator_core::{Estimate, Sample, Status};
+
+/// Records that wait for the link: 64 ms of it. An estimate with its sample is at most 200 bytes.
+pub const QUEUE: usize = 64;
+
+/// What the sampling task leaves behind at every tick.
+#[derive(Clone, Copy)]
+pub struct Record {
+    /// What went in: recorded, it can be replayed with other settings.
+    pub sample: Sample<f32>,
+    /// What came out.
+    pub estimate: Estimate<f32>,
+}
+
+/// Telemetry over a link, with a light.
+pub struct Telemetry<L, P> {
+    link: L,
+    light: P,
+    sequence: u16,
+    last: Option<Estimate<f32>>,
+    last_in_contact: Option<Estimate<f32>>,
+}
+
+impl<L: Link, P: OutputPin> Telemetry<L, P> {
+    /// Nothing sent yet.
+    pub fn new(link: L, light: P) -> Self {
+        Telemetry {
+            link,
+            light,
+            sequence: 0,
+            last: None,
+            last_in_contact: None,
+        }
+    }
+
+    /// Whether the frames of one record fit into the link. Where they do not, the queue fills and
+    /// the sampling task counts the drops: they are counted in one place.
+    pub fn has_room(&self) -> bool {
+        self.link.room() >= 2 * MAX_ENCODED
+    }
+
+    /// Sends both frames of a record and logs what happened in it.
+    pub fn send(&mut self, record: &Record) {
+        self.send_frame(&Frame::Sample(record.sample));
+        self.send_frame(&Frame::Estimate(record.estimate));
+        self.log_changes(&record.estimate);
+        self.show(&record.estimate);
+        self.last = Some(record.estimate);
+        if record.estimate.phase == Phase::Contact {
+            self.last_in_contact = self.last;
+        }
+    }
+
+    /// Lets the link work.
+    pub fn poll(&mut self) {
+        self.link.poll();
+    }
+
+    /// The last words of a finite run.
+    pub fn finish(&mut self) {
+        match &self.last_in_contact {
+            Some(estimate) => log_estimate("final estimate", estimate),
+            None => defmt::info!("final estimate: nothing was touched"),
+        }
+        self.link.finish();
+    }
+
+    fn send_frame(&mut self, frame: &Frame) {
+        let mut bytes = [0; MAX_ENCODED];
+        let length = frame::encode(frame, self.sequence, &mut bytes);
+        self.link.send(&bytes[..length]);
+        self.sequence = self.sequence.wrapping_add(1);
+    }
+
+    fn log_changes(&self, now: &Estimate<f32>) {
+        let before = self.last.as_ref();
+        match now.event {
+            Some(Event::Contact) => defmt::info!("{=u64:us}: contact", now.time_us),
+            Some(Event::Release) => {
+                if let Some(last) = &self.last_in_contact {
+                    log_estimate("release", last);
+                }
+            }
+            Some(Event::MaterialChange) => log_estimate("material change", now),
+            None => {}
+        }
+        if now.status == Status::Converged && before.is_some_and(|b| b.status != Status::Converged)
+        {
+            log_estimate("converged", now);
+        }
+        if before.is_none_or(|b| b.faults != now.faults) {
+            for fault in now.faults.iter() {
+                defmt::warn!(
+                    "{=u64:us}: fault {=u8}: {=str}",
+                    now.time_us,
+                    fault.code(),
+                    fault.describe()
+                );
+            }
+        }
+    }
+
+    /// On in contact, blinking once a second in free air, off while settling.
+    fn show(&mut self, estimate: &Estimate<f32>) {
+        let on = match estimate.phase {
+            Phase::Contact => true,
+            Phase::Free => estimate.time_us % 1_000_000 < 100_000,
+            Phase::Settling => false,
+        };
+        // A light that fails takes nothing with it.
+        let _ = self.light.set_state(on.into());
+    }
+}
+
+fn log_estimate(what: &'static str, estimate: &Estimate<f32>) {
+    defmt::info!(
+        "{=u64:us}: {=str}: {=str}, {=str}",
+        estimate.time_us,
+        what,
+        estimate.law.name(),
+        estimate.status.name()
+    );
+    for (info, slot) in estimate.law.parameters().iter().zip(&estimate.parameters) {
+        match slot {
+            Some(p) => defmt::info!(
+                "  {=str} = {=f32} ± {=f32} {=str}",
+                info.name,
+                p.value,
+                p.std_error,
+                info.unit.symbol()
+            ),
+            None => defmt::info!("  {=str} not observable", info.name),
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Everything, in the order that ends with cargo's own summary.
+
+use crate::firmware::{Firmware, decoder};
+use crate::step::{command, run, run_quietly, runs};
+use crate::{packages, root};
+use std::process::Command;
+
+/// Runs every step, also after one has failed; red if any has.
+pub(crate) fn everything() -> Result<(), String> {
+    let mut failed = Vec::new();
+    let mut note = |result: Result<(), String>| failed.extend(result.err());
+    note(host_lints());
+    let set_up = firmware_steps(&mut note);
+    let mut tests = cargo(&["test", "--workspace", "--no-fail-fast"]);
+    match set_up {
+        Ok(environment) => {
+            tests.args(["--features", "tests/qemu"]).envs(environment);
+        }
+        Err(error) => note(Err(format!(
+            "{error}\nSo the emulator's tests did not run."
+        ))),
+    }
+    // Nothing is printed after cargo's own summary, unless something failed.
+    note(run_quietly("tests", tests));
+    if failed.is_empty() {
+        return Ok(());
+    }
+    Err(format!(
+        "{} failed:\n\n{}",
+        failed.len(),
+        failed.join("\n\n")
+    ))
+}
+
+/// Builds all that the emulator's tests need and says where it is.
+fn firmware_steps(
+    note: &mut impl FnMut(Result<(), String>),
+) -> Result<Vec<(&'static str, std::path::PathBuf)>, String> {
+    let qemu = packages::qemu()?;
+    let firmware = Firmware::set_up()?;
+    let emulated = firmware.build("qemu")?;
+    let board = firmware.build("f405")?;
+    note(firmware.prove_panic_freedom());
+    note(firmware.control_the_proof());
+    match firmware.lint() {
+        Some(result) => note(result),
+        None => println!("LEFT OUT: clippy for the firmware, its compiler has none"),
+    }
+    Ok(vec![
+        ("PALPATE_QEMU", qemu),
+        ("PALPATE_DECODER", decoder()?),
+        ("PALPATE_QEMU_ELF", emulated),
+        ("PALPATE_F405_ELF", board),
+        ("PALPATE_RUNS", root().join("target/qemu")),
+    ])
+}
+
+/// Formatting and lints; a toolchain without them tests all the same, and says so.
+fn host_lints() -> Result<(), String> {
+    let mut result = Ok(());
+    if runs(cargo(&["fmt", "--version"])) {
+        for manifest in [
+            "Cargo.toml",
+            "firmware/Cargo.toml",
+            "tests/decoder/Cargo.toml",
+        ] {
+            let all = if manifest == "Cargo.toml" {
+                "--all"
+            } else {
+                "--quiet"
+            };
+            let format = cargo(&["fmt", all, "--check", "--manifest-path", manifest]);
+            result = result.and(run(&format!("format of {manifest}"), format));
+        }
+    } else {
+        println!("LEFT OUT: formatting. `rustup component add rustfmt` brings it.");
+    }
+    if runs(cargo(&["clippy", "--version"])) {
+        let mut clippy = cargo(&["clippy", "--workspace", "--all-targets"]);
+        clippy.args(["--features", "tests/qemu", "--", "-D", "warnings"]);
+        result = result.and(run("clippy", clippy));
+    } else {
+        println!("LEFT OUT: lints. `rustup component add clippy` brings them.");
+    }
+    result
+}
+
+fn cargo(arguments: &[&str]) -> Command {
+    let mut cargo = command("cargo", &root());
+    cargo.args(arguments);
+    cargo
+}

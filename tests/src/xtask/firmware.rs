@@ -1,0 +1,120 @@
+//! Builds of the firmware, and the proof that its step cannot panic.
+
+use crate::root;
+use crate::step::{capture, command, run};
+use crate::toolchain::Toolchain;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The symbol that a panic would need: firmware/src/bin/panic_free.rs.
+const PROOF: &str = "a_panic_path_is_left";
+const APPLICATION: &str = "palpate-firmware";
+
+/// The firmware's sources with the compiler that builds them.
+pub(crate) struct Firmware {
+    directory: PathBuf,
+    toolchain: Toolchain,
+}
+
+impl Firmware {
+    /// Finds the compiler, or installs it.
+    pub(crate) fn set_up() -> Result<Self, String> {
+        let directory = root().join("firmware");
+        let toolchain = Toolchain::find(&directory)?;
+        println!(
+            "compiler for the board: {}",
+            crate::toolchain::describe(toolchain)
+        );
+        Ok(Firmware {
+            directory,
+            toolchain,
+        })
+    }
+
+    /// Builds the application for a board and keeps the ELF under the board's name: the next board
+    /// overwrites cargo's.
+    pub(crate) fn build(&self, board: &str) -> Result<PathBuf, String> {
+        let mut cargo = self.cargo("build");
+        cargo.args(["--locked", "--release", "--bin", APPLICATION]);
+        cargo.args(["--no-default-features", "--features", board]);
+        run(&format!("firmware for {board}"), cargo)?;
+        let elf = self.directory.join(self.toolchain.release(APPLICATION));
+        let kept = elf.with_extension(board);
+        fs::copy(&elf, &kept).map_err(|e| format!("{}: {e}", elf.display()))?;
+        Ok(kept)
+    }
+
+    /// Links only if no panic is left.
+    pub(crate) fn prove_panic_freedom(&self) -> Result<(), String> {
+        run("link proof: step cannot panic", self.proof("panic-proof")).map_err(|e| {
+            format!("{e}\nAn undefined `{PROOF}` means that a panic path is left in `step`.")
+        })
+    }
+
+    /// With a panic path, the proof must fail, and for that reason.
+    pub(crate) fn control_the_proof(&self) -> Result<(), String> {
+        let name = "link proof, control: a panic path does not link";
+        let output = capture(name, self.proof("panic-control"))?;
+        let errors = String::from_utf8_lossy(&output.stderr);
+        if !output.status.success() && errors.contains(PROOF) {
+            println!("    fails to link, as it must: undefined `{PROOF}`");
+            return Ok(());
+        }
+        Err(format!(
+            "{name}: should fail with an undefined `{PROOF}`, but:\n{errors}"
+        ))
+    }
+
+    /// Lints for both boards; `None` where there is no clippy.
+    pub(crate) fn lint(&self) -> Option<Result<(), String>> {
+        self.toolchain.has_clippy(&self.directory).then(|| {
+            for features in ["qemu,panic-proof", "f405"] {
+                let mut clippy = self.cargo("clippy");
+                clippy.args(["--locked", "--release", "--no-default-features"]);
+                clippy.args(["--features", features, "--", "-D", "warnings"]);
+                run(&format!("clippy, firmware for {features}"), clippy)?;
+            }
+            Ok(())
+        })
+    }
+
+    fn proof(&self, feature: &str) -> Command {
+        let mut cargo = self.cargo("build");
+        cargo.args(["--locked", "--release", "--bin", "panic-free"]);
+        cargo.args([
+            "--no-default-features",
+            "--features",
+            "qemu",
+            "--features",
+            feature,
+        ]);
+        cargo
+    }
+
+    fn cargo(&self, verb: &str) -> Command {
+        self.toolchain.cargo(&self.directory, verb)
+    }
+}
+
+/// Builds the program that turns a log into lines.
+pub(crate) fn decoder() -> Result<PathBuf, String> {
+    let root = root();
+    let mut cargo = command("cargo", &root);
+    let target = root.join("target/decoder");
+    cargo.args([
+        "build",
+        "--locked",
+        "--manifest-path",
+        "tests/decoder/Cargo.toml",
+    ]);
+    cargo.arg("--target-dir").arg(&target);
+    run("decoder of the firmware's log", cargo)?;
+    Ok(executable(&target.join("debug"), "defmt-lines"))
+}
+
+fn executable(directory: &Path, name: &str) -> PathBuf {
+    directory
+        .join(name)
+        .with_extension(std::env::consts::EXE_EXTENSION)
+}

@@ -1,0 +1,39 @@
+//! One run in the emulator, for a person.
+
+use crate::firmware::{Firmware, decoder};
+use crate::{packages, root};
+use std::fs;
+use std::path::Path;
+use tests::emulator::Emulator;
+use tests::signal::palpation;
+
+/// 20 s of palpation: both materials, a few seconds to read.
+const SAMPLES: usize = 20_000;
+
+/// Runs the firmware, or builds it first.
+pub(crate) fn run(elf: Option<&Path>) -> Result<(), String> {
+    let qemu = packages::qemu()?;
+    let elf = match elf {
+        Some(elf) => fs::canonicalize(elf).map_err(|e| format!("{}: {e}", elf.display()))?,
+        None => Firmware::set_up()?.build("qemu")?,
+    };
+    let directory = root().join("target/qemu");
+    fs::create_dir_all(&directory).map_err(|e| format!("{}: {e}", directory.display()))?;
+    let emulator = Emulator {
+        qemu,
+        decoder: decoder()?,
+        elf,
+        directory,
+    };
+    println!(
+        "\n==> QEMU: {} s of simulated palpation, gel, then plastic",
+        SAMPLES / 1000
+    );
+    let run = emulator.run(&palpation(SAMPLES, 1), |line| println!("{line}"))?;
+    println!(
+        "\n{} frames in {}",
+        run.frames.len(),
+        emulator.directory.join("telemetry.frames").display()
+    );
+    Ok(())
+}
