@@ -181,7 +181,7 @@ impl<T: Real> State<T> {
         let misfit = self.judge.misfit();
         judged
             .iter_mut()
-            .for_each(|parameter| parameter.std_error = parameter.std_error * misfit);
+            .for_each(|parameter| parameter.std_error *= misfit);
         let own = judged
             .get(..params.law().parameters().len() - 1)
             .unwrap_or(&[]);
