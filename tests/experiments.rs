@@ -13,7 +13,7 @@ use palpate::plant::{GEL, Material, PLASTIC, Rig, Run, Stage};
 use tests::tolerance;
 
 /// Seeds of the sensors' noise for E1 and E3.
-const SEEDS: std::ops::Range<u64> = 1..9;
+const SEEDS: std::ops::Range<u64> = 1..101;
 /// Seed of E2 and E4.
 const SEED: u64 = 5;
 
