@@ -11,6 +11,7 @@ use estimator_core::config::Method;
 use crate::estimate::{Choices, ReadingArgs, estimate};
 use crate::inspect::{Inspection, suspicions};
 use crate::log::{Log, Timing, UniformLog};
+use crate::output::say;
 use crate::report::number::quantity;
 
 /// Arguments of `palpate check`.
@@ -39,15 +40,8 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
         &[Method::KelvinVoigt],
         Choices::default(),
     )?;
-    print!(
-        "{}",
-        describe(
-            &args.log.display().to_string(),
-            &raw,
-            &log,
-            &estimation.inspection
-        )
-    );
+    let name = args.log.display().to_string();
+    say(describe(&name, &raw, &log, &estimation.inspection))?;
     Ok(())
 }
 

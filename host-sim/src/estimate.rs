@@ -22,6 +22,7 @@ pub use show::{Shown, document};
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
 use crate::log::{ColumnMap, Log, ReadOptions, UniformLog};
+use crate::output::say;
 use crate::replay::{Replay, replay};
 
 /// What a simpler law may leave more than the best one and still be chosen: 2 %.
@@ -250,7 +251,7 @@ pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
     for path in &args.logs {
         let log = args.reading.read(path)?;
         let estimation = estimate(&log, base, &methods, choices)?;
-        print!("{}", print::summary(path, &log, &estimation));
+        say(print::summary(path, &log, &estimation))?;
         if let Some(out) = &args.out {
             let folder = if args.logs.len() > 1 {
                 out.join(stem(path))
@@ -258,7 +259,8 @@ pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
                 out.clone()
             };
             write(&folder, path, &log, &estimation, args.every as usize)?;
-            println!("report: {}", folder.join("report.html").display());
+            let report = folder.join("report.html");
+            say(format!("report: {}\n", report.display()))?;
         }
     }
     Ok(())

@@ -45,8 +45,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Bad input is 2, everything else that goes wrong 1. A closed pipe (`palpate … | head`) is no
-/// failure.
+/// Bad input is 2, everything else that goes wrong 1.
 fn fail(error: &(dyn Error + 'static)) -> ExitCode {
     if error.is::<Diagnostic>() {
         eprintln!("{error}");

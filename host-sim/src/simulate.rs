@@ -8,6 +8,7 @@ use clap::Args;
 use crate::diagnostic::{Diagnostic, listed};
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::output::say;
 use crate::plant::{Contact, Rig, Run, Stage};
 
 /// Force at the deepest point of the built-in motion [N]: the chapter's touches reach 10 to 14 N.
@@ -60,8 +61,8 @@ pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
     let run = rig.run(&Stage::throughout(contact), &motion, args.seed)?;
     let path = args.out.join("log.csv");
     run.log.write_csv(&path)?;
-    println!("{}", summary(&run, &model, args));
-    println!("  log         {}", path.display());
+    let summary = summary(&run, &model, args);
+    say(format!("{summary}\n  log         {}\n", path.display()))?;
     Ok(())
 }
 
