@@ -68,7 +68,7 @@ pub struct EstimateArgs {
 #[derive(Args, Clone, Debug, Default)]
 pub struct ReadingArgs {
     /// Other column names, signs and units: "t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz".
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", value_parser = column_map)]
     pub columns: Option<ColumnMap>,
     /// Leave rows with missing or non-finite values out instead of stopping at the first.
     #[arg(long)]
@@ -128,6 +128,10 @@ impl MethodChoice {
             MethodChoice::TwoStage => "two_stage",
         }
     }
+}
+
+fn column_map(text: &str) -> Result<ColumnMap, String> {
+    text.parse().map_err(|error: Diagnostic| error.below())
 }
 
 fn positive(text: &str) -> Result<f64, String> {
