@@ -53,8 +53,8 @@ pub enum Filter {
         /// ζ: 1 is critically damped.
         damping_ratio: f32,
     },
-    /// Least-squares quadratic over 2·half_width + 1 samples; delay half_width samples at every
-    /// frequency.
+    /// Savitzky–Golay slope over 2·half_width + 1 samples, with the smoothing that it implies on
+    /// position and force; delay half_width samples at every frequency.
     SavitzkyGolay {
         /// Samples on either side of the centre.
         half_width: u8,
@@ -111,15 +111,18 @@ impl Method {
 /// β = 1 − α₁{(1/π)·arctan[α₂(|F − F̂| − α₃)] + ½}, (24).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forgetting {
-    /// α₁: 1 − α₁ is the forgetting factor for large errors.
-    pub alpha_1: f32,
+    /// α₁: 1 − α₁ is the forgetting factor for large errors; `None`: 0.03 for the two stages, 0.001
+    /// for Kelvin–Voigt, which on most materials never gets its error small: a memory of a thousand
+    /// samples gives its best average, one of thirty a tangent that turns with every stroke.
+    pub alpha_1: Option<f32>,
     /// α₂ (1/N): steepness of the transition; `None`: 8/α₃.
     pub alpha_2_per_n: Option<f32>,
     /// α₃ (N): the threshold between small and large errors; `None`: the noise of
     /// the raw force.
     pub alpha_3_n: Option<f32>,
     /// A sample is learned from when the regressor has moved by this fraction of its scale since
-    /// the last one that was: a hold repeats itself and would wind the covariance up.
+    /// the last one that was: a hold repeats itself and would wind the covariance up. At 0.03 a
+    /// position that jitters by a count of 1 µm at 3 mm does not pass for motion.
     pub excitation_step: f32,
 }
 
@@ -166,10 +169,10 @@ impl Default for Config {
             },
             method: Method::HuntCrossleyTwoStage,
             forgetting: Forgetting {
-                alpha_1: 0.03,
+                alpha_1: None,
                 alpha_2_per_n: None,
                 alpha_3_n: None,
-                excitation_step: 0.01,
+                excitation_step: 0.03,
             },
             initial: Initial {
                 covariance: 1e4,
@@ -321,7 +324,7 @@ mod tests {
 
     #[test]
     fn an_error_names_the_field_its_value_and_what_would_be_right() {
-        let error = error_of(|c| c.forgetting.alpha_1 = 1.7);
+        let error = error_of(|c| c.forgetting.alpha_1 = Some(1.7));
         let text = error.to_string();
         assert_eq!(
             text,

@@ -173,6 +173,11 @@ impl<T: Real> ContactState<T> {
         self.rest_n
     }
 
+    /// Position of the surface (m), once there is one.
+    pub fn surface_m(&self) -> Option<T> {
+        self.surface.map(|surface| surface.position_m)
+    }
+
     /// Standard deviation of the raw force (N).
     pub fn force_noise_n(&self) -> T {
         self.sigma_n

@@ -41,6 +41,11 @@ impl<T: Real> State<T> {
         self.contact.resting_force_n()
     }
 
+    /// Position of the surface (m) that depths are measured from, once there is one.
+    pub fn surface_m(&self) -> Option<T> {
+        self.contact.surface_m()
+    }
+
     /// Standard deviation of the raw force (N) that thresholds and standard errors rest on.
     pub fn force_noise_n(&self) -> T {
         self.contact.force_noise_n()
@@ -181,7 +186,7 @@ impl<T: Real> State<T> {
         let misfit = self.judge.misfit();
         judged
             .iter_mut()
-            .for_each(|parameter| parameter.std_error = parameter.std_error * misfit);
+            .for_each(|parameter| parameter.std_error *= misfit);
         let own = judged
             .get(..params.law().parameters().len() - 1)
             .unwrap_or(&[]);
@@ -189,6 +194,9 @@ impl<T: Real> State<T> {
             .judge
             .update(&params.status, own, innovation.test_ratio);
         self.last.parameters = identify::report(params, own, surface);
+        if event == Some(Event::MaterialChange) {
+            self.identifier.reopen(params);
+        }
         event
     }
 

@@ -111,6 +111,9 @@ pub trait Identify<T: Real> {
         beta: T,
     ) -> bool;
 
+    /// Forgets how sure it was, and keeps its values: another material is under the probe.
+    fn reopen(&mut self, params: &Params<T>);
+
     /// Values and standard errors in the order of the law's slots, without the surface;
     /// `surface_error` is the standard error of the surface position.
     fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS];
@@ -153,6 +156,14 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+        }
+    }
+
+    /// See [`Identify::reopen`].
+    pub fn reopen(&mut self, params: &Params<T>) {
+        match self {
+            Self::Linear(own) => own.reopen(params),
+            Self::TwoStage(own) => own.reopen(params),
         }
     }
 

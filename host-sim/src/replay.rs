@@ -17,6 +17,8 @@ pub struct Replay {
     pub records: Vec<Estimate<f32>>,
     /// The resting force (N) at each sample.
     pub rest_n: Vec<f32>,
+    /// Position of the surface (m) that the depth of each record is measured from.
+    pub surface_m: Vec<f32>,
     /// Standard deviation of the raw force (N) as the estimator measured it.
     pub noise_n: f64,
     /// Samples that the records are late.
@@ -36,15 +38,18 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
     let mut state = State::new(&params);
     let mut records = Vec::with_capacity(log.len());
     let mut rest_n = Vec::with_capacity(log.len());
+    let mut surface_m = Vec::with_capacity(log.len());
     for sample in samples(log) {
         records.push(step(&params, &mut state, sample));
         rest_n.push(state.resting_force_n());
+        surface_m.push(state.surface_m().unwrap_or_default());
     }
     Ok(Replay {
         config: *config,
         params,
         records,
         rest_n,
+        surface_m,
         noise_n: f64::from(state.force_noise_n()),
         delay: (params.delay_us() as f64 * 1e-6 * log.rate_hz).round() as usize,
         start_s: log.time_s.first().copied().unwrap_or(0.0),

@@ -18,10 +18,10 @@
 //! settle_s = 0.2
 //!
 //! [forgetting]             # (24)
-//! alpha_1 = 0.03
+//! alpha_1 = 0.03           # 0.001 for kelvin_voigt
 //! alpha_2_per_n = 400.0    # 8/α₃ if absent
 //! alpha_3_n = 0.02         # the noise if absent
-//! excitation_step = 0.01
+//! excitation_step = 0.03
 //!
 //! [initial]
 //! covariance = 1e4
@@ -140,13 +140,13 @@ fn contact(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
 }
 
 fn forgetting(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
-    set(table, "alpha_1", &mut config.forgetting.alpha_1)?;
     set(
         table,
         "excitation_step",
         &mut config.forgetting.excitation_step,
     )?;
     let optional = |key| Ok(table.number(key, Bounds::Any)?.map(|value| value as f32));
+    config.forgetting.alpha_1 = optional("alpha_1")?;
     config.forgetting.alpha_2_per_n = optional("alpha_2_per_n")?;
     config.forgetting.alpha_3_n = optional("alpha_3_n")?;
     Ok(())

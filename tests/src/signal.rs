@@ -26,15 +26,16 @@ pub fn palpation(count: usize, seed: u64) -> Vec<Sample<f32>> {
     let mut random = Random(seed);
     let mut samples = Vec::with_capacity(count);
     let mut stroke = Stroke::rest(SETTLE_S);
-    let mut start = 0;
+    let (mut start, mut material) = (0, 0);
     for tick in 0..count {
-        let second_half = usize::from(tick >= count / 2);
         let mut t = (tick - start) as f64 / RATE_HZ;
         if t >= stroke.duration_s {
-            (stroke, start, t) = (Stroke::random(&mut random, second_half), tick, 0.0);
+            // The material changes between two strokes.
+            material = usize::from(tick >= count / 2);
+            (stroke, start, t) = (Stroke::random(&mut random, material), tick, 0.0);
         }
         let (position_m, speed_mps) = stroke.at(t);
-        let force_n = unilateral(materials()[second_half].force_n(position_m, speed_mps));
+        let force_n = unilateral(materials()[material].force_n(position_m, speed_mps));
         samples.push(Sample {
             time_us: (tick as u64 + 1) * 1000,
             position_m: ((position_m * 1e6).round() * 1e-6) as f32,

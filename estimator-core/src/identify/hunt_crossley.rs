@@ -133,13 +133,23 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         true
     }
 
+    fn reopen(&mut self, params: &Params<T>) {
+        let covariance = params.start.covariance;
+        self.gamma_1 = Rls::new(self.gamma_1.theta, covariance);
+        self.gamma_2 = Rls::new(self.gamma_2.theta, covariance);
+        self.confidence = Confidence::new(covariance);
+    }
+
     fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
         let errors = self.confidence.std_errors(noise, surface_error);
         let theta = &self.gamma_1.theta;
+        // An exponent at its bound is no estimate: nothing is observable on the scale of it.
+        let bounded = self.exponent() != self.gamma_2.theta.x;
+        let exponent_size = if bounded { T::nil() } else { T::unit() };
         let values = [
             (theta.x, size(theta.x, theta.x)),
             (theta.y, size(theta.y, theta.x)),
-            (self.exponent(), T::unit()),
+            (self.exponent(), exponent_size),
         ];
         let mut judged = [Judged::default(); PARAMETER_SLOTS];
         for ((slot, (value, scale)), std_error) in judged.iter_mut().zip(values).zip(errors.iter())

@@ -60,6 +60,12 @@ impl<T: Real> Identify<T> for Linear<T> {
         moving
     }
 
+    fn reopen(&mut self, params: &Params<T>) {
+        let covariance = params.start.covariance;
+        self.rls = Rls::new(self.rls.theta, covariance);
+        self.confidence = Confidence::new(covariance);
+    }
+
     fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
         let errors = self.confidence.std_errors(noise, surface_error);
         let theta = &self.rls.theta;

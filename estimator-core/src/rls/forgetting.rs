@@ -1,6 +1,6 @@
 //! Error-dependent forgetting, (24).
 
-use crate::config::Config;
+use crate::config::{Config, Method};
 use crate::error::{ConfigError, require};
 use crate::scalar::Real;
 
@@ -24,10 +24,14 @@ pub struct ForgettingParams<T> {
 impl<T: Real> ForgettingParams<T> {
     pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
         let forgetting = config.forgetting;
+        let alpha_1 = forgetting.alpha_1.unwrap_or(match config.method {
+            Method::KelvinVoigt => 0.001,
+            Method::HuntCrossleyTwoStage => 0.03,
+        });
         require(
-            (0.0..=0.5).contains(&forgetting.alpha_1),
+            (0.0..=0.5).contains(&alpha_1),
             "forgetting.alpha_1",
-            forgetting.alpha_1,
+            alpha_1,
             "must lie between 0 (never forget) and 0.5",
         )?;
         let steepness = forgetting.alpha_2_per_n.unwrap_or(1.0);
@@ -46,7 +50,7 @@ impl<T: Real> ForgettingParams<T> {
         )?;
         let from = |value: f32| T::from_f64(f64::from(value));
         Ok(ForgettingParams {
-            alpha_1: from(forgetting.alpha_1),
+            alpha_1: from(alpha_1),
             alpha_2_per_n: forgetting.alpha_2_per_n.map(from),
             alpha_3_n: forgetting.alpha_3_n.map(from),
         })
@@ -78,7 +82,7 @@ mod tests {
 
     fn params() -> ForgettingParams<f64> {
         let mut config = Config::default();
-        config.forgetting.alpha_1 = 0.1;
+        config.forgetting.alpha_1 = Some(0.1);
         config.forgetting.alpha_2_per_n = Some(50.0);
         config.forgetting.alpha_3_n = Some(0.2);
         ForgettingParams::validate(&config).unwrap()

@@ -11,6 +11,11 @@ use crate::signal;
 
 /// Settled: every parameter within this share of its final value from then on.
 const SETTLED_WITHIN: f64 = 0.05;
+/// Samples on either side over which the replay smooths the position: a count of 1 µm then makes a
+/// speed of 30 µm/s at 1 kHz, and a touch is over after 5 ms.
+const FINE_HALF_WIDTH: usize = 5;
+
+type Record = estimator_core::Estimate<f32>;
 
 /// A stretch of one material.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,13 +56,12 @@ impl Outcome {
     /// Draws the sum of a replay of `log`.
     pub fn of(log: &UniformLog, replay: &Replay) -> Outcome {
         let law = replay.params.law();
-        let parameters = replay
-            .last()
-            .map_or([None; PARAMETER_SLOTS], |last| last.parameters);
-        let replayed_n = replay_force(replay, &parameters);
+        let decisive = decisive(replay);
+        let parameters = decisive.map_or([None; PARAMETER_SLOTS], |record| record.parameters);
+        let replayed_n = replay_force(log, replay, &parameters);
         Outcome {
             law,
-            status: replay.last().map_or(Status::NoContact, |last| last.status),
+            status: decisive.map_or(Status::NoContact, |record| record.status),
             force_rmse_n: force_rmse(log, replay, &replayed_n),
             settled_at_s: settled_at(replay, &parameters),
             segments: segments(replay),
@@ -105,18 +109,38 @@ pub fn law_with(
     })
 }
 
-fn replay_force(replay: &Replay, parameters: &Parameters<f32>) -> Vec<f32> {
+/// The record whose parameters stand for the log: the last one, unless the log ends before a change
+/// of material has been learned; then the last one before the change.
+fn decisive(replay: &Replay) -> Option<&Record> {
+    let last = replay.last()?;
+    let learned = !matches!(last.status, Status::Changed | Status::Unobservable);
+    let change = replay
+        .records
+        .iter()
+        .rposition(|r| r.event == Some(Event::MaterialChange));
+    match change {
+        Some(change) if !learned && change > 0 => replay.records.get(change - 1),
+        _ => Some(last),
+    }
+}
+
+/// The law over the log's own motion at the resolution of a few samples: the estimator's window
+/// would round off what happens within it.
+fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>) -> Vec<f32> {
     let reference_depth_m = f64::from(replay.config.reference.depth_m);
-    let Some(law) = law_with(replay.params.law(), parameters, reference_depth_m) else {
-        return vec![0.0; replay.records.len()];
-    };
     let mut forces = vec![0.0; replay.records.len()];
+    let Some(law) = law_with(replay.params.law(), parameters, reference_depth_m) else {
+        return forces;
+    };
     for contact in replay.contacts() {
-        for (force, record) in forces[contact.clone()]
-            .iter_mut()
-            .zip(&replay.records[contact])
-        {
-            *force = law.force_n(f64::from(record.depth_m), f64::from(record.speed_mps)) as f32;
+        for index in contact {
+            let Some(sample) = replay.sample_of(index) else {
+                continue;
+            };
+            let (position_m, speed_mps) =
+                signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
+            let depth_m = position_m - f64::from(replay.surface_m[index]);
+            forces[index] = law.force_n(depth_m, speed_mps) as f32;
         }
     }
     forces
@@ -145,7 +169,7 @@ fn settled_at(replay: &Replay, parameters: &Parameters<f32>) -> Option<f64> {
         .iter()
         .copied()
         .collect::<Option<Vec<_>>>()?;
-    let near = |record: &estimator_core::Estimate<f32>| {
+    let near = |record: &Record| {
         record.parameters[..own]
             .iter()
             .zip(&last)
@@ -169,9 +193,8 @@ fn touches(replay: &Replay) -> Vec<Touch> {
     contacts
         .map(|contact| {
             let records = &replay.records[contact.clone()];
-            let peak = |of: fn(&estimator_core::Estimate<f32>) -> f32| {
-                f64::from(records.iter().map(of).fold(0.0, f32::max))
-            };
+            let peak =
+                |of: fn(&Record) -> f32| f64::from(records.iter().map(of).fold(0.0, f32::max));
             Touch {
                 from_s: replay.raw_time_s(contact.start),
                 to_s: replay.raw_time_s(contact.end - 1),

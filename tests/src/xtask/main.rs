@@ -1,17 +1,11 @@
 //! Sets up what the tests need and runs them: `cargo xtask test`; or runs a firmware in the
 //! emulator: `cargo xtask qemu`.
 
-#[path = "xtask/check.rs"]
 mod check;
-#[path = "xtask/firmware.rs"]
 mod firmware;
-#[path = "xtask/packages.rs"]
 mod packages;
-#[path = "xtask/qemu.rs"]
 mod qemu;
-#[path = "xtask/step.rs"]
 mod step;
-#[path = "xtask/toolchain.rs"]
 mod toolchain;
 
 use std::path::{Path, PathBuf};
