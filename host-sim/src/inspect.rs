@@ -12,7 +12,7 @@ use crate::log::UniformLog;
 use crate::replay::Replay;
 use crate::signal;
 
-/// A force below rest by this many standard deviations of the noise pulls.
+/// A force below rest by this many standard deviations of what it does in free air pulls.
 const PULL_SIGMAS: f64 = 8.0;
 /// A pull is one if it lasts for this many samples: spikes are not adhesion.
 const PULL_SAMPLES: usize = 5;
@@ -66,7 +66,7 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         free_s: free.len() as f64 * log.period_s(),
         touches: touches.to_vec(),
         holds: holds(log, replay),
-        pull_n: pull(&log.force_n, rest_n, noise_n),
+        pull_n: pull(&log.force_n, rest_n, noise_n.max(wander(&free, rest_n))),
         saturated_n: saturation(&pick(&log.force_n, &touched, true), noise_n),
         speeds_mps: speeds(replay),
     }
@@ -95,7 +95,13 @@ fn disturbance(free: &[f64], noise_n: f64) -> Option<f64> {
     Some(scatter / (noise_n / (BLOCK as f64).sqrt()))
 }
 
-fn pull(force_n: &[f64], rest_n: f64, noise_n: f64) -> f64 {
+/// Standard deviation of the force in free air, hum and drift included; pulls, being rare, count
+/// little.
+fn wander(free: &[f64], rest_n: f64) -> f64 {
+    signal::median(free.iter().map(|force| (force - rest_n).abs()).collect()) / 0.6745
+}
+
+fn pull(force_n: &[f64], rest_n: f64, sigma_n: f64) -> f64 {
     // The smallest of neighbours that all pull: what lasts, not what spikes.
     let lasting = force_n.windows(PULL_SAMPLES).map(|window| {
         window
@@ -104,7 +110,7 @@ fn pull(force_n: &[f64], rest_n: f64, noise_n: f64) -> f64 {
             .fold(f64::INFINITY, f64::min)
     });
     let deepest = lasting.fold(0.0, f64::max);
-    if deepest > PULL_SIGMAS * noise_n {
+    if deepest > PULL_SIGMAS * sigma_n {
         deepest
     } else {
         0.0

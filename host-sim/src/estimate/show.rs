@@ -146,7 +146,7 @@ impl Shown {
         } else {
             format!("{}: ", self.name)
         };
-        let law = self.law.replace('_', "–");
+        let law = report::law_title(self.law);
         match (self.status, self.force_rmse_n) {
             (Status::NoContact, _) => format!("{name}nothing was touched."),
             (_, None) => format!("{name}the contact does not tell the parameters of {law}."),

@@ -201,7 +201,7 @@ fn parse_factor(factor: &str, part: &str, text: &str) -> Result<f64, Diagnostic>
 }
 
 fn malformed(what: &str, part: &str, text: &str) -> Diagnostic {
-    Diagnostic::new(format!("--columns: {what}"))
+    Diagnostic::new(what)
         .excerpt(text, {
             let from = text.find(part).unwrap_or(0);
             from..from + part.len()

@@ -94,7 +94,7 @@ struct Rows<'a> {
     skipped: usize,
     first_skipped: Option<(u64, Problem)>,
     repeated: usize,
-    first_repeated_s: f64,
+    first_repeated: Option<(u64, f64)>,
     decimal_commas: bool,
 }
 
@@ -122,7 +122,7 @@ impl<'a> Rows<'a> {
             skipped: 0,
             first_skipped: None,
             repeated: 0,
-            first_repeated_s: 0.0,
+            first_repeated: None,
             decimal_commas: false,
         }
     }
@@ -160,9 +160,7 @@ impl<'a> Rows<'a> {
         match self.log.time_s.last() {
             Some(last) if time_s < *last => return Err(Problem::Backward { time_s }),
             Some(last) if time_s == *last => {
-                if self.repeated == 0 {
-                    self.first_repeated_s = time_s;
-                }
+                self.first_repeated.get_or_insert((offset(record), time_s));
                 self.repeated += 1;
                 return Ok(());
             }
@@ -232,15 +230,21 @@ impl<'a> Rows<'a> {
     }
 
     fn too_coarse_clock(&self, rows: usize) -> Diagnostic {
-        Diagnostic::new(format!(
+        let (offset, time_s) = self.first_repeated.unwrap_or_default();
+        let mut diagnostic = Diagnostic::new(format!(
             "{} of {rows} time stamps repeat the one before",
             self.repeated
         ))
         .in_file(self.path)
         .in_column(self.name(0))
-        .value(self.first_repeated_s)
+        .value(time_s)
         .note("that is the first one that repeats; more than 20 % do")
-        .remedy("record the time with more digits than the sampling period has")
+        .remedy("record the time with more digits than the sampling period has");
+        if let Some((line, text)) = self.locate(offset) {
+            let cell = self.cell(0, &text);
+            diagnostic = diagnostic.at_line(line).excerpt(text, cell);
+        }
+        diagnostic
     }
 
     fn write_notes(&mut self) {
@@ -251,10 +255,10 @@ impl<'a> Rows<'a> {
             let note = format!("{} bad rows left out{place}", self.skipped);
             self.log.notes.push(note);
         }
-        if self.repeated > 0 {
+        if let Some((_, first_s)) = self.first_repeated {
             self.log.notes.push(format!(
-                "{} samples left out whose time stamp repeats the one before, the first at {} s",
-                self.repeated, self.first_repeated_s
+                "{} samples left out whose time stamp repeats the one before, the first at {first_s} s",
+                self.repeated
             ));
         }
         if self.decimal_commas {
