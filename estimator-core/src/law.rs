@@ -6,9 +6,15 @@
 
 mod hunt_crossley;
 mod kelvin_voigt;
+mod quasi_linear;
+mod relaxation;
+mod zener;
 
 pub use hunt_crossley::HuntCrossley;
 pub use kelvin_voigt::KelvinVoigt;
+pub use quasi_linear::{Elastic, QuasiLinear, QuasiLinearState};
+pub use relaxation::RelaxationMode;
+pub use zener::{Zener, ZenerState};
 
 use crate::scalar::Scalar;
 use crate::units::Unit;
@@ -19,6 +25,46 @@ pub trait ContactLaw<S: Scalar> {
     /// Zero outside the material; not saturated, so a law that pulls while unloading does.
     fn force_n(&self, depth_m: S, speed_mps: S) -> S;
 }
+
+/// A contact law that may remember: the force depends on how the depth came about. Every
+/// [`ContactLaw`] is one that does not, so that a rig or a fit can treat all laws alike.
+pub trait RelaxingLaw<S: Scalar> {
+    /// What it remembers from sample to sample.
+    type State: Copy + core::fmt::Debug;
+
+    /// Never touched, or long ago.
+    fn at_rest(&self) -> Self::State;
+
+    /// Force on the probe (N) one period (s) after the last step, at penetration `depth_m` (m),
+    /// which changes by `speed_mps` (m/s). To be called for every sample, in free air as well: the
+    /// state runs on, decaying. Zero outside the material; not saturated.
+    fn step(&self, state: &mut Self::State, depth_m: S, speed_mps: S, period_s: S) -> S;
+
+    /// Force (N) at once: the depth was just reached, from rest, and nothing moves or has relaxed.
+    fn elastic_n(&self, depth_m: S) -> S;
+}
+
+/// A blanket implementation would keep every other law out: a crate downstream might make it a
+/// [`ContactLaw`].
+macro_rules! remembers_nothing {
+    ($($law:ident),*) => {$(
+        impl<S: Scalar> RelaxingLaw<S> for $law<S> {
+            type State = ();
+
+            fn at_rest(&self) {}
+
+            fn step(&self, _state: &mut (), depth_m: S, speed_mps: S, _period_s: S) -> S {
+                self.force_n(depth_m, speed_mps)
+            }
+
+            fn elastic_n(&self, depth_m: S) -> S {
+                self.force_n(depth_m, S::nil())
+            }
+        }
+    )*};
+}
+
+remembers_nothing!(KelvinVoigt, HuntCrossley);
 
 /// What a surface that does not stick can do: push. A simulated rig applies it, estimators do not.
 pub fn unilateral<S: Scalar>(force_n: S) -> S {
