@@ -8,10 +8,9 @@
 //! least correlated; K and λ are carried to δ₀ at the end, with their covariance.
 
 use estimator_core::law::{
-    ContactLaw, Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
+    Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
 };
 use estimator_core::scalar::Scalar;
-use estimator_core::units::Unit;
 
 use super::course::{Node, Scales};
 
@@ -106,26 +105,26 @@ impl Family {
     }
 
     /// Names and units of the parameters, in the order of `estimate.json`.
-    pub fn parameters(self) -> Vec<(String, Unit)> {
-        let mut list = vec![("stiffness".to_string(), Unit::NewtonPerMetre)];
-        let damping = ("damping".to_string(), Unit::NewtonSecondPerMetre);
-        let exponent = ("exponent".to_string(), Unit::One);
+    pub fn parameters(self) -> Vec<(String, &'static str)> {
+        let mut list = vec![("stiffness".to_string(), "N/m")];
+        let damping = ("damping".to_string(), "N s/m");
+        let exponent = ("exponent".to_string(), "1");
         match self {
             Family::KelvinVoigt => list.push(damping),
             Family::HuntCrossley => list.extend([damping, exponent]),
             Family::Zener => {
-                list.push(("second_stiffness".into(), Unit::NewtonPerMetre));
+                list.push(("second_stiffness".into(), "N/m"));
                 list.push(damping);
             }
             Family::QuasiLinear(modes) => {
                 list.push(exponent);
                 for mode in 1..=modes {
-                    list.push((format!("relaxation_fraction_{mode}"), Unit::One));
-                    list.push((format!("relaxation_rate_{mode}"), Unit::PerSecond));
+                    list.push((format!("relaxation_fraction_{mode}"), "1"));
+                    list.push((format!("relaxation_rate_{mode}"), "1/s"));
                 }
             }
         }
-        list.push(("surface".into(), Unit::Metre));
+        list.push(("surface".into(), "m"));
         list
     }
 }
@@ -239,53 +238,36 @@ impl<S: Scalar> Natural<S> {
         }
     }
 
+    /// Elastic force (N): at once, without damping.
+    pub(super) fn elastic_n(&self, depth_m: S) -> S {
+        self.quasi_linear::<0>().elastic_n(depth_m)
+    }
+
     /// Force of the law (N), offset included, at every node in turn.
-    pub(super) fn along(&self, family: Family, nodes: &[Node], mut each: impl FnMut(&Node, S)) {
-        let number = S::from_f64;
+    pub(super) fn along(&self, family: Family, nodes: &[Node], each: impl FnMut(&Node, S)) {
         match family {
             Family::KelvinVoigt => {
                 let law = KelvinVoigt {
                     stiffness_n_per_m: self.stiffness,
                     damping_ns_per_m: self.damping,
                 };
-                self.memoryless(&law, nodes, each);
+                self.run(&law, nodes, each);
             }
             Family::HuntCrossley => {
-                let law = HuntCrossley::new(
-                    self.stiffness,
-                    self.damping,
-                    self.exponent,
-                    number(self.reference_m),
-                );
-                self.memoryless(&law, nodes, each);
+                let reference_m = S::from_f64(self.reference_m);
+                let law =
+                    HuntCrossley::new(self.stiffness, self.damping, self.exponent, reference_m);
+                self.run(&law, nodes, each);
             }
-            Family::Zener => self.relaxing(&self.zener(), nodes, &mut each),
-            Family::QuasiLinear(1) => self.relaxing(&self.quasi_linear::<1>(), nodes, &mut each),
-            Family::QuasiLinear(2) => self.relaxing(&self.quasi_linear::<2>(), nodes, &mut each),
-            Family::QuasiLinear(3) => self.relaxing(&self.quasi_linear::<3>(), nodes, &mut each),
-            Family::QuasiLinear(_) => self.relaxing(&self.quasi_linear::<4>(), nodes, &mut each),
+            Family::Zener => self.run(&self.zener(), nodes, each),
+            Family::QuasiLinear(1) => self.run(&self.quasi_linear::<1>(), nodes, each),
+            Family::QuasiLinear(2) => self.run(&self.quasi_linear::<2>(), nodes, each),
+            Family::QuasiLinear(3) => self.run(&self.quasi_linear::<3>(), nodes, each),
+            Family::QuasiLinear(_) => self.run(&self.quasi_linear::<4>(), nodes, each),
         }
     }
 
-    fn memoryless(
-        &self,
-        law: &impl ContactLaw<S>,
-        nodes: &[Node],
-        mut each: impl FnMut(&Node, S),
-    ) {
-        for node in nodes {
-            let depth_m = S::from_f64(node.position_m) - self.surface_m;
-            let force_n = law.force_n(depth_m, S::from_f64(node.speed_mps));
-            each(node, force_n + self.offset_n);
-        }
-    }
-
-    fn relaxing<L: RelaxingLaw<S>>(
-        &self,
-        law: &L,
-        nodes: &[Node],
-        each: &mut impl FnMut(&Node, S),
-    ) {
+    fn run<L: RelaxingLaw<S>>(&self, law: &L, nodes: &[Node], mut each: impl FnMut(&Node, S)) {
         let mut state = law.at_rest();
         for node in nodes {
             let depth_m = S::from_f64(node.position_m) - self.surface_m;
