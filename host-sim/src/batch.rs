@@ -264,6 +264,7 @@ impl Given<'_> {
                 speed_mps: self.motion.speed_mps[at],
                 force_n: self.log.force_n[at],
                 count: 1.0,
+                held: 1.0,
                 used: self.course.uses[at],
             })
             .collect();

@@ -73,6 +73,8 @@ pub(super) struct Node {
     pub(super) force_n: f64,
     /// Measurements that it is the mean of; 0 if it is there for the law's memory only.
     pub(super) count: f64,
+    /// Samples over which the error of the position stays the same.
+    pub(super) held: f64,
     /// What they are good for.
     pub(super) used: Use,
 }
@@ -286,6 +288,7 @@ fn sample(log: &UniformLog, motion: &Kinematics, uses: &[Use], at: usize) -> Nod
         speed_mps: motion.speed_mps[at],
         force_n: log.force_n[at],
         count: f64::from(u8::from(used != Use::Out)),
+        held: motion.held[at],
         used,
     }
 }
@@ -333,6 +336,7 @@ impl Block {
         towards(&mut node.position_m, sample.position_m);
         towards(&mut node.speed_mps, sample.speed_mps);
         towards(&mut node.force_n, sample.force_n);
+        towards(&mut node.held, sample.held);
         node.count += sample.count;
     }
 }

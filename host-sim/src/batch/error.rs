@@ -1,6 +1,7 @@
 //! Standard errors that hold when the residuals do not forget from sample to sample.
 //!
-//! White residuals would give C = H⁻¹·χ²/(N − p), H = Σ w JJᵀ. Residuals of a law that does not fit,
+//! White residuals would give C = H⁻¹·max(1, χ²/(N − p)), H = Σ w JJᵀ: not less than what the noise
+//! and the steps of the encoder leave, see the weights in `select`. Residuals of a law that does not fit,
 //! of hum, or of an encoder's steps smoothed are correlated, and C then promises too much: the
 //! sandwich H⁻¹MH⁻¹ with Newey & West's M = Σ κ(l)Σ s(h)s(h−l)ᵀ, s = w r J, κ Bartlett's window,
 //! counts what the neighbours repeat. Of both the larger variance is reported.
@@ -95,7 +96,7 @@ impl Problem<'_> {
         Covariance {
             size: N,
             sandwich: dense::product(&dense::product(&inverse, &middle, N), &inverse, N),
-            white: inverse.iter().map(|c| c * misfit * misfit).collect(),
+            white: inverse.iter().map(|c| c * misfit.max(1.0).powi(2)).collect(),
             misfit,
             correlation,
             nodes: residuals.len(),

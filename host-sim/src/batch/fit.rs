@@ -12,8 +12,10 @@ use super::family::{Family, natural};
 
 /// Most steps. Typical are 6 to 15 from a start of `start`.
 const MOST_STEPS: usize = 60;
-/// Converged: a step promises less than this share of the cost.
-const STILL: f64 = 1e-9;
+/// Converged: a step promises less than this of Σ w r²; 1 is worth one standard error.
+const STILL: f64 = 1e-6;
+/// And less than this share of it: where no law fits, Σ w r² is large, and so is its rounding.
+const LEAST_SHARE: f64 = 1e-10;
 /// Free numbers stay within this: e^15 of the scales are no contact.
 const BOUND: f64 = 15.0;
 
@@ -125,13 +127,18 @@ impl Problem<'_> {
 
     /// Walks from `start` to a minimum.
     pub(super) fn fit(&self, start: Vec<f64>) -> Fit {
+        self.fit_to(start, STILL)
+    }
+
+    /// Walks from `start` until a step promises less than `still` of Σ w r².
+    pub(super) fn fit_to(&self, start: Vec<f64>, still: f64) -> Fit {
         let mut free = start;
         let mut damping = 1e-3;
         let mut converged = false;
         let mut normal = self.normal(&free);
         for _ in 0..MOST_STEPS {
             let (step, promised) = self.step(&normal, damping);
-            if promised <= STILL * normal.cost {
+            if promised <= still.max(LEAST_SHARE * normal.cost) {
                 converged = true;
                 break;
             }

@@ -24,6 +24,9 @@ pub(super) struct Kinematics {
     pub(super) speed_mps: Vec<f64>,
     /// Standard deviation of the raw position's noise (m).
     pub(super) noise_m: f64,
+    /// Samples around each over which the error of the position stays the same: those that read the
+    /// same code of an encoder; 1 if the position has no steps.
+    pub(super) held: Vec<f64>,
 }
 
 /// Sums of even powers of −m..m.
@@ -97,7 +100,19 @@ pub(super) fn kinematics(log: &UniformLog) -> Kinematics {
         position_m,
         speed_mps,
         noise_m,
+        held: held(channel),
     }
+}
+
+/// Length of the run of equal positions that each sample stands in.
+fn held(channel: &[f64]) -> Vec<f64> {
+    let Some(step) = signal::step(channel) else {
+        return vec![1.0; channel.len()];
+    };
+    let same = |a: &f64, b: &f64| (a - b).abs() < 0.5 * step;
+    let runs = channel.chunk_by(same);
+    runs.flat_map(|run| std::iter::repeat_n(run.len() as f64, run.len()))
+        .collect()
 }
 
 /// Slope per sample at the first or last sample of a channel.

@@ -5,11 +5,13 @@
 //! time that the best candidate leaves: with N itself the long holds of a measured record would buy a
 //! mode for every wiggle. Modes of the quasi-linear law are chosen by the same score.
 //!
-//! **Weights.** A block mean of m samples has the variance σ²/m of the noise, and the variance s² of
-//! what even the best candidate misses, which no mean removes: w = 1/(σ²/m + s²). Where a law fits,
-//! s = 0 and every sample counts; where none fits, a block counts as one however long, and a hold
-//! weighs by its logarithm: 15 s at 5 kHz do not drown the approach. s makes χ² = N at the best
-//! candidate of a first round with s = 0, and the second round is the result.
+//! **Weights.** A block mean of m samples has the variance σ²/m of the noise; that of the position,
+//! ξ², times the local stiffness k squared, over m/h, if h samples in a row have the same error (a
+//! hold on one count of an encoder does not average it); and the variance s² of what even the best
+//! candidate misses, which no mean removes: w = 1/((σ² + k²ξ²h)/m + s²). Where a law fits, s = 0 and
+//! every sample counts; where none fits, a block counts as one however long, and a hold weighs by
+//! its logarithm: 15 s at 5 kHz do not drown the approach. k and s are those of the best candidate of
+//! a first round with σ alone; s makes χ² = N there. The second round is the result.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,10 +20,18 @@ use super::course::{Course, Node, Scales, Use};
 use super::error::correlation;
 use super::family::{Family, SURFACE, natural};
 use super::fit::{Fit, Problem};
-use super::start::{Given, scan};
+use super::start::{Given, Starts, scan};
 
 /// A block on the surface within so many samples' travel may be on either side of it.
 const STRADDLE: f64 = 1.0;
+/// The first round ends where a step promises less than this of χ²; the second where it promises
+/// nothing any more.
+const ROUGH: f64 = 1e-2;
+const STILL: f64 = 1e-6;
+/// A mode of two numbers must gain this times ln N of χ².
+const WORTH: f64 = 2.0;
+/// A mode that is added to a fit begins with this share of what does not relax.
+const SMALL_MODE: f64 = 0.03;
 
 /// A law that was fitted.
 #[derive(Clone, Debug)]
@@ -52,101 +62,151 @@ impl Fixed {
     }
 }
 
-/// Fits every family; best score first is not the order, the families' own is.
+/// Fits every family, in their order; those without a minimum, and modes that nothing asks for, are
+/// left out.
 pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> Vec<Candidate> {
     let (nodes, scales) = (&course.nodes, &course.scales);
-    let noise_only = weights(nodes, scales, 0.0);
+    let noise_only: Vec<f64> = nodes.iter().map(|node| weight(node, scales, 0.0, 0.0)).collect();
     let given = Given {
         surface: fixed.surface,
         exponent: fixed.exponent,
     };
     let starts = scan(families, nodes, &noise_only, scales, given);
-    let first = in_parallel(families, |family| {
-        fit_from(course, family, &noise_only, fixed, starts.of(family))
+    let round = Round {
+        course,
+        weights: &noise_only,
+        fixed,
+        still: ROUGH,
+    };
+    let (chain, alone): (Vec<Family>, Vec<Family>) = families
+        .iter()
+        .partition(|family| matches!(family, Family::QuasiLinear(_)));
+    // The chain takes longest, so it is begun first.
+    let mut tasks = vec![chain];
+    tasks.extend(alone.into_iter().map(|family| vec![family]));
+    let first = in_parallel(&tasks, |task| round.chain(task, &starts)).concat();
+    let weights = second_weights(course, &first);
+    let round = Round {
+        weights: &weights,
+        still: STILL,
+        ..round
+    };
+    let second = in_parallel(&first, |candidate| {
+        round.fit(candidate.fit.family, [candidate.fit.free.clone()])
     });
-    let missed = missed_n2(course, &first);
-    let second = if missed > 0.0 {
-        let weights = weights(nodes, scales, missed);
-        in_parallel(families, |family| {
-            let own = first.iter().flatten().find(|c| c.fit.family == family);
-            let own = own.map(|candidate| candidate.fit.free.clone());
-            // The weights move the minimum: the starts of the scan are tried again as well.
-            fit_from(course, family, &weights, fixed, own.into_iter().chain(starts.of(family)))
-        })
-    } else {
-        first
-    };
-    scored(course, second.into_iter().flatten().collect())
+    let mut second: Vec<Candidate> = second.into_iter().flatten().collect();
+    let place = |candidate: &Candidate| families.iter().position(|f| *f == candidate.fit.family);
+    second.sort_by_key(place);
+    scored(course, second)
 }
 
-/// w = 1/(σ²/m + s²) for what is used.
-fn weights(nodes: &[Node], scales: &Scales, missed_n2: f64) -> Vec<f64> {
-    let weight = |node: &Node| match node.used {
-        Use::Out => 0.0,
-        _ if node.count == 0.0 => 0.0,
-        _ => 1.0 / (scales.noise_n.powi(2) / node.count + missed_n2),
-    };
-    nodes.iter().map(weight).collect()
+/// 1/((σ² + k²ξ²h)/m + s²) for what is used: slope k (N/m), s² in N².
+fn weight(node: &Node, scales: &Scales, slope: f64, missed_n2: f64) -> f64 {
+    if node.used == Use::Out || node.count == 0.0 {
+        return 0.0;
+    }
+    let by_position = (slope * scales.position_noise_m).powi(2) * node.held;
+    1.0 / ((scales.noise_n.powi(2) + by_position) / node.count + missed_n2)
 }
 
-/// Runs `work` for each family on all cores.
-fn in_parallel<T: Send>(families: &[Family], work: impl Fn(Family) -> T + Sync) -> Vec<T> {
+/// Runs `work` on each task on all cores; results in the order of the tasks.
+fn in_parallel<A: Sync, T: Send>(tasks: &[A], work: impl Fn(&A) -> T + Sync) -> Vec<T> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
-        for _ in 0..cores.min(families.len()) {
+        for _ in 0..cores.min(tasks.len()) {
             scope.spawn(|| {
-                loop {
-                    // The last family has the most parameters and takes longest.
-                    let taken = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(index) = families.len().checked_sub(taken + 1) else {
-                        break;
-                    };
-                    let result = work(families[index]);
-                    done.lock().expect("no fit panics").push((index, result));
+                while let Some((index, task)) = {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    tasks.get(index).map(|task| (index, task))
+                } {
+                    let result = work(task);
+                    // Only a panic of another thread poisons it, and that ends the scope.
+                    if let Ok(mut done) = done.lock() {
+                        done.push((index, result));
+                    }
                 }
             });
         }
     });
-    let mut done = done.into_inner().expect("no fit panics");
+    let mut done = done.into_inner().unwrap_or_default();
     done.sort_by_key(|(index, _)| *index);
     done.into_iter().map(|(_, result)| result).collect()
 }
 
-/// The best minimum from several starts; Kelvin–Voigt twice, the second time without the samples on
-/// the surface.
-fn fit_from(
-    course: &Course,
-    family: Family,
-    weights: &[f64],
+/// Fits with one set of weights.
+#[derive(Clone, Copy)]
+struct Round<'a> {
+    course: &'a Course,
+    weights: &'a [f64],
     fixed: Fixed,
-    starts: impl Iterator<Item = Vec<f64>>,
-) -> Option<Candidate> {
-    let stay = fixed.of(family);
-    let problem = Problem {
-        family,
-        nodes: &course.nodes,
-        weights,
-        scales: &course.scales,
-        fixed: &stay,
-    };
-    let fits = starts.map(|start| problem.fit(start));
-    let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    let mut candidate = Candidate {
-        fit: best,
-        weights: weights.to_vec(),
-        score: 0.0,
-    };
-    if family == Family::KelvinVoigt {
-        mask_surface(&mut candidate.weights, course, &candidate.fit);
-        let masked = Problem {
-            weights: &candidate.weights,
-            ..problem
-        };
-        candidate.fit = masked.fit(candidate.fit.free);
+    still: f64,
+}
+
+impl Round<'_> {
+    /// One family after another, each also from the one before with a mode more; until a mode brings
+    /// less than its two numbers are worth.
+    fn chain(&self, families: &[Family], starts: &Starts) -> Vec<Candidate> {
+        let mut chain: Vec<Candidate> = Vec::new();
+        for family in families {
+            let last = chain.last().map(|candidate| &candidate.fit);
+            let nested = last.map(|fit| one_mode_more(&fit.free, fit.family));
+            let nested = nested.filter(|free| free.len() == family.free());
+            let Some(candidate) = self.fit(*family, starts.of(*family).chain(nested)) else {
+                continue;
+            };
+            let before = last.map_or(f64::INFINITY, |fit| fit.cost);
+            let gained = before - candidate.fit.cost;
+            let worth = WORTH * (self.course.nodes.len() as f64).ln();
+            chain.push(candidate);
+            if gained < worth {
+                break;
+            }
+        }
+        chain
     }
-    Some(candidate)
+
+    /// The best minimum from several starts; Kelvin–Voigt twice, the second time without the samples
+    /// on the surface.
+    fn fit(&self, family: Family, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Candidate> {
+        let stay = self.fixed.of(family);
+        let problem = Problem {
+            family,
+            nodes: &self.course.nodes,
+            weights: self.weights,
+            scales: &self.course.scales,
+            fixed: &stay,
+        };
+        let fits = starts.into_iter().map(|start| problem.fit_to(start, self.still));
+        let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let mut candidate = Candidate {
+            fit: best,
+            weights: self.weights.to_vec(),
+            score: 0.0,
+        };
+        if family == Family::KelvinVoigt {
+            mask_surface(&mut candidate.weights, self.course, &candidate.fit);
+            let masked = Problem {
+                weights: &candidate.weights,
+                ..problem
+            };
+            candidate.fit = masked.fit_to(candidate.fit.free, self.still);
+        }
+        Some(candidate)
+    }
+}
+
+/// The free numbers with a small mode in the widest gap between the rates.
+fn one_mode_more(free: &[f64], family: Family) -> Vec<f64> {
+    let mut rates: Vec<f64> = free[family.first_mode()..].chunks(2).map(|m| m[1]).collect();
+    rates.sort_unstable_by(f64::total_cmp);
+    // Half a decade beyond either end counts as a gap of its own.
+    let slower = (1.2, rates[0] - 1.2);
+    let gaps = rates.windows(2).map(|pair| (0.5 * (pair[1] - pair[0]), 0.5 * (pair[0] + pair[1])));
+    let widest = gaps.chain([slower]).max_by(|a, b| a.0.total_cmp(&b.0));
+    let rate = widest.map_or(rates[0], |(_, rate)| rate);
+    [free, &[SMALL_MODE.ln(), rate]].concat()
 }
 
 /// At the surface the force of (1) jumps by λδ̇: on which side a sample is, its rounding decides.
@@ -161,36 +221,57 @@ fn mask_surface(weights: &mut [f64], course: &Course, fit: &Fit) {
     }
 }
 
-/// s² (N²) with which the best candidate has χ² = N; 0 if the noise alone explains it.
-fn missed_n2(course: &Course, candidates: &[Option<Candidate>]) -> f64 {
-    let best = candidates.iter().flatten();
-    let Some(best) = best.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost)) else {
-        return 0.0;
+/// The weights of the second round, from the best candidate of the first.
+fn second_weights(course: &Course, candidates: &[Candidate]) -> Vec<f64> {
+    let best = candidates.iter().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+    let Some(best) = best else { return Vec::new() };
+    let scales = &course.scales;
+    let force = |shift_m: f64| {
+        let mut law = natural(best.fit.family, &best.fit.free, scales);
+        law.surface_m -= shift_m;
+        let mut forces = Vec::with_capacity(course.nodes.len());
+        law.along(best.fit.family, &course.nodes, |_, force| forces.push(force));
+        forces
     };
-    let noise_n2 = course.scales.noise_n.powi(2);
-    let law = natural(best.fit.family, &best.fit.free, &course.scales);
-    let mut squares = Vec::new();
-    law.along(best.fit.family, &course.nodes, |node, force| {
-        if node.used != Use::Out && node.count > 0.0 {
-            squares.push(((node.force_n - force).powi(2), noise_n2 / node.count));
+    let shift_m = 1e-3 * scales.depth_m;
+    let moved = force(shift_m).into_iter().zip(force(-shift_m));
+    let slopes: Vec<f64> = moved.map(|(a, b)| (a - b) / (2.0 * shift_m)).collect();
+    let errors: Vec<f64> = force(0.0)
+        .into_iter()
+        .zip(&course.nodes)
+        .map(|(force, node)| node.force_n - force)
+        .collect();
+    let weights = |missed_n2: f64| {
+        let nodes = course.nodes.iter().zip(&slopes);
+        nodes
+            .map(|(node, slope)| weight(node, scales, *slope, missed_n2))
+            .collect::<Vec<f64>>()
+    };
+    let chi_2 = |missed_n2: f64| {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (weight, error) in weights(missed_n2).iter().zip(&errors) {
+            sum += weight * error * error;
+            count += f64::from(u8::from(*weight > 0.0));
         }
-    });
-    let count = squares.len() as f64;
-    let chi_2 = |missed: f64| {
-        let terms = squares.iter().map(|(square, noise)| square / (noise + missed));
-        terms.sum::<f64>() / count
+        (sum / f64::max(count, 1.0), count)
     };
-    // χ² of pure noise scatters by √(2/N).
-    if chi_2(0.0) < 1.0 + 3.0 * (2.0 / count).sqrt() {
+    weights(missed_n2(chi_2, scales.noise_n.powi(2)))
+}
+
+/// s² (N²) with which the mean of χ² is 1; 0 if the noise alone explains it.
+fn missed_n2(chi_2: impl Fn(f64) -> (f64, f64), noise_n2: f64) -> f64 {
+    let (mean, count) = chi_2(0.0);
+    // χ²/N of pure noise scatters by √(2/N).
+    if mean < 1.0 + 3.0 * (2.0 / f64::max(count, 1.0)).sqrt() {
         return 0.0;
     }
     let (mut low, mut high) = (1e-6 * noise_n2, noise_n2);
-    while chi_2(high) > 1.0 {
+    while chi_2(high).0 > 1.0 {
         high *= 4.0;
     }
-    for _ in 0..40 {
+    for _ in 0..30 {
         let middle = (low * high).sqrt();
-        if chi_2(middle) > 1.0 {
+        if chi_2(middle).0 > 1.0 {
             low = middle;
         } else {
             high = middle;
