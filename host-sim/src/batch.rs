@@ -36,7 +36,6 @@ pub use print::summary;
 pub use result::{Batch, Columns, Modulus, Parameter, TouchFit, Tried};
 
 use course::{Course, Node, Use};
-use error::Covariance;
 use family::natural;
 use fit::{Fit, Problem};
 use kinematics::{Kinematics, kinematics};
@@ -226,7 +225,7 @@ impl Given<'_> {
             force_rmse_n: Some(rmse),
             misfit: covariance.misfit,
             selection: selection.collect(),
-            per_touch: self.touches(best, &covariance),
+            per_touch: touch::touches(self.course, self.log, best, self.reference_depth_m),
             columns,
             elastic: self.elastic(&best.fit),
             ..empty
@@ -311,10 +310,6 @@ impl Given<'_> {
         let depths: Vec<f64> = depths.collect();
         let forces = depths.iter().map(|depth| law.elastic_n(*depth)).collect();
         (depths, forces)
-    }
-
-    fn touches(&self, best: &Candidate, covariance: &Covariance) -> Vec<TouchFit> {
-        touch::touches(self.course, self.log, best, covariance, self.reference_depth_m)
     }
 
     /// E with the indenter's own exponent: fitted again unless the law has that one anyway.

@@ -26,10 +26,6 @@ pub(super) struct Covariance {
     sandwich: Vec<f64>,
     /// √(χ²/(N − p)): residuals over what they should be.
     pub(super) misfit: f64,
-    /// Nodes over independent ones.
-    pub(super) correlation: f64,
-    /// Nodes that count.
-    pub(super) nodes: usize,
 }
 
 /// Integrated autocorrelation 1 + 2Σρ(l), up to the first lag that is below its own noise 2/√N.
@@ -98,8 +94,6 @@ impl Problem<'_> {
             sandwich: dense::product(&dense::product(&inverse, &middle, N), &inverse, N),
             white: inverse.iter().map(|c| c * misfit.max(1.0).powi(2)).collect(),
             misfit,
-            correlation,
-            nodes: residuals.len(),
         }
     }
 

@@ -9,13 +9,12 @@
 
 use estimator_core::law::{
     Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
+    unilateral,
 };
 use estimator_core::scalar::Scalar;
 
 use super::course::{Node, Scales};
 
-/// Most free numbers: four modes.
-pub(super) const MOST: usize = 12;
 /// Most relaxation modes.
 pub const MOST_MODES: usize = 4;
 
@@ -243,8 +242,17 @@ impl<S: Scalar> Natural<S> {
         self.quasi_linear::<0>().elastic_n(depth_m)
     }
 
-    /// Force of the law (N), offset included, at every node in turn.
-    pub(super) fn along(&self, family: Family, nodes: &[Node], each: impl FnMut(&Node, S)) {
+    /// What the load cell reads (N) of a surface that pushes and does not pull, max(law, 0) and the
+    /// offset, at every node in turn. A law that remembers is below zero where the material has not
+    /// recovered yet, and the probe is then free.
+    pub(super) fn along(&self, family: Family, nodes: &[Node], mut each: impl FnMut(&Node, S)) {
+        self.unsaturated(family, nodes, |node, force| {
+            each(node, unilateral(force) + self.offset_n);
+        });
+    }
+
+    /// Force of the law alone (N) at every node in turn.
+    pub(super) fn unsaturated(&self, family: Family, nodes: &[Node], each: impl FnMut(&Node, S)) {
         match family {
             Family::KelvinVoigt => {
                 let law = KelvinVoigt {
@@ -273,7 +281,7 @@ impl<S: Scalar> Natural<S> {
             let depth_m = S::from_f64(node.position_m) - self.surface_m;
             let (speed, period) = (S::from_f64(node.speed_mps), S::from_f64(node.period_s));
             let force_n = law.step(&mut state, depth_m, speed, period);
-            each(node, force_n + self.offset_n);
+            each(node, force_n);
         }
     }
 }

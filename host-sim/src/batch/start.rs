@@ -16,6 +16,10 @@ const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];
 const SURFACES: [f64; 8] = [-0.02, 0.01, 0.04, 0.08, 0.13, 0.2, 0.32, 0.5];
 /// Rates that are scanned.
 const RATES: usize = 12;
+/// Between touches, forces below this share of the peak are not scanned from this share of the
+/// deepest depth before the surface on.
+const LOW: f64 = 0.03;
+const NEAR: f64 = 0.5;
 /// The scan looks at about so many nodes: every k-th of a longer course.
 const SCANNED: usize = 4000;
 
@@ -74,7 +78,8 @@ pub(super) fn scan(
         found: families.iter().map(|family| (*family, Vec::new())).collect(),
     };
     let stride = nodes.len().div_ceil(SCANNED).max(1);
-    let thinned = Thinned::every(stride, nodes, weights);
+    let mut thinned = Thinned::every(stride, nodes, weights);
+    thinned.drop_unilateral(scales);
     let exponents = given.exponent.map_or(EXPONENTS.to_vec(), |n| vec![n]);
     let surfaces: Vec<f64> = match given.surface {
         Some(surface) => vec![surface],
@@ -119,6 +124,20 @@ impl Thinned {
         Thinned {
             nodes: thinned,
             weights: kept().map(|at| weights[at]).collect(),
+        }
+    }
+
+    /// Between touches, near the surface, a law that remembers may be below zero and the probe free:
+    /// what is linear here does not know that.
+    fn drop_unilateral(&mut self, scales: &Scales) {
+        let free_m = scales.touch_m - NEAR * scales.depth_m;
+        let low_n = scales.rest_n + LOW * scales.force_n;
+        let mut touched = false;
+        for (node, weight) in self.nodes.iter().zip(&mut self.weights) {
+            touched |= node.force_n > low_n;
+            if touched && node.force_n <= low_n && node.position_m > free_m {
+                *weight = 0.0;
+            }
         }
     }
 }

@@ -7,7 +7,6 @@
 use std::ops::Range;
 
 use super::course::{Course, Node, Scales, Use};
-use super::error::Covariance;
 use super::family::{Family, OFFSET, SURFACE, natural};
 use super::fit::{Fit, Problem};
 use super::result::{Parameter, TouchFit};
@@ -18,6 +17,8 @@ use crate::log::UniformLog;
 const FEWEST: usize = 10;
 /// Touches before a touch that its memory reaches back to.
 const REMEMBERED: usize = 3;
+/// Of the peak force: below it a law that remembers may be saturated.
+const LOW: f64 = 0.03;
 /// Parameters that a touch has of its own.
 const OWN: [&str; 3] = ["stiffness", "damping", "exponent"];
 
@@ -26,7 +27,6 @@ pub(super) fn touches(
     course: &Course,
     log: &UniformLog,
     best: &Candidate,
-    covariance: &Covariance,
     depth_m: f64,
 ) -> Vec<TouchFit> {
     let ranges = ranges(course);
@@ -35,7 +35,6 @@ pub(super) fn touches(
         let one = OneTouch {
             course,
             best,
-            covariance,
             depth_m,
             range: range.clone(),
             reach,
@@ -64,7 +63,6 @@ fn ranges(course: &Course) -> Vec<Range<usize>> {
 struct OneTouch<'a> {
     course: &'a Course,
     best: &'a Candidate,
-    covariance: &'a Covariance,
     depth_m: f64,
     range: Range<usize>,
     /// First node that the memory reaches back to.
@@ -76,7 +74,15 @@ impl OneTouch<'_> {
         let family = self.best.fit.family;
         let scales = &self.course.scales;
         let nodes = self.without_memory(scales);
-        let weights = &self.best.weights[self.range.clone()];
+        let mut weights = self.best.weights[self.range.clone()].to_vec();
+        let low_n = scales.rest_n + LOW * scales.force_n;
+        let measured = &self.course.nodes[self.range.clone()];
+        for (weight, node) in weights.iter_mut().zip(measured) {
+            // Free of a material that has not recovered yet, perhaps: not the law's force.
+            if family.modes() > 0 && node.force_n < low_n {
+                *weight = 0.0;
+            }
+        }
         if weights.iter().filter(|weight| **weight > 0.0).count() < FEWEST {
             return None;
         }
@@ -84,7 +90,7 @@ impl OneTouch<'_> {
         let problem = Problem {
             family,
             nodes: &nodes,
-            weights,
+            weights: &weights,
             scales,
             fixed: &fixed,
         };
@@ -102,7 +108,6 @@ impl OneTouch<'_> {
                 }),
             });
         let parameters: Vec<Parameter> = parameters.collect();
-        debug_assert!(self.covariance.nodes >= own.nodes);
         Some(TouchFit {
             from_s,
             to_s,
@@ -125,9 +130,7 @@ impl OneTouch<'_> {
             node.position_m = law.surface_m + 1e-9 * scales.depth_m;
         }
         let mut remembered = Vec::with_capacity(before.len());
-        law.along(self.best.fit.family, &before, |_, force| {
-            remembered.push(force - law.offset_n);
-        });
+        law.unsaturated(self.best.fit.family, &before, |_, force| remembered.push(force));
         let own = &remembered[self.range.start - self.reach..];
         for (node, remembered) in nodes.iter_mut().zip(own) {
             node.force_n -= remembered;
