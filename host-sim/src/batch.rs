@@ -159,6 +159,7 @@ fn nothing(log: &UniformLog, replay: &Replay, notes: Vec<String>) -> Batch {
         status: Status::NoContact,
         parameters: unknown(Family::KelvinVoigt),
         offset: None,
+        skew: None,
         reference_depth_m: f64::from(replay.config.reference.depth_m),
         force_rmse_n: None,
         noise_n: log.force_noise_n(),
@@ -207,7 +208,7 @@ impl Given<'_> {
         let problem = self.problem(best, &stay);
         let covariance = problem.covariance(&best.fit.free);
         let mut values = problem.reported(&best.fit.free, &covariance, self.reference_depth_m);
-        let offset = values.pop();
+        let (skew, offset) = (values.pop(), values.pop());
         let parameters = self.named(best.fit.family, &values);
         let columns = self.columns(&best.fit);
         let rmse = self.rmse(&best.fit);
@@ -222,6 +223,7 @@ impl Given<'_> {
             status: status(&best.fit, &parameters, rmse, empty.noise_n),
             parameters: sorted(best.fit.family, parameters),
             offset,
+            skew: skew.filter(|_| best.fit.family == Family::HuntCrossley),
             force_rmse_n: Some(rmse),
             misfit: covariance.misfit,
             selection: selection.collect(),
@@ -261,6 +263,7 @@ impl Given<'_> {
                 period_s,
                 position_m: self.motion.position_m[at],
                 speed_mps: self.motion.speed_mps[at],
+                acceleration_mps2: self.motion.acceleration_mps2[at],
                 force_n: self.log.force_n[at],
                 count: 1.0,
                 held: 1.0,

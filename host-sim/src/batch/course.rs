@@ -69,6 +69,8 @@ pub(super) struct Node {
     pub(super) position_m: f64,
     /// Speed (m/s).
     pub(super) speed_mps: f64,
+    /// Acceleration (m/s²).
+    pub(super) acceleration_mps2: f64,
     /// Raw force (N).
     pub(super) force_n: f64,
     /// Measurements that it is the mean of; 0 if it is there for the law's memory only.
@@ -286,6 +288,7 @@ fn sample(log: &UniformLog, motion: &Kinematics, uses: &[Use], at: usize) -> Nod
         period_s: 0.0,
         position_m: motion.position_m[at],
         speed_mps: motion.speed_mps[at],
+        acceleration_mps2: motion.acceleration_mps2[at],
         force_n: log.force_n[at],
         count: f64::from(u8::from(used != Use::Out)),
         held: motion.held[at],
@@ -335,6 +338,7 @@ impl Block {
         towards(&mut node.time_s, sample.time_s);
         towards(&mut node.position_m, sample.position_m);
         towards(&mut node.speed_mps, sample.speed_mps);
+        towards(&mut node.acceleration_mps2, sample.acceleration_mps2);
         towards(&mut node.force_n, sample.force_n);
         towards(&mut node.held, sample.held);
         node.count += sample.count;

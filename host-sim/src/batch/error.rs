@@ -97,7 +97,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The parameters with their standard errors at a reference depth.
+    /// The parameters with their standard errors at a reference depth; then the offset and the skew.
     pub(super) fn reported(
         &self,
         free: &[f64],
@@ -123,7 +123,7 @@ impl Problem<'_> {
         let dual: [Dual<f64, N>; N] = std::array::from_fn(|i| Dual::parameter(free[i], i));
         let law = natural(self.family, &dual, self.scales);
         let mut values = law.reported(self.family, depth_m);
-        values.push(law.offset_n);
+        values.extend([law.offset_n, law.skew_s]);
         let estimated = values.into_iter().map(|value| Estimated {
             value: value.value,
             std_error: covariance.std_error(&value.gradient),

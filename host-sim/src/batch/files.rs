@@ -1,7 +1,7 @@
 //! `estimate.json`, `estimate.csv` and `report.html` of a batch fit.
 //!
 //! The fields of the recursive methods, and more: `per_touch`, `youngs_modulus`, `force_offset`,
-//! `misfit`, and `parameters`, `modes` and `score` in `selection`.
+//! `force_skew`, `misfit`, and `parameters`, `modes` and `score` in `selection`.
 
 use std::error::Error;
 use std::io;
@@ -108,6 +108,7 @@ pub(super) fn json(batch: &Batch) -> Value {
         "force_rmse_n": batch.force_rmse_n.map(number),
         "force_noise_n": number(batch.noise_n),
         "force_offset": estimated(batch.offset, "N"),
+        "force_skew": estimated(batch.skew, "s"),
         "misfit": number(batch.misfit),
         // Nothing settles where everything is seen at once.
         "settled_at_s": Value::Null,

@@ -90,7 +90,13 @@ impl Problem<'_> {
                 cost += weight * (node.force_n - force).powi(2);
             }
         });
-        cost
+        cost + self.prior(free)
+    }
+
+    /// What departing from what is known before costs.
+    fn prior(&self, free: &[f64]) -> f64 {
+        let prior = self.family.prior();
+        prior.map_or(0.0, |(at, weight)| weight * free[at] * free[at])
     }
 
     fn normal_of<const N: usize>(&self, free: &[f64]) -> Normal {
@@ -105,9 +111,15 @@ impl Problem<'_> {
                 }
             }
         });
+        if let Some((at, weight)) = self.family.prior()
+            && !self.fixed.contains(&at)
+        {
+            downhill[at] -= weight * free[at];
+            curvature[at][at] += weight;
+        }
         let entry = |row: usize, column: usize| curvature[row.max(column)][row.min(column)];
         Normal {
-            cost,
+            cost: cost + self.prior(free),
             downhill: downhill.to_vec(),
             curvature: (0..N * N).map(|at| entry(at / N, at % N)).collect(),
         }

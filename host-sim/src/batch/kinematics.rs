@@ -22,6 +22,8 @@ pub(super) struct Kinematics {
     pub(super) position_m: Vec<f64>,
     /// Its rate (m/s).
     pub(super) speed_mps: Vec<f64>,
+    /// And the rate of that (m/s²), noisier: for corrections of small delays only.
+    pub(super) acceleration_mps2: Vec<f64>,
     /// Standard deviation of the raw position's noise (m).
     pub(super) noise_m: f64,
     /// Samples around each over which the error of the position stays the same: those that read the
@@ -48,8 +50,8 @@ impl Window {
         Window { half_width, even }
     }
 
-    /// Value, slope per sample, and rms of what the cubic leaves.
-    fn cubic(&self, channel: &[f64], at: usize) -> (f64, f64, f64) {
+    /// Value, slope and bend per sample, and rms of what the cubic leaves.
+    fn cubic(&self, channel: &[f64], at: usize) -> ([f64; 3], f64) {
         let centre = channel[at];
         // Σ kʲ(x − centre), and Σ(x − centre)².
         let (mut moments, mut squares) = ([0.0; 4], 0.0);
@@ -68,7 +70,7 @@ impl Window {
         let bend = (s0 * moments[2] - s2 * moments[0]) / norm;
         if self.half_width == 1 {
             // Three samples: the parabola goes through them.
-            return (centre + value, moments[1] / s2, 0.0);
+            return ([centre + value, moments[1] / s2, 2.0 * bend], 0.0);
         }
         let norm = s2 * s6 - s4 * s4;
         let slope = (s6 * moments[1] - s4 * moments[3]) / norm;
@@ -76,7 +78,7 @@ impl Window {
         let explained =
             value * moments[0] + slope * moments[1] + bend * moments[2] + twist * moments[3];
         let left = (squares - explained).max(0.0) / (s0 - 4.0);
-        (centre + value, slope, left.sqrt())
+        ([centre + value, slope, 2.0 * bend], left.sqrt())
     }
 }
 
@@ -85,20 +87,23 @@ pub(super) fn kinematics(log: &UniformLog) -> Kinematics {
     let noise_m = signal::noise(&log.position_m);
     let windows: Vec<Window> = HALF_WIDTHS.into_iter().map(Window::new).collect();
     let channel = &log.position_m;
-    let (mut position_m, mut speed_mps) = (Vec::new(), Vec::new());
+    let (mut position_m, mut speed_mps, mut acceleration_mps2) = (Vec::new(), Vec::new(), Vec::new());
     for at in 0..channel.len() {
         let room = at.min(channel.len() - 1 - at);
         let fitting = windows.iter().filter(|window| window.half_width <= room);
         let smoothed = fitting
             .map(|window| window.cubic(channel, at))
-            .find(|(_, _, left)| *left <= WITHIN * noise_m);
-        let (position, slope, _) = smoothed.unwrap_or((channel[at], edge_slope(channel, at), 0.0));
+            .find(|(_, left)| *left <= WITHIN * noise_m);
+        let edge = [channel[at], edge_slope(channel, at), 0.0];
+        let [position, slope, bend] = smoothed.map_or(edge, |(cubic, _)| cubic);
         position_m.push(position);
         speed_mps.push(slope * log.rate_hz);
+        acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
     Kinematics {
         position_m,
         speed_mps,
+        acceleration_mps2,
         noise_m,
         held: held(channel),
     }

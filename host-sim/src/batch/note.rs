@@ -40,6 +40,7 @@ pub(super) fn notes(
     notes.extend(offset(course));
     notes.extend(misfit(batch));
     notes.extend(damping(batch));
+    notes.extend(skew(log, batch));
     notes.extend(adhesion(batch));
     notes.extend(surface(batch, options));
     notes.extend(modulus(batch));
@@ -91,6 +92,18 @@ fn damping(batch: &Batch) -> Option<String> {
         "the damping is negative: the force runs ahead of the position; a delay between the two \
          channels looks like that"
             .into()
+    })
+}
+
+fn skew(log: &UniformLog, batch: &Batch) -> Option<String> {
+    let skew = batch.skew?;
+    let late = skew.value.abs();
+    (late > 4.0 * skew.std_error && late > 0.1 * log.period_s()).then(|| {
+        format!(
+            "the force is {} {} than the position; the damping would carry that otherwise",
+            quantity(late, 3, "s"),
+            if skew.value > 0.0 { "later" } else { "earlier" }
+        )
     })
 }
 

@@ -72,6 +72,8 @@ pub struct Batch {
     pub parameters: Vec<Parameter>,
     /// Force in free air (N).
     pub offset: Option<Estimated<f64>>,
+    /// How late the force is (s) against the position, where the law can tell: Hunt–Crossley.
+    pub skew: Option<Estimated<f64>>,
     /// δ₀ (m)
     pub reference_depth_m: f64,
     /// Raw force against the law over the samples that were fitted, in contact (N rms).

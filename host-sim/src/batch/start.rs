@@ -222,7 +222,7 @@ fn scan_memoryless(starts: &mut Starts, course: &Thinned, scales: &Scales, place
             starts.offer(family, cost, || {
                 let mut free = vec![place.surface, x[0], x[1].ln(), x[2]];
                 if family == Family::HuntCrossley {
-                    free.push(free_of_exponent(place.exponent));
+                    free.extend([free_of_exponent(place.exponent), 0.0]);
                 }
                 free
             });

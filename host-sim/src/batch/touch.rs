@@ -145,7 +145,7 @@ fn fixed(family: Family) -> Vec<usize> {
     match family {
         Family::Zener => fixed.push(3),
         Family::QuasiLinear(_) => fixed.extend(family.first_mode()..family.free()),
-        Family::KelvinVoigt | Family::HuntCrossley => {}
+        Family::KelvinVoigt | Family::HuntCrossley => fixed.extend(family.skew()),
     }
     fixed
 }
