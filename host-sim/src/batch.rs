@@ -91,6 +91,14 @@ pub fn all_families() -> Vec<Family> {
         .collect()
 }
 
+/// Parameters, misfit, offset, skew.
+type Estimates = (
+    Vec<Parameter>,
+    f64,
+    Option<Estimated<f64>>,
+    Option<Estimated<f64>>,
+);
+
 /// A log, and what the fit needs to know of it besides the samples.
 struct Given<'a> {
     log: &'a UniformLog,
@@ -135,8 +143,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         exponent: None,
     };
     let tried = candidates(&course, &options.families, fixed);
-    let best = tried.iter().min_by(|a, b| a.score.total_cmp(&b.score));
-    let Some(best) = best else {
+    let Some(best) = given.best(&tried, fixed) else {
         empty.notes.push("no law has a minimum on this log".into());
         empty.status = Status::Unobservable;
         return Ok(empty);
@@ -203,13 +210,32 @@ impl Given<'_> {
         }
     }
 
-    fn result(&self, empty: Batch, best: &Candidate, tried: &[Candidate], fixed: Fixed) -> Batch {
-        let stay = fixed.of(best.fit.family);
-        let problem = self.problem(best, &stay);
-        let covariance = problem.covariance(&best.fit.free);
-        let mut values = problem.reported(&best.fit.free, &covariance, self.reference_depth_m);
+    /// The smallest score among the laws of which the log tells every parameter; if there is none, of
+    /// all. A mode that is not known to be there is not taken, whatever it takes off the residuals.
+    fn best<'a>(&self, tried: &'a [Candidate], fixed: Fixed) -> Option<&'a Candidate> {
+        let mut order: Vec<&Candidate> = tried.iter().collect();
+        order.sort_by(|a, b| a.score.total_cmp(&b.score));
+        let told = |candidate: &&&Candidate| {
+            let (parameters, ..) = self.estimated(candidate, fixed);
+            parameters.iter().all(|parameter| parameter.estimate.is_some())
+        };
+        order.iter().find(told).or(order.first()).copied()
+    }
+
+    /// The parameters of a candidate, its misfit, its offset and its skew.
+    fn estimated(&self, candidate: &Candidate, fixed: Fixed) -> Estimates {
+        let family = candidate.fit.family;
+        let stay = fixed.of(family);
+        let problem = self.problem(candidate, &stay);
+        let covariance = problem.covariance(&candidate.fit.free);
+        let mut values = problem.reported(&candidate.fit.free, &covariance, self.reference_depth_m);
         let (skew, offset) = (values.pop(), values.pop());
-        let parameters = self.named(best.fit.family, &values);
+        let skew = skew.filter(|_| family.skew().is_some());
+        (self.named(family, &values), covariance.misfit, offset, skew)
+    }
+
+    fn result(&self, empty: Batch, best: &Candidate, tried: &[Candidate], fixed: Fixed) -> Batch {
+        let (parameters, misfit, offset, skew) = self.estimated(best, fixed);
         let columns = self.columns(&best.fit);
         let rmse = self.rmse(&best.fit);
         let selection = tried.iter().map(|candidate| Tried {
@@ -223,9 +249,9 @@ impl Given<'_> {
             status: status(&best.fit, &parameters, rmse, empty.noise_n),
             parameters: sorted(best.fit.family, parameters),
             offset,
-            skew: skew.filter(|_| best.fit.family == Family::HuntCrossley),
+            skew,
             force_rmse_n: Some(rmse),
-            misfit: covariance.misfit,
+            misfit,
             selection: selection.collect(),
             per_touch: touch::touches(self.course, self.log, best, self.reference_depth_m),
             columns,
