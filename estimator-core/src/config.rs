@@ -96,6 +96,9 @@ pub enum Method {
     KelvinVoigt = 1,
     /// Two recursive least squares in feedback on Hunt–Crossley (25)–(37).
     HuntCrossleyTwoStage = 2,
+    /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
+    /// the parameters.
+    HuntCrossleyBank = 5,
 }
 
 impl Method {
@@ -103,7 +106,7 @@ impl Method {
     pub const fn law(self) -> LawKind {
         match self {
             Method::KelvinVoigt => LawKind::KelvinVoigt,
-            Method::HuntCrossleyTwoStage => LawKind::HuntCrossley,
+            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
         }
     }
 }

@@ -1,12 +1,18 @@
 //! The estimators of the menu, one file each, behind one face.
 
+mod bank;
+mod bank_refiner;
 mod confidence;
 mod hunt_crossley;
 mod kelvin_voigt;
+mod refiner;
 
+pub use bank::{Bank, Candidate};
+pub use bank_refiner::BankRefiner;
 pub use confidence::Confidence;
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
+pub use refiner::Refiner;
 
 use crate::config::{Initial, Method, Params, Reference};
 use crate::contact::SurfacePosition;
@@ -85,6 +91,21 @@ pub struct Instant<T> {
     pub speed: T,
     /// F/F₀
     pub force: T,
+    /// Surface that the depth is measured from, x₀/δ₀.
+    pub surface: T,
+    /// Its standard error; 0 if the surface is known.
+    pub surface_error: T,
+    /// Variance of the depth within the filter's window.
+    pub spread: T,
+    /// Covariance of depth and speed within it.
+    pub coupling: T,
+}
+
+impl<T: Real> Instant<T> {
+    /// x/δ₀
+    pub fn position(&self) -> T {
+        self.surface + self.depth
+    }
 }
 
 /// What the force channel is worth, scaled by F₀.
@@ -126,6 +147,8 @@ pub enum Identifier<T: Real> {
     Linear(Linear<T>),
     /// See [`TwoStage`].
     TwoStage(TwoStage<T>),
+    /// See [`BankRefiner`].
+    BankRefiner(BankRefiner<T>),
 }
 
 impl<T: Real> Identifier<T> {
@@ -134,6 +157,15 @@ impl<T: Real> Identifier<T> {
         match params.method {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+            Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
+        }
+    }
+
+    /// The surface, where the estimator finds it itself.
+    pub fn surface(&self, params: &Params<T>) -> Option<SurfacePosition<T>> {
+        match self {
+            Self::BankRefiner(own) => own.surface(params),
+            _ => None,
         }
     }
 
@@ -142,6 +174,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
+            Self::BankRefiner(own) => own.predict(at, noise, surface_error),
         }
     }
 
@@ -156,6 +189,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+            Self::BankRefiner(own) => own.learn(params, at, noise, beta),
         }
     }
 
@@ -164,6 +198,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
+            Self::BankRefiner(own) => own.reopen(params),
         }
     }
 
@@ -172,6 +207,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
+            Self::BankRefiner(own) => own.judged(noise, surface_error),
         }
     }
 }

@@ -111,6 +111,8 @@ pub enum MethodChoice {
     Rls,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
+    /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
+    Bank,
 }
 
 impl MethodChoice {
@@ -118,6 +120,7 @@ impl MethodChoice {
         match method {
             Method::KelvinVoigt => MethodChoice::Rls,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+            Method::HuntCrossleyBank => MethodChoice::Bank,
         }
     }
 
@@ -125,6 +128,7 @@ impl MethodChoice {
         match self {
             MethodChoice::Rls => "rls",
             MethodChoice::TwoStage => "two_stage",
+            MethodChoice::Bank => "bank",
         }
     }
 }

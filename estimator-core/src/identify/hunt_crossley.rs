@@ -187,6 +187,7 @@ mod tests {
                 depth: depth_m / 1e-3,
                 speed: speed_mps / 0.01,
                 force,
+                ..Instant::default()
             };
             let beta = params
                 .forgetting
@@ -218,6 +219,7 @@ mod tests {
                 depth: 1.0,
                 speed,
                 force: 5.0,
+                ..Instant::default()
             };
             stages.learn(&params, &at, &NOISE, 0.99);
         }

@@ -110,6 +110,7 @@ mod tests {
                 depth,
                 speed,
                 force: 2.26 * depth + 1.23 * speed,
+                ..Instant::default()
             };
             assert!(linear.learn(&params, &at, &noise, 0.999));
         }
@@ -132,6 +133,7 @@ mod tests {
             depth: 2.0,
             speed: 0.0,
             force: 4.0,
+            ..Instant::default()
         };
         let learned = (0..100_000)
             .filter(|_| linear.learn(&params, &at, &noise, 0.96))
