@@ -64,7 +64,7 @@ fn wrong_logs() -> Vec<Case<'static>> {
         ("empty cell",         with_line_17("0.015,,0"),         &["no value", "log.csv:17, column x_m", "value: nothing", "remedy: --skip-bad-rows"]),
         ("ragged row",         with_line_17("0.015,-0.001"),     &["2 values in a row, 3 names in the header", "log.csv:17", "remedy: complete the row"]),
         ("long row",           with_line_17("0.015,-1,0,4,5"),   &["5 values in a row, 3 names in the header", "log.csv:17", "remedy: complete the row"]),
-        ("decimal commas",     with_line_17("0,015,-0,001,0,1"), &["6 values in a row, 3 names in the header", "log.csv:17"]),
+        ("decimal commas",     with_line_17("0,015,-0,001,0,1"), &["6 values in a row, 3 names in the header", "log.csv:17", "remedy: decimal commas need semicolons"]),
         ("a row of units",     csv(press()).replacen('\n', "\ns,m,N\n", 1), &["text where a number should be", "log.csv:2, column t_s", "value: `s`", "row of units, remove it"]),
         ("backward time",      with_line_17("0.003,-0.001,0"),   &["time runs backward, from 0.014 s to 0.003 s", "log.csv:17, column t_s", "value: `0.003`", "remedy: sort"]),
         ("two recordings",     twice,                            &["time runs backward", "log.csv:2002, column t_s", "remedy: a second recording"]),

@@ -17,6 +17,9 @@ const RELAXES: f64 = 0.03;
 /// A law that leaves this many times the noise does not explain the force.
 const EXPLAINED: f64 = 3.0;
 
+/// A surface whose error may leave this share of the misfit may well be its cause.
+const SURFACE_SHARE: f64 = 0.5;
+
 /// The sentences for one estimate.
 pub fn explain(
     log: &UniformLog,
@@ -75,7 +78,7 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
         quantity(rmse, 3, "N"),
         times(rmse / inspection.noise_n),
     );
-    let surface = surface_misfit(replay, outcome).filter(|share| *share > rmse);
+    let surface = surface_misfit(replay, outcome).filter(|share| *share > SURFACE_SHARE * rmse);
     Some(match surface {
         Some(share) => format!(
             "{leaves}: but the uncertainty of the surface alone may leave {}; give its position \

@@ -41,10 +41,11 @@ fn write_summary(
     match outcome.settled_at_s {
         Some(after) => writeln!(
             text,
-            ", within 5 % of its end {} after first contact",
+            ", settled within 5 % {} after first contact",
             quantity(after, 3, "s")
         )?,
-        None => writeln!(text)?,
+        None if outcome.touches.is_empty() => writeln!(text)?,
+        None => writeln!(text, ", not settled within 5 %")?,
     }
     for (info, estimate) in outcome.named(&outcome.parameters) {
         match estimate {
