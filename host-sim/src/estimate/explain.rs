@@ -133,7 +133,7 @@ fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 fn adhesion(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
     (inspection.pull_n > 0.0 && !outcome.touches.is_empty()).then(|| {
         format!(
-            "the force falls to {} below rest: adhesion (or a resting force that moves), which the \
+            "the force falls to {} below rest: adhesion (or friction, or a moving resting force), which the \
              law does not have",
             quantity(inspection.pull_n, 3, "N")
         )
