@@ -91,9 +91,10 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
     })
 }
 
-fn times(ratio: f64) -> String {
+/// "4.5 times", "220 times": more digits mean nothing.
+pub(super) fn times(ratio: f64) -> String {
     match ratio {
-        ratio if ratio.is_infinite() => "without comparison to".into(),
+        ratio if ratio.is_infinite() => "any number of times".into(),
         ratio if ratio < 10.0 => format!("{ratio:.1} times"),
         ratio => format!("{ratio:.0} times"),
     }

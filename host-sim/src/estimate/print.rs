@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::explain::times;
 use super::{Estimation, MethodChoice};
 use crate::log::UniformLog;
 use crate::report::number::{Measured, counted, quantity};
@@ -61,9 +62,9 @@ fn write_summary(
         let noise = estimation.inspection.noise_n;
         writeln!(
             text,
-            "force RMSE in contact {}, {} times the noise of {}",
+            "force RMSE in contact {}, {} the noise of {}",
             quantity(rmse, 3, "N"),
-            quantity(rmse / noise, 3, "1").trim_end(),
+            times(rmse / noise),
             quantity(noise, 3, "N")
         )?;
     }
