@@ -21,7 +21,8 @@ pub use show::{Shown, document};
 
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
-use crate::log::{ColumnMap, Log, ReadOptions, UniformLog};
+use crate::log::{ColumnMap, FEWEST_SAMPLES, Log, ReadOptions, UniformLog};
+use crate::output::say;
 use crate::replay::{Replay, replay};
 
 /// What a simpler law may leave more than the best one and still be chosen: 2 %.
@@ -67,7 +68,7 @@ pub struct EstimateArgs {
 #[derive(Args, Clone, Debug, Default)]
 pub struct ReadingArgs {
     /// Other column names, signs and units: "t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz".
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", value_parser = column_map)]
     pub columns: Option<ColumnMap>,
     /// Leave rows with missing or non-finite values out instead of stopping at the first.
     #[arg(long)]
@@ -131,6 +132,10 @@ impl MethodChoice {
             MethodChoice::Bank => "bank",
         }
     }
+}
+
+fn column_map(text: &str) -> Result<ColumnMap, String> {
+    text.parse().map_err(|error: Diagnostic| error.below())
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -209,11 +214,12 @@ pub fn estimate(
     for method in methods {
         let Setup { config, notes } = setup(log, base, *method, choices);
         let replay = replay(log, &config).map_err(|error| {
-            Diagnostic::new(format!("the configuration cannot be used: {error}"))
+            Diagnostic::new("the configuration cannot be used")
                 .at_key(error.field)
                 .value(error.value)
                 .remedy(error.expected)
         })?;
+        long_enough(log, &replay)?;
         let outcome = Outcome::of(log, &replay);
         selection.push((outcome.law.name(), outcome.force_rmse_n));
         let rmse = outcome.force_rmse_n.unwrap_or(f64::INFINITY);
@@ -237,6 +243,21 @@ pub fn estimate(
     })
 }
 
+/// Without a window of the filter in contact and some free air before it nothing can be learned.
+fn long_enough(log: &UniformLog, replay: &Replay) -> Result<(), Diagnostic> {
+    let window = 2 * replay.delay + 1;
+    if log.len() > window + FEWEST_SAMPLES {
+        return Ok(());
+    }
+    Err(Diagnostic::new(format!(
+        "the log has {} samples: the filter takes {window}, and free air at least {FEWEST_SAMPLES}",
+        log.len()
+    ))
+    .in_file(&log.path)
+    .value(log.len())
+    .remedy("record longer: a touch at 1 kHz takes a few hundred samples"))
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -251,28 +272,38 @@ pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
         reference_depth_m: args.reference_depth,
         surface_m: args.surface,
     };
-    for path in &args.logs {
+    for (path, name) in args.logs.iter().zip(names(&args.logs)) {
         let log = args.reading.read(path)?;
         let estimation = estimate(&log, base, &methods, choices)?;
-        print!("{}", print::summary(path, &log, &estimation));
+        say(print::summary(path, &log, &estimation))?;
         if let Some(out) = &args.out {
             let folder = if args.logs.len() > 1 {
-                out.join(stem(path))
+                out.join(name)
             } else {
                 out.clone()
             };
             write(&folder, path, &log, &estimation, args.every as usize)?;
-            println!("report: {}", folder.join("report.html").display());
+            let report = folder.join("report.html");
+            say(format!("report: {}\n", report.display()))?;
         }
     }
     Ok(())
 }
 
-/// The name of a log without its endings.
-fn stem(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let name = name.trim_end_matches(".gz").trim_end_matches(".csv");
-    PathBuf::from(name)
+/// A folder for each log: its name without endings, and with a number where an earlier log has the
+/// same (`simulate` calls every one log.csv).
+fn names(logs: &[PathBuf]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for path in logs {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.trim_end_matches(".gz").trim_end_matches(".csv");
+        let numbered = (2..).map(|number| format!("{name}-{number}"));
+        let free = std::iter::once(name.to_string())
+            .chain(numbered)
+            .find(|name| !names.contains(name));
+        names.extend(free);
+    }
+    names
 }
 
 fn write(
@@ -323,6 +354,12 @@ mod tests {
 
     #[test]
     fn the_folder_of_a_log_is_its_name_without_endings() {
-        assert_eq!(stem(Path::new("a/b/log.1.csv.gz")), PathBuf::from("log.1"));
+        assert_eq!(names(&["a/b/log.1.csv.gz".into()]), ["log.1"]);
+    }
+
+    #[test]
+    fn logs_of_one_name_do_not_overwrite_each_other() {
+        let logs = ["a/log.csv", "b/log.csv", "log-2.csv", "c/log.csv.gz"].map(PathBuf::from);
+        assert_eq!(names(&logs), ["log", "log-2", "log-2-2", "log-3"]);
     }
 }

@@ -77,6 +77,12 @@ impl Replay {
         self.start_s + (index as f64 - self.delay as f64) * self.period_s
     }
 
+    /// Time (s) of the raw sample that record `index` was made at: contact, release and faults are
+    /// decided on it, and not on the smoothed signals that the record describes.
+    pub fn raw_time_s(&self, index: usize) -> f64 {
+        self.start_s + index as f64 * self.period_s
+    }
+
     /// The index of the sample that record `index` describes; `None` before the first.
     pub fn sample_of(&self, index: usize) -> Option<usize> {
         index.checked_sub(self.delay)
