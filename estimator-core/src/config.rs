@@ -162,7 +162,7 @@ impl Default for Config {
                 depth_m: 1e-3,
                 force_n: 1.0,
             },
-            filter: Filter::SavitzkyGolay { half_width: 10 },
+            filter: Filter::SavitzkyGolay { half_width: 8 },
             contact: Contact {
                 surface: Surface::AtImpact,
                 touch_sigma: 6.0,
@@ -170,7 +170,7 @@ impl Default for Config {
                 force_noise_n: None,
                 settle_s: 0.2,
             },
-            method: Method::HuntCrossleyTwoStage,
+            method: Method::HuntCrossleyBank,
             forgetting: Forgetting {
                 alpha_1: None,
                 alpha_2_per_n: None,

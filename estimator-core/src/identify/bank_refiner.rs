@@ -20,13 +20,14 @@ const LOOK_EVERY: u32 = 8;
 /// Samples before the refiner starts, and the range of force that they must cover.
 const START_SAMPLES: f64 = 24.0;
 const START_RANGE: f64 = 2.0;
-/// The refiner is restarted when its error energy is this many times the bank's, and not sooner
-/// than this many samples after its start.
-const WORSE: f64 = 4.0;
+/// When the error energy of a refiner that has had this many samples is this many times the bank's,
+/// the bank starts another: in its place while it is young, as its successor once it has settled.
+const WORSE: f64 = 8.0;
 const PATIENCE: u32 = 128;
+const SETTLED: u32 = 300;
 /// A successor is started when the linearisation leaves out more than this share of the variance of
 /// the filtered noise, from this many samples on; it takes over when its standard errors are within
-/// this factor of its predecessor's.
+/// this factor of its predecessor's, or three quarters of the samples are its own.
 const BEND: f64 = 0.02;
 const FIRST_SUCCESSOR: u32 = 32;
 const LIKE: f64 = 1.5;
@@ -77,17 +78,21 @@ impl<T: Real> BankRefiner<T> {
         }
         let Some(candidate) = bank.best() else { return };
         let floor = candidate.residual + noise.filtered * noise.filtered;
-        let restart = match &self.refiner {
-            None => true,
-            Some(refiner) => {
-                !refiner.is_sound()
-                    || (refiner.learned() > PATIENCE
-                        && refiner.energy() > T::from_f64(WORSE) * floor)
+        let started = Refiner::new(&candidate, bank.surface_step());
+        let (worse, learned) = match &self.refiner {
+            Some(own) if own.is_sound() => {
+                (own.energy() > T::from_f64(WORSE) * floor, own.learned())
             }
+            _ => (true, u32::MAX),
         };
-        if restart {
-            self.refiner = Some(Refiner::new(&candidate, bank.surface_step()));
+        if !worse || learned <= PATIENCE {
+            return;
+        }
+        if learned < SETTLED || learned == u32::MAX {
+            self.refiner = Some(started);
             self.successor = None;
+        } else if self.successor.is_none() {
+            self.successor = Some(started);
         }
     }
 
@@ -96,7 +101,7 @@ impl<T: Real> BankRefiner<T> {
     fn succeed(&mut self, noise: &ForceNoise<T>, surface_error: T) {
         let Some(refiner) = &self.refiner else { return };
         match &self.successor {
-            Some(successor) if successor.knows_like(refiner, T::from_f64(LIKE)) => {
+            Some(successor) if takes_over(successor, refiner) => {
                 self.refiner = self.successor.take();
             }
             Some(_) => {}
@@ -108,6 +113,11 @@ impl<T: Real> BankRefiner<T> {
             }
         }
     }
+}
+
+fn takes_over<T: Real>(successor: &Refiner<T>, refiner: &Refiner<T>) -> bool {
+    let most = successor.learned() / 3 >= refiner.learned() / 4;
+    successor.is_sound() && (most || successor.knows_like(refiner, T::from_f64(LIKE)))
 }
 
 impl<T: Real> Default for BankRefiner<T> {
@@ -131,10 +141,6 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         noise: &ForceNoise<T>,
         _beta: T,
     ) -> bool {
-        // Where the window spans more than a fifth of the depth, two orders do not describe it.
-        if at.spread > T::from_f64(0.04) * at.depth * at.depth {
-            return false;
-        }
         let phi = Vector2::new(at.depth, at.speed);
         if !self.excitation.admits(&phi, params.excitation_step) {
             return false;

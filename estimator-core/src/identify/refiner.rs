@@ -17,8 +17,10 @@ use crate::scalar::Real;
 const ENERGY_MEMORY: f64 = 64.0;
 /// Bounds of n, so that no step makes a power that single precision cannot hold.
 const EXPONENT: (f64, f64) = (0.3, 4.0);
+/// Largest variance of the position in the filter's window, over the square of the depth.
+const WIDEST: f64 = 0.04;
 /// Standard deviations beyond which an error loses weight (Huber 1964).
-const HUBER: f64 = 4.0;
+const HUBER: f64 = 5.0;
 
 /// A model F = (K + λw)·((x − x₀)/δ₀)ⁿ under refinement; θ = (K, λ, n, x₀), scaled.
 ///
@@ -129,6 +131,9 @@ impl<T: Real> Refiner<T> {
     /// Learns from one instant with forgetting factor β.
     pub fn learn(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, beta: T) {
         let there = predict(&self.reference.into(), at);
+        if there.gradient.x == T::nil() {
+            return;
+        }
         let phi = there.gradient.component_mul(&self.prior);
         let linear = there.force + phi.dot(&self.deviation);
         let error = at.force - linear;
@@ -149,7 +154,8 @@ impl<T: Real> Refiner<T> {
     /// samples, force and speed do not belong together.
     fn weight(&self, error: T, phi: &Vector4<T>, noise: &ForceNoise<T>) -> T {
         let model = self.covariance.variance(&(phi / noise.raw)) * noise.raw * noise.raw;
-        let expected = T::from_f64(HUBER) * (noise.filtered * noise.filtered + model).root();
+        let expected =
+            T::from_f64(HUBER) * (noise.filtered * noise.filtered + model + self.bend).root();
         let size = error.magnitude();
         if size > expected {
             expected / size
@@ -180,6 +186,15 @@ fn predict<T: Real>(theta: &[T; 4], at: &Instant<T>) -> Predicted<T> {
     }
     let log = depth.ln();
     let shape = (exponent * log).exp();
+    // Where the window spans more than a fifth of the depth, two orders do not describe it; the
+    // gradient would be huge, and one such sample would settle a parameter for good.
+    if at.spread > T::from_f64(WIDEST) * depth * depth {
+        let force = (stiffness + damping * at.speed) * shape;
+        return Predicted {
+            force,
+            gradient: Vector4::repeat(T::nil()),
+        };
+    }
     let curve = T::from_f64(0.5) * exponent * (exponent - T::unit()) * at.spread / (depth * depth);
     let by_stiffness = shape * (T::unit() + curve);
     let by_damping = by_stiffness * at.speed + shape * exponent * at.coupling / depth;
