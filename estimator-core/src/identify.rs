@@ -123,14 +123,15 @@ pub trait Identify<T: Real> {
     /// position (standard error `surface_error`) give it.
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T);
 
-    /// Learns from an instant with forgetting factor β. False if the instant had nothing to teach.
+    /// Learns from an instant; β is what (24) says. Gives the forgetting factor that was used, or
+    /// `None` if the instant had nothing to teach.
     fn learn(
         &mut self,
         params: &Params<T>,
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool;
+    ) -> Option<T>;
 
     /// Forgets how sure it was, and keeps its values: another material is under the probe.
     fn reopen(&mut self, params: &Params<T>);
@@ -185,7 +186,7 @@ impl<T: Real> Identifier<T> {
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),

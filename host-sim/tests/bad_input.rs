@@ -71,7 +71,7 @@ fn wrong_logs() -> Vec<Case<'static>> {
         ("a jump in time",     jump,                             &["too many samples", "log.csv", "value: `1700000000.5`", "from 1.999 to", "remedy: split the log at the gap"]),
         ("coarse clock",       coarse,                           &["1800 of 2000 time stamps repeat", "log.csv:3, column t_s", "remedy: record the time with more digits"]),
         ("five samples",       first(5),                         &["5 samples, fewer than 10", "log.csv", "remedy: record longer"]),
-        ("shorter than filter", first(30),                       &["30 samples: the filter takes 21", "log.csv", "value: `30`", "remedy: record longer"]),
+        ("shorter than filter", first(24),                       &["24 samples: the filter takes 17", "log.csv", "value: `24`", "remedy: record longer"]),
         ("JSON",               "{\"t_s\": [0]}\n".into(),        &["this is a JSON file", "log.csv", "remedy: give a CSV file"]),
         ("HTML",               "<!DOCTYPE html>\n<p>404\n".into(), &["this is an HTML or XML page", "log.csv", "remedy: give a CSV file"]),
         ("a model",            MODEL.into(),                     &["this is a TOML file", "log.csv", "remedy: give a CSV file"]),

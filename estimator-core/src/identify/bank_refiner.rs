@@ -140,10 +140,10 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         _beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         let phi = Vector2::new(at.depth, at.speed);
         if !self.excitation.admits(&phi, params.excitation_step) {
-            return false;
+            return None;
         }
         let bank = self.bank.get_or_insert_with(|| {
             let step = at.surface_error;
@@ -160,7 +160,7 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             refiner.learn(at, noise, T::from_f64(REFINER_BETA));
         }
         self.succeed(noise, surface_step);
-        self.refiner.is_some()
+        self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }
 
     fn reopen(&mut self, _params: &Params<T>) {
