@@ -96,6 +96,9 @@ pub enum Method {
     KelvinVoigt = 1,
     /// Two recursive least squares in feedback on Hunt–Crossley (25)–(37).
     HuntCrossleyTwoStage = 2,
+    /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
+    /// the parameters.
+    HuntCrossleyBank = 5,
 }
 
 impl Method {
@@ -103,7 +106,7 @@ impl Method {
     pub const fn law(self) -> LawKind {
         match self {
             Method::KelvinVoigt => LawKind::KelvinVoigt,
-            Method::HuntCrossleyTwoStage => LawKind::HuntCrossley,
+            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
         }
     }
 }
@@ -159,7 +162,7 @@ impl Default for Config {
                 depth_m: 1e-3,
                 force_n: 1.0,
             },
-            filter: Filter::SavitzkyGolay { half_width: 10 },
+            filter: Filter::SavitzkyGolay { half_width: 8 },
             contact: Contact {
                 surface: Surface::AtImpact,
                 touch_sigma: 6.0,
@@ -167,7 +170,7 @@ impl Default for Config {
                 force_noise_n: None,
                 settle_s: 0.2,
             },
-            method: Method::HuntCrossleyTwoStage,
+            method: Method::HuntCrossleyBank,
             forgetting: Forgetting {
                 alpha_1: None,
                 alpha_2_per_n: None,

@@ -1,12 +1,18 @@
 //! The estimators of the menu, one file each, behind one face.
 
+mod bank;
+mod bank_refiner;
 mod confidence;
 mod hunt_crossley;
 mod kelvin_voigt;
+mod refiner;
 
+pub use bank::{Bank, Candidate};
+pub use bank_refiner::BankRefiner;
 pub use confidence::Confidence;
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
+pub use refiner::Refiner;
 
 use crate::config::{Initial, Method, Params, Reference};
 use crate::contact::SurfacePosition;
@@ -85,6 +91,21 @@ pub struct Instant<T> {
     pub speed: T,
     /// F/F₀
     pub force: T,
+    /// Surface that the depth is measured from, x₀/δ₀.
+    pub surface: T,
+    /// Its standard error; 0 if the surface is known.
+    pub surface_error: T,
+    /// Variance of the depth within the filter's window.
+    pub spread: T,
+    /// Covariance of depth and speed within it.
+    pub coupling: T,
+}
+
+impl<T: Real> Instant<T> {
+    /// x/δ₀
+    pub fn position(&self) -> T {
+        self.surface + self.depth
+    }
 }
 
 /// What the force channel is worth, scaled by F₀.
@@ -102,14 +123,15 @@ pub trait Identify<T: Real> {
     /// position (standard error `surface_error`) give it.
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T);
 
-    /// Learns from an instant with forgetting factor β. False if the instant had nothing to teach.
+    /// Learns from an instant; β is what (24) says. Gives the forgetting factor that was used, or
+    /// `None` if the instant had nothing to teach.
     fn learn(
         &mut self,
         params: &Params<T>,
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool;
+    ) -> Option<T>;
 
     /// Forgets how sure it was, and keeps its values: another material is under the probe.
     fn reopen(&mut self, params: &Params<T>);
@@ -126,6 +148,8 @@ pub enum Identifier<T: Real> {
     Linear(Linear<T>),
     /// See [`TwoStage`].
     TwoStage(TwoStage<T>),
+    /// See [`BankRefiner`].
+    BankRefiner(BankRefiner<T>),
 }
 
 impl<T: Real> Identifier<T> {
@@ -134,6 +158,15 @@ impl<T: Real> Identifier<T> {
         match params.method {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+            Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
+        }
+    }
+
+    /// The surface, where the estimator finds it itself.
+    pub fn surface(&self, params: &Params<T>) -> Option<SurfacePosition<T>> {
+        match self {
+            Self::BankRefiner(own) => own.surface(params),
+            _ => None,
         }
     }
 
@@ -142,6 +175,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
+            Self::BankRefiner(own) => own.predict(at, noise, surface_error),
         }
     }
 
@@ -152,10 +186,11 @@ impl<T: Real> Identifier<T> {
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+            Self::BankRefiner(own) => own.learn(params, at, noise, beta),
         }
     }
 
@@ -164,6 +199,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
+            Self::BankRefiner(own) => own.reopen(params),
         }
     }
 
@@ -172,6 +208,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
+            Self::BankRefiner(own) => own.judged(noise, surface_error),
         }
     }
 }

@@ -48,6 +48,9 @@ use crate::log::UniformLog;
 use crate::replay::{Replay, replay};
 use crate::signal;
 
+#[cfg(test)]
+mod tests;
+
 /// A law that leaves this many times the noise does not explain the force.
 const EXPLAINED: f64 = 3.0;
 /// A parameter that must be positive and is known no better than this share of itself is not known.
@@ -217,7 +220,9 @@ impl Given<'_> {
         order.sort_by(|a, b| a.score.total_cmp(&b.score));
         let told = |candidate: &&&Candidate| {
             let (parameters, ..) = self.estimated(candidate, fixed);
-            parameters.iter().all(|parameter| parameter.estimate.is_some())
+            parameters
+                .iter()
+                .all(|parameter| parameter.estimate.is_some())
         };
         order.iter().find(told).or(order.first()).copied()
     }
@@ -326,7 +331,13 @@ impl Given<'_> {
             speed_mps: self.motion.speed_mps.clone(),
             measured_n: self.log.force_n.iter().map(|f| f - law.offset_n).collect(),
             estimated_n: forces
-                .map(|(force, touched)| if *touched { force - law.offset_n } else { f64::NAN })
+                .map(|(force, touched)| {
+                    if *touched {
+                        force - law.offset_n
+                    } else {
+                        f64::NAN
+                    }
+                })
                 .collect(),
             used: (0..self.log.len()).map(|at| self.is_fitted(at)).collect(),
         }
@@ -365,8 +376,7 @@ impl Given<'_> {
         let covariance = problem.covariance(&again.fit.free);
         let values = problem.reported(&again.fit.free, &covariance, self.reference_depth_m);
         let stiffness = values.first()?;
-        let value =
-            indenter.youngs_modulus(stiffness.value, self.reference_depth_m, poisson);
+        let value = indenter.youngs_modulus(stiffness.value, self.reference_depth_m, poisson);
         let law = natural(family, &again.fit.free, &self.course.scales);
         let relaxes: f64 = law.modes.iter().map(|mode| mode.fraction).sum();
         Some(Modulus {
@@ -384,7 +394,10 @@ impl Given<'_> {
 }
 
 fn status(fit: &Fit, parameters: &[Parameter], rmse: f64, noise_n: f64) -> Status {
-    if parameters.iter().any(|parameter| parameter.estimate.is_none()) {
+    if parameters
+        .iter()
+        .any(|parameter| parameter.estimate.is_none())
+    {
         Status::Unobservable
     } else if rmse > EXPLAINED * noise_n {
         Status::ModelSuspect

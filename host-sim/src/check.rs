@@ -186,7 +186,7 @@ fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
         let pull = quantity(inspection.pull_n, 3, "N");
         writeln!(
             text,
-            "  pulls     {pull} below rest: adhesion, or a moving resting force"
+            "  pulls     {pull} below rest: adhesion, friction or a moving resting force"
         )?;
     }
     Ok(())

@@ -123,6 +123,8 @@ pub enum MethodChoice {
     Rls,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
+    /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
+    Bank,
     /// The whole log at once (every law)
     Batch,
 }
@@ -132,6 +134,7 @@ impl MethodChoice {
         match method {
             Method::KelvinVoigt => MethodChoice::Rls,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+            Method::HuntCrossleyBank => MethodChoice::Bank,
         }
     }
 
@@ -139,6 +142,7 @@ impl MethodChoice {
         match self {
             MethodChoice::Rls => "rls",
             MethodChoice::TwoStage => "two_stage",
+            MethodChoice::Bank => "bank",
             MethodChoice::Batch => "batch",
         }
     }
@@ -170,25 +174,27 @@ fn finite(text: &str) -> Result<f64, String> {
 
 /// The methods that a choice of law and method leaves, simplest law first.
 fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, Diagnostic> {
+    // A law's first method is its default.
     let all = [
-        (LawChoice::KelvinVoigt, Method::KelvinVoigt),
-        (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage),
+        (LawChoice::KelvinVoigt, Method::KelvinVoigt, true),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
     ];
-    let fits = |(own, candidate): &(LawChoice, Method)| {
+    let fits = |(own, candidate, default): &(LawChoice, Method, bool)| {
         (law == LawChoice::Auto || law == *own)
-            && method.is_none_or(|method| method == MethodChoice::of(*candidate))
+            && method.map_or(*default, |method| method == MethodChoice::of(*candidate))
     };
     let left: Vec<Method> = all
         .into_iter()
         .filter(fits)
-        .map(|(_, method)| method)
+        .map(|(_, method, _)| method)
         .collect();
     if left.is_empty() {
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls goes with kelvin_voigt, two_stage with hunt_crossley, batch with every law; or \
-                 leave --method out",
+                "rls goes with kelvin_voigt, bank and two_stage with hunt_crossley, batch with every law; \
+                 or leave --method out",
             ));
     }
     Ok(left)
@@ -364,7 +370,7 @@ mod tests {
     #[test]
     fn auto_tries_every_law_the_simplest_first() {
         let all = methods(LawChoice::Auto, None).unwrap();
-        assert_eq!(all, [Method::KelvinVoigt, Method::HuntCrossleyTwoStage]);
+        assert_eq!(all, [Method::KelvinVoigt, Method::HuntCrossleyBank]);
     }
 
     #[test]

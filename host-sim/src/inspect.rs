@@ -14,6 +14,8 @@ use crate::signal;
 
 /// A force below rest by this many standard deviations of what it does in free air pulls.
 const PULL_SIGMAS: f64 = 8.0;
+/// Fewest samples before the first touch that tell what the force does in free air.
+const FEWEST_UNTOUCHED: usize = 10;
 /// A pull is one if it lasts for this many samples: spikes are not adhesion.
 const PULL_SAMPLES: usize = 5;
 /// The largest force, held for this share of the samples in contact, is the end of the range.
@@ -31,7 +33,7 @@ pub struct Inspection {
     pub force_step_n: Option<f64>,
     /// Resolution of the position (m), if it is quantised.
     pub position_step_m: Option<f64>,
-    /// Force in free air (N).
+    /// Force in free air before the first touch (N).
     pub rest_n: f64,
     /// Time in free air (s).
     pub free_s: f64,
@@ -56,7 +58,14 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         touched[contact.clone()].fill(true);
     }
     let free: Vec<f64> = pick(&log.force_n, &touched, false);
-    let rest_n = signal::median(free.clone());
+    // After a touch a contact that sticks pulls in what counts as free air.
+    let before = contacts.first().map_or(log.len(), |first| first.start);
+    let untouched = match before >= FEWEST_UNTOUCHED {
+        true => &log.force_n[..before],
+        false => &free,
+    };
+    let rest_n = signal::median(untouched.to_vec());
+    let sigma_n = noise_n.max(wander(untouched, rest_n));
     Inspection {
         noise_n,
         disturbance: disturbance(&free, noise_n),
@@ -66,7 +75,7 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         free_s: free.len() as f64 * log.period_s(),
         touches: touches.to_vec(),
         holds: holds(log, replay),
-        pull_n: pull(&log.force_n, rest_n, noise_n.max(wander(&free, rest_n))),
+        pull_n: pull(&log.force_n, rest_n, sigma_n),
         saturated_n: saturation(&pick(&log.force_n, &touched, true), noise_n),
         speeds_mps: speeds(replay),
     }
@@ -95,8 +104,7 @@ fn disturbance(free: &[f64], noise_n: f64) -> Option<f64> {
     Some(scatter / (noise_n / (BLOCK as f64).sqrt()))
 }
 
-/// Standard deviation of the force in free air, hum and drift included; pulls, being rare, count
-/// little.
+/// Standard deviation of a force, hum and drift included.
 fn wander(free: &[f64], rest_n: f64) -> f64 {
     signal::median(free.iter().map(|force| (force - rest_n).abs()).collect()) / 0.6745
 }

@@ -42,7 +42,7 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
     for sample in samples(log) {
         records.push(step(&params, &mut state, sample));
         rest_n.push(state.resting_force_n());
-        surface_m.push(state.surface_m().unwrap_or_default());
+        surface_m.push(state.surface_m(&params).unwrap_or_default());
     }
     Ok(Replay {
         config: *config,

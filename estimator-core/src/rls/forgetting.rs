@@ -26,7 +26,7 @@ impl<T: Real> ForgettingParams<T> {
         let forgetting = config.forgetting;
         let alpha_1 = forgetting.alpha_1.unwrap_or(match config.method {
             Method::KelvinVoigt => 0.001,
-            Method::HuntCrossleyTwoStage => 0.03,
+            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => 0.03,
         });
         require(
             (0.0..=0.5).contains(&alpha_1),

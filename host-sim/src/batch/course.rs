@@ -166,7 +166,11 @@ fn scales(
 ) -> Option<Scales> {
     let first = touches.first()?.start;
     let free = log.force_n[..first].to_vec();
-    let rest_n = if free.is_empty() { 0.0 } else { signal::median(free) };
+    let rest_n = if free.is_empty() {
+        0.0
+    } else {
+        signal::median(free)
+    };
     let peak = |touch: &Range<usize>| {
         let forces = force_n[touch.clone()].iter().copied();
         forces.fold(f64::NEG_INFINITY, f64::max) - rest_n
@@ -273,7 +277,9 @@ fn nodes(log: &UniformLog, motion: &Kinematics, uses: &[Use], scales: &Scales) -
         });
     }
     nodes.extend(block.map(|block| block.node));
-    let mut before_s = nodes.first().map_or(0.0, |first| first.time_s - log.period_s());
+    let mut before_s = nodes
+        .first()
+        .map_or(0.0, |first| first.time_s - log.period_s());
     for node in &mut nodes {
         node.period_s = node.time_s - before_s;
         before_s = node.time_s;
@@ -299,9 +305,7 @@ fn sample(log: &UniformLog, motion: &Kinematics, uses: &[Use], at: usize) -> Nod
 /// Whether an invented sample adds nothing: the depth is that of the last node.
 fn is_still(nodes: &[Node], block: Option<&Block>, sample: &Node, scales: &Scales) -> bool {
     let last = block.map(|block| &block.node).or(nodes.last());
-    last.is_some_and(|last| {
-        (last.position_m - sample.position_m).abs() < 0.01 * scales.depth_m
-    })
+    last.is_some_and(|last| (last.position_m - sample.position_m).abs() < 0.01 * scales.depth_m)
 }
 
 /// Whether a sample may join a block; `most` is how many samples a block of a hold may have.
@@ -315,7 +319,8 @@ fn joins(
 ) -> bool {
     let start_m = motion.position_m[block.from];
     let depth = start_m.min(sample.position_m) - scales.touch_m;
-    let far_out = -depth > NEAR * scales.depth_m && sample.position_m.max(start_m) < scales.touch_m - NEAR * scales.depth_m;
+    let far_out = -depth > NEAR * scales.depth_m
+        && sample.position_m.max(start_m) < scales.touch_m - NEAR * scales.depth_m;
     let (most, change_m) = if far_out {
         (MOST_FREE, scales.depth_m)
     } else {

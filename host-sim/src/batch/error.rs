@@ -92,7 +92,10 @@ impl Problem<'_> {
         Covariance {
             size: N,
             sandwich: dense::product(&dense::product(&inverse, &middle, N), &inverse, N),
-            white: inverse.iter().map(|c| c * misfit.max(1.0).powi(2)).collect(),
+            white: inverse
+                .iter()
+                .map(|c| c * misfit.max(1.0).powi(2))
+                .collect(),
             misfit,
         }
     }

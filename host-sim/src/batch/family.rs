@@ -15,8 +15,7 @@
 //! the other laws a delay is a damping or a fast mode, and stays 0.
 
 use estimator_core::law::{
-    Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
-    unilateral,
+    Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener, unilateral,
 };
 use estimator_core::scalar::Scalar;
 
@@ -173,7 +172,10 @@ pub(super) fn reference_m(scales: &Scales) -> f64 {
 
 /// The unit of damping within the fit (N s/m).
 pub(super) fn damping_unit(scales: &Scales) -> f64 {
-    scales.force_n / scales.speed_mps.max(1e-9 * scales.depth_m / scales.period_s)
+    scales.force_n
+        / scales
+            .speed_mps
+            .max(1e-9 * scales.depth_m / scales.period_s)
 }
 
 /// What a vector of free numbers means.

@@ -45,9 +45,12 @@ fn estimated(estimate: Option<Estimated<f64>>, unit: &str) -> Value {
 }
 
 fn parameters(parameters: &[Parameter]) -> Value {
-    let entries = parameters
-        .iter()
-        .map(|parameter| (parameter.name.clone(), estimated(parameter.estimate, parameter.unit)));
+    let entries = parameters.iter().map(|parameter| {
+        (
+            parameter.name.clone(),
+            estimated(parameter.estimate, parameter.unit),
+        )
+    });
     Value::Object(entries.collect::<Map<String, Value>>())
 }
 
@@ -136,7 +139,14 @@ fn write_csv(path: &Path, log: &UniformLog, batch: &Batch, every: usize) -> io::
     let columns = &batch.columns;
     write_atomically(path, |writer| {
         let mut table = csv::Writer::from_writer(writer);
-        table.write_record(["t_s", "depth_m", "speed_mps", "force_n", "prediction_n", "fitted"])?;
+        table.write_record([
+            "t_s",
+            "depth_m",
+            "speed_mps",
+            "force_n",
+            "prediction_n",
+            "fitted",
+        ])?;
         for at in (0..columns.depth_m.len()).step_by(every) {
             let predicted = columns.estimated_n[at];
             table.write_record([

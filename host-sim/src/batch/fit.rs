@@ -185,7 +185,9 @@ impl Problem<'_> {
     fn step(&self, normal: &Normal, damping: f64) -> (Vec<f64>, f64) {
         let n = normal.downhill.len();
         let mut damping = damping;
-        let largest = (0..n).map(|i| normal.curvature[i * n + i]).fold(0.0, f64::max);
+        let largest = (0..n)
+            .map(|i| normal.curvature[i * n + i])
+            .fold(0.0, f64::max);
         loop {
             let mut damped = normal.curvature.clone();
             for i in 0..n {

@@ -87,7 +87,8 @@ pub(super) fn kinematics(log: &UniformLog) -> Kinematics {
     let noise_m = signal::noise(&log.position_m);
     let windows: Vec<Window> = HALF_WIDTHS.into_iter().map(Window::new).collect();
     let channel = &log.position_m;
-    let (mut position_m, mut speed_mps, mut acceleration_mps2) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut position_m, mut speed_mps, mut acceleration_mps2) =
+        (Vec::new(), Vec::new(), Vec::new());
     for at in 0..channel.len() {
         let room = at.min(channel.len() - 1 - at);
         let fitting = windows.iter().filter(|window| window.half_width <= room);
@@ -146,8 +147,7 @@ mod tests {
     fn a_palpation_on_a_1_um_encoder_keeps_its_speed() {
         // GIVEN 2 mm at 1.5 Hz and 0.1 mm at 5 Hz
         let (slow, fast) = (9.42, 31.4);
-        let (found, time) =
-            of(|t| 2e-3 * (1.0 - (slow * t).cos()) + 1e-4 * (fast * t).sin());
+        let (found, time) = of(|t| 2e-3 * (1.0 - (slow * t).cos()) + 1e-4 * (fast * t).sin());
         let errors = (20..1980).map(|i| {
             let t = time[i];
             let speed = 2e-3 * slow * (slow * t).sin() + 1e-4 * fast * (fast * t).cos();

@@ -36,12 +36,16 @@ impl FromStr for Indenter {
         let (shape, size) = text.split_once(':').ok_or_else(wrong)?;
         let size: f64 = size.trim().parse().map_err(|_| wrong())?;
         if !(size.is_finite() && size > 0.0) {
-            return Err(format!("the size of the indenter must be positive, not {size}"));
+            return Err(format!(
+                "the size of the indenter must be positive, not {size}"
+            ));
         }
         match shape.trim() {
             "sphere" => Ok(Indenter::Sphere(size)),
             "cone" if size < 90.0 => Ok(Indenter::Cone(size)),
-            "cone" => Err(format!("a cone's half-angle is less than 90 degrees, not {size}")),
+            "cone" => Err(format!(
+                "a cone's half-angle is less than 90 degrees, not {size}"
+            )),
             "flat" => Ok(Indenter::Flat(size)),
             _ => Err(wrong()),
         }
@@ -94,7 +98,10 @@ mod tests {
         let (modulus, poisson, depth): (f64, f64, f64) = (20e3, 0.5, 1e-3);
         let reduced = modulus / (1.0 - poisson * poisson);
         for (text, force) in [
-            ("sphere:0.003", 4.0 / 3.0 * reduced * 0.003_f64.sqrt() * depth.powf(1.5)),
+            (
+                "sphere:0.003",
+                4.0 / 3.0 * reduced * 0.003_f64.sqrt() * depth.powf(1.5),
+            ),
             ("cone:45", 2.0 / PI * reduced * depth * depth),
             ("flat:0.002", 2.0 * reduced * 0.002 * depth),
         ] {

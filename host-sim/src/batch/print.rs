@@ -30,8 +30,16 @@ fn write_summary(
         log.rate_hz,
         counted(batch.touches.len(), "touch")
     )?;
-    writeln!(text, "{} (batch): {}", batch.family.name(), batch.status.name())?;
-    let longest = batch.parameters.iter().map(|parameter| parameter.name.len());
+    writeln!(
+        text,
+        "{} (batch): {}",
+        batch.family.name(),
+        batch.status.name()
+    )?;
+    let longest = batch
+        .parameters
+        .iter()
+        .map(|parameter| parameter.name.len());
     let width = longest.max().unwrap_or(0).max(10);
     for parameter in &batch.parameters {
         match parameter.estimate {
@@ -82,8 +90,12 @@ pub(super) fn name(tried: &Tried) -> String {
 
 /// The laws that were compared, and what each leaves.
 fn tried(selection: &[Tried]) -> String {
-    let laws = selection
-        .iter()
-        .map(|tried| format!("{} leaves {}", name(tried), quantity(tried.force_rmse_n, 3, "N")));
+    let laws = selection.iter().map(|tried| {
+        format!(
+            "{} leaves {}",
+            name(tried),
+            quantity(tried.force_rmse_n, 3, "N")
+        )
+    });
     format!("laws tried: {}", laws.collect::<Vec<_>>().join("; "))
 }

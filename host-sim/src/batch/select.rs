@@ -66,7 +66,10 @@ impl Fixed {
 /// left out.
 pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> Vec<Candidate> {
     let (nodes, scales) = (&course.nodes, &course.scales);
-    let noise_only: Vec<f64> = nodes.iter().map(|node| weight(node, scales, 0.0, 0.0)).collect();
+    let noise_only: Vec<f64> = nodes
+        .iter()
+        .map(|node| weight(node, scales, 0.0, 0.0))
+        .collect();
     let given = Given {
         surface: fixed.surface,
         exponent: fixed.exponent,
@@ -178,7 +181,9 @@ impl Round<'_> {
             scales: &self.course.scales,
             fixed: &stay,
         };
-        let fits = starts.into_iter().map(|start| problem.fit_to(start, self.still));
+        let fits = starts
+            .into_iter()
+            .map(|start| problem.fit_to(start, self.still));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let mut candidate = Candidate {
             fit: best,
@@ -199,11 +204,16 @@ impl Round<'_> {
 
 /// The free numbers with a small mode in the widest gap between the rates.
 fn one_mode_more(free: &[f64], family: Family) -> Vec<f64> {
-    let mut rates: Vec<f64> = free[family.first_mode()..].chunks(2).map(|m| m[1]).collect();
+    let mut rates: Vec<f64> = free[family.first_mode()..]
+        .chunks(2)
+        .map(|m| m[1])
+        .collect();
     rates.sort_unstable_by(f64::total_cmp);
     // Half a decade beyond either end counts as a gap of its own.
     let slower = (1.2, rates[0] - 1.2);
-    let gaps = rates.windows(2).map(|pair| (0.5 * (pair[1] - pair[0]), 0.5 * (pair[0] + pair[1])));
+    let gaps = rates
+        .windows(2)
+        .map(|pair| (0.5 * (pair[1] - pair[0]), 0.5 * (pair[0] + pair[1])));
     let widest = gaps.chain([slower]).max_by(|a, b| a.0.total_cmp(&b.0));
     let rate = widest.map_or(rates[0], |(_, rate)| rate);
     [free, &[SMALL_MODE.ln(), rate]].concat()
@@ -223,14 +233,18 @@ fn mask_surface(weights: &mut [f64], course: &Course, fit: &Fit) {
 
 /// The weights of the second round, from the best candidate of the first.
 fn second_weights(course: &Course, candidates: &[Candidate]) -> Vec<f64> {
-    let best = candidates.iter().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+    let best = candidates
+        .iter()
+        .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
     let Some(best) = best else { return Vec::new() };
     let scales = &course.scales;
     let force = |shift_m: f64| {
         let mut law = natural(best.fit.family, &best.fit.free, scales);
         law.surface_m -= shift_m;
         let mut forces = Vec::with_capacity(course.nodes.len());
-        law.along(best.fit.family, &course.nodes, |_, force| forces.push(force));
+        law.along(best.fit.family, &course.nodes, |_, force| {
+            forces.push(force)
+        });
         forces
     };
     let shift_m = 1e-3 * scales.depth_m;
@@ -307,15 +321,18 @@ fn scored(course: &Course, mut candidates: Vec<Candidate>) -> Vec<Candidate> {
     let Some(best) = best else { return candidates };
     let count = all[best].len() as f64;
     // Twice as many independent residuals as parameters at least.
-    let independent = (count / correlation(&all[best])).max(2.0 * candidates[best].fit.free.len() as f64);
+    let independent =
+        (count / correlation(&all[best])).max(2.0 * candidates[best].fit.free.len() as f64);
     for (candidate, chi_2) in candidates.iter_mut().zip(&chi_2) {
         let parameters = candidate.fit.free.len() as f64;
         candidate.score = independent * (chi_2 / count).ln() + parameters * independent.ln();
     }
-    let least = candidates.iter().map(|c| c.score).fold(f64::INFINITY, f64::min);
+    let least = candidates
+        .iter()
+        .map(|c| c.score)
+        .fold(f64::INFINITY, f64::min);
     for candidate in &mut candidates {
         candidate.score -= least;
     }
     candidates
 }
-

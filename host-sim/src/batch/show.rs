@@ -59,7 +59,9 @@ pub(super) fn document(log: &UniformLog, batch: &Batch, path: &Path) -> io::Resu
         provenance: provenance.input(Input::of_file(path)?),
     }
     .document();
-    Ok(sections(batch).into_iter().fold(document, Document::section))
+    Ok(sections(batch)
+        .into_iter()
+        .fold(document, Document::section))
 }
 
 fn finals(parameters: &[Parameter]) -> Vec<report::FinalParameter<'_>> {
@@ -126,9 +128,7 @@ fn modulus(batch: &Batch) -> Option<Table> {
 
 fn cell(parameter: &Parameter) -> Cell {
     match parameter.estimate {
-        Some(estimate) => {
-            Cell::measured(estimate.value, Some(estimate.std_error), parameter.unit)
-        }
+        Some(estimate) => Cell::measured(estimate.value, Some(estimate.std_error), parameter.unit),
         None => Cell::Missing("not observable".into()),
     }
 }
@@ -140,10 +140,14 @@ fn per_touch(batch: &Batch) -> Option<Table> {
         name[..1].make_ascii_uppercase();
         name
     });
-    let table = Table::new(["From [s]".to_string(), "To [s]".to_string()].into_iter().chain(names))
-        .column("Force error, rms")
-        .caption("Each touch by itself, with the surface and the relaxation of the whole log")
-        .at_most(MOST_ROWS);
+    let table = Table::new(
+        ["From [s]".to_string(), "To [s]".to_string()]
+            .into_iter()
+            .chain(names),
+    )
+    .column("Force error, rms")
+    .caption("Each touch by itself, with the surface and the relaxation of the whole log")
+    .at_most(MOST_ROWS);
     let rows = batch.per_touch.iter().map(|touch| {
         let ends = [touch.from_s, touch.to_s].map(|at| Cell::Number(fixed(at, -3)));
         let error = Cell::quantity(touch.force_rmse_n, 3, "N");

@@ -75,7 +75,10 @@ pub(super) fn scan(
     given: Given,
 ) -> Starts {
     let mut starts = Starts {
-        found: families.iter().map(|family| (*family, Vec::new())).collect(),
+        found: families
+            .iter()
+            .map(|family| (*family, Vec::new()))
+            .collect(),
     };
     let stride = nodes.len().div_ceil(SCANNED).max(1);
     let mut thinned = Thinned::every(stride, nodes, weights);

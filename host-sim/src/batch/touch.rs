@@ -130,7 +130,9 @@ impl OneTouch<'_> {
             node.position_m = law.surface_m + 1e-9 * scales.depth_m;
         }
         let mut remembered = Vec::with_capacity(before.len());
-        law.unsaturated(self.best.fit.family, &before, |_, force| remembered.push(force));
+        law.unsaturated(self.best.fit.family, &before, |_, force| {
+            remembered.push(force)
+        });
         let own = &remembered[self.range.start - self.reach..];
         for (node, remembered) in nodes.iter_mut().zip(own) {
             node.force_n -= remembered;

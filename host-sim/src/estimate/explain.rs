@@ -17,6 +17,9 @@ const RELAXES: f64 = 0.03;
 /// A law that leaves this many times the noise does not explain the force.
 const EXPLAINED: f64 = 3.0;
 
+/// A surface whose error may leave this share of the misfit may well be its cause.
+const SURFACE_SHARE: f64 = 0.5;
+
 /// The sentences for one estimate.
 pub fn explain(
     log: &UniformLog,
@@ -75,7 +78,7 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
         quantity(rmse, 3, "N"),
         times(rmse / inspection.noise_n),
     );
-    let surface = surface_misfit(replay, outcome).filter(|share| *share > rmse);
+    let surface = surface_misfit(replay, outcome).filter(|share| *share > SURFACE_SHARE * rmse);
     Some(match surface {
         Some(share) => format!(
             "{leaves}: but the uncertainty of the surface alone may leave {}; give its position \
@@ -88,9 +91,10 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
     })
 }
 
-fn times(ratio: f64) -> String {
+/// "4.5 times", "220 times": more digits mean nothing.
+pub(super) fn times(ratio: f64) -> String {
     match ratio {
-        ratio if ratio.is_infinite() => "without comparison to".into(),
+        ratio if ratio.is_infinite() => "any number of times".into(),
         ratio if ratio < 10.0 => format!("{ratio:.1} times"),
         ratio => format!("{ratio:.0} times"),
     }
@@ -130,7 +134,7 @@ fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 fn adhesion(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
     (inspection.pull_n > 0.0 && !outcome.touches.is_empty()).then(|| {
         format!(
-            "the force falls to {} below rest: adhesion (or a resting force that moves), which the \
+            "the force falls to {} below rest: adhesion (or friction, or a moving resting force), which the \
              law does not have",
             quantity(inspection.pull_n, 3, "N")
         )

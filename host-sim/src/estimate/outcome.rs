@@ -40,7 +40,8 @@ pub struct Outcome {
     /// Raw force against the law with the final parameters, in contact (N rms); `None` without
     /// contact or parameters.
     pub force_rmse_n: Option<f64>,
-    /// From first contact until the parameters had settled (s); `None` if they never did.
+    /// From first contact until the parameters had settled (s); `None` if they never did, or only for
+    /// the last moments of the log (less than the judgement's window).
     pub settled_at_s: Option<f64>,
     /// A stretch per material.
     pub segments: Vec<Segment>,
@@ -185,7 +186,9 @@ fn settled_at(replay: &Replay, parameters: &Parameters<f32>) -> Option<f64> {
         None => 0,
     };
     let contact_s = replay.time_s(replay.contacts().first()?.start);
-    (first_near < replay.records.len()).then(|| replay.time_s(first_near) - contact_s)
+    let stayed_s = (replay.records.len() - first_near) as f64 * replay.period_s;
+    let long_enough = stayed_s >= f64::from(replay.config.judgement.window_s);
+    long_enough.then(|| replay.time_s(first_near) - contact_s)
 }
 
 fn touches(replay: &Replay) -> Vec<Touch> {

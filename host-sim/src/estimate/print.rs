@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::explain::times;
 use super::{Estimation, MethodChoice};
 use crate::log::UniformLog;
 use crate::report::number::{Measured, counted, quantity};
@@ -41,10 +42,11 @@ fn write_summary(
     match outcome.settled_at_s {
         Some(after) => writeln!(
             text,
-            ", within 5 % of its end {} after first contact",
+            ", settled within 5 % {} after first contact",
             quantity(after, 3, "s")
         )?,
-        None => writeln!(text)?,
+        None if outcome.touches.is_empty() => writeln!(text)?,
+        None => writeln!(text, ", not settled within 5 %")?,
     }
     for (info, estimate) in outcome.named(&outcome.parameters) {
         match estimate {
@@ -60,9 +62,9 @@ fn write_summary(
         let noise = estimation.inspection.noise_n;
         writeln!(
             text,
-            "force RMSE in contact {}, {} times the noise of {}",
+            "force RMSE in contact {}, {} the noise of {}",
             quantity(rmse, 3, "N"),
-            quantity(rmse / noise, 3, "1").trim_end(),
+            times(rmse / noise),
             quantity(noise, 3, "N")
         )?;
     }

@@ -57,7 +57,8 @@ pub(super) fn wanted(args: &EstimateArgs) -> bool {
 
 fn families(law: LawChoice, modes: Option<u8>) -> Vec<Family> {
     let wanted = |family: &Family| match (law, family) {
-        (LawChoice::Auto, Family::QuasiLinear(own)) | (LawChoice::Hammerstein, Family::QuasiLinear(own)) => {
+        (LawChoice::Auto, Family::QuasiLinear(own))
+        | (LawChoice::Hammerstein, Family::QuasiLinear(own)) => {
             modes.is_none_or(|modes| usize::from(modes) == *own)
         }
         (LawChoice::Auto, _) => true,

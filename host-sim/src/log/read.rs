@@ -5,6 +5,7 @@ use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder};
 
+use super::cell::{Cell, number};
 use super::columns::{Channel, Placed};
 use super::preamble::{self, Preamble};
 use super::source::{Source, line_at, unreadable};
@@ -74,12 +75,6 @@ impl Problem {
     fn may_be_skipped(&self) -> bool {
         matches!(self, Problem::Ragged { .. } | Problem::Missing { .. })
     }
-}
-
-enum Cell {
-    Number(f64),
-    Missing,
-    Text,
 }
 
 /// The channels while they grow, and what has been noticed.
@@ -329,12 +324,18 @@ impl<'a> Rows<'a> {
 
     fn ragged(&self, found: usize, text: &str) -> Diagnostic {
         let wanted = self.preamble.names.len();
+        let remedy = match found == 2 * wanted && self.preamble.delimiter == b',' {
+            true => "decimal commas need semicolons or tabs between the columns",
+            false => {
+                "complete the row; --skip-bad-rows leaves such rows out, counts them and says so"
+            }
+        };
         Diagnostic::new(format!(
             "{found} values in a row, {wanted} names in the header"
         ))
         .excerpt(text, 0..text.len())
         .value(found)
-        .remedy("complete the row; --skip-bad-rows leaves such rows out, counts them and says so")
+        .remedy(remedy)
     }
 
     fn backward(&self, time_s: f64, text: &str) -> Diagnostic {
@@ -364,29 +365,6 @@ impl<'a> Rows<'a> {
             from += cell.len() + 1;
         }
         0..0
-    }
-}
-
-fn number(cell: &[u8], delimiter: u8, decimal_commas: &mut bool) -> Cell {
-    let cell = cell.trim_ascii();
-    if cell.is_empty() {
-        return Cell::Missing;
-    }
-    let Ok(text) = std::str::from_utf8(cell) else {
-        return Cell::Text;
-    };
-    let parsed = text.parse::<f64>().ok().or_else(|| {
-        let european = delimiter != b',' && !text.contains('.') && text.matches(',').count() == 1;
-        let value = european
-            .then(|| text.replace(',', ".").parse().ok())
-            .flatten();
-        *decimal_commas |= value.is_some();
-        value
-    });
-    match parsed {
-        Some(value) if value.is_finite() => Cell::Number(value),
-        Some(_) => Cell::Missing,
-        None => Cell::Text,
     }
 }
 
