@@ -1,8 +1,8 @@
 //! Depth and speed without delay: local cubics through the position, each as wide as the noise of
 //! the position allows and no wider.
 //!
-//! A fixed window either rounds the corner between a ramp and a hold off (a damper then misses volts
-//! of force there) or leaves the encoder's steps in the speed. Here every sample takes the widest
+//! A fixed window either rounds the corner between a ramp and a hold off (a damper then
+//! misses newtons there) or leaves the encoder's steps in the speed. Here every sample takes the widest
 //! window whose cubic still leaves no more than the noise.
 
 use crate::log::UniformLog;
@@ -160,10 +160,10 @@ mod tests {
 
     #[test]
     fn the_corner_between_a_ramp_and_a_hold_stays_a_corner() {
-        // GIVEN 30 mm/s for 100 ms, then a hold
-        let (found, _) = of(|t| 0.03 * t.min(0.1));
+        // GIVEN a slow approach, which shows the counts, 30 mm/s for 100 ms, then a hold
+        let (found, _) = of(|t| 7e-4 * t.min(1.0) + 0.03 * (t - 1.0).clamp(0.0, 0.1));
         // THEN three samples away the speed is that of the ramp or that of the hold, to 0.3 mm/s.
-        for (at, speed) in [(97, 0.03), (103, 0.0)] {
+        for (at, speed) in [(1097, 0.03), (1103, 0.0)] {
             assert!(
                 (found.speed_mps[at] - speed).abs() < 3e-4,
                 "{at}: {}",
@@ -171,6 +171,6 @@ mod tests {
             );
         }
         // The rest of the hold is still.
-        assert!(found.speed_mps[130].abs() < 1e-9);
+        assert!(found.speed_mps[1130].abs() < 1e-9);
     }
 }
