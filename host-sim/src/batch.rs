@@ -213,16 +213,17 @@ impl Given<'_> {
         }
     }
 
-    /// The smallest score among the laws of which the log tells every parameter; if there is none, of
-    /// all. A mode that is not known to be there is not taken, whatever it takes off the residuals.
+    /// The smallest score among the laws of which the log tells every relaxation mode: one that is
+    /// not known to be there is not taken, whatever it takes off the residuals.
     fn best<'a>(&self, tried: &'a [Candidate], fixed: Fixed) -> Option<&'a Candidate> {
         let mut order: Vec<&Candidate> = tried.iter().collect();
         order.sort_by(|a, b| a.score.total_cmp(&b.score));
         let told = |candidate: &&&Candidate| {
             let (parameters, ..) = self.estimated(candidate, fixed);
-            parameters
+            let mut modes = parameters
                 .iter()
-                .all(|parameter| parameter.estimate.is_some())
+                .filter(|p| p.name.starts_with("relaxation"));
+            modes.all(|mode| mode.estimate.is_some())
         };
         order.iter().find(told).or(order.first()).copied()
     }

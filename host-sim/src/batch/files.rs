@@ -82,7 +82,7 @@ pub(super) fn json(batch: &Batch) -> Value {
             "from_s": seconds(touch.from_s),
             "to_s": seconds(touch.to_s),
             "parameters": parameters(&touch.parameters),
-            "force_rmse_n": number(touch.force_rmse_n),
+            "block_rmse_n": number(touch.block_rmse_n),
         })
     });
     let selection = batch.selection.iter().map(|tried| {

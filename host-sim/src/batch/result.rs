@@ -40,8 +40,9 @@ pub struct TouchFit {
     pub to_s: f64,
     /// Stiffness, damping and exponent, as far as the law has them, with the log's own surface.
     pub parameters: Vec<Parameter>,
-    /// Raw force against the law with these (N rms).
-    pub force_rmse_n: f64,
+    /// Block means of the force against the law with these (N rms): below the noise of single
+    /// samples where the law fits.
+    pub block_rmse_n: f64,
 }
 
 /// Young's modulus of a given indenter.

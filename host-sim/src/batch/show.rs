@@ -145,12 +145,12 @@ fn per_touch(batch: &Batch) -> Option<Table> {
             .into_iter()
             .chain(names),
     )
-    .column("Force error, rms")
+    .column("Error of block means, rms")
     .caption("Each touch by itself, with the surface and the relaxation of the whole log")
     .at_most(MOST_ROWS);
     let rows = batch.per_touch.iter().map(|touch| {
         let ends = [touch.from_s, touch.to_s].map(|at| Cell::Number(fixed(at, -3)));
-        let error = Cell::quantity(touch.force_rmse_n, 3, "N");
+        let error = Cell::quantity(touch.block_rmse_n, 3, "N");
         let cells = ends.into_iter().chain(touch.parameters.iter().map(cell));
         cells.chain([error]).collect::<Vec<_>>()
     });

@@ -15,8 +15,8 @@ use crate::log::UniformLog;
 
 /// Fewest nodes that make a fit.
 const FEWEST: usize = 10;
-/// Touches before a touch that its memory reaches back to.
-const REMEMBERED: usize = 3;
+/// Time constants of the slowest mode that the memory reaches back: e^−10 of it is left.
+const REMEMBERED: f64 = 10.0;
 /// Of the peak force: below it a law that remembers may be saturated.
 const LOW: f64 = 0.03;
 /// Parameters that a touch has of its own.
@@ -30,8 +30,19 @@ pub(super) fn touches(
     depth_m: f64,
 ) -> Vec<TouchFit> {
     let ranges = ranges(course);
+    let law = natural(best.fit.family, &best.fit.free, &course.scales);
+    let rates = law.modes[..best.fit.family.modes()]
+        .iter()
+        .map(|mode| mode.rate_per_s);
+    let memory_s = REMEMBERED / rates.fold(f64::INFINITY, f64::min);
     let fits = ranges.iter().enumerate().map(|(number, range)| {
-        let reach = ranges[number.saturating_sub(REMEMBERED)].start;
+        let start_s = course
+            .nodes
+            .get(range.start)
+            .map_or(0.0, |node| node.time_s);
+        let reach = course
+            .nodes
+            .partition_point(|node| node.time_s < start_s - memory_s);
         let one = OneTouch {
             course,
             best,
@@ -112,7 +123,7 @@ impl OneTouch<'_> {
             from_s,
             to_s,
             parameters,
-            force_rmse_n: rmse(&nodes, &fit, scales),
+            block_rmse_n: rmse(&nodes, &fit, scales),
         })
     }
 
