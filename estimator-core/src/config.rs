@@ -99,15 +99,24 @@ pub enum Method {
     /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
     /// the parameters.
     HuntCrossleyBank = 5,
+    /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
+    KelvinVoigtSurface = 6,
 }
 
 impl Method {
     /// The law that the method identifies.
     pub const fn law(self) -> LawKind {
         match self {
-            Method::KelvinVoigt => LawKind::KelvinVoigt,
+            Method::KelvinVoigt | Method::KelvinVoigtSurface => LawKind::KelvinVoigt,
             Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
         }
+    }
+}
+
+impl Method {
+    /// Whether the surface is among the parameters, rather than taken from the impact.
+    pub const fn finds_surface(self) -> bool {
+        matches!(self, Method::HuntCrossleyBank | Method::KelvinVoigtSurface)
     }
 }
 

@@ -45,7 +45,7 @@ impl<T: Real> State<T> {
     pub fn surface_m(&self, params: &Params<T>) -> Option<T> {
         let found = self
             .identifier
-            .surface(params)
+            .surface(params, &ForceNoise::default())
             .map(|surface| surface.position_m);
         found.or(self.contact.surface_m())
     }
@@ -139,7 +139,8 @@ impl<T: Real> State<T> {
 
     /// The surface as the estimator finds it, else as the contact detector does.
     fn surface(&self, params: &Params<T>, contact: &Contact<T>) -> Option<SurfacePosition<T>> {
-        self.identifier.surface(params).or(contact.surface)
+        let noise = force_noise(params, contact);
+        self.identifier.surface(params, &noise).or(contact.surface)
     }
 
     /// Penetration (m); 0 while no surface is known.
@@ -288,14 +289,16 @@ fn scaled<T: Real>(
         spread: aligned.spread_m2 / (scale.depth_m * scale.depth_m),
         coupling: aligned.coupling_m2ps / (scale.depth_m * scale.speed_mps),
     };
-    let raw = contact.noise_n / scale.force_n;
-    (
-        instant,
-        ForceNoise {
-            raw,
-            filtered: raw * params.filter.noise_gain().root(),
-        },
-    )
+    (instant, force_noise(params, contact))
+}
+
+/// What the force channel is worth, scaled.
+fn force_noise<T: Real>(params: &Params<T>, contact: &Contact<T>) -> ForceNoise<T> {
+    let raw = contact.noise_n / params.scale.force_n;
+    ForceNoise {
+        raw,
+        filtered: raw * params.filter.noise_gain().root(),
+    }
 }
 
 #[cfg(test)]

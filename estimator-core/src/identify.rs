@@ -1,5 +1,6 @@
 //! The estimators of the menu, one file each, behind one face.
 
+mod affine;
 mod bank;
 mod bank_refiner;
 mod confidence;
@@ -7,6 +8,7 @@ mod hunt_crossley;
 mod kelvin_voigt;
 mod refiner;
 
+pub use affine::Affine;
 pub use bank::{Bank, Candidate};
 pub use bank_refiner::BankRefiner;
 pub use confidence::Confidence;
@@ -150,6 +152,8 @@ pub enum Identifier<T: Real> {
     TwoStage(TwoStage<T>),
     /// See [`BankRefiner`].
     BankRefiner(BankRefiner<T>),
+    /// See [`Affine`].
+    Affine(Affine<T>),
 }
 
 impl<T: Real> Identifier<T> {
@@ -159,13 +163,18 @@ impl<T: Real> Identifier<T> {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
             Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
+            Method::KelvinVoigtSurface if params.contact.surface_known() => {
+                Self::Linear(Linear::new(params))
+            }
+            Method::KelvinVoigtSurface => Self::Affine(Affine::new(params)),
         }
     }
 
     /// The surface, where the estimator finds it itself.
-    pub fn surface(&self, params: &Params<T>) -> Option<SurfacePosition<T>> {
+    pub fn surface(&self, params: &Params<T>, noise: &ForceNoise<T>) -> Option<SurfacePosition<T>> {
         match self {
             Self::BankRefiner(own) => own.surface(params),
+            Self::Affine(own) => own.surface(params, noise),
             _ => None,
         }
     }
@@ -176,6 +185,7 @@ impl<T: Real> Identifier<T> {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
             Self::BankRefiner(own) => own.predict(at, noise, surface_error),
+            Self::Affine(own) => own.predict(at, noise, surface_error),
         }
     }
 
@@ -191,6 +201,7 @@ impl<T: Real> Identifier<T> {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
             Self::BankRefiner(own) => own.learn(params, at, noise, beta),
+            Self::Affine(own) => own.learn(params, at, noise, beta),
         }
     }
 
@@ -200,6 +211,7 @@ impl<T: Real> Identifier<T> {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
             Self::BankRefiner(own) => own.reopen(params),
+            Self::Affine(own) => own.reopen(params),
         }
     }
 
@@ -209,6 +221,7 @@ impl<T: Real> Identifier<T> {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
             Self::BankRefiner(own) => own.judged(noise, surface_error),
+            Self::Affine(own) => own.judged(noise, surface_error),
         }
     }
 }

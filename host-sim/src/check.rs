@@ -245,7 +245,7 @@ fn elastic(inspection: &Inspection) -> Result<String, String> {
 fn damping(inspection: &Inspection) -> Result<String, String> {
     pressed(inspection).map_err(|why| format!("damping ({why})"))?;
     let (slow, fast) = inspection.speeds_mps.unwrap_or((1.0, 1.0));
-    if fast <= 2.0 * slow {
+    if fast <= 3.0 * slow {
         return Err("damping (one speed only)".into());
     }
     let (slow, fast) = (quantity(slow, 2, "m/s"), quantity(fast, 2, "m/s"));

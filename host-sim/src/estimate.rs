@@ -119,8 +119,10 @@ pub enum LawChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum MethodChoice {
-    /// Recursive least squares (kelvin_voigt)
+    /// Recursive least squares, the surface from the impact (kelvin_voigt)
     Rls,
+    /// Recursive least squares, surface included (kelvin_voigt)
+    RlsSurface,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
     /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
@@ -133,6 +135,7 @@ impl MethodChoice {
     fn of(method: Method) -> Self {
         match method {
             Method::KelvinVoigt => MethodChoice::Rls,
+            Method::KelvinVoigtSurface => MethodChoice::RlsSurface,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
             Method::HuntCrossleyBank => MethodChoice::Bank,
         }
@@ -141,6 +144,7 @@ impl MethodChoice {
     fn name(self) -> &'static str {
         match self {
             MethodChoice::Rls => "rls",
+            MethodChoice::RlsSurface => "rls_surface",
             MethodChoice::TwoStage => "two_stage",
             MethodChoice::Bank => "bank",
             MethodChoice::Batch => "batch",
@@ -176,7 +180,8 @@ fn finite(text: &str) -> Result<f64, String> {
 fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, Diagnostic> {
     // A law's first method is its default.
     let all = [
-        (LawChoice::KelvinVoigt, Method::KelvinVoigt, true),
+        (LawChoice::KelvinVoigt, Method::KelvinVoigtSurface, true),
+        (LawChoice::KelvinVoigt, Method::KelvinVoigt, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
     ];
@@ -193,8 +198,8 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls goes with kelvin_voigt, bank and two_stage with hunt_crossley, batch with every law; \
-                 or leave --method out",
+                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, \
+                 batch with every law; or leave --method out",
             ));
     }
     Ok(left)
@@ -360,9 +365,7 @@ mod tests {
     fn a_method_that_does_not_go_with_the_law_is_refused_with_a_remedy() {
         let error = methods(LawChoice::KelvinVoigt, Some(MethodChoice::TwoStage)).unwrap_err();
         assert!(
-            error
-                .to_string()
-                .contains("remedy: rls goes with kelvin_voigt"),
+            error.to_string().contains("go with kelvin_voigt"),
             "{error}"
         );
     }
@@ -370,7 +373,7 @@ mod tests {
     #[test]
     fn auto_tries_every_law_the_simplest_first() {
         let all = methods(LawChoice::Auto, None).unwrap();
-        assert_eq!(all, [Method::KelvinVoigt, Method::HuntCrossleyBank]);
+        assert_eq!(all, [Method::KelvinVoigtSurface, Method::HuntCrossleyBank]);
     }
 
     #[test]

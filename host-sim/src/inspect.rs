@@ -45,7 +45,7 @@ pub struct Inspection {
     pub pull_n: f64,
     /// The force at which the channel ends, if flat tops show it (N).
     pub saturated_n: Option<f64>,
-    /// Speeds in contact: the lower and upper decile of the non-zero ones (m/s).
+    /// Speeds in contact: the lower and upper decile of those above a tenth of the fastest (m/s).
     pub speeds_mps: Option<(f64, f64)>,
 }
 
@@ -143,7 +143,7 @@ fn speeds(replay: &Replay) -> Option<(f64, f64)> {
         .map(|index| f64::from(replay.records[index].speed_mps.abs()))
         .collect();
     let fastest = speeds.iter().copied().fold(0.0, f64::max);
-    speeds.retain(|speed| *speed > 0.01 * fastest);
+    speeds.retain(|speed| *speed > 0.1 * fastest);
     speeds.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| speeds.get((share * speeds.len() as f64) as usize).copied();
     Some((at(0.1)?, at(0.9)?))

@@ -88,6 +88,14 @@ impl Replay {
         index.checked_sub(self.delay)
     }
 
+    /// Depth (m) that record `index` describes, below the surface that is known at the end: an
+    /// estimator that finds the surface moves the depths of its records with it.
+    pub fn final_depth_m(&self, index: usize) -> f64 {
+        let surface = self.surface_m.last().copied().unwrap_or_default();
+        let position = self.records[index].depth_m + self.surface_m[index];
+        f64::from(position) - f64::from(surface)
+    }
+
     /// The last record; `None` of an empty log.
     pub fn last(&self) -> Option<&Estimate<f32>> {
         self.records.last()

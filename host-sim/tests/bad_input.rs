@@ -200,7 +200,7 @@ const WRONG_ARGUMENTS: [(&str, &[&str]); 15] = [
     ("estimate",                                       &["required arguments", "<LOG>"]),
     ("estimate log.csv --law zenner",                  &["'zenner' for '--law", "hunt_crossley"]),
     ("estimate log.csv --method magic",                &["'magic' for '--method", "two_stage"]),
-    ("estimate log.csv --law kelvin_voigt --method two_stage", &["value: `two_stage`", "remedy: rls goes with kelvin_voigt"]),
+    ("estimate log.csv --law kelvin_voigt --method two_stage", &["value: `two_stage`", "remedy: rls and rls_surface go with"]),
     ("estimate log.csv --every 0",                     &["'0' for '--every", "1.."]),
     ("estimate log.csv --every 1.5",                   &["'1.5' for '--every", "invalid digit"]),
     ("estimate log.csv --reference-depth 0",           &["'0' for '--reference-depth", "must be positive, in metres"]),

@@ -25,7 +25,7 @@ impl<T: Real> ForgettingParams<T> {
     pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
         let forgetting = config.forgetting;
         let alpha_1 = forgetting.alpha_1.unwrap_or(match config.method {
-            Method::KelvinVoigt => 0.001,
+            Method::KelvinVoigt | Method::KelvinVoigtSurface => 0.001,
             Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => 0.03,
         });
         require(

@@ -143,7 +143,9 @@ fn adhesion(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 
 fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
     let surface = outcome.value("surface")?;
-    if replay.config.contact.surface != Surface::AtImpact || outcome.status == Status::NoContact {
+    let found = replay.config.method.finds_surface();
+    let known = replay.config.contact.surface != Surface::AtImpact;
+    if found || known || outcome.status == Status::NoContact {
         return None;
     }
     let error_m = f64::from(surface.std_error);

@@ -133,14 +133,19 @@ fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>)
     let Some(law) = law_with(replay.params.law(), parameters, reference_depth_m) else {
         return forces;
     };
+    let found = match replay.config.method.finds_surface() {
+        true => parameters[replay.params.law().parameters().len() - 1],
+        false => None,
+    };
     for contact in replay.contacts() {
         for index in contact {
             let Some(sample) = replay.sample_of(index) else {
                 continue;
             };
+            let surface_m = found.map_or(replay.surface_m[index], |surface| surface.value);
             let (position_m, speed_mps) =
                 signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
-            let depth_m = position_m - f64::from(replay.surface_m[index]);
+            let depth_m = position_m - f64::from(surface_m);
             forces[index] = law.force_n(depth_m, speed_mps) as f32;
         }
     }
