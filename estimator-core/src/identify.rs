@@ -13,6 +13,7 @@ use crate::contact::SurfacePosition;
 use crate::estimate::{Estimated, PARAMETER_SLOTS, Parameters};
 use crate::scalar::Real;
 use crate::status::Judged;
+use crate::units::Unit;
 
 /// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, a palpation's.
 const SPEED_PER_DEPTH: f64 = 10.0;
@@ -48,6 +49,16 @@ impl<T: Real> Scale<T> {
     /// N s/m in one unit of scaled damping.
     pub fn damping(&self) -> T {
         self.force_n / self.speed_mps
+    }
+
+    /// SI units in one unit of a scaled parameter. Rates are in 1/s throughout.
+    pub fn of(&self, unit: Unit) -> T {
+        match unit {
+            Unit::NewtonPerMetre => self.stiffness(),
+            Unit::NewtonSecondPerMetre => self.damping(),
+            Unit::Metre => self.depth_m,
+            Unit::One | Unit::PerSecond => T::unit(),
+        }
     }
 }
 
@@ -182,7 +193,12 @@ pub fn report<T: Real>(
     judged: &[Judged<T>],
     surface: SurfacePosition<T>,
 ) -> Parameters<T> {
-    let units = [params.scale.stiffness(), params.scale.damping(), T::unit()];
+    let scale = &params.scale;
+    let units = params
+        .law()
+        .parameters()
+        .iter()
+        .map(|info| scale.of(info.unit));
     let mut parameters = [None; PARAMETER_SLOTS];
     for ((slot, own), unit) in parameters.iter_mut().zip(judged).zip(units) {
         *slot = own.observable().then(|| Estimated {
