@@ -160,14 +160,12 @@ impl<T: Real> State<T> {
     ) -> Option<T> {
         let inside = contact.run >= params.filter.memory_samples() && self.distrust == 0;
         let above = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
-        if !(inside && above) {
-            return None;
-        }
+        let usable = inside && above;
         let error_n = innovation.innovation_n * params.scale.force_n;
         let beta = params.forgetting.beta(error_n, contact.noise_n);
-        self.identifier
-            .learn(params, at, noise, beta)
-            .then_some(beta)
+        let learned = usable && self.identifier.learn(params, at, noise, beta);
+        self.identifier.track(at, usable);
+        learned.then_some(beta)
     }
 
     /// What the new parameters are worth; refreshes the ones that are reported.

@@ -1,12 +1,19 @@
 //! The estimators of the menu, one file each, behind one face.
 
 mod confidence;
+mod equation_error;
+mod hammerstein;
 mod hunt_crossley;
 mod kelvin_voigt;
+mod modes;
+mod zener;
 
 pub use confidence::Confidence;
+pub use hammerstein::{Cascade, Cascade1, Cascade2};
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
+pub use modes::hammerstein_coefficients;
+pub use zener::{Solid, ZenerArx};
 
 use crate::config::{Initial, Method, Params, Reference};
 use crate::contact::SurfacePosition;
@@ -122,6 +129,10 @@ pub trait Identify<T: Real> {
         beta: T,
     ) -> bool;
 
+    /// Sees every sample after the rest of the loop has: `usable` unless it is in free air, within
+    /// the noise, or not to be trusted. For estimators whose equations span several samples.
+    fn track(&mut self, _at: &Instant<T>, _usable: bool) {}
+
     /// Forgets how sure it was, and keeps its values: another material is under the probe.
     fn reopen(&mut self, params: &Params<T>);
 
@@ -137,6 +148,12 @@ pub enum Identifier<T: Real> {
     Linear(Linear<T>),
     /// See [`TwoStage`].
     TwoStage(TwoStage<T>),
+    /// See [`ZenerArx`].
+    ZenerArx(ZenerArx<T>),
+    /// See [`Cascade`].
+    Cascade1(Cascade1<T>),
+    /// See [`Cascade`].
+    Cascade2(Cascade2<T>),
 }
 
 impl<T: Real> Identifier<T> {
@@ -145,6 +162,9 @@ impl<T: Real> Identifier<T> {
         match params.method {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+            Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
+            Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
+            Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
         }
     }
 
@@ -153,6 +173,9 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
+            Self::ZenerArx(own) => own.predict(at, noise, surface_error),
+            Self::Cascade1(own) => own.predict(at, noise, surface_error),
+            Self::Cascade2(own) => own.predict(at, noise, surface_error),
         }
     }
 
@@ -167,6 +190,20 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+            Self::ZenerArx(own) => own.learn(params, at, noise, beta),
+            Self::Cascade1(own) => own.learn(params, at, noise, beta),
+            Self::Cascade2(own) => own.learn(params, at, noise, beta),
+        }
+    }
+
+    /// See [`Identify::track`].
+    pub fn track(&mut self, at: &Instant<T>, usable: bool) {
+        match self {
+            Self::Linear(own) => own.track(at, usable),
+            Self::TwoStage(own) => own.track(at, usable),
+            Self::ZenerArx(own) => own.track(at, usable),
+            Self::Cascade1(own) => own.track(at, usable),
+            Self::Cascade2(own) => own.track(at, usable),
         }
     }
 
@@ -175,6 +212,9 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
+            Self::ZenerArx(own) => own.reopen(params),
+            Self::Cascade1(own) => own.reopen(params),
+            Self::Cascade2(own) => own.reopen(params),
         }
     }
 
@@ -183,6 +223,9 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
+            Self::ZenerArx(own) => own.judged(noise, surface_error),
+            Self::Cascade1(own) => own.judged(noise, surface_error),
+            Self::Cascade2(own) => own.judged(noise, surface_error),
         }
     }
 }

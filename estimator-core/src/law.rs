@@ -14,6 +14,7 @@ pub use hunt_crossley::HuntCrossley;
 pub use kelvin_voigt::KelvinVoigt;
 pub use quasi_linear::{Elastic, QuasiLinear, QuasiLinearState};
 pub use relaxation::RelaxationMode;
+pub(crate) use relaxation::growth;
 pub use zener::{Zener, ZenerState};
 
 use crate::scalar::Scalar;

@@ -101,6 +101,11 @@ pub enum LawChoice {
     KelvinVoigt,
     /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ
     HuntCrossley,
+    /// Standard linear solid: a spring in series with a spring and damper in parallel
+    Zener,
+    /// Kδ₀(δ/δ₀)ⁿ that relaxes in one or two modes
+    #[value(alias = "hammerstein")]
+    QuasiLinear,
 }
 
 /// The methods on the command line.
@@ -111,6 +116,13 @@ pub enum MethodChoice {
     Rls,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
+    /// Recursive least squares on force and depth of two samples (zener)
+    Arx,
+    /// Elastic response while loading, then its relaxation in one mode (quasi_linear)
+    Cascade,
+    /// The same in two modes (quasi_linear)
+    #[value(name = "cascade_2")]
+    Cascade2,
 }
 
 impl MethodChoice {
@@ -118,6 +130,9 @@ impl MethodChoice {
         match method {
             Method::KelvinVoigt => MethodChoice::Rls,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+            Method::ZenerArx => MethodChoice::Arx,
+            Method::HammersteinCascade => MethodChoice::Cascade,
+            Method::HammersteinCascade2 => MethodChoice::Cascade2,
         }
     }
 
@@ -125,6 +140,9 @@ impl MethodChoice {
         match self {
             MethodChoice::Rls => "rls",
             MethodChoice::TwoStage => "two_stage",
+            MethodChoice::Arx => "arx",
+            MethodChoice::Cascade => "cascade",
+            MethodChoice::Cascade2 => "cascade_2",
         }
     }
 }
@@ -154,6 +172,9 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
     let all = [
         (LawChoice::KelvinVoigt, Method::KelvinVoigt),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage),
+        (LawChoice::Zener, Method::ZenerArx),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade2),
     ];
     let fits = |(own, candidate): &(LawChoice, Method)| {
         (law == LawChoice::Auto || law == *own)
@@ -168,7 +189,8 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls goes with kelvin_voigt, two_stage with hunt_crossley; or leave --method out",
+                "rls goes with kelvin_voigt, two_stage with hunt_crossley, arx with zener, cascade \
+                 and cascade_2 with quasi_linear; or leave --method out",
             ));
     }
     Ok(left)
@@ -314,7 +336,14 @@ mod tests {
     #[test]
     fn auto_tries_every_law_the_simplest_first() {
         let all = methods(LawChoice::Auto, None).unwrap();
-        assert_eq!(all, [Method::KelvinVoigt, Method::HuntCrossleyTwoStage]);
+        let simplest_first = [
+            Method::KelvinVoigt,
+            Method::HuntCrossleyTwoStage,
+            Method::ZenerArx,
+            Method::HammersteinCascade,
+            Method::HammersteinCascade2,
+        ];
+        assert_eq!(all, simplest_first);
     }
 
     #[test]

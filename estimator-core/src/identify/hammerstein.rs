@@ -1,0 +1,462 @@
+//! The quasi-linear law by two recursive least squares in cascade, (39)–(42).
+//!
+//! Γ₁ estimates the elastic response F⁽ᵉ⁾ = γ₁δ^γ₂ from y₁ = ln F, φ₁ = [1, ln δ], θ₁ = [ln γ₁, γ₂],
+//! weighted, from the samples that press faster than δ̇*: there nothing has relaxed yet.
+//! Γ₂ estimates the filter from y₂ = F − F̂⁽ᵉ⁾ and φ₂ = [F(h−1)…, F̂⁽ᵉ⁾(h−1)…] of all the others.
+//!
+//! Γ₂ is written in differences of z = F − F̂⁽ᵉ⁾, the same model for the same data; for r = 1
+//! (z(h) − z(h−1))/T = −α·z(h−1) + β·F̂⁽ᵉ⁾(h−1), a₁ = αT − 1, b₁ = βT − 1 + αT.
+//! At 1 kHz a mode of 0.1/s is a pole at 0.9999, whose distance from 1 single precision keeps to
+//! three digits. And it looks at means over half of the filter's memory (r = 1, 10 ms by default) or
+//! ten times as long (r = 2, whose second differences amplify noise with 1/T²).
+
+use nalgebra::{SVector, Vector1, Vector2, Vector3};
+
+use super::equation_error::{Equation, EquationError};
+use super::hunt_crossley::LOG_SIGMAS;
+use super::kelvin_voigt::size;
+use super::modes::{Pace, one_mode, two_modes};
+use super::{ForceNoise, Identify, Instant};
+use crate::config::{Params, Weight};
+use crate::estimate::PARAMETER_SLOTS;
+use crate::law::RelaxationMode;
+use crate::rls::Excitation;
+use crate::scalar::{Dual, Real, Scalar};
+use crate::status::Judged;
+
+/// Periods of r = 2 over those of r = 1.
+const SLOWER_FOR_TWO: u32 = 10;
+/// F̂⁽ᵉ⁾ is a power within these bounds, so that no start makes a number that single precision
+/// cannot hold.
+const EXPONENT: (f64, f64) = (0.3, 4.0);
+/// |ln γ₁| in units of the reference force is at most this.
+const LOG_STIFFNESS: f64 = 20.0;
+
+/// What is not noise but wrong in every sample alike, as Γ₂ sees it: ln γ₁, γ₂ and the surface.
+const CONSIDERED: usize = 3;
+
+/// Means over one period.
+#[derive(Clone, Copy, Debug)]
+struct Block<T: Real> {
+    /// z = F − F̂⁽ᵉ⁾
+    relaxed: T,
+    /// F̂⁽ᵉ⁾
+    elastic: T,
+    /// ∂F̂⁽ᵉ⁾ by ln γ₁, γ₂ and the surface.
+    gradient: Vector3<T>,
+}
+
+impl<T: Real> Block<T> {
+    fn empty() -> Self {
+        Block {
+            relaxed: T::nil(),
+            elastic: T::nil(),
+            gradient: Vector3::repeat(T::nil()),
+        }
+    }
+
+    /// `self + other · weight`
+    fn plus(&self, other: &Self, weight: T) -> Self {
+        Block {
+            relaxed: self.relaxed + other.relaxed * weight,
+            elastic: self.elastic + other.elastic * weight,
+            gradient: self.gradient + other.gradient * weight,
+        }
+    }
+
+    /// `(self − older)·per_s`
+    fn rate(&self, older: &Self, per_s: T) -> Self {
+        let difference = self.plus(older, -T::unit());
+        Block::empty().plus(&difference, per_s)
+    }
+}
+
+/// The chapter's estimator with `R` modes, scaled; `N` = 2R. See [`Cascade1`] and [`Cascade2`].
+#[derive(Clone, Debug)]
+pub struct Cascade<T: Real, const R: usize, const N: usize> {
+    gamma_1: EquationError<T, 2, 1>,
+    gamma_2: EquationError<T, N, CONSIDERED>,
+    excitation: Excitation<T, 2>,
+    modes: Option<[RelaxationMode<T>; R]>,
+    pace: Pace<T>,
+    weight: Weight,
+    loading_speed: T,
+    /// The last periods, newest first.
+    past: [Block<T>; R],
+    /// How many of them belong to this run of samples.
+    known: usize,
+    /// The sum of the period that is under way, and the samples in it.
+    sum: Block<T>,
+    summed: u32,
+}
+
+/// One relaxation mode.
+pub type Cascade1<T> = Cascade<T, 1, 2>;
+/// Two relaxation modes.
+pub type Cascade2<T> = Cascade<T, 2, 4>;
+
+impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
+    /// θ̂(0) and P(0) from the configuration; nothing relaxes to begin with.
+    pub fn new(params: &Params<T>) -> Self {
+        let start = params.start;
+        let least = T::from_f64(libm::exp(-LOG_STIFFNESS));
+        let log_stiffness = least.max_of(start.stiffness).ln();
+        let pace = Pace::new(params);
+        Cascade {
+            gamma_1: EquationError::new(
+                Vector2::new(log_stiffness, start.exponent),
+                start.covariance,
+            ),
+            gamma_2: EquationError::new(SVector::repeat(T::nil()), start.covariance),
+            excitation: Excitation::default(),
+            modes: None,
+            pace: if R == 1 {
+                pace
+            } else {
+                pace.slower(SLOWER_FOR_TWO)
+            },
+            weight: params.cascade.weight,
+            loading_speed: params.cascade.loading_speed,
+            past: [Block::empty(); R],
+            known: 0,
+            sum: Block::empty(),
+            summed: 0,
+        }
+    }
+
+    /// cᵢ and νᵢ (1/s), fast to slow; `None` while the poles of Γ₂ are not those of a relaxation.
+    pub fn modes(&self) -> Option<[RelaxationMode<T>; R]> {
+        self.modes
+    }
+
+    /// ln γ̂₁ and γ̂₂ within their bounds.
+    fn elastic_law(&self) -> (T, T) {
+        let theta = &self.gamma_1.rls.theta;
+        let within = |value: T, low: f64, high: f64| {
+            let raised = T::from_f64(low).max_of(value);
+            let high = T::from_f64(high);
+            if raised > high { high } else { raised }
+        };
+        (
+            within(theta.x, -LOG_STIFFNESS, LOG_STIFFNESS),
+            within(theta.y, EXPONENT.0, EXPONENT.1),
+        )
+    }
+
+    /// F̂⁽ᵉ⁾ at a depth d > 0 and what is left of the force there.
+    fn block(&self, at: &Instant<T>) -> Block<T> {
+        let (log_stiffness, exponent) = self.elastic_law();
+        let log_depth = at.depth.ln();
+        let elastic = (log_stiffness + exponent * log_depth).exp();
+        Block {
+            relaxed: at.force - elastic,
+            elastic,
+            gradient: Vector3::new(
+                elastic,
+                elastic * log_depth,
+                -(exponent * elastic / at.depth),
+            ),
+        }
+    }
+
+    /// The newest `R` periods' regressor: −derivatives of z, then derivatives of F̂⁽ᵉ⁾, highest first.
+    fn regressor(&self, per_s: T) -> (SVector<T, N>, [Block<T>; R]) {
+        let mut derivatives = self.past;
+        if let [newest, oldest] = derivatives.as_mut_slice() {
+            // δz and z, both at the older period: the delta operator looks forward.
+            *newest = newest.rate(oldest, per_s);
+        }
+        let mut phi = SVector::<T, N>::repeat(T::nil());
+        for (i, derivative) in derivatives.iter().enumerate() {
+            if let Some(slot) = phi.get_mut(i) {
+                *slot = -derivative.relaxed;
+            }
+            if let Some(slot) = phi.get_mut(R + i) {
+                *slot = derivative.elastic;
+            }
+        }
+        (phi, derivatives)
+    }
+
+    /// The highest difference quotient of z that ends with `now`: ẏ for r = 1, z̈ for r = 2.
+    fn output(&self, now: &Block<T>, per_s: T) -> Block<T> {
+        match self.past.as_slice() {
+            [last, before] => now.rate(last, per_s).rate(&last.rate(before, per_s), per_s),
+            [last, ..] => now.rate(last, per_s),
+            [] => *now,
+        }
+    }
+
+    /// How noise enters Γ₂: the coefficients of n(h−R), …, n(h) in ε, oldest first.
+    fn by_noise(&self, per_s: T) -> [T; 3] {
+        let theta = &self.gamma_2.rls.theta;
+        let coefficient = |i: usize| theta.get(i).copied().unwrap_or_default();
+        if R == 1 {
+            [coefficient(0) - per_s, per_s, T::nil()]
+        } else {
+            let (a_1, a_0) = (coefficient(0), coefficient(1));
+            let squared = per_s * per_s;
+            [
+                squared - a_1 * per_s + a_0,
+                a_1 * per_s - squared - squared,
+                squared,
+            ]
+        }
+    }
+
+    fn equation(&self, now: &Block<T>, per_s: T) -> Equation<T, N, CONSIDERED> {
+        let (phi, derivatives) = self.regressor(per_s);
+        let y = self.output(now, per_s);
+        // ε = y − φᵀθ; an error of F̂⁽ᵉ⁾ is one of z with the other sign.
+        let mut by_considered = -y.gradient;
+        let theta = &self.gamma_2.rls.theta;
+        for (i, derivative) in derivatives.iter().enumerate() {
+            let of_z = theta.get(i).copied().unwrap_or_default();
+            let of_elastic = theta.get(R + i).copied().unwrap_or_default();
+            by_considered -= derivative.gradient * (of_z + of_elastic);
+        }
+        Equation {
+            phi,
+            y: y.relaxed,
+            by_noise: self.by_noise(per_s),
+            by_considered,
+        }
+    }
+
+    /// Γ₁, (39)–(40).
+    fn learn_elastic(&mut self, params: &Params<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
+        if at.force <= T::from_f64(LOG_SIGMAS) * noise.filtered {
+            return;
+        }
+        let weight = match self.weight {
+            Weight::Force => at.force,
+            Weight::ForceSquared => at.force * at.force,
+        };
+        let per_force = T::unit() / at.force;
+        let equation = Equation {
+            phi: Vector2::new(T::unit(), at.depth.ln()),
+            y: at.force.ln(),
+            by_noise: [per_force, T::nil(), T::nil()],
+            by_considered: Vector1::new(self.elastic_law().1 / at.depth),
+        };
+        // Γ₁ forgets by its own error: F̂ of the cascade follows F whatever the elastic response.
+        let error = self.block(at).relaxed;
+        let beta = params.forgetting.beta(
+            error * params.scale.force_n,
+            noise.raw * params.scale.force_n,
+        );
+        self.gamma_1.update(&equation, beta, weight);
+    }
+
+    /// Γ₂, (41)–(42), at the end of a period.
+    fn learn_filter(&mut self, params: &Params<T>, now: &Block<T>, beta: T) {
+        let period_s = self.pace.period_s();
+        let per_s = T::unit() / period_s;
+        let equation = self.equation(now, per_s);
+        // A hold relaxes, and that is information; but nothing is forgotten while neither force nor
+        // depth moves, or ten minutes of it would wind the covariance up.
+        let phi = Vector2::new(now.relaxed + now.elastic, now.elastic);
+        let moving = self.excitation.admits(&phi, params.excitation_step);
+        let beta = if moving { beta } else { T::unit() };
+        self.gamma_2.update(&equation, beta, T::unit());
+        self.modes = modes::<T, R, N>(&self.gamma_2.rls.theta, period_s);
+    }
+
+    /// Closes the period that is under way, if it is full.
+    fn take_period(&mut self) -> Option<Block<T>> {
+        if self.summed < self.pace.samples {
+            return None;
+        }
+        let share = T::unit() / T::from_f64(f64::from(self.summed));
+        let mean = Block::empty().plus(&self.sum, share);
+        self.sum = Block::empty();
+        self.summed = 0;
+        Some(mean)
+    }
+
+    fn forget_run(&mut self) {
+        if self.known > 0 {
+            self.gamma_2.break_off();
+        }
+        self.known = 0;
+        self.sum = Block::empty();
+        self.summed = 0;
+    }
+
+    fn is_loading(&self, at: &Instant<T>) -> bool {
+        at.speed > self.loading_speed
+    }
+}
+
+/// The modes of θ₂ = [α…, β…].
+fn modes<S: Scalar, const R: usize, const N: usize>(
+    theta: &SVector<S, N>,
+    period_s: S,
+) -> Option<[RelaxationMode<S>; R]>
+where
+    S: nalgebra::Scalar,
+{
+    let mut found = [RelaxationMode {
+        fraction: S::nil(),
+        rate_per_s: S::nil(),
+    }; R];
+    let coefficients = theta.as_slice();
+    match (coefficients, found.as_mut_slice()) {
+        ([alpha, beta], [mode]) => *mode = one_mode(*alpha, *beta, period_s)?,
+        ([a_1, a_0, b_1, b_0], [fast, slow]) => {
+            [*fast, *slow] = two_modes([*a_1, *a_0], [*b_1, *b_0], period_s)?;
+        }
+        _ => return None,
+    }
+    Some(found)
+}
+
+impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
+    /// F̂ = F̂⁽ᵉ⁾ + ẑ, with z from the last period on.
+    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
+        if at.depth <= T::nil() {
+            return (T::nil(), T::nil());
+        }
+        let block = self.block(at);
+        let elastic = self.gamma_1.covariance(noise.raw * noise.raw);
+        let gradient = Vector2::new(block.gradient.x, block.gradient.y);
+        let by_surface = block.gradient.z * surface_error;
+        let of_elastic = gradient.dot(&(elastic * gradient)) + by_surface * by_surface;
+        let Some(last) = self.past.first().filter(|_| self.known > 0) else {
+            return (block.elastic, of_elastic);
+        };
+        // From the middle of the last period.
+        let half = T::from_f64(0.5);
+        let since = T::from_f64(f64::from(self.summed + 1));
+        let elapsed_s = self.pace.sample_s * since + half * self.pace.period_s();
+        let per_s = T::unit() / self.pace.period_s();
+        let slope = if self.known < R {
+            T::nil()
+        } else {
+            let (phi, derivatives) = self.regressor(per_s);
+            let highest = self.gamma_2.rls.predict(&phi);
+            match derivatives.as_slice() {
+                [rate, _] => rate.relaxed + highest * self.pace.period_s(),
+                _ => highest,
+            }
+        };
+        // What F̂⁽ᵉ⁾ is off by is in z as well, and cancels where the depth stays.
+        let moved = T::unit() - last.elastic / block.elastic;
+        (
+            block.elastic + last.relaxed + slope * elapsed_s,
+            noise.filtered * noise.filtered + of_elastic * moved * moved,
+        )
+    }
+
+    fn learn(
+        &mut self,
+        params: &Params<T>,
+        at: &Instant<T>,
+        noise: &ForceNoise<T>,
+        beta: T,
+    ) -> bool {
+        if at.depth <= T::nil() {
+            return false;
+        }
+        if self.is_loading(at) {
+            self.learn_elastic(params, at, noise);
+            return true;
+        }
+        self.sum = self.sum.plus(&self.block(at), T::unit());
+        self.summed += 1;
+        if let Some(now) = self.take_period() {
+            if self.known >= R {
+                self.learn_filter(params, &now, beta);
+            }
+            self.past.rotate_right(1);
+            if let Some(first) = self.past.first_mut() {
+                *first = now;
+            }
+            self.known = (self.known + 1).min(R);
+        }
+        true
+    }
+
+    /// While θ̂₁ moves, z of two periods would belong to two elastic responses.
+    fn track(&mut self, at: &Instant<T>, usable: bool) {
+        if !usable || self.is_loading(at) {
+            self.forget_run();
+        }
+    }
+
+    fn reopen(&mut self, params: &Params<T>) {
+        self.gamma_1.reopen(params.start.covariance);
+        self.gamma_2.reopen(params.start.covariance);
+        self.forget_run();
+    }
+
+    fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
+        let mut judged = [Judged::default(); PARAMETER_SLOTS];
+        let elastic = self.gamma_1.covariance(noise.raw * noise.raw);
+        let moved = self.gamma_1.shift() * surface_error;
+        let (log_stiffness, exponent) = self.elastic_law();
+        let theta = &self.gamma_1.rls.theta;
+        let stiffness = log_stiffness.exp();
+        let sizes = [
+            (stiffness, stiffness, size(stiffness, stiffness)),
+            (exponent, T::unit(), T::unit()),
+        ];
+        let bounded = log_stiffness != theta.x || exponent != theta.y;
+        let blind = self.gamma_1.ignorance() > T::from_f64(0.1);
+        for (i, (slot, (value, gain, scale))) in judged.iter_mut().zip(sizes).enumerate() {
+            let variance = elastic.get((i, i)).copied().unwrap_or_default();
+            let shift = moved.get(i).copied().unwrap_or_default();
+            *slot = Judged {
+                value,
+                std_error: gain * (variance + shift * shift).root(),
+                scale: if bounded || blind { T::nil() } else { scale },
+            };
+        }
+        self.judge_modes(
+            judged.get_mut(2..).unwrap_or_default(),
+            noise,
+            surface_error,
+        );
+        judged
+    }
+}
+
+impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
+    /// cᵢ and νᵢ with the errors that noise, Γ₁ and the surface give them.
+    fn judge_modes(&self, judged: &mut [Judged<T>], noise: &ForceNoise<T>, surface_error: T) {
+        let mut index = 0..N;
+        let dual = self
+            .gamma_2
+            .rls
+            .theta
+            .map(|value| Dual::<T, N>::parameter(value, index.next().unwrap_or(N)));
+        let Some(found) = modes::<Dual<T, N>, R, N>(&dual, Dual::constant(self.pace.period_s()))
+        else {
+            return;
+        };
+        let covariance = self.gamma_2.covariance(self.pace.variance(noise));
+        let shift = self.gamma_2.shift();
+        let elastic = self.gamma_1.covariance(noise.raw * noise.raw);
+        let by_surface = self.gamma_1.shift();
+        let parameters = found.iter().flat_map(|mode| {
+            [
+                (mode.fraction, T::unit()),
+                (mode.rate_per_s, mode.rate_per_s.value),
+            ]
+        });
+        for (slot, (dual, scale)) in judged.iter_mut().zip(parameters) {
+            let gradient = SVector::<T, N>::from(dual.gradient);
+            let considered = shift.tr_mul(&gradient);
+            let by_elastic = Vector2::new(considered.x, considered.y);
+            let moved = (considered.z + by_elastic.dot(&by_surface.column(0))) * surface_error;
+            let variance = gradient.dot(&(covariance * gradient))
+                + by_elastic.dot(&(elastic * by_elastic))
+                + moved * moved;
+            *slot = Judged {
+                value: dual.value,
+                std_error: T::nil().max_of(variance).root(),
+                scale,
+            };
+        }
+    }
+}
