@@ -129,9 +129,10 @@ pub trait Identify<T: Real> {
         beta: T,
     ) -> bool;
 
-    /// Sees every sample after the rest of the loop has: `usable` unless it is in free air, within
-    /// the noise, or not to be trusted. For estimators whose equations span several samples.
-    fn track(&mut self, _at: &Instant<T>, _usable: bool) {}
+    /// Called for every sample, before [`Identify::learn`]: whether the whole window of the filter
+    /// is pushed by the material. If not, an equation cannot reach across this sample: in free air,
+    /// in the noise, and where a surface that cannot pull has let go.
+    fn admit(&mut self, _pushed: bool) {}
 
     /// Forgets how sure it was, and keeps its values: another material is under the probe.
     fn reopen(&mut self, params: &Params<T>);
@@ -196,14 +197,14 @@ impl<T: Real> Identifier<T> {
         }
     }
 
-    /// See [`Identify::track`].
-    pub fn track(&mut self, at: &Instant<T>, usable: bool) {
+    /// See [`Identify::admit`].
+    pub fn admit(&mut self, pushed: bool) {
         match self {
-            Self::Linear(own) => own.track(at, usable),
-            Self::TwoStage(own) => own.track(at, usable),
-            Self::ZenerArx(own) => own.track(at, usable),
-            Self::Cascade1(own) => own.track(at, usable),
-            Self::Cascade2(own) => own.track(at, usable),
+            Self::Linear(own) => own.admit(pushed),
+            Self::TwoStage(own) => own.admit(pushed),
+            Self::ZenerArx(own) => own.admit(pushed),
+            Self::Cascade1(own) => own.admit(pushed),
+            Self::Cascade2(own) => own.admit(pushed),
         }
     }
 

@@ -16,7 +16,7 @@ use super::equation_error::{Equation, EquationError};
 use super::hunt_crossley::LOG_SIGMAS;
 use super::kelvin_voigt::size;
 use super::modes::{Pace, one_mode, two_modes};
-use super::{ForceNoise, Identify, Instant};
+use super::{ForceNoise, Identify, Instant, SPEED_PER_DEPTH};
 use crate::config::{Params, Weight};
 use crate::estimate::PARAMETER_SLOTS;
 use crate::law::RelaxationMode;
@@ -31,6 +31,10 @@ const SLOWER_FOR_TWO: u32 = 10;
 const EXPONENT: (f64, f64) = (0.3, 4.0);
 /// |ln γ₁| in units of the reference force is at most this.
 const LOG_STIFFNESS: f64 = 20.0;
+
+/// Γ₁ takes depths of at least this many half windows of the filter: there the mean of δⁿ over the
+/// window exceeds the power of the mean δ by n(n−1)/2·0.2/16, 0.5 % at n = 3/2.
+const WINDOWS: f64 = 4.0;
 
 /// What is not noise but wrong in every sample alike, as Γ₂ sees it: ln γ₁, γ₂ and the surface.
 const CONSIDERED: usize = 3;
@@ -81,6 +85,13 @@ pub struct Cascade<T: Real, const R: usize, const N: usize> {
     pace: Pace<T>,
     weight: Weight,
     loading_speed: T,
+    /// Half of what the filter remembers, by which a speed is a depth.
+    window: T,
+    pushed: bool,
+    /// Samples that the filter remembers.
+    memory: u32,
+    /// Nothing has been touched yet.
+    fresh: bool,
     /// The last periods, newest first.
     past: [Block<T>; R],
     /// How many of them belong to this run of samples.
@@ -117,6 +128,10 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
             },
             weight: params.cascade.weight,
             loading_speed: params.cascade.loading_speed,
+            window: pace.period_s() * T::from_f64(SPEED_PER_DEPTH),
+            pushed: false,
+            memory: params.filter.memory_samples(),
+            fresh: true,
             past: [Block::empty(); R],
             known: 0,
             sum: Block::empty(),
@@ -160,11 +175,21 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
     }
 
     /// The newest `R` periods' regressor: −derivatives of z, then derivatives of F̂⁽ᵉ⁾, highest first.
-    fn regressor(&self, per_s: T) -> (SVector<T, N>, [Block<T>; R]) {
+    fn regressor(&self, now: &Block<T>, per_s: T) -> (SVector<T, N>, [Block<T>; R]) {
         let mut derivatives = self.past;
         if let [newest, oldest] = derivatives.as_mut_slice() {
-            // δz and z, both at the older period: the delta operator looks forward.
-            *newest = newest.rate(oldest, per_s);
+            // δz and z, both at the older period: the delta operator looks forward. F̂⁽ᵉ⁾ in the middle
+            // of the period, or the fast mode would be off by νT/2.
+            let half = T::from_f64(0.5);
+            let rate = newest.rate(oldest, per_s);
+            let rate_after = now.rate(newest, per_s);
+            oldest.elastic = (oldest.elastic + newest.elastic) * half;
+            oldest.gradient = (oldest.gradient + newest.gradient) * half; // TODO
+            *newest = Block {
+                relaxed: rate.relaxed,
+                elastic: (rate.elastic + rate_after.elastic) * half,
+                gradient: rate.gradient,
+            };
         }
         let mut phi = SVector::<T, N>::repeat(T::nil());
         for (i, derivative) in derivatives.iter().enumerate() {
@@ -205,7 +230,7 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
     }
 
     fn equation(&self, now: &Block<T>, per_s: T) -> Equation<T, N, CONSIDERED> {
-        let (phi, derivatives) = self.regressor(per_s);
+        let (phi, derivatives) = self.regressor(now, per_s);
         let y = self.output(now, per_s);
         // ε = y − φᵀθ; an error of F̂⁽ᵉ⁾ is one of z with the other sign.
         let mut by_considered = -y.gradient;
@@ -225,7 +250,11 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
 
     /// Γ₁, (39)–(40).
     fn learn_elastic(&mut self, params: &Params<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
-        if at.force <= T::from_f64(LOG_SIGMAS) * noise.filtered {
+        // The filter takes means of F and of δ; of a power that is the same only where the window
+        // is short against the depth.
+        let window = at.speed * self.window;
+        let short = window * T::from_f64(WINDOWS) < at.depth;
+        if !short || at.force <= T::from_f64(LOG_SIGMAS) * noise.filtered {
             return;
         }
         let weight = match self.weight {
@@ -272,6 +301,15 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
         self.sum = Block::empty();
         self.summed = 0;
         Some(mean)
+    }
+
+    /// Two modes are told apart by how the relaxation sets in: the first touch starts from a free
+    /// material, F = F⁽ᵉ⁾ = 0, which is also what the filter's window still held of it.
+    fn start_at_rest(&mut self) {
+        self.fresh = false;
+        self.past = [Block::empty(); R];
+        self.known = R;
+        self.summed = self.memory;
     }
 
     fn forget_run(&mut self) {
@@ -333,7 +371,7 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         let slope = if self.known < R {
             T::nil()
         } else {
-            let (phi, derivatives) = self.regressor(per_s);
+            let (phi, derivatives) = self.regressor(&block, per_s);
             let highest = self.gamma_2.rls.predict(&phi);
             match derivatives.as_slice() {
                 [rate, _] => rate.relaxed + highest * self.pace.period_s(),
@@ -355,12 +393,19 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         noise: &ForceNoise<T>,
         beta: T,
     ) -> bool {
-        if at.depth <= T::nil() {
+        if at.depth <= T::nil() || !self.pushed {
             return false;
         }
         if self.is_loading(at) {
             self.learn_elastic(params, at, noise);
-            return true;
+            if R == 1 {
+                // While θ̂₁ moves, z of two periods would belong to two elastic responses.
+                self.forget_run();
+                return true;
+            }
+        }
+        if R > 1 && self.fresh {
+            self.start_at_rest();
         }
         self.sum = self.sum.plus(&self.block(at), T::unit());
         self.summed += 1;
@@ -377,9 +422,9 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         true
     }
 
-    /// While θ̂₁ moves, z of two periods would belong to two elastic responses.
-    fn track(&mut self, at: &Instant<T>, usable: bool) {
-        if !usable || self.is_loading(at) {
+    fn admit(&mut self, pushed: bool) {
+        self.pushed = pushed;
+        if !pushed {
             self.forget_run();
         }
     }

@@ -32,6 +32,7 @@ pub struct ZenerArx<T: Real> {
     last: Option<Instant<T>>,
     /// Samples since.
     since: u32,
+    pushed: bool,
     pace: Pace<T>,
     inversion: Inversion,
 }
@@ -108,6 +109,7 @@ impl<T: Real> ZenerArx<T> {
             solid: None,
             last: None,
             since: 0,
+            pushed: false,
             pace: Pace::new(params),
             inversion: params.inversion,
         }
@@ -162,12 +164,20 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         _noise: &ForceNoise<T>,
         beta: T,
     ) -> bool {
+        if !self.pushed {
+            return false;
+        }
         let Some(last) = self.last else {
+            self.last = Some(*at);
+            self.since = 0;
             return false;
         };
-        if self.since + 1 < self.pace.samples {
+        self.since += 1;
+        if self.since < self.pace.samples {
             return true;
         }
+        self.last = Some(*at);
+        self.since = 0;
         let period_s = self.pace.period_s();
         let equation = self.equation(&last, at, period_s);
         // A hold relaxes, and that is information; but nothing is forgotten for it, or what only
@@ -181,17 +191,10 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         true
     }
 
-    fn track(&mut self, at: &Instant<T>, usable: bool) {
-        if !usable {
-            if self.last.take().is_some() {
-                self.fit.break_off();
-            }
-            return;
-        }
-        self.since += 1;
-        if self.last.is_none() || self.since >= self.pace.samples {
-            self.last = Some(*at);
-            self.since = 0;
+    fn admit(&mut self, pushed: bool) {
+        self.pushed = pushed;
+        if !pushed && self.last.take().is_some() {
+            self.fit.break_off();
         }
     }
 

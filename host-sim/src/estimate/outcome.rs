@@ -3,11 +3,12 @@
 use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
 use estimator_core::law::{
     Elastic, HuntCrossley, KelvinVoigt, ParameterInfo, QuasiLinear, RelaxationMode, Zener,
+    unilateral,
 };
 use estimator_core::{Faults, LawKind, Status};
 
 use crate::log::UniformLog;
-use crate::plant::{Law, MODES};
+use crate::plant::{Law, MODES, Memory};
 use crate::replay::Replay;
 pub use crate::report::estimate::{EventKind, EventMark, Touch};
 use crate::signal;
@@ -166,6 +167,12 @@ fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>)
             signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
         let depth_m = position_m - f64::from(replay.surface_m[index]);
         let force_n = law.step(&mut memory, depth_m, speed_mps, log.period_s());
+        // A material that lags behind its depth lets go of the probe; the chapter saturates the
+        // force of its Hammerstein model, and lets its linear one show that it pulls (E2).
+        let force_n = match memory {
+            Memory::None => force_n,
+            _ => unilateral(force_n),
+        };
         if record.phase == Phase::Contact {
             forces[index] = force_n as f32;
         }
