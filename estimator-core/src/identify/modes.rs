@@ -3,6 +3,7 @@
 use super::ForceNoise;
 use crate::config::Params;
 use crate::law::{RelaxationMode, growth};
+use crate::rls::Excitation;
 use crate::scalar::{Real, Scalar};
 
 /// How far apart the samples of an ARX model are: half of the filter's memory. Closer ones share
@@ -40,6 +41,61 @@ impl<T: Real> Pace<T> {
     /// the raw noise: filtering and picking every M-th sample is worth no more than the mean of M.
     pub(super) fn variance(&self, noise: &ForceNoise<T>) -> T {
         noise.raw * noise.raw / T::from_f64(f64::from(self.samples))
+    }
+}
+
+/// When an equation with past forces has something to teach: depth and force move by the step of
+/// the configuration, and the past may be forgotten for it; or the force alone still relaxes.
+///
+/// A force that has come to rest is noise around one value. As a regressor it would pull every pole
+/// towards that of the noise: nine minutes of it moved a rate of 0.12/s to 0.133/s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Relaxing<T: Real> {
+    motion: Excitation<T, 3>,
+    /// The force (scaled) when it last had moved.
+    from: T,
+    /// Periods since.
+    still: u32,
+    /// Periods after which a force that has not moved is at rest.
+    patience: u32,
+}
+
+/// The force relaxes when it has moved by this many standard deviations of its mean over a period:
+/// noise alone does not reach it in years.
+const MOVES_SIGMAS: f64 = 10.0;
+/// And within this time (s): at 20 mN of noise, 6 mN/s is still a relaxation.
+const PATIENCE_S: f64 = 10.0;
+
+impl<T: Real> Relaxing<T> {
+    pub(super) fn new(pace: Pace<T>) -> Self {
+        Relaxing {
+            motion: Excitation::default(),
+            from: T::nil(),
+            still: 0,
+            patience: (PATIENCE_S / pace.period_s().to_f64()).max(1.0) as u32,
+        }
+    }
+
+    /// The forgetting factor to learn with, `beta` or 1; `None`: nothing to learn.
+    pub(super) fn admits(
+        &mut self,
+        regressor: [T; 3],
+        force: T,
+        step: T,
+        sigma: T,
+        beta: T,
+    ) -> Option<T> {
+        let moving = self.motion.admits(&regressor.into(), step);
+        self.still = self.still.saturating_add(1);
+        if (force - self.from).magnitude() > T::from_f64(MOVES_SIGMAS) * sigma {
+            self.from = force;
+            self.still = 0;
+        }
+        match (moving, self.still < self.patience) {
+            (true, _) => Some(beta),
+            (false, true) => Some(T::unit()),
+            (false, false) => None,
+        }
     }
 }
 

@@ -14,11 +14,10 @@ use nalgebra::{SVector, Vector1, Vector3};
 
 use super::equation_error::{Equation, EquationError};
 use super::kelvin_voigt::size;
-use super::modes::{Pace, PerPeriod, rate_of};
+use super::modes::{Pace, PerPeriod, Relaxing, rate_of};
 use super::{ForceNoise, Identify, Instant, SPEED_PER_DEPTH};
 use crate::config::{Inversion, Params};
 use crate::estimate::PARAMETER_SLOTS;
-use crate::rls::Excitation;
 use crate::scalar::{Dual, Real, Scalar};
 use crate::status::Judged;
 
@@ -26,7 +25,7 @@ use crate::status::Judged;
 #[derive(Clone, Debug)]
 pub struct ZenerArx<T: Real> {
     fit: EquationError<T, 3, 1>,
-    excitation: Excitation<T, 3>,
+    relaxing: Relaxing<T>,
     solid: Option<Solid<T>>,
     /// The last sample that was used, unless there was a gap or no contact since.
     last: Option<Instant<T>>,
@@ -105,7 +104,7 @@ impl<T: Real> ZenerArx<T> {
         let start = Vector3::new(T::nil(), T::nil(), params.start.stiffness);
         ZenerArx {
             fit: EquationError::new(start, params.start.covariance),
-            excitation: Excitation::default(),
+            relaxing: Relaxing::new(Pace::new(params)),
             solid: None,
             last: None,
             since: 0,
@@ -161,7 +160,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         &mut self,
         params: &Params<T>,
         at: &Instant<T>,
-        _noise: &ForceNoise<T>,
+        noise: &ForceNoise<T>,
         beta: T,
     ) -> bool {
         if !self.pushed {
@@ -180,14 +179,18 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         self.since = 0;
         let period_s = self.pace.period_s();
         let equation = self.equation(&last, at, period_s);
-        // A hold relaxes, and that is information; but nothing is forgotten for it, or what only
-        // motion shows would be lost.
-        let phi = Vector3::new(last.force, last.depth, at.speed);
-        let moving = self.excitation.admits(&phi, params.excitation_step);
-        let beta = if moving { beta } else { T::unit() };
-        self.fit.update(&equation, beta, T::unit());
-        let theta: [T; 3] = self.fit.rls.theta.into();
-        self.solid = Solid::of(theta, period_s, self.inversion);
+        let phi = [last.force, last.depth, at.speed];
+        let sigma = self.pace.variance(noise).root();
+        let gate = self
+            .relaxing
+            .admits(phi, last.force, params.excitation_step, sigma, beta);
+        if let Some(beta) = gate {
+            self.fit.update(&equation, beta, T::unit());
+            let theta: [T; 3] = self.fit.rls.theta.into();
+            self.solid = Solid::of(theta, period_s, self.inversion);
+        } else {
+            self.fit.break_off();
+        }
         true
     }
 
@@ -288,5 +291,70 @@ mod tests {
         ] {
             assert_eq!(Solid::of(theta, 1e-2, Inversion::Exact), None, "{theta:?}");
         }
+    }
+
+    #[test]
+    fn strokes_on_a_solid_give_it_up_exactly() {
+        let params = crate::config::Config::default().validate().unwrap();
+        let mut arx = ZenerArx::<f64>::new(&params);
+        let noise = ForceNoise {
+            raw: 0.02,
+            filtered: 0.005,
+        };
+        let law = crate::law::Zener {
+            stiffness_n_per_m: 3000.0,
+            second_stiffness_n_per_m: 900.0,
+            damping_ns_per_m: 780.0,
+        };
+        let mut memory = crate::law::RelaxingLaw::at_rest(&law);
+        for i in 0..8000 {
+            let depth_m = 2e-3 + 1e-3 * libm::sin(7e-3 * f64::from(i));
+            let force = crate::law::RelaxingLaw::step(&law, &mut memory, depth_m, 0.0, 1e-3);
+            let at = Instant {
+                depth: depth_m / 1e-3,
+                speed: 0.7 * libm::cos(7e-3 * f64::from(i)),
+                force,
+            };
+            arx.admit(true);
+            // Once it has learned, the prediction between two periods is that of the solid.
+            if i > 1000 {
+                let (predicted, _) = arx.predict(&at, &noise, 0.0);
+                // A depth that is not linear over 10 ms: (ωT)²/8 of what relaxes in them.
+                assert!((predicted - force).abs() < 1e-4, "{i}: {predicted} {force}");
+            }
+            arx.learn(&params, &at, &noise, 1.0);
+        }
+        let solid = arx.solid().unwrap();
+        // (ωT)²/12 = 0.04 % in the rate.
+        assert!((solid.stiffness / 3.0 - 1.0).abs() < 2e-4, "{solid:?}");
+        assert!(
+            (solid.second_stiffness / 0.9 - 1.0).abs() < 5e-4,
+            "{solid:?}"
+        );
+        assert!((solid.damping / 0.78 - 1.0).abs() < 1e-3, "{solid:?}");
+        let [stiffness, ..] = arx.judged(&noise, 0.0);
+        assert!(stiffness.observable());
+    }
+
+    #[test]
+    fn an_equation_does_not_reach_across_a_release() {
+        let params = crate::config::Config::default().validate().unwrap();
+        let mut arx = ZenerArx::<f64>::new(&params);
+        let noise = ForceNoise {
+            raw: 0.02,
+            filtered: 0.005,
+        };
+        let at = |depth| Instant {
+            depth,
+            speed: 0.0,
+            force: 3.0 * depth,
+        };
+        for i in 0..40 {
+            // Five pushed samples at a time: less than a period.
+            arx.admit(i % 6 != 0);
+            arx.learn(&params, &at(1.0 + f64::from(i % 6)), &noise, 1.0);
+        }
+        assert_eq!(arx.solid(), None);
+        assert_eq!(arx.fit.rls.theta.z, params.start.stiffness);
     }
 }

@@ -1,8 +1,8 @@
 //! What a reader must know before using the numbers: why a law cannot fit, and where its parameters
 //! come from.
 
-use estimator_core::Status;
 use estimator_core::config::Surface;
+use estimator_core::{LawKind, Status};
 
 use super::outcome::Outcome;
 use crate::inspect::{Inspection, suspicions};
@@ -57,6 +57,9 @@ fn misfit(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
+    if !matches!(outcome.law, LawKind::KelvinVoigt | LawKind::HuntCrossley) {
+        return None;
+    }
     let hold = inspection
         .holds
         .iter()
