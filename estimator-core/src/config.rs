@@ -132,19 +132,31 @@ pub enum Method {
     /// Two recursive least squares in cascade on the quasi-linear law, one mode (39)–(42).
     HammersteinCascade = 4,
     /// The same with two modes.
-    HammersteinCascade2 = 5,
+    HammersteinCascade2 = 7,
+    /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
+    /// the parameters.
+    HuntCrossleyBank = 5,
+    /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
+    KelvinVoigtSurface = 6,
 }
 
 impl Method {
     /// The law that the method identifies.
     pub const fn law(self) -> LawKind {
         match self {
-            Method::KelvinVoigt => LawKind::KelvinVoigt,
-            Method::HuntCrossleyTwoStage => LawKind::HuntCrossley,
+            Method::KelvinVoigt | Method::KelvinVoigtSurface => LawKind::KelvinVoigt,
+            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
             Method::ZenerArx => LawKind::Zener,
             Method::HammersteinCascade => LawKind::QuasiLinear,
             Method::HammersteinCascade2 => LawKind::QuasiLinear2,
         }
+    }
+}
+
+impl Method {
+    /// Whether the surface is among the parameters, rather than taken from the impact.
+    pub const fn finds_surface(self) -> bool {
+        matches!(self, Method::HuntCrossleyBank | Method::KelvinVoigtSurface)
     }
 }
 
@@ -199,7 +211,7 @@ impl Default for Config {
                 depth_m: 1e-3,
                 force_n: 1.0,
             },
-            filter: Filter::SavitzkyGolay { half_width: 10 },
+            filter: Filter::SavitzkyGolay { half_width: 8 },
             contact: Contact {
                 surface: Surface::AtImpact,
                 touch_sigma: 6.0,
@@ -207,7 +219,7 @@ impl Default for Config {
                 force_noise_n: None,
                 settle_s: 0.2,
             },
-            method: Method::HuntCrossleyTwoStage,
+            method: Method::HuntCrossleyBank,
             forgetting: Forgetting {
                 alpha_1: None,
                 alpha_2_per_n: None,

@@ -20,7 +20,7 @@ const RELEASE_RUN: u32 = 3;
 const REST_TIME_S: f64 = 1.0;
 /// Noise is never taken for less than this fraction of the reference force: a log without noise
 /// would otherwise touch at its first rounding error.
-const NOISE_FLOOR: f64 = 1e-4;
+pub const NOISE_FLOOR: f64 = 1e-4;
 
 /// Coefficients of touch and lift-off.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,18 +1,26 @@
 //! The estimators of the menu, one file each, behind one face.
 
+mod affine;
+mod bank;
+mod bank_refiner;
 mod confidence;
 mod equation_error;
 mod hammerstein;
 mod hunt_crossley;
 mod kelvin_voigt;
 mod modes;
+mod refiner;
 mod zener;
 
+pub use affine::Affine;
+pub use bank::{Bank, Candidate};
+pub use bank_refiner::BankRefiner;
 pub use confidence::Confidence;
 pub use hammerstein::{Cascade, Cascade1, Cascade2};
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
 pub use modes::hammerstein_coefficients;
+pub use refiner::Refiner;
 pub use zener::{Solid, ZenerArx};
 
 use crate::config::{Initial, Method, Params, Reference};
@@ -103,6 +111,21 @@ pub struct Instant<T> {
     pub speed: T,
     /// F/F₀
     pub force: T,
+    /// Surface that the depth is measured from, x₀/δ₀.
+    pub surface: T,
+    /// Its standard error; 0 if the surface is known.
+    pub surface_error: T,
+    /// Variance of the depth within the filter's window.
+    pub spread: T,
+    /// Covariance of depth and speed within it.
+    pub coupling: T,
+}
+
+impl<T: Real> Instant<T> {
+    /// x/δ₀
+    pub fn position(&self) -> T {
+        self.surface + self.depth
+    }
 }
 
 /// What the force channel is worth, scaled by F₀.
@@ -120,14 +143,15 @@ pub trait Identify<T: Real> {
     /// position (standard error `surface_error`) give it.
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T);
 
-    /// Learns from an instant with forgetting factor β. False if the instant had nothing to teach.
+    /// Learns from an instant; β is what (24) says. Gives the forgetting factor that was used, or
+    /// `None` if the instant had nothing to teach.
     fn learn(
         &mut self,
         params: &Params<T>,
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool;
+    ) -> Option<T>;
 
     /// Called for every sample, before [`Identify::learn`]: whether the whole window of the filter
     /// is pushed by the material. If not, an equation cannot reach across this sample: in free air,
@@ -155,6 +179,10 @@ pub enum Identifier<T: Real> {
     Cascade1(Cascade1<T>),
     /// See [`Cascade`].
     Cascade2(Cascade2<T>),
+    /// See [`BankRefiner`].
+    BankRefiner(BankRefiner<T>),
+    /// See [`Affine`].
+    Affine(Affine<T>),
 }
 
 impl<T: Real> Identifier<T> {
@@ -166,6 +194,20 @@ impl<T: Real> Identifier<T> {
             Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
             Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
             Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
+            Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
+            Method::KelvinVoigtSurface if params.contact.surface_known() => {
+                Self::Linear(Linear::new(params))
+            }
+            Method::KelvinVoigtSurface => Self::Affine(Affine::new(params)),
+        }
+    }
+
+    /// The surface, where the estimator finds it itself.
+    pub fn surface(&self, params: &Params<T>, noise: &ForceNoise<T>) -> Option<SurfacePosition<T>> {
+        match self {
+            Self::BankRefiner(own) => own.surface(params),
+            Self::Affine(own) => own.surface(params, noise),
+            _ => None,
         }
     }
 
@@ -177,6 +219,8 @@ impl<T: Real> Identifier<T> {
             Self::ZenerArx(own) => own.predict(at, noise, surface_error),
             Self::Cascade1(own) => own.predict(at, noise, surface_error),
             Self::Cascade2(own) => own.predict(at, noise, surface_error),
+            Self::BankRefiner(own) => own.predict(at, noise, surface_error),
+            Self::Affine(own) => own.predict(at, noise, surface_error),
         }
     }
 
@@ -187,24 +231,25 @@ impl<T: Real> Identifier<T> {
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
             Self::ZenerArx(own) => own.learn(params, at, noise, beta),
             Self::Cascade1(own) => own.learn(params, at, noise, beta),
             Self::Cascade2(own) => own.learn(params, at, noise, beta),
+            Self::BankRefiner(own) => own.learn(params, at, noise, beta),
+            Self::Affine(own) => own.learn(params, at, noise, beta),
         }
     }
 
     /// See [`Identify::admit`].
     pub fn admit(&mut self, pushed: bool) {
         match self {
-            Self::Linear(own) => own.admit(pushed),
-            Self::TwoStage(own) => own.admit(pushed),
             Self::ZenerArx(own) => own.admit(pushed),
             Self::Cascade1(own) => own.admit(pushed),
             Self::Cascade2(own) => own.admit(pushed),
+            _ => {}
         }
     }
 
@@ -216,6 +261,8 @@ impl<T: Real> Identifier<T> {
             Self::ZenerArx(own) => own.reopen(params),
             Self::Cascade1(own) => own.reopen(params),
             Self::Cascade2(own) => own.reopen(params),
+            Self::BankRefiner(own) => own.reopen(params),
+            Self::Affine(own) => own.reopen(params),
         }
     }
 
@@ -227,6 +274,8 @@ impl<T: Real> Identifier<T> {
             Self::ZenerArx(own) => own.judged(noise, surface_error),
             Self::Cascade1(own) => own.judged(noise, surface_error),
             Self::Cascade2(own) => own.judged(noise, surface_error),
+            Self::BankRefiner(own) => own.judged(noise, surface_error),
+            Self::Affine(own) => own.judged(noise, surface_error),
         }
     }
 }

@@ -11,7 +11,9 @@ use estimator_core::config::Method;
 use crate::estimate::{Choices, ReadingArgs, estimate};
 use crate::inspect::{Inspection, suspicions};
 use crate::log::{Log, Timing, UniformLog};
-use crate::report::number::quantity;
+use crate::output::say;
+use crate::report::number::{counted, quantity};
+use crate::wrap::wrapped;
 
 /// Arguments of `palpate check`.
 #[derive(Args, Clone, Debug)]
@@ -39,15 +41,8 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
         &[Method::KelvinVoigt],
         Choices::default(),
     )?;
-    print!(
-        "{}",
-        describe(
-            &args.log.display().to_string(),
-            &raw,
-            &log,
-            &estimation.inspection
-        )
-    );
+    let name = args.log.display().to_string();
+    say(describe(&name, &raw, &log, &estimation.inspection))?;
     Ok(())
 }
 
@@ -66,11 +61,11 @@ fn timing(text: &mut String, name: &str, raw: &Log, timing: &Timing) -> std::fmt
     writeln!(text, "{name}")?;
     writeln!(
         text,
-        "  time      {} samples, {}, {} Hz, jitter {}",
+        "  time      {} samples, {}, {} Hz, {}",
         raw.len(),
         quantity(raw.duration_s(), 4, "s"),
         (timing.rate_hz() * 1e3).round() / 1e3,
-        quantity(timing.jitter_s, 2, "s"),
+        jitter(timing),
     )?;
     if let Some(longest) = timing
         .gaps
@@ -79,8 +74,8 @@ fn timing(text: &mut String, name: &str, raw: &Log, timing: &Timing) -> std::fmt
     {
         writeln!(
             text,
-            "            {} gaps, the longest from {} to {} s",
-            timing.gaps.len(),
+            "            {}, the longest from {} to {} s",
+            counted(timing.gaps.len(), "gap"),
             longest.from_s,
             longest.to_s
         )?;
@@ -89,6 +84,14 @@ fn timing(text: &mut String, name: &str, raw: &Log, timing: &Timing) -> std::fmt
         writeln!(text, "            {note}")?;
     }
     Ok(())
+}
+
+/// Below a millionth of a period it is the rounding of the stamps.
+fn jitter(timing: &Timing) -> String {
+    match timing.jitter_s > 1e-6 * timing.base_period_s {
+        true => format!("jitter {}", quantity(timing.jitter_s, 2, "s")),
+        false => "no jitter".into(),
+    }
 }
 
 fn extent(channel: &[f64]) -> (f64, f64) {
@@ -183,7 +186,7 @@ fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
         let pull = quantity(inspection.pull_n, 3, "N");
         writeln!(
             text,
-            "  pulls     {pull} below rest: adhesion, or a moving resting force"
+            "  pulls     {pull} below rest: adhesion, friction or a moving resting force"
         )?;
     }
     Ok(())
@@ -191,12 +194,13 @@ fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
 
 fn verdict(text: &mut String, log: &UniformLog, inspection: &Inspection) -> std::fmt::Result {
     for suspicion in suspicions(log) {
-        writeln!(text, "  ! {suspicion}")?;
+        writeln!(text, "{}", wrapped("  ! ", &suspicion))?;
     }
     let (good, bad) = uses(inspection);
     for (label, uses) in [("good for", good), ("not for", bad)] {
         if !uses.is_empty() {
-            writeln!(text, "  {label:<9} {}", uses.join("; "))?;
+            let lead = format!("  {label:<9} ");
+            writeln!(text, "{}", wrapped(&lead, &uses.join("; ")))?;
         }
     }
     Ok(())
@@ -205,49 +209,64 @@ fn verdict(text: &mut String, log: &UniformLog, inspection: &Inspection) -> std:
 /// What the log is good for, and what not.
 fn uses(inspection: &Inspection) -> (Vec<String>, Vec<String>) {
     let (mut good, mut bad) = (Vec::new(), Vec::new());
-    let mut say = |is_good: bool, yes: String, no: &str| {
-        if is_good {
-            good.push(yes)
-        } else {
-            bad.push(no.into())
+    for judge in [elastic, damping, relaxation, free_air] {
+        match judge(inspection) {
+            Ok(use_) => good.push(use_),
+            Err(use_) => bad.push(use_),
         }
-    };
-    let touches = inspection.touches.len();
-    let deepest = inspection
-        .touches
-        .iter()
-        .map(|t| t.peak_force_n)
-        .fold(0.0, f64::max);
-    let strong = deepest > 50.0 * inspection.noise_n;
-    say(
-        touches > 0 && strong,
-        "stiffness and exponent".into(),
-        "stiffness and exponent (no contact of 50 times the noise)",
-    );
-    let (slow, fast) = inspection.speeds_mps.unwrap_or((1.0, 1.0));
-    say(
-        touches > 0 && fast > 2.0 * slow,
-        format!(
-            "damping (speeds from {} to {})",
-            quantity(slow, 2, "m/s"),
-            quantity(fast, 2, "m/s")
-        ),
-        "damping (one speed only)",
-    );
-    let longest = inspection
-        .holds
-        .iter()
-        .map(|h| h.to_s - h.from_s)
-        .fold(0.0, f64::max);
-    say(
-        longest > 0.0,
-        format!("relaxation (a hold of {})", quantity(longest, 3, "s")),
-        "relaxation (no hold)",
-    );
-    say(
-        inspection.free_s > 0.2,
-        "noise, resting force and friction in free air".into(),
-        "noise and resting force (hardly any free air)",
-    );
+    }
     (good, bad)
+}
+
+/// A force that stands out, and a depth that changes.
+fn pressed(inspection: &Inspection) -> Result<(), &'static str> {
+    let touches = inspection.touches.iter();
+    let peak_n = touches.clone().map(|t| t.peak_force_n).fold(0.0, f64::max);
+    let peak_m = touches.map(|t| t.peak_depth_m).fold(0.0, f64::max);
+    if inspection.touches.is_empty() {
+        return Err("no contact");
+    }
+    if peak_n <= 50.0 * inspection.noise_n {
+        return Err("no contact of 50 times the noise");
+    }
+    match peak_m > 0.0 {
+        true => Ok(()),
+        false => Err("the depth never changes"),
+    }
+}
+
+fn elastic(inspection: &Inspection) -> Result<String, String> {
+    match pressed(inspection) {
+        Ok(()) => Ok("stiffness and exponent".into()),
+        Err(why) => Err(format!("stiffness and exponent ({why})")),
+    }
+}
+
+fn damping(inspection: &Inspection) -> Result<String, String> {
+    pressed(inspection).map_err(|why| format!("damping ({why})"))?;
+    let (slow, fast) = inspection.speeds_mps.unwrap_or((1.0, 1.0));
+    if fast <= 3.0 * slow {
+        return Err("damping (one speed only)".into());
+    }
+    let (slow, fast) = (quantity(slow, 2, "m/s"), quantity(fast, 2, "m/s"));
+    Ok(format!("damping (speeds from {slow} to {fast})"))
+}
+
+fn relaxation(inspection: &Inspection) -> Result<String, String> {
+    pressed(inspection).map_err(|why| format!("relaxation ({why})"))?;
+    let lengths = inspection.holds.iter().map(|h| h.to_s - h.from_s);
+    match lengths.fold(0.0, f64::max) {
+        longest if longest > 0.0 => Ok(format!(
+            "relaxation (a hold of {})",
+            quantity(longest, 3, "s")
+        )),
+        _ => Err("relaxation (no hold)".into()),
+    }
+}
+
+fn free_air(inspection: &Inspection) -> Result<String, String> {
+    match inspection.free_s > 0.2 {
+        true => Ok("noise, resting force and friction in free air".into()),
+        false => Err("noise and resting force (hardly any free air)".into()),
+    }
 }

@@ -11,6 +11,7 @@ use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, Shown, document, estimate};
 use crate::log::UniformLog;
 use crate::motion::Motion;
+use crate::output::say;
 use crate::plant::{GEL, Material, PLASTIC, Rig, Stage};
 use crate::report::number::Measured;
 use estimator_core::law::ContactLaw;
@@ -73,12 +74,14 @@ pub fn palpate(material: Material, seed: u64) -> Result<Palpated, Diagnostic> {
 /// # Errors
 /// What the file system says.
 pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
-    println!("A simulated rig palpates two materials; the estimator is told where the surface is,");
-    println!("and nothing else. Load cell: 20 mN noise, 5 mN steps; encoder: 1 µm; 1 kHz.\n");
+    say(
+        "A simulated rig palpates two materials; the estimator is told where the surface is,\n\
+         and nothing else. Load cell: 20 mN noise, 5 mN steps; encoder: 1 µm; 1 kHz.\n\n",
+    )?;
     let mut shown = Vec::new();
     for material in [GEL, PLASTIC] {
         let palpated = palpate(material, args.seed)?;
-        print(&palpated);
+        say(found(&palpated))?;
         let path = args.out.join(format!("{}.csv", material.name));
         write_log(&path, &palpated.log)?;
         let law = material.law;
@@ -87,11 +90,12 @@ pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     }
     let report = args.out.join("report.html");
     document(&shown, "Palpating gel and plastic", &[])?.write(&report)?;
-    println!("report: {}", report.display());
-    println!(
-        "next:   palpate estimate {}",
-        args.out.join("gel.csv").display()
-    );
+    let next = args.out.join("gel.csv");
+    say(format!(
+        "report: {}\nnext:   palpate estimate {}\n",
+        report.display(),
+        next.display()
+    ))?;
     Ok(())
 }
 
@@ -104,11 +108,12 @@ fn write_log(path: &Path, log: &UniformLog) -> std::io::Result<()> {
     crate::log::Log::from_channels(channels.0, channels.1, channels.2).write_csv(path)
 }
 
-fn print(palpated: &Palpated) {
+/// The estimates beside the truth, a line each.
+fn found(palpated: &Palpated) -> String {
     let law = &palpated.material.law;
     let truth = [law.stiffness_n_per_m, law.damping_ns_per_m, law.exponent];
     let outcome = &palpated.estimation.outcome;
-    println!("{} ({})", palpated.material.name, outcome.status.name());
+    let mut text = format!("{} ({})\n", palpated.material.name, outcome.status.name());
     for ((info, estimate), truth) in outcome.named(&outcome.parameters).zip(truth) {
         let (found, off) = match estimate {
             Some(e) => {
@@ -119,7 +124,11 @@ fn print(palpated: &Palpated) {
             }
             None => ("not observable".into(), String::new()),
         };
-        println!("  {:<10} {found:<26} true {truth:<8} {off}", info.name);
+        text.push_str(&format!(
+            "  {:<10} {found:<26} true {truth:<8} {off}\n",
+            info.name
+        ));
     }
-    println!();
+    text.push('\n');
+    text
 }

@@ -16,11 +16,15 @@ use std::fmt;
 use std::ops::{Deref, DerefMut, Range};
 use std::path::{Path, PathBuf};
 
+use crate::wrap::wrapped;
+
 /// Widest excerpt [characters]: with its margin it fits a terminal of 80 columns.
 const EXCERPT_WIDTH: usize = 74;
 
-/// Longest list of names in one note; a log may have hundreds of columns.
+/// Longest list of names in one note [names, characters]: three lines; a log may have hundreds of
+/// columns.
 const LISTED_NAMES: usize = 24;
+const LISTED_WIDTH: usize = 240;
 
 /// What is wrong with some input. Its parts are those of [`Details`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -121,6 +125,12 @@ impl Diagnostic {
         self
     }
 
+    /// The diagnostic below a line that others write: without "error: ".
+    pub fn below(&self) -> String {
+        let text = self.to_string();
+        text.strip_prefix("error: ").unwrap_or(&text).to_string()
+    }
+
     fn place(&self) -> Option<String> {
         let mut place = match (&self.path, self.line) {
             (Some(path), Some(line)) => format!("{}:{line}", path.display()),
@@ -153,7 +163,14 @@ impl DerefMut for Diagnostic {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", self.what)?;
+        f.write_str(&wrapped("error: ", &self.what))?;
+        self.fmt_details(f)
+    }
+}
+
+impl Diagnostic {
+    /// Everything but the first line: where, with which value, and what would be right.
+    fn fmt_details(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(place) = self.place() {
             write!(f, "\n  --> {}", printable(&place))?;
         }
@@ -164,14 +181,16 @@ impl fmt::Display for Diagnostic {
                 write!(f, "\n   | {}{}", " ".repeat(indent), "^".repeat(width))?;
             }
         }
-        if let Some(value) = &self.value {
-            write!(f, "\n   = value: `{}`", shortened(value))?;
+        match self.value.as_deref() {
+            Some("") => f.write_str("\n   = value: nothing")?,
+            Some(value) => write!(f, "\n   = value: `{}`", shortened(value))?,
+            None => {}
         }
         for note in &self.notes {
-            write!(f, "\n   = note: {note}")?;
+            write!(f, "\n{}", wrapped("   = note: ", note))?;
         }
         if let Some(remedy) = &self.remedy {
-            write!(f, "\n   = remedy: {remedy}")?;
+            write!(f, "\n{}", wrapped("   = remedy: ", remedy))?;
         }
         Ok(())
     }
@@ -222,17 +241,21 @@ fn shortened(value: &str) -> String {
     format!("{head}…")
 }
 
-/// Names in backticks for a note, cut after two dozen.
+/// Names in backticks for a note, cut after two dozen or three lines.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
-    let mut text = names
-        .iter()
-        .take(LISTED_NAMES)
-        .map(|name| format!("`{}`", shortened(name)))
-        .collect::<Vec<_>>()
-        .join(", ");
-    if names.len() > LISTED_NAMES {
-        text.push_str(&format!(" and {} more", names.len() - LISTED_NAMES));
+    let (mut shown, mut width) = (Vec::new(), 0);
+    for name in names.iter().take(LISTED_NAMES) {
+        let name = format!("`{}`", shortened(name));
+        width += name.chars().count() + 2;
+        if width > LISTED_WIDTH {
+            break;
+        }
+        shown.push(name);
+    }
+    let mut text = shown.join(", ");
+    if names.len() > shown.len() {
+        text.push_str(&format!(" and {} more", names.len() - shown.len()));
     }
     text
 }

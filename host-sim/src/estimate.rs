@@ -21,7 +21,8 @@ pub use show::{Shown, document};
 
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
-use crate::log::{ColumnMap, Log, ReadOptions, UniformLog};
+use crate::log::{ColumnMap, FEWEST_SAMPLES, Log, ReadOptions, UniformLog};
+use crate::output::say;
 use crate::replay::{Replay, replay};
 
 /// What a simpler law may leave more than the best one and still be chosen: 2 %.
@@ -67,7 +68,7 @@ pub struct EstimateArgs {
 #[derive(Args, Clone, Debug, Default)]
 pub struct ReadingArgs {
     /// Other column names, signs and units: "t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz".
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", value_parser = column_map)]
     pub columns: Option<ColumnMap>,
     /// Leave rows with missing or non-finite values out instead of stopping at the first.
     #[arg(long)]
@@ -112,8 +113,10 @@ pub enum LawChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum MethodChoice {
-    /// Recursive least squares (kelvin_voigt)
+    /// Recursive least squares, the surface from the impact (kelvin_voigt)
     Rls,
+    /// Recursive least squares, surface included (kelvin_voigt)
+    RlsSurface,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
     /// Recursive least squares on force and depth of two samples (zener)
@@ -123,28 +126,38 @@ pub enum MethodChoice {
     /// The same in two modes (quasi_linear)
     #[value(name = "cascade_2")]
     Cascade2,
+    /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
+    Bank,
 }
 
 impl MethodChoice {
     fn of(method: Method) -> Self {
         match method {
             Method::KelvinVoigt => MethodChoice::Rls,
+            Method::KelvinVoigtSurface => MethodChoice::RlsSurface,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
             Method::ZenerArx => MethodChoice::Arx,
             Method::HammersteinCascade => MethodChoice::Cascade,
             Method::HammersteinCascade2 => MethodChoice::Cascade2,
+            Method::HuntCrossleyBank => MethodChoice::Bank,
         }
     }
 
     fn name(self) -> &'static str {
         match self {
             MethodChoice::Rls => "rls",
+            MethodChoice::RlsSurface => "rls_surface",
             MethodChoice::TwoStage => "two_stage",
             MethodChoice::Arx => "arx",
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
+            MethodChoice::Bank => "bank",
         }
     }
+}
+
+fn column_map(text: &str) -> Result<ColumnMap, String> {
+    text.parse().map_err(|error: Diagnostic| error.below())
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -169,28 +182,31 @@ fn finite(text: &str) -> Result<f64, String> {
 
 /// The methods that a choice of law and method leaves, simplest law first.
 fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, Diagnostic> {
+    // A law's first method is its default.
     let all = [
-        (LawChoice::KelvinVoigt, Method::KelvinVoigt),
-        (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage),
-        (LawChoice::Zener, Method::ZenerArx),
-        (LawChoice::QuasiLinear, Method::HammersteinCascade),
-        (LawChoice::QuasiLinear, Method::HammersteinCascade2),
+        (LawChoice::KelvinVoigt, Method::KelvinVoigtSurface, true),
+        (LawChoice::KelvinVoigt, Method::KelvinVoigt, false),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
+        (LawChoice::Zener, Method::ZenerArx, true),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade2, true),
     ];
-    let fits = |(own, candidate): &(LawChoice, Method)| {
+    let fits = |(own, candidate, default): &(LawChoice, Method, bool)| {
         (law == LawChoice::Auto || law == *own)
-            && method.is_none_or(|method| method == MethodChoice::of(*candidate))
+            && method.map_or(*default, |method| method == MethodChoice::of(*candidate))
     };
     let left: Vec<Method> = all
         .into_iter()
         .filter(fits)
-        .map(|(_, method)| method)
+        .map(|(_, method, _)| method)
         .collect();
     if left.is_empty() {
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls goes with kelvin_voigt, two_stage with hunt_crossley, arx with zener, cascade \
-                 and cascade_2 with quasi_linear; or leave --method out",
+                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, arx \
+                 with zener, cascade and cascade_2 with quasi_linear; or leave --method out",
             ));
     }
     Ok(left)
@@ -227,11 +243,12 @@ pub fn estimate(
     for method in methods {
         let Setup { config, notes } = setup(log, base, *method, choices);
         let replay = replay(log, &config).map_err(|error| {
-            Diagnostic::new(format!("the configuration cannot be used: {error}"))
+            Diagnostic::new("the configuration cannot be used")
                 .at_key(error.field)
                 .value(error.value)
                 .remedy(error.expected)
         })?;
+        long_enough(log, &replay)?;
         let outcome = Outcome::of(log, &replay);
         selection.push((outcome.law.name(), outcome.force_rmse_n));
         let rmse = outcome.force_rmse_n.unwrap_or(f64::INFINITY);
@@ -255,6 +272,21 @@ pub fn estimate(
     })
 }
 
+/// Without a window of the filter in contact and some free air before it nothing can be learned.
+fn long_enough(log: &UniformLog, replay: &Replay) -> Result<(), Diagnostic> {
+    let window = 2 * replay.delay + 1;
+    if log.len() > window + FEWEST_SAMPLES {
+        return Ok(());
+    }
+    Err(Diagnostic::new(format!(
+        "the log has {} samples: the filter takes {window}, and free air at least {FEWEST_SAMPLES}",
+        log.len()
+    ))
+    .in_file(&log.path)
+    .value(log.len())
+    .remedy("record longer: a touch at 1 kHz takes a few hundred samples"))
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -269,28 +301,38 @@ pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
         reference_depth_m: args.reference_depth,
         surface_m: args.surface,
     };
-    for path in &args.logs {
+    for (path, name) in args.logs.iter().zip(names(&args.logs)) {
         let log = args.reading.read(path)?;
         let estimation = estimate(&log, base, &methods, choices)?;
-        print!("{}", print::summary(path, &log, &estimation));
+        say(print::summary(path, &log, &estimation))?;
         if let Some(out) = &args.out {
             let folder = if args.logs.len() > 1 {
-                out.join(stem(path))
+                out.join(name)
             } else {
                 out.clone()
             };
             write(&folder, path, &log, &estimation, args.every as usize)?;
-            println!("report: {}", folder.join("report.html").display());
+            let report = folder.join("report.html");
+            say(format!("report: {}\n", report.display()))?;
         }
     }
     Ok(())
 }
 
-/// The name of a log without its endings.
-fn stem(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let name = name.trim_end_matches(".gz").trim_end_matches(".csv");
-    PathBuf::from(name)
+/// A folder for each log: its name without endings, and with a number where an earlier log has the
+/// same (`simulate` calls every one log.csv).
+fn names(logs: &[PathBuf]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for path in logs {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.trim_end_matches(".gz").trim_end_matches(".csv");
+        let numbered = (2..).map(|number| format!("{name}-{number}"));
+        let free = std::iter::once(name.to_string())
+            .chain(numbered)
+            .find(|name| !names.contains(name));
+        names.extend(free);
+    }
+    names
 }
 
 fn write(
@@ -326,9 +368,7 @@ mod tests {
     fn a_method_that_does_not_go_with_the_law_is_refused_with_a_remedy() {
         let error = methods(LawChoice::KelvinVoigt, Some(MethodChoice::TwoStage)).unwrap_err();
         assert!(
-            error
-                .to_string()
-                .contains("remedy: rls goes with kelvin_voigt"),
+            error.to_string().contains("go with kelvin_voigt"),
             "{error}"
         );
     }
@@ -337,8 +377,8 @@ mod tests {
     fn auto_tries_every_law_the_simplest_first() {
         let all = methods(LawChoice::Auto, None).unwrap();
         let simplest_first = [
-            Method::KelvinVoigt,
-            Method::HuntCrossleyTwoStage,
+            Method::KelvinVoigtSurface,
+            Method::HuntCrossleyBank,
             Method::ZenerArx,
             Method::HammersteinCascade,
             Method::HammersteinCascade2,
@@ -348,6 +388,12 @@ mod tests {
 
     #[test]
     fn the_folder_of_a_log_is_its_name_without_endings() {
-        assert_eq!(stem(Path::new("a/b/log.1.csv.gz")), PathBuf::from("log.1"));
+        assert_eq!(names(&["a/b/log.1.csv.gz".into()]), ["log.1"]);
+    }
+
+    #[test]
+    fn logs_of_one_name_do_not_overwrite_each_other() {
+        let logs = ["a/log.csv", "b/log.csv", "log-2.csv", "c/log.csv.gz"].map(PathBuf::from);
+        assert_eq!(names(&logs), ["log", "log-2", "log-2-2", "log-3"]);
     }
 }

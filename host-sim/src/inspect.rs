@@ -12,8 +12,10 @@ use crate::log::UniformLog;
 use crate::replay::Replay;
 use crate::signal;
 
-/// A force below rest by this many standard deviations of the noise pulls.
+/// A force below rest by this many standard deviations of what it does in free air pulls.
 const PULL_SIGMAS: f64 = 8.0;
+/// Fewest samples before the first touch that tell what the force does in free air.
+const FEWEST_UNTOUCHED: usize = 10;
 /// A pull is one if it lasts for this many samples: spikes are not adhesion.
 const PULL_SAMPLES: usize = 5;
 /// The largest force, held for this share of the samples in contact, is the end of the range.
@@ -31,7 +33,7 @@ pub struct Inspection {
     pub force_step_n: Option<f64>,
     /// Resolution of the position (m), if it is quantised.
     pub position_step_m: Option<f64>,
-    /// Force in free air (N).
+    /// Force in free air before the first touch (N).
     pub rest_n: f64,
     /// Time in free air (s).
     pub free_s: f64,
@@ -43,7 +45,7 @@ pub struct Inspection {
     pub pull_n: f64,
     /// The force at which the channel ends, if flat tops show it (N).
     pub saturated_n: Option<f64>,
-    /// Speeds in contact: the lower and upper decile of the non-zero ones (m/s).
+    /// Speeds in contact: the lower and upper decile of those above a tenth of the fastest (m/s).
     pub speeds_mps: Option<(f64, f64)>,
 }
 
@@ -56,7 +58,14 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         touched[contact.clone()].fill(true);
     }
     let free: Vec<f64> = pick(&log.force_n, &touched, false);
-    let rest_n = signal::median(free.clone());
+    // After a touch a contact that sticks pulls in what counts as free air.
+    let before = contacts.first().map_or(log.len(), |first| first.start);
+    let untouched = match before >= FEWEST_UNTOUCHED {
+        true => &log.force_n[..before],
+        false => &free,
+    };
+    let rest_n = signal::median(untouched.to_vec());
+    let sigma_n = noise_n.max(wander(untouched, rest_n));
     Inspection {
         noise_n,
         disturbance: disturbance(&free, noise_n),
@@ -66,7 +75,7 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         free_s: free.len() as f64 * log.period_s(),
         touches: touches.to_vec(),
         holds: holds(log, replay),
-        pull_n: pull(&log.force_n, rest_n, noise_n),
+        pull_n: pull(&log.force_n, rest_n, sigma_n),
         saturated_n: saturation(&pick(&log.force_n, &touched, true), noise_n),
         speeds_mps: speeds(replay),
     }
@@ -95,7 +104,12 @@ fn disturbance(free: &[f64], noise_n: f64) -> Option<f64> {
     Some(scatter / (noise_n / (BLOCK as f64).sqrt()))
 }
 
-fn pull(force_n: &[f64], rest_n: f64, noise_n: f64) -> f64 {
+/// Standard deviation of a force, hum and drift included.
+fn wander(free: &[f64], rest_n: f64) -> f64 {
+    signal::median(free.iter().map(|force| (force - rest_n).abs()).collect()) / 0.6745
+}
+
+fn pull(force_n: &[f64], rest_n: f64, sigma_n: f64) -> f64 {
     // The smallest of neighbours that all pull: what lasts, not what spikes.
     let lasting = force_n.windows(PULL_SAMPLES).map(|window| {
         window
@@ -104,7 +118,7 @@ fn pull(force_n: &[f64], rest_n: f64, noise_n: f64) -> f64 {
             .fold(f64::INFINITY, f64::min)
     });
     let deepest = lasting.fold(0.0, f64::max);
-    if deepest > PULL_SIGMAS * noise_n {
+    if deepest > PULL_SIGMAS * sigma_n {
         deepest
     } else {
         0.0
@@ -129,7 +143,7 @@ fn speeds(replay: &Replay) -> Option<(f64, f64)> {
         .map(|index| f64::from(replay.records[index].speed_mps.abs()))
         .collect();
     let fastest = speeds.iter().copied().fold(0.0, f64::max);
-    speeds.retain(|speed| *speed > 0.01 * fastest);
+    speeds.retain(|speed| *speed > 0.1 * fastest);
     speeds.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| speeds.get((share * speeds.len() as f64) as usize).copied();
     Some((at(0.1)?, at(0.9)?))

@@ -16,3 +16,4 @@ pub mod settings;
 pub mod signal;
 pub mod simulate;
 pub mod toml_reader;
+pub mod wrap;

@@ -4,6 +4,7 @@
 //! other machines are read with a [`ColumnMap`] that names their columns, signs and units. What a
 //! reader of the log should know (rows left out, stamps that repeat) stands in [`Log::notes`].
 
+mod cell;
 mod columns;
 mod preamble;
 mod read;

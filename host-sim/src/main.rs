@@ -1,10 +1,12 @@
 //! The `palpate` command: arguments in, exit status out.
 
 use std::error::Error;
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
+use palpate::wrap::wrapped;
 use palpate::{check, demo, estimate, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
@@ -45,13 +47,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// Bad input is 2, everything else that goes wrong 1. A closed pipe (`palpate … | head`) is no
-/// failure.
+/// Bad input is 2, everything else that goes wrong 1.
 fn fail(error: &(dyn Error + 'static)) -> ExitCode {
-    if error.is::<Diagnostic>() {
-        eprintln!("{error}");
-        return ExitCode::from(2);
-    }
-    eprintln!("error: {error}");
-    ExitCode::FAILURE
+    let (text, code) = match error.is::<Diagnostic>() {
+        true => (error.to_string(), ExitCode::from(2)),
+        false => (wrapped("error: ", &error.to_string()), ExitCode::FAILURE),
+    };
+    // Nobody to tell if standard error is closed: the status says it.
+    let _ = writeln!(std::io::stderr(), "{text}");
+    code
 }

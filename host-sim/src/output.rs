@@ -1,4 +1,4 @@
-//! Writing a file whole or not at all.
+//! Writing a file whole or not at all, and text for whoever still listens.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -39,6 +39,26 @@ fn write_whole(
     let mut writer = BufWriter::with_capacity(1 << 16, File::create(temporary)?);
     fill(&mut writer)?;
     writer.flush()
+}
+
+/// Writes `text` to standard output. Whoever reads it may stop before its end (`… | head -1`): that
+/// is no failure, and what else the verb has to do goes on.
+///
+/// # Errors
+/// What the system says otherwise, such as a full disk.
+pub fn say(text: impl AsRef<str>) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    let said = out
+        .write_all(text.as_ref().as_bytes())
+        .and_then(|()| out.flush());
+    match said {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => Err(io::Error::new(
+            error.kind(),
+            format!("cannot write to standard output: {error}"),
+        )),
+        Ok(()) => Ok(()),
+    }
 }
 
 #[cfg(test)]

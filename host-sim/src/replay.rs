@@ -42,7 +42,7 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
     for sample in samples(log) {
         records.push(step(&params, &mut state, sample));
         rest_n.push(state.resting_force_n());
-        surface_m.push(state.surface_m().unwrap_or_default());
+        surface_m.push(state.surface_m(&params).unwrap_or_default());
     }
     Ok(Replay {
         config: *config,
@@ -77,9 +77,23 @@ impl Replay {
         self.start_s + (index as f64 - self.delay as f64) * self.period_s
     }
 
+    /// Time (s) of the raw sample that record `index` was made at: contact, release and faults are
+    /// decided on it, and not on the smoothed signals that the record describes.
+    pub fn raw_time_s(&self, index: usize) -> f64 {
+        self.start_s + index as f64 * self.period_s
+    }
+
     /// The index of the sample that record `index` describes; `None` before the first.
     pub fn sample_of(&self, index: usize) -> Option<usize> {
         index.checked_sub(self.delay)
+    }
+
+    /// Depth (m) that record `index` describes, below the surface that is known at the end: an
+    /// estimator that finds the surface moves the depths of its records with it.
+    pub fn final_depth_m(&self, index: usize) -> f64 {
+        let surface = self.surface_m.last().copied().unwrap_or_default();
+        let position = self.records[index].depth_m + self.surface_m[index];
+        f64::from(position) - f64::from(surface)
     }
 
     /// The last record; `None` of an empty log.

@@ -2,7 +2,7 @@
 //!
 //! ```toml
 //! [filter]                 # one of
-//! half_width = 10          # Savitzky–Golay: samples on either side
+//! half_width = 8           # Savitzky–Golay: samples on either side
 //! # cutoff_hz = 40.0       # state-variable filter (Hz)
 //! # damping_ratio = 1.0
 //!
@@ -43,7 +43,7 @@
 use std::path::Path;
 
 use estimator_core::Config;
-use estimator_core::config::{Filter, Inversion, Method, Surface, Weight};
+use estimator_core::config::{Filter, Inversion, Surface, Weight};
 
 use crate::diagnostic::Diagnostic;
 use crate::toml_reader::{Bounds, Table, TomlFile};
@@ -77,7 +77,6 @@ fn parse(file: &TomlFile) -> Result<Config, Diagnostic> {
         }
     }
     root.finish()?;
-    config.method = Method::HuntCrossleyTwoStage;
     match config.validate::<f32>() {
         Ok(_) => Ok(config),
         Err(error) => Err(refused(&root, &error)?),

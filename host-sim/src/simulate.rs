@@ -8,6 +8,7 @@ use clap::Args;
 use crate::diagnostic::{Diagnostic, listed};
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::output::say;
 use crate::plant::{Contact, MODES, Rig, Run, Stage};
 
 /// Force at the deepest point of the built-in motion [N]: the chapter's touches reach 10 to 14 N.
@@ -50,6 +51,12 @@ pub struct SimulateArgs {
 /// A [`Diagnostic`] for a model or motion that cannot be read or simulated; an I/O error if the log
 /// cannot be written.
 pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
+    say(record(args)?)?;
+    Ok(())
+}
+
+/// Simulates, writes `log.csv`, and gives what to say about it.
+fn record(args: &SimulateArgs) -> Result<String, Box<dyn Error + Send + Sync>> {
     let model = Model::read(&args.model)?;
     let contact = simulated(&model)?;
     let motion = read_motion(args, &contact)?;
@@ -60,9 +67,8 @@ pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
     let run = rig.run(&Stage::throughout(contact), &motion, args.seed)?;
     let path = args.out.join("log.csv");
     run.log.write_csv(&path)?;
-    println!("{}", summary(&run, &model, args));
-    println!("  log         {}", path.display());
-    Ok(())
+    let summary = summary(&run, &model, args);
+    Ok(format!("{summary}\n  log         {}\n", path.display()))
 }
 
 /// The model as this version's rig can have it.
@@ -168,8 +174,8 @@ mod tests {
     fn a_model_becomes_a_log_that_reads_and_one_seed_one_file() {
         let folder = Folder::with_model("gel", GEL);
         let (first, second) = (folder.args(1), folder.args(2));
-        run(&first).unwrap();
-        run(&second).unwrap();
+        record(&first).unwrap();
+        record(&second).unwrap();
         let log = Log::read(&first.out.join("log.csv"), &ReadOptions::default()).unwrap();
         assert_eq!(log.rate_hz(), 1000.0);
         assert!(log.notes.is_empty(), "{:?}", log.notes);
@@ -186,7 +192,7 @@ mod tests {
         assert!(touching.into_iter().all(|(position, _)| *position > 3e-3));
         let bytes = |args: &SimulateArgs| fs::read(args.out.join("log.csv")).unwrap();
         let before = bytes(&first);
-        run(&first).unwrap();
+        record(&first).unwrap();
         assert_eq!(bytes(&first), before);
         assert_ne!(bytes(&second), before);
     }
@@ -210,7 +216,7 @@ mod tests {
         ] {
             let folder = Folder::with_model(name, model);
             let args = folder.args(1);
-            let error = run(&args).unwrap_err();
+            let error = record(&args).unwrap_err();
             let diagnostic = error.downcast_ref::<Diagnostic>().unwrap();
             assert!(diagnostic.what.contains(what), "{diagnostic}");
             assert_eq!(diagnostic.line, line);
@@ -223,7 +229,7 @@ mod tests {
         let folder = Folder::with_model("full", GEL);
         let mut args = folder.args(1);
         args.out = folder.0.join("model.toml");
-        let error = run(&args).unwrap_err();
+        let error = record(&args).unwrap_err();
         assert!(error.downcast_ref::<Diagnostic>().is_none());
         assert!(error.to_string().contains("cannot write"), "{error}");
     }

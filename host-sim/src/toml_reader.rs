@@ -4,6 +4,7 @@
 //! nearest key that would have been understood.
 
 mod bounds;
+mod wrong_file;
 
 pub use bounds::Bounds;
 
@@ -29,12 +30,12 @@ impl TomlFile {
     /// # Errors
     /// A file that cannot be read or is no TOML, with the line.
     pub fn read(path: &Path) -> Result<TomlFile, Diagnostic> {
-        let text = fs::read_to_string(path).map_err(|error| {
-            Diagnostic::new(format!("cannot read the file: {error}"))
-                .in_file(path)
-                .remedy("give the path of a TOML file in UTF-8")
-        })?;
-        TomlFile::parse(text, path)
+        let text =
+            fs::read_to_string(path).map_err(|error| wrong_file::unreadable(path, &error))?;
+        match wrong_file::not_toml(&text) {
+            None => TomlFile::parse(text, path),
+            Some(wrong) => Err(wrong.in_file(path)),
+        }
     }
 
     /// Parses a text; `path` is for its errors.
@@ -53,7 +54,7 @@ impl TomlFile {
                 &text,
                 error.span(),
             )
-            .remedy("a table is [name], a value is key = 1.0, text stands in double quotes")),
+            .remedy(wrong_file::FORM)),
         }
     }
 

@@ -76,24 +76,57 @@ impl<T: Real> History<T> {
         }
     }
 
-    /// Value and slope at the centre of the window of `2m + 1` samples that ends at slot `newest`.
-    fn fit(&self, params: &SavitzkyGolayParams<T>, newest: usize) -> (T, T) {
-        let m = params.half_width;
+    /// The window of `2m + 1` samples that ends at slot `newest`: before, at and after its centre.
+    fn window(&self, m: usize, newest: usize) -> Option<(&[T], T, &[T])> {
         let end = newest + 2 * m + 2;
-        let window = self.samples.get(end - (2 * m + 1)..end).unwrap_or(&[]);
-        let (Some(before), Some(&centre), Some(after)) =
-            (window.get(..m), window.get(m), window.get(m + 1..))
-        else {
-            return (T::nil(), T::nil());
+        let window = self.samples.get(end - (2 * m + 1)..end)?;
+        Some((window.get(..m)?, *window.get(m)?, window.get(m + 1..)?))
+    }
+
+    /// The average alone.
+    fn average(&self, params: &SavitzkyGolayParams<T>, newest: usize) -> T {
+        let Some((before, centre, after)) = self.window(params.half_width, newest) else {
+            return T::nil();
         };
         // Differences to the centre: Σhₖ = 1, and a position of 0.2 m keeps its micrometres in f32.
-        let (mut value, mut slope) = (centre, T::nil());
-        for ((&past, &future), &(c, d)) in before.iter().rev().zip(after).zip(&params.sides) {
-            value += c * ((past - centre) + (future - centre));
-            slope += d * (future - past);
+        let mut offset = T::nil();
+        for ((&past, &future), &(h, _)) in before.iter().rev().zip(after).zip(&params.sides) {
+            offset += h * ((past - centre) + (future - centre));
         }
-        (value, slope)
+        centre + offset
     }
+
+    /// Average and slope, and how the signal moves about them within the window.
+    fn moments(&self, params: &SavitzkyGolayParams<T>, newest: usize) -> Moments<T> {
+        let Some((before, centre, after)) = self.window(params.half_width, newest) else {
+            return Moments::default();
+        };
+        let (mut offset, mut slope) = (T::nil(), T::nil());
+        let (mut square, mut square_slope) = (T::nil(), T::nil());
+        for ((&past, &future), &(h, d)) in before.iter().rev().zip(after).zip(&params.sides) {
+            let (past, future) = (past - centre, future - centre);
+            offset += h * (past + future);
+            slope += d * (future - past);
+            square += h * (past * past + future * future);
+            square_slope += d * (future * future - past * past);
+        }
+        Moments {
+            value: centre + offset,
+            slope,
+            // Σh(x − x̄)², and Σh(x − x̄)(v − v̄) as half the rate of Σhx², less x̄v̄.
+            spread: square - offset * offset,
+            coupling: T::from_f64(0.5) * square_slope - offset * slope,
+        }
+    }
+}
+
+/// What the window says of a channel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moments<T> {
+    value: T,
+    slope: T,
+    spread: T,
+    coupling: T,
 }
 
 /// Linear-phase smoothing and differentiation; delay half_width samples at every frequency.
@@ -143,12 +176,13 @@ impl<T: Real> SavitzkyGolay<T> {
         };
         self.position.put(self.newest, width, sample.position_m);
         self.force.put(self.newest, width, sample.force_n);
-        let (position_m, speed_mps) = self.position.fit(params, self.newest);
-        let (force_n, _) = self.force.fit(params, self.newest);
+        let position = self.position.moments(params, self.newest);
         Aligned {
-            position_m,
-            speed_mps,
-            force_n,
+            position_m: position.value,
+            speed_mps: position.slope,
+            force_n: self.force.average(params, self.newest),
+            spread_m2: position.spread,
+            coupling_m2ps: position.coupling,
         }
     }
 }
@@ -228,6 +262,24 @@ mod tests {
             .sum();
         assert!((energy - params.noise_gain()).abs() < 1e-15, "{energy}");
         assert!((params.noise_gain() - 0.06).abs() < 0.004);
+    }
+
+    #[test]
+    fn spread_and_coupling_are_those_of_the_motion_in_the_window() {
+        // x = vt: Σhₖk² = (2m² + 2m + 1)/10 = 22.1 for m = 10, and no coupling.
+        let ramp = run(10, 100, |t| 0.02 * t);
+        assert!(
+            (ramp.spread_m2 / (4e-4 * 22.1e-6) - 1.0).abs() < 1e-3,
+            "{ramp:?}"
+        );
+        assert!(ramp.coupling_m2ps.abs() < 1e-15);
+        // x = at²/2: to leading order coupling = v·a·spread of t; m² terms are 1 % at 0.1 s.
+        let bent = run(10, 111, |t| 0.5 * 0.3 * t * t);
+        let expected = 0.3 * 0.1 * 0.3 * 22.1e-6;
+        assert!(
+            (bent.coupling_m2ps / expected - 1.0).abs() < 0.02,
+            "{bent:?} {expected}"
+        );
     }
 
     #[test]

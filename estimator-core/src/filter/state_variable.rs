@@ -107,6 +107,7 @@ impl<T: Real> StateVariable<T> {
             position_m,
             speed_mps,
             force_n,
+            ..Aligned::default()
         }
     }
 }

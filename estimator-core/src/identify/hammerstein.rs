@@ -420,16 +420,16 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         if at.depth <= T::nil() || !self.pushed {
-            return false;
+            return None;
         }
         if self.is_loading(at) {
             self.learn_elastic(params, at, noise);
             if R == 1 {
                 // While θ̂₁ moves, z of two periods would belong to two elastic responses.
                 self.forget_run();
-                return true;
+                return Some(beta);
             }
         }
         if R > 1 && self.fresh {
@@ -448,7 +448,8 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
             self.known = (self.known + 1).min(R);
         }
         // A prediction over two long periods is none for a stroke that is over in less.
-        R == 1 || at.speed.magnitude() < self.loading_speed
+        let told = R == 1 || at.speed.magnitude() < self.loading_speed;
+        told.then_some(beta)
     }
 
     fn admit(&mut self, pushed: bool) {
@@ -574,6 +575,7 @@ mod tests {
                     0.0
                 },
                 force: law.step(&mut memory, depth_m, 0.0, 1e-3),
+                ..Instant::default()
             };
             // The filter's memory must lie within the contact.
             let inside = i > params.filter.memory_samples();

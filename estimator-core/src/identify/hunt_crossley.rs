@@ -106,14 +106,14 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         if at.depth <= T::nil() {
-            return false;
+            return None;
         }
         let Split { shape, .. } = self.split(at);
         let phi_1 = Vector2::new(shape, shape * at.speed);
         if !self.excitation.admits(&phi_1, params.excitation_step) {
-            return false;
+            return None;
         }
         self.gamma_1.update(&phi_1, at.force, beta);
 
@@ -130,7 +130,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         let by_surface = Self::by_surface(at, &split);
         self.confidence
             .update(&Self::gradient(at, &split), by_surface, beta);
-        true
+        Some(beta)
     }
 
     fn reopen(&mut self, params: &Params<T>) {
@@ -187,6 +187,7 @@ mod tests {
                 depth: depth_m / 1e-3,
                 speed: speed_mps / 0.01,
                 force,
+                ..Instant::default()
             };
             let beta = params
                 .forgetting
@@ -218,6 +219,7 @@ mod tests {
                 depth: 1.0,
                 speed,
                 force: 5.0,
+                ..Instant::default()
             };
             stages.learn(&params, &at, &NOISE, 0.99);
         }

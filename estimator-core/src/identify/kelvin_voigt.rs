@@ -50,14 +50,14 @@ impl<T: Real> Identify<T> for Linear<T> {
         at: &Instant<T>,
         _noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         let phi = regressor(at);
         let moving = self.excitation.admits(&phi, params.excitation_step);
         if moving {
             self.rls.update(&phi, at.force, beta);
             self.confidence.update(&phi, -self.rls.theta.x, beta);
         }
-        moving
+        moving.then_some(beta)
     }
 
     fn reopen(&mut self, params: &Params<T>) {
@@ -110,8 +110,9 @@ mod tests {
                 depth,
                 speed,
                 force: 2.26 * depth + 1.23 * speed,
+                ..Instant::default()
             };
-            assert!(linear.learn(&params, &at, &noise, 0.999));
+            assert!(linear.learn(&params, &at, &noise, 0.999).is_some());
         }
         let [stiffness, damping, ..] = linear.judged(&noise, 0.0);
         // P(0) = 10⁴ is worth 10⁻⁴ of one sample.
@@ -132,9 +133,10 @@ mod tests {
             depth: 2.0,
             speed: 0.0,
             force: 4.0,
+            ..Instant::default()
         };
         let learned = (0..100_000)
-            .filter(|_| linear.learn(&params, &at, &noise, 0.96))
+            .filter(|_| linear.learn(&params, &at, &noise, 0.96).is_some())
             .count();
         assert!(learned < 100, "{learned}");
     }

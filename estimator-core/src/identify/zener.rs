@@ -162,18 +162,18 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         at: &Instant<T>,
         noise: &ForceNoise<T>,
         beta: T,
-    ) -> bool {
+    ) -> Option<T> {
         if !self.pushed {
-            return false;
+            return None;
         }
         let Some(last) = self.last else {
             self.last = Some(*at);
             self.since = 0;
-            return false;
+            return None;
         };
         self.since += 1;
         if self.since < self.pace.samples {
-            return true;
+            return Some(beta);
         }
         self.last = Some(*at);
         self.since = 0;
@@ -191,7 +191,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         } else {
             self.fit.break_off();
         }
-        true
+        Some(gate.unwrap_or(T::unit()))
     }
 
     fn admit(&mut self, pushed: bool) {
@@ -314,6 +314,7 @@ mod tests {
                 depth: depth_m / 1e-3,
                 speed: 0.7 * libm::cos(7e-3 * f64::from(i)),
                 force,
+                ..Instant::default()
             };
             arx.admit(true);
             // Once it has learned, the prediction between two periods is that of the solid.
@@ -348,6 +349,7 @@ mod tests {
             depth,
             speed: 0.0,
             force: 3.0 * depth,
+            ..Instant::default()
         };
         for i in 0..40 {
             // Five pushed samples at a time: less than a period.

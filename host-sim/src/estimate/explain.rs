@@ -4,15 +4,21 @@
 use estimator_core::config::Surface;
 use estimator_core::{LawKind, Status};
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, law_with};
 use crate::inspect::{Inspection, suspicions};
 use crate::log::UniformLog;
 use crate::replay::Replay;
+use crate::report::estimate::law_title;
+use crate::report::number::quantity;
+use crate::signal;
 
 /// A force that falls by this share in a hold relaxes.
 const RELAXES: f64 = 0.03;
 /// A law that leaves this many times the noise does not explain the force.
 const EXPLAINED: f64 = 3.0;
+
+/// A surface whose error may leave this share of the misfit may well be its cause.
+const SURFACE_SHARE: f64 = 0.5;
 
 /// The sentences for one estimate.
 pub fn explain(
@@ -22,38 +28,90 @@ pub fn explain(
     inspection: &Inspection,
 ) -> Vec<String> {
     let mut notes = suspicions(log);
-    notes.extend(contact(outcome, inspection));
-    notes.extend(misfit(outcome, inspection));
+    notes.extend(contact(log, replay, outcome, inspection));
+    notes.extend(misfit(replay, outcome, inspection));
     notes.extend(relaxation(outcome, inspection));
     notes.extend(adhesion(outcome, inspection));
     notes.extend(surface(replay, outcome));
     if let Some(limit) = inspection.saturated_n {
         notes.push(format!(
-            "the force stands still at its largest value, {limit:.4} N: the channel saturates there"
+            "the force stands still at its largest value, {}: the channel saturates there",
+            quantity(limit, 4, "N")
         ));
     }
     notes
 }
 
-fn contact(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
-    outcome.touches.is_empty().then(|| {
-        format!(
-            "no contact: the force never rose above six standard deviations of its noise, {:.2e} N",
-            6.0 * inspection.noise_n
-        )
+fn contact(
+    log: &UniformLog,
+    replay: &Replay,
+    outcome: &Outcome,
+    inspection: &Inspection,
+) -> Option<String> {
+    if !outcome.touches.is_empty() {
+        return None;
+    }
+    Some(match replay.config.contact.surface {
+        Surface::Known { position_m } => {
+            let farthest = log.position_m.iter().copied();
+            format!(
+                "no contact: the surface is given at {}, and the probe came no farther than {}",
+                quantity(f64::from(position_m), 4, "m"),
+                quantity(farthest.fold(f64::NEG_INFINITY, f64::max), 4, "m")
+            )
+        }
+        Surface::AtImpact => format!(
+            "no contact: the force never rose out of what it does in free air (its noise is {} rms)",
+            quantity(inspection.noise_n, 2, "N")
+        ),
     })
 }
 
-fn misfit(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
+fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option<String> {
     let rmse = outcome.force_rmse_n?;
-    let multiple = rmse / inspection.noise_n;
-    (multiple > EXPLAINED).then(|| {
-        format!(
-            "{} leaves {rmse:.3e} N rms in contact, {multiple:.0} times the noise: it does not explain \
-             this force, and its parameters describe it only on average",
-            outcome.law.name()
-        )
+    if rmse <= EXPLAINED * inspection.noise_n {
+        return None;
+    }
+    let leaves = format!(
+        "{} leaves {} rms in contact, {} the noise",
+        law_title(outcome.law.name()),
+        quantity(rmse, 3, "N"),
+        times(rmse / inspection.noise_n),
+    );
+    let surface = surface_misfit(replay, outcome).filter(|share| *share > SURFACE_SHARE * rmse);
+    Some(match surface {
+        Some(share) => format!(
+            "{leaves}: but the uncertainty of the surface alone may leave {}; give its position \
+             (--surface) before doubting the law",
+            quantity(share, 2, "N")
+        ),
+        None => format!(
+            "{leaves}: it does not explain this force, and its parameters describe it only on average"
+        ),
     })
+}
+
+/// "4.5 times", "220 times": more digits mean nothing.
+pub(super) fn times(ratio: f64) -> String {
+    match ratio {
+        ratio if ratio.is_infinite() => "any number of times".into(),
+        ratio if ratio < 10.0 => format!("{ratio:.1} times"),
+        ratio => format!("{ratio:.0} times"),
+    }
+}
+
+/// What a surface that is wrong by its standard error would change the force by (N rms in contact).
+fn surface_misfit(replay: &Replay, outcome: &Outcome) -> Option<f64> {
+    let error_m = f64::from(outcome.value("surface")?.std_error);
+    let reference_depth_m = f64::from(replay.config.reference.depth_m);
+    let law = law_with(outcome.law, &outcome.parameters, reference_depth_m)?;
+    let contacts = replay.contacts().into_iter().flatten();
+    let changes = contacts.map(|index| {
+        let record = &replay.records[index];
+        let (depth, speed) = (f64::from(record.depth_m), f64::from(record.speed_mps));
+        law.force_n(depth + error_m, speed) - law.force_n(depth, speed)
+    });
+    Some(signal::rms(changes))
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
@@ -71,7 +129,7 @@ fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
             100.0 * hold.relaxed,
             hold.from_s,
             hold.to_s,
-            outcome.law.name()
+            law_title(outcome.law.name())
         )
     })
 }
@@ -79,21 +137,33 @@ fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 fn adhesion(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
     (inspection.pull_n > 0.0 && !outcome.touches.is_empty()).then(|| {
         format!(
-            "the contact pulls with up to {:.3e} N: adhesion, which the law does not have",
-            inspection.pull_n
+            "the force falls to {} below rest: adhesion (or friction, or a moving resting force), which the \
+             law does not have",
+            quantity(inspection.pull_n, 3, "N")
         )
     })
 }
 
 fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
     let surface = outcome.value("surface")?;
-    if replay.config.contact.surface != Surface::AtImpact || outcome.status == Status::NoContact {
+    let found = replay.config.method.finds_surface();
+    let known = replay.config.contact.surface != Surface::AtImpact;
+    if found || known || outcome.status == Status::NoContact {
         return None;
     }
+    let error_m = f64::from(surface.std_error);
+    let known = match error_m > 0.0 {
+        true => format!(", known to {}", quantity(error_m, 2, "m")),
+        false => ", which came too suddenly to say how well it is known".into(),
+    };
+    let bent = match outcome.law {
+        LawKind::KelvinVoigt => "stiffness and damping",
+        LawKind::HuntCrossley => "stiffness, damping and exponent together",
+        LawKind::Zener => "the resting stiffness",
+        LawKind::QuasiLinear | LawKind::QuasiLinear2 => "stiffness and exponent together",
+    };
     Some(format!(
-        "the surface is taken from the impact, known to {:.1e} m: an error of it bends stiffness, \
-         damping and exponent together, and their standard errors include it (--surface gives the \
-         true position)",
-        surface.std_error
+        "the surface is taken from the impact{known}: an error of it bends {bent}, and their \
+         standard errors include it (--surface gives the true position)"
     ))
 }

@@ -44,7 +44,8 @@ pub struct Outcome {
     /// Raw force against the law with the final parameters, in contact (N rms); `None` without
     /// contact or parameters.
     pub force_rmse_n: Option<f64>,
-    /// When the parameters had settled (s); `None` if they never did.
+    /// From first contact until the parameters had settled (s); `None` if they never did, or only for
+    /// the last moments of the log (less than the judgement's window).
     pub settled_at_s: Option<f64>,
     /// A stretch per material.
     pub segments: Vec<Segment>,
@@ -157,6 +158,10 @@ fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>)
     let Some(law) = law_with(replay.params.law(), parameters, reference_depth_m) else {
         return forces;
     };
+    let found = match replay.config.method.finds_surface() {
+        true => parameters[replay.params.law().parameters().len() - 1],
+        false => None,
+    };
     let mut memory = law.at_rest();
     let touched = replay.contacts().first().map_or(usize::MAX, |c| c.start);
     for (index, record) in replay.records.iter().enumerate().skip(touched) {
@@ -165,7 +170,8 @@ fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>)
         };
         let (position_m, speed_mps) =
             signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
-        let depth_m = position_m - f64::from(replay.surface_m[index]);
+        let surface_m = found.map_or(replay.surface_m[index], |surface| surface.value);
+        let depth_m = position_m - f64::from(surface_m);
         let force_n = law.step(&mut memory, depth_m, speed_mps, log.period_s());
         // A material that lags behind its depth lets go of the probe; the chapter saturates the
         // force of its Hammerstein model, and lets its linear one show that it pulls (E2).
@@ -218,7 +224,10 @@ fn settled_at(replay: &Replay, parameters: &Parameters<f32>) -> Option<f64> {
         Some(far) => far + 1,
         None => 0,
     };
-    (first_near < replay.records.len()).then(|| replay.time_s(first_near))
+    let contact_s = replay.time_s(replay.contacts().first()?.start);
+    let stayed_s = (replay.records.len() - first_near) as f64 * replay.period_s;
+    let long_enough = stayed_s >= f64::from(replay.config.judgement.window_s);
+    long_enough.then(|| replay.time_s(first_near) - contact_s)
 }
 
 fn touches(replay: &Replay) -> Vec<Touch> {
@@ -229,8 +238,8 @@ fn touches(replay: &Replay) -> Vec<Touch> {
             let peak =
                 |of: fn(&Record) -> f32| f64::from(records.iter().map(of).fold(0.0, f32::max));
             Touch {
-                from_s: replay.time_s(contact.start + replay.delay),
-                to_s: replay.time_s(contact.end - 1 + replay.delay),
+                from_s: replay.raw_time_s(contact.start),
+                to_s: replay.raw_time_s(contact.end - 1),
                 peak_force_n: peak(|record| record.force_n),
                 peak_depth_m: peak(|record| record.depth_m),
             }
@@ -251,19 +260,23 @@ fn segments(replay: &Replay) -> Vec<Segment> {
     bounds
         .windows(2)
         .map(|pair| Segment {
-            from_s: replay.time_s(pair[0]),
+            from_s: match pair[0] == first {
+                true => replay.raw_time_s(first),
+                false => replay.time_s(pair[0]),
+            },
             to_s: replay.time_s(pair[1] - 1),
             parameters: replay.records[pair[1] - 1].parameters,
         })
         .collect()
 }
 
-/// Contacts and changes as they come, faults when they begin.
+/// Contacts and changes as they come, faults when they begin. A change is one of the smoothed
+/// signals; everything else happens to a raw sample.
 fn events(replay: &Replay) -> Vec<EventMark> {
     let mut events = Vec::new();
     let mut before = Faults::NONE;
     for (index, record) in replay.records.iter().enumerate() {
-        let time_s = replay.time_s(index);
+        let time_s = replay.raw_time_s(index);
         for fault in record.faults.iter().filter(|fault| !before.has(*fault)) {
             let description = fault.describe().into();
             let kind = EventKind::Fault {
@@ -274,10 +287,12 @@ fn events(replay: &Replay) -> Vec<EventMark> {
         }
         before = record.faults;
         if let Some(event) = record.event {
-            events.push(EventMark {
-                time_s,
-                kind: EventKind::Estimator(event),
-            });
+            let time_s = match event {
+                Event::MaterialChange => replay.time_s(index),
+                Event::Contact | Event::Release => time_s,
+            };
+            let kind = EventKind::Estimator(event);
+            events.push(EventMark { time_s, kind });
         }
     }
     events

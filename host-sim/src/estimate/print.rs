@@ -3,9 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::explain::times;
 use super::{Estimation, MethodChoice};
 use crate::log::UniformLog;
-use crate::report::number::{Measured, quantity};
+use crate::report::number::{Measured, counted, quantity};
+use crate::wrap::wrapped;
 
 /// A dozen lines: the log, the parameters, the fit, the notes.
 pub(super) fn summary(path: &Path, log: &UniformLog, estimation: &Estimation) -> String {
@@ -26,10 +28,10 @@ fn write_summary(
     let seconds = log.len() as f64 * log.period_s();
     writeln!(
         text,
-        "{}: {seconds:.2} s at {} Hz, {} touches",
+        "{}: {seconds:.2} s at {} Hz, {}",
         path.display(),
         log.rate_hz,
-        outcome.touches.len()
+        counted(outcome.touches.len(), "touch")
     )?;
     write!(
         text,
@@ -38,8 +40,13 @@ fn write_summary(
         outcome.status.name()
     )?;
     match outcome.settled_at_s {
-        Some(at) => writeln!(text, ", within 5 % of its end from {at:.3} s on")?,
-        None => writeln!(text)?,
+        Some(after) => writeln!(
+            text,
+            ", settled within 5 % {} after first contact",
+            quantity(after, 3, "s")
+        )?,
+        None if outcome.touches.is_empty() => writeln!(text)?,
+        None => writeln!(text, ", not settled within 5 %")?,
     }
     for (info, estimate) in outcome.named(&outcome.parameters) {
         match estimate {
@@ -55,14 +62,27 @@ fn write_summary(
         let noise = estimation.inspection.noise_n;
         writeln!(
             text,
-            "force RMSE in contact {}, {:.2} times the noise of {}",
+            "force RMSE in contact {}, {} the noise of {}",
             quantity(rmse, 3, "N"),
-            rmse / noise,
+            times(rmse / noise),
             quantity(noise, 3, "N")
         )?;
     }
+    let compared = estimation.selection.iter().any(|(_, rmse)| rmse.is_some());
+    if compared && estimation.selection.len() > 1 {
+        writeln!(text, "{}", wrapped("", &tried(&estimation.selection)))?;
+    }
     for note in &estimation.notes {
-        writeln!(text, "note: {note}")?;
+        writeln!(text, "{}", wrapped("note: ", note))?;
     }
     Ok(())
+}
+
+/// The laws that were compared, and what each leaves.
+fn tried(selection: &[(&'static str, Option<f64>)]) -> String {
+    let laws = selection.iter().map(|(law, rmse)| match rmse {
+        Some(rmse) => format!("{law} leaves {}", quantity(*rmse, 3, "N")),
+        None => format!("{law} does not get all its parameters"),
+    });
+    format!("laws tried: {}", laws.collect::<Vec<_>>().join("; "))
 }

@@ -4,12 +4,24 @@
 
 use estimator_core::Config;
 use estimator_core::config::{Method, Surface};
+use estimator_core::contact::NOISE_FLOOR;
 
 use crate::log::UniformLog;
+use crate::report::number::quantity;
 use crate::signal;
 
 /// A rise of the force above this share of its peak ends the free air at the start.
 const FREE_SHARE: f64 = 0.02;
+/// What the force does before the probe moves it may do again, and a little more, without a touch.
+const IDLE_MARGIN: f64 = 1.2;
+/// Fewest samples of free air to measure something in.
+const FEWEST_FREE: usize = 50;
+/// The probe has moved when it has gone this share of its travel.
+const STILL_SHARE: f64 = 0.01;
+/// The threshold of a touch over the drift of the resting force.
+const DRIFT_MARGIN: f64 = 2.0;
+/// Largest drift, of the peak force, that is one: a larger end is a contact.
+const MOST_DRIFT: f64 = 0.05;
 /// Depths and forces within these bounds are measured with the default reference of 1 mm and 1 N.
 const USUAL_DEPTH_M: std::ops::Range<f64> = 5e-5..5e-2;
 const USUAL_FORCE_N: std::ops::Range<f64> = 5e-2..5e2;
@@ -47,6 +59,7 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
     }
     set_scales(&mut config, &mut notes, log, choices.reference_depth_m);
     set_free_air(&mut config, &mut notes, log);
+    set_touch(&mut config, &mut notes, log);
     // Steadiness needs 16 samples at least: a second at 16 Hz.
     let shortest_s = 16.1 / log.rate_hz as f32;
     config.judgement.window_s = config.judgement.window_s.max(shortest_s);
@@ -67,8 +80,10 @@ fn set_scales(
         let depth = decade_below(depth_m);
         config.reference.depth_m = depth as f32;
         notes.push(format!(
-            "reference depth {depth:.0e} m, since the log reaches {depth_m:.1e} m deep: stiffness \
-             and damping hold there (--reference-depth sets another)"
+            "reference depth {}, since the log reaches {} deep: stiffness and damping hold there \
+             (--reference-depth sets another)",
+            quantity(depth, 1, "m"),
+            quantity(depth_m, 2, "m")
         ));
     }
     if force_n > 0.0 && !USUAL_FORCE_N.contains(&force_n) {
@@ -110,8 +125,58 @@ fn free_samples(log: &UniformLog) -> Option<usize> {
         .iter()
         .map(|f| (f - rest).abs())
         .fold(0.0, f64::max);
-    let leaves = (FREE_SHARE * peak).max(6.0 * log.force_noise_n());
+    let idle = idle_n(log, rest);
+    let leaves = (FREE_SHARE * peak)
+        .max(6.0 * log.force_noise_n())
+        .max(IDLE_MARGIN * idle);
     log.force_n.iter().position(|f| (f - rest).abs() > leaves)
+}
+
+/// How far the force strays from its start while the probe has not moved yet (N): hum and noise.
+fn idle_n(log: &UniformLog, rest: f64) -> f64 {
+    let still_m = STILL_SHARE * signal::range(&log.position_m);
+    let moved = |position: &f64| (position - log.position_m[0]).abs() > still_m;
+    let idle = log.position_m.iter().position(moved).unwrap_or(0);
+    if idle < FEWEST_FREE {
+        return 0.0;
+    }
+    let strays = log.force_n[..idle].iter().map(|force| (force - rest).abs());
+    strays.fold(0.0, f64::max)
+}
+
+/// By how much the resting force has risen (N) at the end of a log that ends out of contact.
+fn drift_n(log: &UniformLog) -> Option<f64> {
+    let touch_m = log.position_m[free_samples(log)?];
+    let (depth_m, force_n) = reach(log);
+    let end_m = *log.position_m.last()?;
+    let tail = log.len() - (log.len() / 100).clamp(1, 100);
+    let drift = signal::median(log.force_n[tail..].to_vec()) - rest_n(log);
+    (end_m < touch_m - 0.1 * depth_m && drift < MOST_DRIFT * force_n).then_some(drift)
+}
+
+/// Lifts the threshold of a touch above the drift of the resting force: else a force that has not
+/// come back to zero would be taken for another touch.
+fn set_touch(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) {
+    let usual = Config::default().contact;
+    let own = config.contact.touch_sigma != usual.touch_sigma
+        || config.contact.release_sigma != usual.release_sigma;
+    if own || config.contact.surface != Surface::AtImpact {
+        return;
+    }
+    let Some(drift) = drift_n(log) else { return };
+    let floor_n = NOISE_FLOOR * f64::from(config.reference.force_n);
+    let sigma_n = config.contact.force_noise_n.map_or(0.0, f64::from);
+    let sigma_n = sigma_n.max(log.force_noise_n()).max(floor_n);
+    let times = (DRIFT_MARGIN * drift / (f64::from(usual.touch_sigma) * sigma_n)) as f32;
+    if times > 1.0 {
+        // 1000 is the largest multiple that the estimator takes.
+        config.contact.touch_sigma = (times * usual.touch_sigma).min(1000.0);
+        config.contact.release_sigma = (times * usual.release_sigma).min(100.0);
+        notes.push(format!(
+            "the resting force rises by {} over the log: a touch begins at twice that",
+            quantity(drift, 2, "N")
+        ));
+    }
 }
 
 /// Fits the settling time into the free air at the start of the log; where that is too short to
@@ -120,18 +185,19 @@ fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) 
     let wanted = (f64::from(config.contact.settle_s) * log.rate_hz) as usize;
     // Half of the free air: its end is where the force has already left its start.
     let free = free_samples(log).unwrap_or(log.len()) / 2;
-    if free >= wanted && wanted >= 50 {
+    if free >= wanted && wanted >= FEWEST_FREE {
         return;
     }
     // 10 samples are what the estimator asks for at least; a thousandth more survives rounding.
     let samples = free.clamp(10, wanted.max(10));
     config.contact.settle_s = (1.001 * samples as f64 / log.rate_hz) as f32;
-    if config.contact.force_noise_n.is_none() && samples < 50 {
+    if config.contact.force_noise_n.is_none() && samples < FEWEST_FREE {
         let noise = log.force_noise_n();
         config.contact.force_noise_n = Some(noise as f32);
         notes.push(format!(
-            "{samples} samples of free air at the start are too few to measure the noise in: \
-             {noise:.2e} N from the whole log"
+            "{samples} samples of free air at the start are too few to measure the noise in: {} from \
+             the whole log",
+            quantity(noise, 3, "N")
         ));
     }
     if free < 10 {
@@ -181,7 +247,11 @@ mod tests {
         let setup = of(&ramp(2e-6, 1.0, 1.0));
         assert!((setup.config.reference.depth_m - 1e-6).abs() < 1e-12);
         assert!((setup.config.reference.force_n - 1e-6).abs() < 1e-12);
-        assert!(setup.notes[0].contains("1e-6 m"), "{:?}", setup.notes);
+        assert!(
+            setup.notes[0].contains("reference depth 1\u{a0}µm"),
+            "{:?}",
+            setup.notes
+        );
         assert!(setup.config.validate::<f32>().is_ok());
     }
 
@@ -199,6 +269,44 @@ mod tests {
             setup.notes
         );
         assert!(setup.config.validate::<f32>().is_ok());
+    }
+
+    #[test]
+    fn hum_before_the_probe_moves_is_free_air_and_no_contact() {
+        // GIVEN 20 mN of 50 Hz hum on a ramp that begins after half a second
+        let mut log = ramp(2e-3, 2000.0, 0.5);
+        for (time, force) in log.time_s.iter().zip(&mut log.force_n) {
+            *force += 0.02 * (314.2 * time).sin();
+        }
+        // THEN the settling time is the default, and nobody speaks of a contact.
+        let setup = of(&log);
+        let usual = Config::default().contact;
+        assert_eq!(setup.config.contact, usual);
+        assert!(setup.notes.is_empty(), "{:?}", setup.notes);
+    }
+
+    #[test]
+    fn a_touch_begins_above_the_drift_of_the_resting_force() {
+        // GIVEN 0.3 mm through air and 0.7 mm into 2 N/mm and back, and a force that ends higher
+        let pressed = |drift_n: f64| {
+            let mut log = ramp(2e-3, 2000.0, 0.5);
+            for index in 0..2000 {
+                let way_m = log.position_m[index.min(1999 - index)];
+                log.position_m[index] = way_m;
+                let drift_n = if index < 1000 { 0.0 } else { drift_n };
+                log.force_n[index] = 2000.0 * (way_m - 3e-4).max(0.0) + drift_n;
+            }
+            of(&log).config.contact
+        };
+        let usual = Config::default().contact;
+        // WHEN it drifts by 10 mN, THEN a touch takes 20 mN: 17.3 times the noise of 4 mN/√12, the
+        // step of the ramp.
+        let lifted = pressed(0.01);
+        assert!((17.2..=17.4).contains(&lifted.touch_sigma), "{lifted:?}");
+        assert!((8.6..=8.7).contains(&lifted.release_sigma), "{lifted:?}");
+        // Without drift, or with one that must be a contact, nothing changes.
+        assert_eq!(pressed(0.0).touch_sigma, usual.touch_sigma);
+        assert_eq!(pressed(0.5).touch_sigma, usual.touch_sigma);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use estimator_core::estimate::{Estimated, Parameters, Phase};
 use estimator_core::law::ParameterInfo;
 
 use super::Estimation;
+use super::explain::times;
 use super::outcome::law_with;
 use crate::log::UniformLog;
 use crate::report::estimate as report;
@@ -146,7 +147,7 @@ impl Shown {
         } else {
             format!("{}: ", self.name)
         };
-        let law = self.law.replace('_', "–");
+        let law = report::law_title(self.law);
         match (self.status, self.force_rmse_n) {
             (Status::NoContact, _) => format!("{name}nothing was touched."),
             (_, None) => format!("{name}the contact does not tell the parameters of {law}."),
@@ -158,7 +159,10 @@ impl Shown {
                     Status::ModelSuspect => "does not explain the force",
                     _ => "has not settled",
                 };
-                format!("{name}{law} {trust}: {multiple:.1} times the noise remain in contact.")
+                format!(
+                    "{name}{law} {trust}: {} the noise remain in contact.",
+                    times(multiple)
+                )
             }
         }
     }

@@ -31,10 +31,9 @@ pub struct Hold {
 
 /// All holds of a log.
 pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
-    let deepest = replay
-        .records
-        .iter()
-        .map(|r| f64::from(r.depth_m))
+    let contact = replay.contacts().into_iter().flatten();
+    let deepest = contact
+        .map(|index| replay.final_depth_m(index))
         .fold(0.0, f64::max);
     let shortest = ((SHORTEST_S / log.period_s()) as usize).max(8 * replay.delay);
     let noise_n = log.force_noise_n();
@@ -65,8 +64,8 @@ pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
 
 /// The first record after `from` whose depth has left that of `from` by more than `still_m`.
 fn still_until(replay: &Replay, from: usize, end: usize, still_m: f64) -> usize {
-    let depth = f64::from(replay.records[from].depth_m);
-    let left = |index: &usize| (f64::from(replay.records[*index].depth_m) - depth).abs() > still_m;
+    let depth = replay.final_depth_m(from);
+    let left = |index: &usize| (replay.final_depth_m(*index) - depth).abs() > still_m;
     (from..end).find(left).unwrap_or(end)
 }
 
@@ -75,12 +74,11 @@ fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
     let edge = ((to - from) / 10).max(1);
     let lead = ((to - from) / 50).max(2 * replay.delay + 1);
     let (early, late) = (from + lead..from + lead + edge, to - lead - edge..to - lead);
-    let (from_n, to_n) = (
-        mean(replay, &early, |r| r.force_n),
-        mean(replay, &late, |r| r.force_n),
-    );
-    let depth_m = mean(replay, &early, |r| r.depth_m);
-    let gave_way_m = depth_m - mean(replay, &late, |r| r.depth_m);
+    let force = |index: usize| f64::from(replay.records[index].force_n);
+    let depth = |index: usize| replay.final_depth_m(index);
+    let (from_n, to_n) = (mean(&early, force), mean(&late, force));
+    let depth_m = mean(&early, depth);
+    let gave_way_m = depth_m - mean(&late, depth);
     // An exponent of 2 is the steepest of a common contact: twice the share of depth.
     let explained = if depth_m > 0.0 {
         2.0 * (gave_way_m / depth_m).max(0.0)
@@ -103,14 +101,6 @@ fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
     }
 }
 
-fn mean(
-    replay: &Replay,
-    range: &std::ops::Range<usize>,
-    of: impl Fn(&estimator_core::Estimate<f32>) -> f32,
-) -> f64 {
-    let sum: f64 = replay.records[range.clone()]
-        .iter()
-        .map(|record| f64::from(of(record)))
-        .sum();
-    sum / range.len() as f64
+fn mean(range: &std::ops::Range<usize>, of: impl Fn(usize) -> f64) -> f64 {
+    range.clone().map(of).sum::<f64>() / range.len() as f64
 }

@@ -1,12 +1,14 @@
 //! Columns that look exchanged, units that look wrong: what a person should look at first.
 
 use crate::log::UniformLog;
+use crate::report::number::quantity;
 use crate::signal;
 
 /// What looks wrong in the channels of a log, each with its remedy; empty if nothing does.
 pub fn suspicions(log: &UniformLog) -> Vec<String> {
     [
-        still_channel,
+        still_position,
+        still_force,
         swapped,
         millimetres,
         milliseconds,
@@ -17,18 +19,21 @@ pub fn suspicions(log: &UniformLog) -> Vec<String> {
     .collect()
 }
 
-fn still_channel(log: &UniformLog) -> Option<String> {
-    let named = [
-        ("position", "x", &log.position_m),
-        ("force", "f", &log.force_n),
-    ];
-    let (name, key, _) = named
-        .into_iter()
-        .find(|(_, _, c)| signal::range(c) == 0.0)?;
-    Some(format!(
-        "the {name} never changes: another column may hold it (--columns {key}=NAME), or the sensor \
-         was off"
-    ))
+fn still_position(log: &UniformLog) -> Option<String> {
+    still("position", "x", &log.position_m)
+}
+
+fn still_force(log: &UniformLog) -> Option<String> {
+    still("force", "f", &log.force_n)
+}
+
+fn still(name: &str, letter: &str, channel: &[f64]) -> Option<String> {
+    (signal::range(channel) == 0.0).then(|| {
+        format!(
+            "the {name} never changes: another column may hold it (--columns {letter}=NAME), or the \
+             sensor was off"
+        )
+    })
 }
 
 fn swapped(log: &UniformLog) -> Option<String> {
@@ -36,8 +41,9 @@ fn swapped(log: &UniformLog) -> Option<String> {
     // Stiffness below 1 N per 100 m: no contact is that soft, but x and f exchanged look like it.
     (span > 0.0 && travel > 0.1 && span < 0.01 * travel).then(|| {
         format!(
-            "x spans {travel:.3} m and f only {span:.3e} N: position and force may be exchanged \
-             (--columns x=f_n,f=x_m)"
+            "x spans {} and f only {}: position and force may be exchanged (--columns x=f_n,f=x_m)",
+            quantity(travel, 3, "m"),
+            quantity(span, 3, "N")
         )
     })
 }
@@ -47,8 +53,8 @@ fn millimetres(log: &UniformLog) -> Option<String> {
     let span = signal::range(&log.force_n);
     (travel > 0.5 && span >= 0.01 * travel).then(|| {
         format!(
-            "the probe travels {travel:.3} m: millimetres or micrometres given as metres? \
-             (--columns x=x_m*1e-3)"
+            "the probe travels {}: millimetres or micrometres given as metres? (--columns x=x_m*1e-3)",
+            quantity(travel, 3, "m")
         )
     })
 }
@@ -56,7 +62,10 @@ fn millimetres(log: &UniformLog) -> Option<String> {
 fn milliseconds(log: &UniformLog) -> Option<String> {
     let period = log.period_s();
     (0.5..=100.0).contains(&period).then(|| {
-        format!("a sample every {period} s: milliseconds given as seconds? (--columns t=t_s*1e-3)")
+        format!(
+            "a sample every {}: milliseconds given as seconds? (--columns t=t_s*1e-3)",
+            quantity(period, 3, "s")
+        )
     })
 }
 
@@ -80,8 +89,10 @@ fn force_sign(log: &UniformLog) -> Option<String> {
     let falls = deep < out - 0.2 * span && span > 20.0 * noise;
     (travel > 0.0 && falls).then(|| {
         format!(
-            "the force falls from {out:.3e} to {deep:.3e} N on the way in: its sign, or that of the \
-             position, may be reversed (--columns f=-f_n or x=-x_m)"
+            "the force falls from {} to {} on the way in: its sign, or that of the position, may be \
+             reversed (--columns f=-f_n or x=-x_m)",
+            quantity(out, 3, "N"),
+            quantity(deep, 3, "N")
         )
     })
 }

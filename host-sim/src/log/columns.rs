@@ -193,7 +193,7 @@ fn parse_factor(factor: &str, part: &str, text: &str) -> Result<f64, Diagnostic>
     match factor.parse::<f64>() {
         Ok(value) if value.is_finite() && value != 0.0 => Ok(value),
         _ => Err(malformed(
-            "the factor after `*` is not a number other than 0",
+            "the factor must be a number other than 0",
             part,
             text,
         )),
@@ -201,7 +201,7 @@ fn parse_factor(factor: &str, part: &str, text: &str) -> Result<f64, Diagnostic>
 }
 
 fn malformed(what: &str, part: &str, text: &str) -> Diagnostic {
-    Diagnostic::new(format!("--columns: {what}"))
+    Diagnostic::new(what)
         .excerpt(text, {
             let from = text.find(part).unwrap_or(0);
             from..from + part.len()

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder};
 
+use super::cell::{Cell, number};
 use super::columns::{Channel, Placed};
 use super::preamble::{self, Preamble};
 use super::source::{Source, line_at, unreadable};
@@ -76,12 +77,6 @@ impl Problem {
     }
 }
 
-enum Cell {
-    Number(f64),
-    Missing,
-    Text,
-}
-
 /// The channels while they grow, and what has been noticed.
 struct Rows<'a> {
     path: &'a Path,
@@ -94,7 +89,7 @@ struct Rows<'a> {
     skipped: usize,
     first_skipped: Option<(u64, Problem)>,
     repeated: usize,
-    first_repeated_s: f64,
+    first_repeated: Option<(u64, f64)>,
     decimal_commas: bool,
 }
 
@@ -122,7 +117,7 @@ impl<'a> Rows<'a> {
             skipped: 0,
             first_skipped: None,
             repeated: 0,
-            first_repeated_s: 0.0,
+            first_repeated: None,
             decimal_commas: false,
         }
     }
@@ -160,9 +155,7 @@ impl<'a> Rows<'a> {
         match self.log.time_s.last() {
             Some(last) if time_s < *last => return Err(Problem::Backward { time_s }),
             Some(last) if time_s == *last => {
-                if self.repeated == 0 {
-                    self.first_repeated_s = time_s;
-                }
+                self.first_repeated.get_or_insert((offset(record), time_s));
                 self.repeated += 1;
                 return Ok(());
             }
@@ -232,15 +225,21 @@ impl<'a> Rows<'a> {
     }
 
     fn too_coarse_clock(&self, rows: usize) -> Diagnostic {
-        Diagnostic::new(format!(
+        let (offset, time_s) = self.first_repeated.unwrap_or_default();
+        let mut diagnostic = Diagnostic::new(format!(
             "{} of {rows} time stamps repeat the one before",
             self.repeated
         ))
         .in_file(self.path)
         .in_column(self.name(0))
-        .value(self.first_repeated_s)
+        .value(time_s)
         .note("that is the first one that repeats; more than 20 % do")
-        .remedy("record the time with more digits than the sampling period has")
+        .remedy("record the time with more digits than the sampling period has");
+        if let Some((line, text)) = self.locate(offset) {
+            let cell = self.cell(0, &text);
+            diagnostic = diagnostic.at_line(line).excerpt(text, cell);
+        }
+        diagnostic
     }
 
     fn write_notes(&mut self) {
@@ -251,10 +250,10 @@ impl<'a> Rows<'a> {
             let note = format!("{} bad rows left out{place}", self.skipped);
             self.log.notes.push(note);
         }
-        if self.repeated > 0 {
+        if let Some((_, first_s)) = self.first_repeated {
             self.log.notes.push(format!(
-                "{} samples left out whose time stamp repeats the one before, the first at {} s",
-                self.repeated, self.first_repeated_s
+                "{} samples left out whose time stamp repeats the one before, the first at {first_s} s",
+                self.repeated
             ));
         }
         if self.decimal_commas {
@@ -325,12 +324,18 @@ impl<'a> Rows<'a> {
 
     fn ragged(&self, found: usize, text: &str) -> Diagnostic {
         let wanted = self.preamble.names.len();
+        let remedy = match found == 2 * wanted && self.preamble.delimiter == b',' {
+            true => "decimal commas need semicolons or tabs between the columns",
+            false => {
+                "complete the row; --skip-bad-rows leaves such rows out, counts them and says so"
+            }
+        };
         Diagnostic::new(format!(
             "{found} values in a row, {wanted} names in the header"
         ))
         .excerpt(text, 0..text.len())
         .value(found)
-        .remedy("complete the row; --skip-bad-rows leaves such rows out, counts them and says so")
+        .remedy(remedy)
     }
 
     fn backward(&self, time_s: f64, text: &str) -> Diagnostic {
@@ -360,29 +365,6 @@ impl<'a> Rows<'a> {
             from += cell.len() + 1;
         }
         0..0
-    }
-}
-
-fn number(cell: &[u8], delimiter: u8, decimal_commas: &mut bool) -> Cell {
-    let cell = cell.trim_ascii();
-    if cell.is_empty() {
-        return Cell::Missing;
-    }
-    let Ok(text) = std::str::from_utf8(cell) else {
-        return Cell::Text;
-    };
-    let parsed = text.parse::<f64>().ok().or_else(|| {
-        let european = delimiter != b',' && !text.contains('.') && text.matches(',').count() == 1;
-        let value = european
-            .then(|| text.replace(',', ".").parse().ok())
-            .flatten();
-        *decimal_commas |= value.is_some();
-        value
-    });
-    match parsed {
-        Some(value) if value.is_finite() => Cell::Number(value),
-        Some(_) => Cell::Missing,
-        None => Cell::Text,
     }
 }
 

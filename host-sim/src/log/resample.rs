@@ -1,8 +1,11 @@
 //! Samples on an even grid of time.
 
+use std::path::PathBuf;
+
 use super::Log;
 use super::timing::{GAP_PERIODS, Timing};
 use crate::diagnostic::Diagnostic;
+use crate::report::number::{counted, quantity};
 use crate::signal;
 
 /// A log whose stamps deviate from an even grid by less than this many periods is even.
@@ -14,6 +17,8 @@ const LARGEST_GRID: f64 = 5e7;
 /// A log with even spacing in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UniformLog {
+    /// Where it came from; empty for a log that is in memory only.
+    pub path: PathBuf,
     /// Samples per second [Hz].
     pub rate_hz: f64,
     /// Time [s]: the log's own stamps if nothing was interpolated.
@@ -115,6 +120,7 @@ impl Log {
 
     fn untouched(&self, rate_hz: f64) -> UniformLog {
         UniformLog {
+            path: self.path.clone(),
             rate_hz,
             time_s: self.time_s.clone(),
             position_m: self.position_m.clone(),
@@ -129,6 +135,7 @@ impl Log {
         // A thousandth of a period: the last stamp belongs to the grid whatever its rounding.
         let count = (self.duration_s() * rate_hz + 1e-3).floor() as usize + 1;
         let mut grid = UniformLog {
+            path: self.path.clone(),
             rate_hz,
             time_s: Vec::with_capacity(count),
             position_m: Vec::with_capacity(count),
@@ -167,16 +174,16 @@ impl Log {
 
     fn what_interpolation_did(&self, grid: &UniformLog, timing: &Timing) -> Vec<String> {
         let mut notes = vec![format!(
-            "interpolated to {} Hz: intervals range from {:.4} to {:.4} ms",
+            "interpolated to {} Hz: intervals range from {} to {}",
             grid.rate_hz,
-            timing.shortest_s * 1e3,
-            timing.longest_s * 1e3
+            quantity(timing.shortest_s, 4, "s"),
+            quantity(timing.longest_s, 4, "s")
         )];
         let invented = grid.in_gap.iter().filter(|in_gap| **in_gap).count();
         if invented > 0 {
             notes.push(format!(
-                "{} gaps: {invented} of {} samples are invented between their ends",
-                timing.gaps.len(),
+                "{}: {invented} of {} samples are invented between their ends",
+                counted(timing.gaps.len(), "gap"),
                 grid.len()
             ));
         }
@@ -263,7 +270,7 @@ mod tests {
         let flagged: Vec<usize> = (0..100).filter(|i| grid.in_gap[*i]).collect();
         assert_eq!(flagged, [40, 41, 42, 43, 44]);
         assert!(
-            grid.notes[1].contains("1 gaps: 5 of 100"),
+            grid.notes[1].contains("1 gap: 5 of 100"),
             "{:?}",
             grid.notes
         );

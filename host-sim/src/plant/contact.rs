@@ -64,6 +64,11 @@ impl Law {
         }
     }
 
+    /// Force [N] of a material that was at rest until now.
+    pub fn force_n(&self, depth_m: f64, speed_mps: f64) -> f64 {
+        self.step(&mut self.at_rest(), depth_m, speed_mps, 0.0)
+    }
+
     /// Force at once [N], before anything relaxes: F⁽ᵉ⁾(δ).
     pub fn elastic_n(&self, depth_m: f64) -> f64 {
         match self {

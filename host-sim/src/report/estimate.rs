@@ -239,6 +239,17 @@ fn interleave<T>(runs: Vec<Vec<T>>) -> Vec<T> {
     }
 }
 
+/// Name of a law for people.
+pub fn law_title(name: &str) -> String {
+    match name {
+        "kelvin_voigt" => "Kelvin–Voigt".into(),
+        "hunt_crossley" => "Hunt–Crossley".into(),
+        "zener" => "Zener".into(),
+        "quasi_linear" => "quasi-linear".into(),
+        other => other.replace('_', " "),
+    }
+}
+
 /// Name of a parameter for people, with its symbol in the equations.
 fn label(name: &str) -> String {
     let symbol = match name {

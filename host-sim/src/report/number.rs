@@ -48,7 +48,8 @@ fn pick(magnitude: f64, unit: &str, bare_from: f64, bare_to: f64) -> Prefix {
     }
     // Kilometres and kiloseconds exist, but nobody reads them.
     let largest = if matches!(unit, "m" | "s") { 1.0 } else { 1e9 };
-    let fits = |p: &&Prefix| p.factor <= largest && magnitude >= p.factor * (1.0 - 1e-9);
+    // A millionth: 1 µm in single precision is a little less.
+    let fits = |p: &&Prefix| p.factor <= largest && magnitude >= p.factor * (1.0 - 1e-6);
     *PREFIXES
         .iter()
         .find(fits)
@@ -138,6 +139,16 @@ pub fn setting(value: f64, unit: &str) -> String {
         unit: unit_text(prefix, unit),
     }
     .to_string()
+}
+
+/// A number of things, in the plural unless it is one.
+pub fn counted(count: usize, thing: &str) -> String {
+    let plural = match (count, thing) {
+        (1, _) => "",
+        (_, thing) if thing.ends_with("ch") => "es",
+        _ => "s",
+    };
+    format!("{count} {thing}{plural}")
 }
 
 /// Values for a column of a table: one prefix and one number of decimals for all, so that they can
@@ -307,6 +318,19 @@ mod tests {
         assert_eq!(setting(40.0, "1"), "40");
         assert_eq!(setting(1e-3, "m"), "1\u{a0}mm");
         assert_eq!(setting(0.0, "N"), "0\u{a0}N");
+    }
+
+    #[test]
+    fn one_thing_is_no_plural() {
+        assert_eq!(counted(1, "touch"), "1 touch");
+        assert_eq!(counted(0, "touch"), "0 touches");
+        assert_eq!(counted(3, "gap"), "3 gaps");
+    }
+
+    #[test]
+    fn a_micrometre_in_single_precision_is_no_thousand_nanometres() {
+        assert_eq!(setting(f64::from(1e-6_f32), "m"), "1\u{a0}µm");
+        assert_eq!(setting(f64::from(1e-3_f32), "m"), "1\u{a0}mm");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use estimator_core::estimate::Estimated;
 
-use super::{EstimateReport, EventKind, FinalParameter, Run, Touch, label};
+use super::{EstimateReport, EventKind, FinalParameter, Run, Touch, label, law_title};
 use crate::report::number::{column, fixed, setting};
 use crate::report::{Cell, Section, Table};
 
@@ -27,7 +27,9 @@ pub(super) fn result(report: &EstimateReport) -> Section {
     });
     let table = Table::new(std::iter::once("Parameter").chain(names))
         .caption(format!("Value ± one standard error{at}."))
-        .row(row(runs, "Law", &|run| Some(Cell::Number(law(run.law)))))
+        .row(row(runs, "Law", &|run| {
+            Some(Cell::Number(law_title(run.law)))
+        }))
         .rows(parameter_names(runs).into_iter().map(|name| {
             row(runs, &label(name), &|run| {
                 run.finals.iter().find(|p| p.name == name).map(value)
@@ -82,16 +84,6 @@ fn parameter_names<'a>(runs: &[Run<'a>]) -> Vec<&'a str> {
         }
     }
     names
-}
-
-fn law(name: &str) -> String {
-    match name {
-        "kelvin_voigt" => "Kelvin–Voigt".into(),
-        "hunt_crossley" => "Hunt–Crossley".into(),
-        "zener" => "Zener".into(),
-        "quasi_linear" => "quasi-linear".into(),
-        other => other.replace('_', " "),
-    }
 }
 
 fn value(parameter: &FinalParameter) -> Cell {

@@ -1,0 +1,119 @@
+//! What the tests of the command share: a folder that disappears, the real binary run in it, and a
+//! good log to spoil.
+
+// Each test compiles this for itself and uses its own part of it.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// A folder that disappears with its test.
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    pub(crate) fn new() -> Folder {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("palpate-command-{}-{number}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    /// A folder with one file in it.
+    pub(crate) fn with(name: &str, content: impl AsRef<[u8]>) -> Folder {
+        let folder = Folder::new();
+        folder.write(name, content);
+        folder
+    }
+
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.0.join(name), content).unwrap();
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    pub(crate) fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// The command, to be run in this folder.
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
+        command.current_dir(&self.0).args(arguments);
+        command
+    }
+
+    /// `palpate` with the arguments of a line that holds no quotes, run in this folder.
+    pub(crate) fn palpate(&self, line: &str) -> Output {
+        let arguments: Vec<&str> = line.split_whitespace().collect();
+        self.command(&arguments).output().unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A record of tests/data.
+pub(crate) fn record(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data");
+    path.join(name).to_str().unwrap().to_string()
+}
+
+/// What the command said on standard output.
+pub(crate) fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// What the command said on standard error.
+pub(crate) fn complained(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// The text with line breaks and the blanks after them taken for one blank: wrapped sentences in one
+/// piece, and narrow and fixed blanks for usual ones.
+pub(crate) fn flowing(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A model that is simulated.
+pub(crate) const MODEL: &str = "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 1350.0\n\
+                     damping = 36.0\nexponent = 1.35\n";
+
+/// Two presses of 3 mm into 2 N/mm at 1 kHz after 0.3 s of rest, 1 mm before the surface; 5 mN of
+/// noise. Rows of time (s), position (m), force (N).
+pub(crate) fn press() -> Vec<[f64; 3]> {
+    let row = |i: u32| {
+        let time = f64::from(i) * 1e-3;
+        let swing = 1.0 - (std::f64::consts::TAU * (time - 0.3).max(0.0)).cos();
+        let position = 2e-3 * swing - 1e-3;
+        [
+            time,
+            position,
+            2000.0 * position.max(0.0) + 0.0173 * white(i),
+        ]
+    };
+    (0..2000).map(row).collect()
+}
+
+/// Noise between −½ and ½ that is a function of its place.
+fn white(place: u32) -> f64 {
+    let mut hash = place.wrapping_mul(0x9e37_79b9);
+    hash = (hash ^ (hash >> 15)).wrapping_mul(0x85eb_ca6b);
+    hash = (hash ^ (hash >> 13)).wrapping_mul(0xc2b2_ae35);
+    f64::from(hash ^ (hash >> 16)) / f64::from(u32::MAX) - 0.5
+}
+
+/// Rows as a log.
+pub(crate) fn csv(rows: impl IntoIterator<Item = [f64; 3]>) -> String {
+    let lines = rows
+        .into_iter()
+        .map(|[t, x, f]| format!("{t:.3},{x:.6},{f:.3}\n"));
+    format!("t_s,x_m,f_n\n{}", lines.collect::<String>())
+}
