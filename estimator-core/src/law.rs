@@ -14,6 +14,7 @@ pub use hunt_crossley::HuntCrossley;
 pub use kelvin_voigt::KelvinVoigt;
 pub use quasi_linear::{Elastic, QuasiLinear, QuasiLinearState};
 pub use relaxation::RelaxationMode;
+pub(crate) use relaxation::growth;
 pub use zener::{Zener, ZenerState};
 
 use crate::scalar::Scalar;
@@ -88,6 +89,12 @@ pub enum LawKind {
     KelvinVoigt = 1,
     /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
     HuntCrossley = 2,
+    /// F + λ/(κ₁+κ₂)·Ḟ = κ₁/(κ₁+κ₂)·(κ₂δ + λδ̇), (2)
+    Zener = 3,
+    /// F⁽ᵉ⁾ = Kδ₀(δ/δ₀)ⁿ that relaxes in one mode, (9)–(17) with r = 1
+    QuasiLinear = 4,
+    /// The same with two modes, r = 2; in files it has the same name.
+    QuasiLinear2 = 5,
 }
 
 const STIFFNESS: ParameterInfo = ParameterInfo {
@@ -102,6 +109,26 @@ const EXPONENT: ParameterInfo = ParameterInfo {
     name: "exponent",
     unit: Unit::One,
 };
+const SECOND_STIFFNESS: ParameterInfo = ParameterInfo {
+    name: "second_stiffness",
+    unit: Unit::NewtonPerMetre,
+};
+const FRACTION_1: ParameterInfo = ParameterInfo {
+    name: "relaxation_fraction_1",
+    unit: Unit::One,
+};
+const RATE_1: ParameterInfo = ParameterInfo {
+    name: "relaxation_rate_1",
+    unit: Unit::PerSecond,
+};
+const FRACTION_2: ParameterInfo = ParameterInfo {
+    name: "relaxation_fraction_2",
+    unit: Unit::One,
+};
+const RATE_2: ParameterInfo = ParameterInfo {
+    name: "relaxation_rate_2",
+    unit: Unit::PerSecond,
+};
 const SURFACE: ParameterInfo = ParameterInfo {
     name: "surface",
     unit: Unit::Metre,
@@ -109,7 +136,13 @@ const SURFACE: ParameterInfo = ParameterInfo {
 
 impl LawKind {
     /// All laws.
-    pub const ALL: [LawKind; 2] = [LawKind::KelvinVoigt, LawKind::HuntCrossley];
+    pub const ALL: [LawKind; 5] = [
+        LawKind::KelvinVoigt,
+        LawKind::HuntCrossley,
+        LawKind::Zener,
+        LawKind::QuasiLinear,
+        LawKind::QuasiLinear2,
+    ];
 
     /// The stable number of frames.
     pub const fn code(self) -> u8 {
@@ -126,6 +159,8 @@ impl LawKind {
         match self {
             LawKind::KelvinVoigt => "kelvin_voigt",
             LawKind::HuntCrossley => "hunt_crossley",
+            LawKind::Zener => "zener",
+            LawKind::QuasiLinear | LawKind::QuasiLinear2 => "quasi_linear",
         }
     }
 
@@ -134,6 +169,11 @@ impl LawKind {
         match self {
             LawKind::KelvinVoigt => &[STIFFNESS, DAMPING, SURFACE],
             LawKind::HuntCrossley => &[STIFFNESS, DAMPING, EXPONENT, SURFACE],
+            LawKind::Zener => &[STIFFNESS, SECOND_STIFFNESS, DAMPING, SURFACE],
+            LawKind::QuasiLinear => &[STIFFNESS, EXPONENT, FRACTION_1, RATE_1, SURFACE],
+            LawKind::QuasiLinear2 => &[
+                STIFFNESS, EXPONENT, FRACTION_1, RATE_1, FRACTION_2, RATE_2, SURFACE,
+            ],
         }
     }
 }

@@ -108,11 +108,11 @@ pub enum LawChoice {
     KelvinVoigt,
     /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ
     HuntCrossley,
-    /// A spring in series with a spring and a damper in parallel
+    /// Standard linear solid: a spring in series with a spring and damper in parallel
     Zener,
-    /// Kδ₀(δ/δ₀)ⁿ that relaxes in one to four modes
-    #[value(alias = "quasi_linear")]
-    Hammerstein,
+    /// Kδ₀(δ/δ₀)ⁿ that relaxes in one or two modes, in up to four by batch
+    #[value(alias = "hammerstein")]
+    QuasiLinear,
 }
 
 /// The methods on the command line.
@@ -125,6 +125,13 @@ pub enum MethodChoice {
     RlsSurface,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
+    /// Recursive least squares on force and depth of two samples (zener)
+    Arx,
+    /// Elastic response while loading, then its relaxation in one mode (quasi_linear)
+    Cascade,
+    /// The same in two modes (quasi_linear)
+    #[value(name = "cascade_2")]
+    Cascade2,
     /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
     Bank,
     /// The whole log at once (every law)
@@ -137,6 +144,9 @@ impl MethodChoice {
             Method::KelvinVoigt => MethodChoice::Rls,
             Method::KelvinVoigtSurface => MethodChoice::RlsSurface,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+            Method::ZenerArx => MethodChoice::Arx,
+            Method::HammersteinCascade => MethodChoice::Cascade,
+            Method::HammersteinCascade2 => MethodChoice::Cascade2,
             Method::HuntCrossleyBank => MethodChoice::Bank,
         }
     }
@@ -146,6 +156,9 @@ impl MethodChoice {
             MethodChoice::Rls => "rls",
             MethodChoice::RlsSurface => "rls_surface",
             MethodChoice::TwoStage => "two_stage",
+            MethodChoice::Arx => "arx",
+            MethodChoice::Cascade => "cascade",
+            MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
             MethodChoice::Batch => "batch",
         }
@@ -184,6 +197,9 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::KelvinVoigt, Method::KelvinVoigt, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
+        (LawChoice::Zener, Method::ZenerArx, true),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade2, true),
     ];
     let fits = |(own, candidate, default): &(LawChoice, Method, bool)| {
         (law == LawChoice::Auto || law == *own)
@@ -198,8 +214,9 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, \
-                 batch with every law; or leave --method out",
+                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, arx \
+                 with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
+                 out",
             ));
     }
     Ok(left)
@@ -373,7 +390,14 @@ mod tests {
     #[test]
     fn auto_tries_every_law_the_simplest_first() {
         let all = methods(LawChoice::Auto, None).unwrap();
-        assert_eq!(all, [Method::KelvinVoigtSurface, Method::HuntCrossleyBank]);
+        let simplest_first = [
+            Method::KelvinVoigtSurface,
+            Method::HuntCrossleyBank,
+            Method::ZenerArx,
+            Method::HammersteinCascade,
+            Method::HammersteinCascade2,
+        ];
+        assert_eq!(all, simplest_first);
     }
 
     #[test]

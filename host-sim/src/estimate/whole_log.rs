@@ -19,7 +19,7 @@ pub struct BatchArgs {
     /// Poisson's ratio of the material, for Young's modulus; 0.5 unless given (batch).
     #[arg(long, value_name = "1", value_parser = poisson)]
     pub poisson: Option<f64>,
-    /// Relaxation modes of hammerstein, 1 to 4; otherwise as many as the log asks for (batch).
+    /// Relaxation modes of quasi_linear, 1 to 4; otherwise as many as the log asks for (batch).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MOST_MODES as i64))]
     pub modes: Option<u8>,
 }
@@ -49,23 +49,22 @@ impl BatchArgs {
     }
 }
 
-/// Whether the arguments ask for a fit of the whole log; two laws have no other method.
+/// Whether the arguments ask for a fit of the whole log.
 pub(super) fn wanted(args: &EstimateArgs) -> bool {
-    let without_recursion = matches!(args.law, LawChoice::Zener | LawChoice::Hammerstein);
-    args.method == Some(MethodChoice::Batch) || (args.method.is_none() && without_recursion)
+    args.method == Some(MethodChoice::Batch)
 }
 
 fn families(law: LawChoice, modes: Option<u8>) -> Vec<Family> {
     let wanted = |family: &Family| match (law, family) {
         (LawChoice::Auto, Family::QuasiLinear(own))
-        | (LawChoice::Hammerstein, Family::QuasiLinear(own)) => {
+        | (LawChoice::QuasiLinear, Family::QuasiLinear(own)) => {
             modes.is_none_or(|modes| usize::from(modes) == *own)
         }
         (LawChoice::Auto, _) => true,
         (LawChoice::KelvinVoigt, family) => *family == Family::KelvinVoigt,
         (LawChoice::HuntCrossley, family) => *family == Family::HuntCrossley,
         (LawChoice::Zener, family) => *family == Family::Zener,
-        (LawChoice::Hammerstein, _) => false,
+        (LawChoice::QuasiLinear, _) => false,
     };
     all_families().into_iter().filter(wanted).collect()
 }
@@ -108,9 +107,9 @@ mod tests {
     #[test]
     fn auto_compares_every_law_and_a_number_of_modes_can_be_given() {
         assert_eq!(families(LawChoice::Auto, None), all_families());
-        let two = families(LawChoice::Hammerstein, Some(2));
+        let two = families(LawChoice::QuasiLinear, Some(2));
         assert_eq!(two, [Family::QuasiLinear(2)]);
-        assert_eq!(families(LawChoice::Hammerstein, None).len(), MOST_MODES);
+        assert_eq!(families(LawChoice::QuasiLinear, None).len(), MOST_MODES);
     }
 
     #[test]
