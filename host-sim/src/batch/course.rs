@@ -349,3 +349,79 @@ impl Block {
         node.count += sample.count;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::kinematics::kinematics;
+    use super::*;
+    use crate::estimate::{Choices, setup};
+    use crate::log::Log;
+    use estimator_core::Config;
+    use estimator_core::config::Method;
+
+    /// 1 s of rest, 0.1 s to 2 mm into 2 N/mm, a hold, and back; the release pulls with 0.5 N.
+    fn course(hold_s: f64, rate_hz: f64) -> (UniformLog, Course) {
+        let end_s = 1.4 + hold_s;
+        let time: Vec<f64> = (0..((end_s + 1.0) * rate_hz) as usize)
+            .map(|i| i as f64 / rate_hz)
+            .collect();
+        let depth = |t: f64| 0.02 * (t - 1.0).clamp(0.0, 0.15) - 0.02 * (t - end_s).clamp(0.0, 0.2);
+        let x: Vec<f64> = time.iter().map(|t| depth(*t) - 1e-3).collect();
+        let force = |(t, x): (&f64, &f64)| {
+            let pulls = *x < 1e-4 && *x > -4e-4 && *t > end_s;
+            if pulls { -0.5 } else { 2000.0 * x.max(0.0) }
+        };
+        let f = time.iter().zip(&x).map(force);
+        // A step of 1 mN, so that there is a noise.
+        let f = f.map(|f| (f / 1e-3).round() * 1e-3).collect();
+        let log = Log::from_channels(time, x, f).uniform().unwrap();
+        let config = setup(
+            &log,
+            Config::default(),
+            Method::KelvinVoigt,
+            Choices::default(),
+        )
+        .config;
+        let replay = crate::replay::replay(&log, &config).unwrap();
+        let course = Course::of(&log, &kinematics(&log), &replay).unwrap();
+        (log, course)
+    }
+
+    #[test]
+    fn a_hold_weighs_by_its_logarithm_and_loses_no_sample() {
+        // WHEN a hold lasts ten times as long
+        let (short, long) = (course(10.0, 1000.0), course(100.0, 1000.0));
+        let nodes = |course: &Course| {
+            let own = course.nodes.iter();
+            own.filter(|node| matches!(node.used, Use::Contact(_)))
+                .count()
+        };
+        let more = nodes(&long.1) - nodes(&short.1);
+        // THEN it has 50·ln 10 = 115 blocks more.
+        assert!((100..130).contains(&more), "{more}");
+        for (log, course) in [short, long] {
+            let counted: f64 = course.nodes.iter().map(|node| node.count).sum();
+            let used = course.uses.iter().filter(|used| **used != Use::Out).count();
+            assert_eq!(counted, used as f64);
+            assert_eq!(course.uses.len(), log.len());
+        }
+    }
+
+    #[test]
+    fn what_pulls_on_the_way_out_is_left_out() {
+        let (log, course) = course(1.0, 1000.0);
+        for (at, used) in course.uses.iter().enumerate() {
+            assert!(
+                log.force_n[at] > -0.1 || *used == Use::Out,
+                "{at}: {used:?}"
+            );
+        }
+        // The rest, the way in and the hold are all there.
+        let kept = course.uses.iter().filter(|used| **used != Use::Out).count();
+        assert!(
+            kept as f64 > 0.95 * log.len() as f64,
+            "{kept} of {}",
+            log.len()
+        );
+    }
+}

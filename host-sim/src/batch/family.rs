@@ -322,3 +322,100 @@ impl<S: Scalar> Natural<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::course::Use;
+    use super::*;
+    use estimator_core::scalar::Dual;
+
+    const SCALES: Scales = Scales {
+        touch_m: 1e-4,
+        depth_m: 2e-3,
+        force_n: 5.0,
+        speed_mps: 0.02,
+        rest_n: 0.3,
+        noise_n: 0.02,
+        position_noise_m: 3e-7,
+        longest_s: 2.0,
+        period_s: 1e-3,
+    };
+
+    fn sine() -> Vec<Node> {
+        let node = |i: u32| {
+            let t = 1e-2 * f64::from(i);
+            Node {
+                time_s: t,
+                period_s: 1e-2,
+                position_m: 1.2e-3 + 1.4e-3 * (6.0 * t).sin(),
+                speed_mps: 8.4e-3 * (6.0 * t).cos(),
+                acceleration_mps2: -0.05 * (6.0 * t).sin(),
+                force_n: 0.0,
+                count: 1.0,
+                held: 1.0,
+                used: Use::Contact(0),
+            }
+        };
+        (0..300).map(node).collect()
+    }
+
+    fn check<const N: usize>(family: Family, free: [f64; N]) {
+        assert_eq!(family.free(), N);
+        let run = |free: &[f64]| {
+            let mut forces = Vec::new();
+            natural(family, free, &SCALES).along(family, &sine(), |_, force| forces.push(force));
+            forces
+        };
+        let dual: [Dual<f64, N>; N] = std::array::from_fn(|i| Dual::parameter(free[i], i));
+        let mut exact = Vec::new();
+        natural(family, &dual, &SCALES).along(family, &sine(), |_, force| exact.push(force));
+        for i in 0..N {
+            let moved = |sign: f64| {
+                let mut free = free;
+                free[i] += sign * 1e-6;
+                run(&free)
+            };
+            let pairs = moved(1.0).into_iter().zip(moved(-1.0)).zip(&exact);
+            for ((up, down), exact) in pairs {
+                let central = (up - down) / 2e-6;
+                // Rounding over 1e-6, of 10 N.
+                assert!(
+                    (central - exact.gradient[i]).abs() < 1e-7,
+                    "{family:?}, {i}: {central}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_gradients_of_every_family_agree_with_central_differences() {
+        check(Family::KelvinVoigt, [-0.03, 0.01, 0.1, 0.2]);
+        check(Family::HuntCrossley, [-0.03, 0.01, 0.1, 0.2, -0.9, 0.3]);
+        check(Family::Zener, [-0.03, 0.01, 0.1, -0.5, 1.0]);
+        check(Family::QuasiLinear(1), [-0.03, 0.01, 0.1, -0.9, -0.5, 1.0]);
+        let two = [-0.03, 0.01, 0.1, -0.9, -0.5, 1.0, -1.5, -0.7];
+        check(Family::QuasiLinear(2), two);
+    }
+
+    #[test]
+    fn whatever_the_free_numbers_the_law_is_possible() {
+        for extreme in [-15.0, -3.0, 0.0, 3.0, 15.0] {
+            let law = natural(Family::QuasiLinear(4), &[extreme; 12], &SCALES);
+            assert!(law.stiffness > 0.0 && (0.5..=4.0).contains(&law.exponent));
+            let sum: f64 = law.modes.iter().map(|mode| mode.fraction).sum();
+            assert!(sum > 0.0 && sum < 1.0, "{extreme}: {sum}");
+            assert!(law.modes.iter().all(|mode| mode.rate_per_s > 0.0));
+        }
+    }
+
+    #[test]
+    fn the_reference_depth_changes_the_numbers_and_not_the_force() {
+        let free = [-0.03, 0.01, 0.1, 0.2, -0.9, 0.3];
+        let law = natural(Family::HuntCrossley, &free, &SCALES);
+        let force = |depth_m: f64| {
+            let p = law.reported(Family::HuntCrossley, depth_m);
+            HuntCrossley::new(p[0], p[1], p[2], depth_m).step(&mut (), 1.7e-3, 0.01, 1e-3)
+        };
+        assert!((force(1e-3) / force(1e-4) - 1.0).abs() < 1e-12);
+    }
+}

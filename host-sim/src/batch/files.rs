@@ -165,3 +165,55 @@ fn write_csv(path: &Path, log: &UniformLog, batch: &Batch, every: usize) -> io::
         table.flush()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Options, batch};
+    use super::*;
+    use crate::motion::Motion;
+    use crate::plant::{GEL, Rig, Stage};
+    use estimator_core::Config;
+
+    const SEED: u64 = 3;
+
+    #[test]
+    fn the_fields_of_the_recursive_methods_are_there_and_the_added_ones() {
+        let motion = Motion::palpation(GEL.peak_depth_m);
+        let run = Rig::default().run(&Stage::throughout(GEL.at(0.0)), &motion, SEED);
+        let log = run.unwrap().log.uniform().unwrap();
+        let options = Options {
+            indenter: "sphere:0.003".parse().ok(),
+            ..Options::default()
+        };
+        let found = json(&batch(&log, Config::default(), &options).unwrap());
+        assert_eq!(found["method"], "batch");
+        for key in [
+            "law",
+            "reference_depth_m",
+            "status",
+            "force_rmse_n",
+            "force_noise_n",
+            "settled_at_s",
+            "segments",
+            "touches",
+            "events",
+            "notes",
+        ] {
+            assert!(found.get(key).is_some(), "{key}");
+        }
+        let damping = &found["parameters"]["damping"];
+        assert!(damping["value"].is_f64() && damping["std_error"].is_f64());
+        assert_eq!(damping["unit"], "N s/m");
+        let count = found["touches"].as_array().unwrap().len();
+        let per_touch = found["per_touch"].as_array().unwrap();
+        assert_eq!(per_touch.len(), count);
+        assert_eq!(per_touch[0]["parameters"]["stiffness"]["unit"], "N/m");
+        let modulus = &found["youngs_modulus"];
+        assert_eq!(modulus["unit"], "Pa");
+        assert_eq!(modulus["indenter"], "sphere:0.003");
+        assert_eq!(modulus["exponent_assumed"], 1.5);
+        let chosen = found["selection"].as_array().unwrap().iter();
+        let chosen = chosen.filter(|tried| tried["score"] == 0.0).count();
+        assert_eq!(chosen, 1);
+    }
+}
