@@ -39,7 +39,7 @@ fn allocations() -> u64 {
     ALLOCATIONS.with(Cell::get)
 }
 
-/// Both methods behind both filters, with the surface known and from the impact.
+/// Every method behind both filters, with the surface known and from the impact.
 fn configurations() -> Vec<Config> {
     let filters = [
         Filter::SavitzkyGolay { half_width: 10 },
@@ -49,7 +49,14 @@ fn configurations() -> Vec<Config> {
         },
     ];
     let mut all = Vec::new();
-    for method in [Method::KelvinVoigt, Method::HuntCrossleyTwoStage] {
+    let methods = [
+        Method::KelvinVoigt,
+        Method::HuntCrossleyTwoStage,
+        Method::ZenerArx,
+        Method::HammersteinCascade,
+        Method::HammersteinCascade2,
+    ];
+    for method in methods {
         for filter in filters {
             for surface in [Surface::AtImpact, Surface::Known { position_m: 0.0 }] {
                 let mut config = Config {

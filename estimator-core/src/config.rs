@@ -32,6 +32,37 @@ pub struct Config {
     pub initial: Initial,
     /// When an estimate counts as converged, changed or suspect.
     pub judgement: Judgement,
+    /// How the coefficients of (18) become κ₁, κ₂ and λ.
+    pub inversion: Inversion,
+    /// Settings of the Hammerstein cascade (39)–(42).
+    pub cascade: Cascade,
+}
+
+/// How the coefficients of (18) become κ₁, κ₂ and λ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inversion {
+    /// Exact for a depth that is linear between samples.
+    Exact,
+    /// Forward Euler, as printed in the chapter: low by νT/2 in the rate.
+    ForwardEuler,
+}
+
+/// Settings of the Hammerstein cascade (39)–(42).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cascade {
+    /// δ̇* (m/s): the elastic response is learned while pressing faster than this; `None`: 5 δ₀/s.
+    pub loading_speed_mps: Option<f32>,
+    /// The weight of Γ₁.
+    pub weight: Weight,
+}
+
+/// The weight that undoes what the logarithm does to small forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weight {
+    /// e^{y₁} = F, the chapter's.
+    Force,
+    /// e^{2y₁} = F²: minimises the error of F itself.
+    ForceSquared,
 }
 
 /// Scales of the contact. Parameters are reported at `depth_m`.
@@ -96,6 +127,12 @@ pub enum Method {
     KelvinVoigt = 1,
     /// Two recursive least squares in feedback on Hunt–Crossley (25)–(37).
     HuntCrossleyTwoStage = 2,
+    /// Recursive least squares on Zener as ARX (18).
+    ZenerArx = 3,
+    /// Two recursive least squares in cascade on the quasi-linear law, one mode (39)–(42).
+    HammersteinCascade = 4,
+    /// The same with two modes.
+    HammersteinCascade2 = 7,
     /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
     /// the parameters.
     HuntCrossleyBank = 5,
@@ -109,6 +146,9 @@ impl Method {
         match self {
             Method::KelvinVoigt | Method::KelvinVoigtSurface => LawKind::KelvinVoigt,
             Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
+            Method::ZenerArx => LawKind::Zener,
+            Method::HammersteinCascade => LawKind::QuasiLinear,
+            Method::HammersteinCascade2 => LawKind::QuasiLinear2,
         }
     }
 }
@@ -197,6 +237,11 @@ impl Default for Config {
                 window_s: 0.5,
                 suspect_ratio: 25.0,
             },
+            inversion: Inversion::Exact,
+            cascade: Cascade {
+                loading_speed_mps: None,
+                weight: Weight::Force,
+            },
         }
     }
 }
@@ -213,7 +258,19 @@ pub struct Params<T> {
     pub(crate) excitation_step: T,
     pub(crate) start: Start<T>,
     pub(crate) status: StatusParams<T>,
+    pub(crate) inversion: Inversion,
+    pub(crate) cascade: CascadeParams<T>,
 }
+
+/// δ̇* in the scale of the estimators, and the weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CascadeParams<T> {
+    pub(crate) loading_speed: T,
+    pub(crate) weight: Weight,
+}
+
+/// δ̇* over the reference speed where it is left open: 5 δ₀/s. The chapter's ramp is 30 mm/s.
+const LOADING_SPEED: f64 = 0.5;
 
 impl<T: Real> Params<T> {
     /// Delay of every record behind the newest sample (µs).
@@ -265,6 +322,28 @@ impl Config {
             excitation_step: T::from_f64(f64::from(step)),
             start: Start::new(self.initial, self.reference),
             status: StatusParams::validate(self)?,
+            inversion: self.inversion,
+            cascade: self.cascade.validate(&scale)?,
+        })
+    }
+}
+
+impl Cascade {
+    fn validate<T: Real>(&self, scale: &Scale<T>) -> Result<CascadeParams<T>, ConfigError> {
+        let speed = self.loading_speed_mps.unwrap_or(1.0);
+        require(
+            speed > 0.0 && speed.finite(),
+            "cascade.loading_speed_mps",
+            speed,
+            "must be positive, in m/s, or absent",
+        )?;
+        let loading_speed = match self.loading_speed_mps {
+            Some(speed) => T::from_f64(f64::from(speed)) / scale.speed_mps,
+            None => T::from_f64(LOADING_SPEED),
+        };
+        Ok(CascadeParams {
+            loading_speed,
+            weight: self.weight,
         })
     }
 }
@@ -347,7 +426,7 @@ mod tests {
     #[test]
     fn every_field_is_checked_and_not_a_number_is_never_valid() {
         type Change = fn(&mut Config);
-        let changes: [(&str, Change); 15] = [
+        let changes: [(&str, Change); 16] = [
             ("rate_hz", |c| c.rate_hz = f32::NAN),
             ("reference.depth_m", |c| c.reference.depth_m = f32::NAN),
             ("reference.force_n", |c| c.reference.force_n = 0.0),
@@ -387,6 +466,9 @@ mod tests {
             }),
             ("initial.exponent", |c| c.initial.exponent = f32::NAN),
             ("judgement.window_s", |c| c.judgement.window_s = f32::NAN),
+            ("cascade.loading_speed_mps", |c| {
+                c.cascade.loading_speed_mps = Some(f32::NAN)
+            }),
         ];
         for (field, change) in changes {
             assert_eq!(error_of(change).field, field);

@@ -6,8 +6,8 @@ use crate::sample::Faults;
 use crate::scalar::Real;
 use crate::status::Status;
 
-/// Slots for parameters; [`LawKind::parameters`] says what stands in which.
-pub const PARAMETER_SLOTS: usize = 5;
+/// Slots for parameters; [`LawKind::parameters`] says what stands in which. The longest law has 7.
+pub const PARAMETER_SLOTS: usize = 12;
 
 /// A value with its standard error, both in the unit of the parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

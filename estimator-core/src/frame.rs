@@ -10,11 +10,14 @@ use crate::sample::{Faults, Sample};
 use crate::status::Status;
 
 /// Version of the layout; a reader refuses any other.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 /// Longest frame on the wire, with its zero byte (bytes).
 pub const MAX_ENCODED: usize = MAX_BODY + 2;
-/// Longest frame before COBS (bytes): that of an estimate.
-const MAX_BODY: usize = 4 + 8 + 7 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
+/// A sample's frame on the wire (bytes).
+pub const SAMPLE_ENCODED: usize = 4 + 18 + 4 + 2;
+/// Longest frame before COBS (bytes): that of an estimate whose law has all the slots. An estimate
+/// carries as many as its law has: 86 bytes on the wire for Hunt–Crossley.
+const MAX_BODY: usize = 4 + 8 + 8 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
 
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
@@ -94,8 +97,10 @@ fn put_estimate(body: &mut Writer, estimate: &Estimate<f32>) {
     let known = (0u8..)
         .zip(&estimate.parameters)
         .filter(|(_, parameter)| parameter.is_some());
-    body.put([known.fold(0, |mask, (slot, _)| mask | 1 << slot)]);
-    for parameter in estimate.parameters {
+    let mask: u16 = known.fold(0, |mask, (slot, _)| mask | 1 << slot);
+    body.put(mask.to_le_bytes());
+    let slots = estimate.law.parameters().len();
+    for parameter in estimate.parameters.iter().take(slots) {
         let parameter = parameter.unwrap_or_default();
         body.put(parameter.value.to_le_bytes());
         body.put(parameter.std_error.to_le_bytes());
@@ -194,9 +199,11 @@ fn take_estimate(reader: &mut Reader) -> Result<Estimate<f32>, FrameError> {
     let time_us = u64::from_le_bytes(reader.take()?);
     let [law, phase, status, event] = reader.take()?;
     let faults = Faults::from_bits(u16::from_le_bytes(reader.take()?));
-    let [known] = reader.take()?;
+    let known = u16::from_le_bytes(reader.take()?);
+    let law = LawKind::from_code(law).ok_or(FrameError::Content)?;
+    let slots = law.parameters().len();
     let mut parameters = [None; PARAMETER_SLOTS];
-    for (slot, parameter) in (0u8..).zip(parameters.iter_mut()) {
+    for (slot, parameter) in (0u8..).zip(parameters.iter_mut().take(slots)) {
         let read = Estimated {
             value: reader.number()?,
             std_error: reader.number()?,
@@ -214,7 +221,7 @@ fn take_estimate(reader: &mut Reader) -> Result<Estimate<f32>, FrameError> {
     };
     Ok(Estimate {
         time_us,
-        law: LawKind::from_code(law).ok_or(FrameError::Content)?,
+        law,
         phase: Phase::from_code(phase).ok_or(FrameError::Content)?,
         status: Status::from_code(status).ok_or(FrameError::Content)?,
         depth_m,
@@ -337,11 +344,37 @@ mod tests {
     }
 
     #[test]
-    fn an_estimate_fits_two_megabaud_at_a_kilohertz_twice() {
+    fn two_estimates_and_a_sample_fit_two_megabaud_at_a_kilohertz() {
         // 2 Mbaud carries 200 bytes a millisecond, ten bits each.
         let length = encoded(&Frame::Estimate(estimate()), 0).len();
-        assert!((80..=100).contains(&length), "{length}");
-        assert_eq!(length, MAX_ENCODED);
+        assert!((80..=86).contains(&length), "{length}");
+        let sample = encoded(&Frame::Sample(sample()), 0).len();
+        assert_eq!(sample, SAMPLE_ENCODED);
+        assert!(2 * length + sample <= 200);
+    }
+
+    #[test]
+    fn the_longest_law_fits_with_its_sample_and_every_law_comes_back() {
+        for law in LawKind::ALL {
+            let slots = law.parameters().len();
+            let mut parameters = [None; PARAMETER_SLOTS];
+            for (slot, parameter) in parameters.iter_mut().take(slots).enumerate() {
+                *parameter = Some(Estimated {
+                    value: slot as f32,
+                    std_error: 0.5,
+                });
+            }
+            let frame = Frame::Estimate(Estimate {
+                law,
+                parameters,
+                ..estimate()
+            });
+            let bytes = encoded(&frame, 3);
+            assert_eq!(bytes.len(), 54 + 8 * slots);
+            assert!(bytes.len() <= MAX_ENCODED);
+            assert!(bytes.len() + SAMPLE_ENCODED <= 200, "{law:?}");
+            assert_eq!(frames(&bytes), [Ok((3, frame))]);
+        }
     }
 
     #[test]

@@ -4,23 +4,31 @@ mod affine;
 mod bank;
 mod bank_refiner;
 mod confidence;
+mod equation_error;
+mod hammerstein;
 mod hunt_crossley;
 mod kelvin_voigt;
+mod modes;
 mod refiner;
+mod zener;
 
 pub use affine::Affine;
 pub use bank::{Bank, Candidate};
 pub use bank_refiner::BankRefiner;
 pub use confidence::Confidence;
+pub use hammerstein::{Cascade, Cascade1, Cascade2};
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
+pub use modes::hammerstein_coefficients;
 pub use refiner::Refiner;
+pub use zener::{Solid, ZenerArx};
 
 use crate::config::{Initial, Method, Params, Reference};
 use crate::contact::SurfacePosition;
 use crate::estimate::{Estimated, PARAMETER_SLOTS, Parameters};
 use crate::scalar::Real;
 use crate::status::Judged;
+use crate::units::Unit;
 
 /// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, a palpation's.
 const SPEED_PER_DEPTH: f64 = 10.0;
@@ -56,6 +64,16 @@ impl<T: Real> Scale<T> {
     /// N s/m in one unit of scaled damping.
     pub fn damping(&self) -> T {
         self.force_n / self.speed_mps
+    }
+
+    /// SI units in one unit of a scaled parameter. Rates are in 1/s throughout.
+    pub fn of(&self, unit: Unit) -> T {
+        match unit {
+            Unit::NewtonPerMetre => self.stiffness(),
+            Unit::NewtonSecondPerMetre => self.damping(),
+            Unit::Metre => self.depth_m,
+            Unit::One | Unit::PerSecond => T::unit(),
+        }
     }
 }
 
@@ -135,6 +153,11 @@ pub trait Identify<T: Real> {
         beta: T,
     ) -> Option<T>;
 
+    /// Called for every sample, before [`Identify::learn`]: whether the whole window of the filter
+    /// is pushed by the material. If not, an equation cannot reach across this sample: in free air,
+    /// in the noise, and where a surface that cannot pull has let go.
+    fn admit(&mut self, _pushed: bool) {}
+
     /// Forgets how sure it was, and keeps its values: another material is under the probe.
     fn reopen(&mut self, params: &Params<T>);
 
@@ -150,6 +173,12 @@ pub enum Identifier<T: Real> {
     Linear(Linear<T>),
     /// See [`TwoStage`].
     TwoStage(TwoStage<T>),
+    /// See [`ZenerArx`].
+    ZenerArx(ZenerArx<T>),
+    /// See [`Cascade`].
+    Cascade1(Cascade1<T>),
+    /// See [`Cascade`].
+    Cascade2(Cascade2<T>),
     /// See [`BankRefiner`].
     BankRefiner(BankRefiner<T>),
     /// See [`Affine`].
@@ -162,6 +191,9 @@ impl<T: Real> Identifier<T> {
         match params.method {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+            Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
+            Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
+            Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
             Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
             Method::KelvinVoigtSurface if params.contact.surface_known() => {
                 Self::Linear(Linear::new(params))
@@ -184,6 +216,9 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
+            Self::ZenerArx(own) => own.predict(at, noise, surface_error),
+            Self::Cascade1(own) => own.predict(at, noise, surface_error),
+            Self::Cascade2(own) => own.predict(at, noise, surface_error),
             Self::BankRefiner(own) => own.predict(at, noise, surface_error),
             Self::Affine(own) => own.predict(at, noise, surface_error),
         }
@@ -200,8 +235,21 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+            Self::ZenerArx(own) => own.learn(params, at, noise, beta),
+            Self::Cascade1(own) => own.learn(params, at, noise, beta),
+            Self::Cascade2(own) => own.learn(params, at, noise, beta),
             Self::BankRefiner(own) => own.learn(params, at, noise, beta),
             Self::Affine(own) => own.learn(params, at, noise, beta),
+        }
+    }
+
+    /// See [`Identify::admit`].
+    pub fn admit(&mut self, pushed: bool) {
+        match self {
+            Self::ZenerArx(own) => own.admit(pushed),
+            Self::Cascade1(own) => own.admit(pushed),
+            Self::Cascade2(own) => own.admit(pushed),
+            _ => {}
         }
     }
 
@@ -210,6 +258,9 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
+            Self::ZenerArx(own) => own.reopen(params),
+            Self::Cascade1(own) => own.reopen(params),
+            Self::Cascade2(own) => own.reopen(params),
             Self::BankRefiner(own) => own.reopen(params),
             Self::Affine(own) => own.reopen(params),
         }
@@ -220,6 +271,9 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
+            Self::ZenerArx(own) => own.judged(noise, surface_error),
+            Self::Cascade1(own) => own.judged(noise, surface_error),
+            Self::Cascade2(own) => own.judged(noise, surface_error),
             Self::BankRefiner(own) => own.judged(noise, surface_error),
             Self::Affine(own) => own.judged(noise, surface_error),
         }
@@ -232,7 +286,12 @@ pub fn report<T: Real>(
     judged: &[Judged<T>],
     surface: SurfacePosition<T>,
 ) -> Parameters<T> {
-    let units = [params.scale.stiffness(), params.scale.damping(), T::unit()];
+    let scale = &params.scale;
+    let units = params
+        .law()
+        .parameters()
+        .iter()
+        .map(|info| scale.of(info.unit));
     let mut parameters = [None; PARAMETER_SLOTS];
     for ((slot, own), unit) in parameters.iter_mut().zip(judged).zip(units) {
         *slot = own.observable().then(|| Estimated {

@@ -38,8 +38,13 @@ impl<T: Real, const N: usize> Rls<T, N> {
 
     /// θ̂(h) = θ̂(h−1) + Q(h)[y(h) − φᵀ(h)θ̂(h−1)] with forgetting factor β, (20)–(23).
     pub fn update(&mut self, phi: &SVector<T, N>, y: T, beta: T) {
+        self.update_weighted(phi, y, beta, T::unit());
+    }
+
+    /// The same for a sample of weight w: Q = Pφ[β/w + φᵀPφ]⁻¹, (40).
+    pub fn update_weighted(&mut self, phi: &SVector<T, N>, y: T, beta: T, weight: T) {
         let innovation = y - self.predict(phi);
-        let UdUpdate { gain, .. } = self.covariance.update(phi, beta, T::unit());
+        let UdUpdate { gain, .. } = self.covariance.update(phi, beta, weight);
         self.theta += gain * innovation;
     }
 }

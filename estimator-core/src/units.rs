@@ -13,6 +13,8 @@ pub enum Unit {
     NewtonPerMetre,
     /// N s/m
     NewtonSecondPerMetre,
+    /// 1/s
+    PerSecond,
 }
 
 impl Unit {
@@ -23,6 +25,7 @@ impl Unit {
             Unit::Metre => "m",
             Unit::NewtonPerMetre => "N/m",
             Unit::NewtonSecondPerMetre => "N s/m",
+            Unit::PerSecond => "1/s",
         }
     }
 }

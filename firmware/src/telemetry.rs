@@ -4,7 +4,7 @@
 use crate::board::Link;
 use embedded_hal::digital::OutputPin;
 use estimator_core::estimate::{Event, Phase};
-use estimator_core::frame::{self, Frame, MAX_ENCODED};
+use estimator_core::frame::{self, Frame, MAX_ENCODED, SAMPLE_ENCODED};
 use estimator_core::{Estimate, Sample, Status};
 
 /// Records that wait for the link: 64 ms of it. An estimate with its sample is at most 200 bytes.
@@ -43,7 +43,7 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
     /// Whether the frames of one record fit into the link. Where they do not, the queue fills and
     /// the sampling task counts the drops: they are counted in one place.
     pub fn has_room(&self) -> bool {
-        self.link.room() >= 2 * MAX_ENCODED
+        self.link.room() >= MAX_ENCODED + SAMPLE_ENCODED
     }
 
     /// Sends both frames of a record and logs what happened in it.

@@ -1,11 +1,12 @@
 //! `palpate estimate`: the board's step over a log, and what it comes to.
 
 mod explain;
-mod files;
+pub(crate) mod files;
 pub mod outcome;
 mod print;
 mod setup;
 mod show;
+mod whole_log;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -18,6 +19,7 @@ pub use explain::explain;
 pub use outcome::Outcome;
 pub use setup::{Choices, Setup, setup};
 pub use show::{Shown, document};
+pub use whole_log::BatchArgs;
 
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
@@ -32,7 +34,8 @@ const SIMPLER_MARGIN: f64 = 1.02;
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Example:\n  palpate estimate log.csv --law hunt_crossley --out result\n  \
-    palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\""
+    palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\"\n  \
+    palpate estimate indentation.csv --method batch --indenter sphere:0.003 --out result"
 )]
 pub struct EstimateArgs {
     /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or .csv.gz.
@@ -59,6 +62,9 @@ pub struct EstimateArgs {
     /// Write every N-th sample into estimate.csv.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
+    /// What is given for a fit of the whole log.
+    #[command(flatten)]
+    pub batch: BatchArgs,
     /// How the log is read.
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -102,6 +108,11 @@ pub enum LawChoice {
     KelvinVoigt,
     /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ
     HuntCrossley,
+    /// Standard linear solid: a spring in series with a spring and damper in parallel
+    Zener,
+    /// Kδ₀(δ/δ₀)ⁿ that relaxes in one or two modes, in up to four by batch
+    #[value(alias = "hammerstein")]
+    QuasiLinear,
 }
 
 /// The methods on the command line.
@@ -114,8 +125,17 @@ pub enum MethodChoice {
     RlsSurface,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
+    /// Recursive least squares on force and depth of two samples (zener)
+    Arx,
+    /// Elastic response while loading, then its relaxation in one mode (quasi_linear)
+    Cascade,
+    /// The same in two modes (quasi_linear)
+    #[value(name = "cascade_2")]
+    Cascade2,
     /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
     Bank,
+    /// The whole log at once (every law)
+    Batch,
 }
 
 impl MethodChoice {
@@ -124,6 +144,9 @@ impl MethodChoice {
             Method::KelvinVoigt => MethodChoice::Rls,
             Method::KelvinVoigtSurface => MethodChoice::RlsSurface,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+            Method::ZenerArx => MethodChoice::Arx,
+            Method::HammersteinCascade => MethodChoice::Cascade,
+            Method::HammersteinCascade2 => MethodChoice::Cascade2,
             Method::HuntCrossleyBank => MethodChoice::Bank,
         }
     }
@@ -133,7 +156,11 @@ impl MethodChoice {
             MethodChoice::Rls => "rls",
             MethodChoice::RlsSurface => "rls_surface",
             MethodChoice::TwoStage => "two_stage",
+            MethodChoice::Arx => "arx",
+            MethodChoice::Cascade => "cascade",
+            MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
+            MethodChoice::Batch => "batch",
         }
     }
 }
@@ -170,6 +197,9 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::KelvinVoigt, Method::KelvinVoigt, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
+        (LawChoice::Zener, Method::ZenerArx, true),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade2, true),
     ];
     let fits = |(own, candidate, default): &(LawChoice, Method, bool)| {
         (law == LawChoice::Auto || law == *own)
@@ -184,8 +214,9 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley; \
-                 or leave --method out",
+                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, arx \
+                 with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
+                 out",
             ));
     }
     Ok(left)
@@ -271,6 +302,10 @@ fn long_enough(log: &UniformLog, replay: &Replay) -> Result<(), Diagnostic> {
 /// # Errors
 /// A [`Diagnostic`] for input that cannot be used; else what the file system says.
 pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
+    if whole_log::wanted(args) {
+        return whole_log::run(args);
+    }
+    args.batch.refuse()?;
     let methods = methods(args.law, args.method)?;
     let base = match &args.config {
         Some(path) => crate::settings::read(path)?,
@@ -355,7 +390,14 @@ mod tests {
     #[test]
     fn auto_tries_every_law_the_simplest_first() {
         let all = methods(LawChoice::Auto, None).unwrap();
-        assert_eq!(all, [Method::KelvinVoigtSurface, Method::HuntCrossleyBank]);
+        let simplest_first = [
+            Method::KelvinVoigtSurface,
+            Method::HuntCrossleyBank,
+            Method::ZenerArx,
+            Method::HammersteinCascade,
+            Method::HammersteinCascade2,
+        ];
+        assert_eq!(all, simplest_first);
     }
 
     #[test]

@@ -156,7 +156,24 @@ fn a_model_becomes_a_contact_where_the_rig_has_its_law() {
         gel.unwrap().environment.contact(),
         Some(crate::plant::GEL.at(0.0))
     );
-    let zener =
-        "[environment]\nlaw = \"zener\"\nstiffness = 1\nsecond_stiffness = 1\ndamping = 1\n";
-    assert_eq!(parse(zener).unwrap().environment.contact(), None);
+    let law = |text: &str| {
+        let model = parse(&format!("[environment]\n{text}\n")).unwrap();
+        model.environment.contact().map(|contact| contact.law)
+    };
+    let Some(crate::plant::Law::Zener(zener)) =
+        law("law = \"zener\"\nstiffness = 3\nsecond_stiffness = 2\ndamping = 1")
+    else {
+        panic!("a Zener model is a Zener material");
+    };
+    assert_eq!(zener.second_stiffness_n_per_m, 2.0);
+    let quasi_linear = "law = \"quasi_linear\"\nstiffness = 1\nexponent = 2\nrelaxation = ";
+    let Some(crate::plant::Law::QuasiLinear(two)) = law(&format!(
+        "{quasi_linear}[{{ fraction = 0.2, rate = 3 }}, {{ fraction = 0.1, rate = 0.5 }}]"
+    )) else {
+        panic!("a quasi-linear model is a quasi-linear material");
+    };
+    assert_eq!(two.modes.map(|mode| mode.fraction), [0.2, 0.1, 0.0, 0.0]);
+    assert_eq!(two.modes[1].rate_per_s, 0.5);
+    let five = "{ fraction = 0.1, rate = 3 },".repeat(5);
+    assert_eq!(law(&format!("{quasi_linear}[{five}]")), None);
 }

@@ -10,7 +10,7 @@ pub mod motor;
 pub mod rig;
 pub mod sensors;
 
-pub use contact::{Contact, Law};
+pub use contact::{Contact, Law, MODES, Memory};
 pub use material::{GEL, Material, PLASTIC};
 pub use motor::{Motor, MotorState};
 pub use rig::{Rig, Run, Stage, Truth};

@@ -31,12 +31,19 @@
 //! converged_within = 0.05
 //! window_s = 0.5
 //! suspect_ratio = 25.0
+//!
+//! [zener]
+//! inversion = "exact"      # or "forward_euler", as printed in the chapter
+//!
+//! [cascade]
+//! loading_speed_mps = 5e-3 # 5 reference depths a second if absent
+//! weight = "force"         # of the elastic stage, or "force_squared"
 //! ```
 
 use std::path::Path;
 
 use estimator_core::Config;
-use estimator_core::config::{Filter, Surface};
+use estimator_core::config::{Filter, Inversion, Surface, Weight};
 
 use crate::diagnostic::Diagnostic;
 use crate::toml_reader::{Bounds, Table, TomlFile};
@@ -53,13 +60,15 @@ fn parse(file: &TomlFile) -> Result<Config, Diagnostic> {
     let root = file.root();
     let mut config = Config::default();
     type Section = fn(&Table, &mut Config) -> Result<(), Diagnostic>;
-    let sections: [(&str, Section); 6] = [
+    let sections: [(&str, Section); 8] = [
         ("filter", filter),
         ("reference", reference),
         ("contact", contact),
         ("forgetting", forgetting),
         ("initial", initial),
         ("judgement", judgement),
+        ("zener", zener),
+        ("cascade", cascade),
     ];
     for (key, read) in sections {
         if let Some(table) = root.table(key)? {
@@ -176,6 +185,43 @@ fn judgement(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
     set(table, "suspect_ratio", &mut config.judgement.suspect_ratio)
 }
 
+/// One of two words for a setting; `None` if the key is absent.
+fn either<T: Copy>(
+    table: &Table,
+    key: &str,
+    words: [(&str, T); 2],
+) -> Result<Option<T>, Diagnostic> {
+    let Some(text) = table.text(key)? else {
+        return Ok(None);
+    };
+    match words.iter().find(|(word, _)| *word == text) {
+        Some((_, value)) => Ok(Some(*value)),
+        None => Err(table
+            .wrong(key, format!("unknown {key} `{text}`"))
+            .remedy(format!("write \"{}\" or \"{}\"", words[0].0, words[1].0))),
+    }
+}
+
+fn zener(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    let words = [
+        ("exact", Inversion::Exact),
+        ("forward_euler", Inversion::ForwardEuler),
+    ];
+    config.inversion = either(table, "inversion", words)?.unwrap_or(config.inversion);
+    Ok(())
+}
+
+fn cascade(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
+    let words = [
+        ("force", Weight::Force),
+        ("force_squared", Weight::ForceSquared),
+    ];
+    config.cascade.weight = either(table, "weight", words)?.unwrap_or(config.cascade.weight);
+    let speed = table.number("loading_speed_mps", Bounds::Positive)?;
+    config.cascade.loading_speed_mps = speed.map(|speed| speed as f32);
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -197,6 +243,19 @@ mod tests {
             damping_ratio: 1.0,
         };
         assert_eq!(config.filter, chosen);
+    }
+
+    #[test]
+    fn the_inversion_and_the_weight_are_chosen_by_name() {
+        let text = "[zener]\ninversion = \"forward_euler\"\n[cascade]\nweight = \"force_squared\"\n\
+                    loading_speed_mps = 0.01\n";
+        let config = of(text).unwrap();
+        assert_eq!(config.inversion, Inversion::ForwardEuler);
+        assert_eq!(config.cascade.weight, Weight::ForceSquared);
+        assert_eq!(config.cascade.loading_speed_mps, Some(0.01));
+        let error = of("[zener]\ninversion = \"tustin\"\n").unwrap_err();
+        assert_eq!(error.line, Some(2), "{error}");
+        assert!(error.to_string().contains("forward_euler"), "{error}");
     }
 
     #[test]

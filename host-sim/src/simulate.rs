@@ -9,7 +9,7 @@ use crate::diagnostic::{Diagnostic, listed};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::output::say;
-use crate::plant::{Contact, Rig, Run, Stage};
+use crate::plant::{Contact, MODES, Rig, Run, Stage};
 
 /// Force at the deepest point of the built-in motion [N]: the chapter's touches reach 10 to 14 N.
 const PALPATION_FORCE_N: f64 = 10.0;
@@ -74,7 +74,7 @@ fn record(args: &SimulateArgs) -> Result<String, Box<dyn Error + Send + Sync>> {
 /// The model as this version's rig can have it.
 ///
 /// # Errors
-/// A law or an effect that the rig does not simulate: it must not pretend.
+/// An effect, or more relaxation modes than the rig simulates: it must not pretend.
 pub fn simulated(model: &Model) -> Result<Contact, Diagnostic> {
     if let Some(effect) = model.effects.first() {
         let ids = model.effects.iter().map(|effect| effect.id.as_str());
@@ -94,13 +94,11 @@ pub fn simulated(model: &Model) -> Result<Contact, Diagnostic> {
         return Err(diagnostic);
     }
     model.environment.contact().ok_or_else(|| {
-        let law = model.environment.law.name();
-        Diagnostic::new(format!("this version does not simulate the law `{law}`"))
+        Diagnostic::new(format!("more than {MODES} relaxation modes"))
             .in_file(&model.path)
-            .at_key("environment.law")
-            .value(law)
-            .note("this version simulates `kelvin_voigt`, `hunt_crossley` and `free`")
-            .remedy("describe the material by one of them")
+            .at_key("environment.relaxation")
+            .note(format!("this version simulates up to {MODES} of them"))
+            .remedy("describe the relaxation by fewer modes")
     })
 }
 
@@ -202,7 +200,11 @@ mod tests {
     #[test]
     fn what_the_rig_cannot_simulate_is_refused_not_left_out() {
         let effect = format!("{GEL}\n[[effect]]\nid = \"coulomb_friction\"\nforce = 0.4\n");
-        let zener = "[environment]\nlaw = \"zener\"\nstiffness = 3000\nsecond_stiffness = 900\ndamping = 40\n";
+        let modes = "{ fraction = 0.1, rate = 1 },".repeat(5);
+        let five = format!(
+            "[environment]\nlaw = \"quasi_linear\"\nstiffness = 3000\nexponent = 1.2\n\
+             relaxation = [{modes}]\n"
+        );
         for (name, model, what, line) in [
             (
                 "effect",
@@ -210,7 +212,7 @@ mod tests {
                 "the effect `coulomb_friction`",
                 Some(8),
             ),
-            ("zener", zener, "the law `zener`", None),
+            ("modes", five.as_str(), "more than 4 relaxation modes", None),
         ] {
             let folder = Folder::with_model(name, model);
             let args = folder.args(1);

@@ -16,7 +16,7 @@ use crate::status::Judged;
 
 /// Γ₂ takes forces above this many standard deviations of the filtered force: the logarithm of a
 /// noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
-const LOG_SIGMAS: f64 = 40.0;
+pub(super) const LOG_SIGMAS: f64 = 40.0;
 /// Γ₂ takes samples on which damping is less than this share of the spring: K̂δ₀ + λ̂δ̇ must be
 /// positive and not small.
 const DAMPING_SHARE: f64 = 0.8;

@@ -39,6 +39,11 @@ impl<T: Real, const N: usize> Ud<T, N> {
         }
     }
 
+    /// c of P(0) = c·I.
+    pub fn start(&self) -> T {
+        self.ceiling
+    }
+
     /// φᵀPφ
     pub fn variance(&self, phi: &SVector<T, N>) -> T {
         let mut sum = T::nil();

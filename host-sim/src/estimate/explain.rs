@@ -115,6 +115,9 @@ fn surface_misfit(replay: &Replay, outcome: &Outcome) -> Option<f64> {
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
+    if !matches!(outcome.law, LawKind::KelvinVoigt | LawKind::HuntCrossley) {
+        return None;
+    }
     let hold = inspection
         .holds
         .iter()
@@ -156,6 +159,8 @@ fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
     let bent = match outcome.law {
         LawKind::KelvinVoigt => "stiffness and damping",
         LawKind::HuntCrossley => "stiffness, damping and exponent together",
+        LawKind::Zener => "the resting stiffness",
+        LawKind::QuasiLinear | LawKind::QuasiLinear2 => "stiffness and exponent together",
     };
     Some(format!(
         "the surface is taken from the impact{known}: an error of it bends {bent}, and their \

@@ -1,10 +1,14 @@
 //! What a replay comes to: the numbers of `estimate.json`.
 
-use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters};
-use estimator_core::law::{ContactLaw, HuntCrossley, KelvinVoigt, ParameterInfo};
+use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
+use estimator_core::law::{
+    Elastic, HuntCrossley, KelvinVoigt, ParameterInfo, QuasiLinear, RelaxationMode, Zener,
+    unilateral,
+};
 use estimator_core::{Faults, LawKind, Status};
 
 use crate::log::UniformLog;
+use crate::plant::{Law, MODES, Memory};
 use crate::replay::Replay;
 pub use crate::report::estimate::{EventKind, EventMark, Touch};
 use crate::signal;
@@ -90,23 +94,43 @@ impl Outcome {
 }
 
 /// The law with a set of parameters, in double precision.
-pub fn law_with(
-    law: LawKind,
-    parameters: &Parameters<f32>,
-    reference_depth_m: f64,
-) -> Option<Box<dyn ContactLaw<f64>>> {
+pub fn law_with(law: LawKind, parameters: &Parameters<f32>, reference_depth_m: f64) -> Option<Law> {
     let value = |slot: usize| parameters[slot].map(|p| f64::from(p.value));
     Some(match law {
-        LawKind::KelvinVoigt => Box::new(KelvinVoigt {
+        LawKind::KelvinVoigt => Law::KelvinVoigt(KelvinVoigt {
             stiffness_n_per_m: value(0)?,
             damping_ns_per_m: value(1)?,
         }),
-        LawKind::HuntCrossley => Box::new(HuntCrossley::new(
+        LawKind::HuntCrossley => Law::HuntCrossley(HuntCrossley::new(
             value(0)?,
             value(1)?,
             value(2)?,
             reference_depth_m,
         )),
+        LawKind::Zener => Law::Zener(Zener {
+            stiffness_n_per_m: value(0)?,
+            second_stiffness_n_per_m: value(1)?,
+            damping_ns_per_m: value(2)?,
+        }),
+        LawKind::QuasiLinear | LawKind::QuasiLinear2 => {
+            let mut modes = [RelaxationMode {
+                fraction: 0.0,
+                rate_per_s: 0.0,
+            }; MODES];
+            let count = (law.parameters().len() - 3) / 2;
+            for (mode, slot) in modes.iter_mut().zip((2..).step_by(2)).take(count) {
+                mode.fraction = value(slot)?;
+                mode.rate_per_s = value(slot + 1)?;
+            }
+            Law::QuasiLinear(QuasiLinear {
+                elastic: Elastic::Power {
+                    stiffness_n_per_m: value(0)?,
+                    exponent: value(1)?,
+                    reference_depth_m,
+                },
+                modes,
+            })
+        }
     })
 }
 
@@ -126,7 +150,8 @@ fn decisive(replay: &Replay) -> Option<&Record> {
 }
 
 /// The law over the log's own motion at the resolution of a few samples: the estimator's window
-/// would round off what happens within it.
+/// would round off what happens within it. What a law remembers runs on between the touches; a
+/// force is due in contact only.
 fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>) -> Vec<f32> {
     let reference_depth_m = f64::from(replay.config.reference.depth_m);
     let mut forces = vec![0.0; replay.records.len()];
@@ -137,16 +162,25 @@ fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>)
         true => parameters[replay.params.law().parameters().len() - 1],
         false => None,
     };
-    for contact in replay.contacts() {
-        for index in contact {
-            let Some(sample) = replay.sample_of(index) else {
-                continue;
-            };
-            let surface_m = found.map_or(replay.surface_m[index], |surface| surface.value);
-            let (position_m, speed_mps) =
-                signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
-            let depth_m = position_m - f64::from(surface_m);
-            forces[index] = law.force_n(depth_m, speed_mps) as f32;
+    let mut memory = law.at_rest();
+    let touched = replay.contacts().first().map_or(usize::MAX, |c| c.start);
+    for (index, record) in replay.records.iter().enumerate().skip(touched) {
+        let Some(sample) = replay.sample_of(index) else {
+            continue;
+        };
+        let (position_m, speed_mps) =
+            signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
+        let surface_m = found.map_or(replay.surface_m[index], |surface| surface.value);
+        let depth_m = position_m - f64::from(surface_m);
+        let force_n = law.step(&mut memory, depth_m, speed_mps, log.period_s());
+        // A material that lags behind its depth lets go of the probe; the chapter saturates the
+        // force of its Hammerstein model, and lets its linear one show that it pulls (E2).
+        let force_n = match memory {
+            Memory::None => force_n,
+            _ => unilateral(force_n),
+        };
+        if record.phase == Phase::Contact {
+            forces[index] = force_n as f32;
         }
     }
     forces

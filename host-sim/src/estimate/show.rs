@@ -191,10 +191,7 @@ fn elastic(estimation: &Estimation) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     };
     let depths = (0..=CURVE_POINTS).map(|i| deepest * i as f64 / CURVE_POINTS as f64);
     let depths: Vec<f64> = depths.collect();
-    let forces = depths
-        .iter()
-        .map(|depth| law.force_n(*depth, 0.0))
-        .collect();
+    let forces = depths.iter().map(|depth| law.elastic_n(*depth)).collect();
     (depths, forces, Vec::new())
 }
 

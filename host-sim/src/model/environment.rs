@@ -1,10 +1,10 @@
 //! The environment: a contact law by name, with its parameters.
 
-use estimator_core::law::{HuntCrossley, KelvinVoigt};
+use estimator_core::law::{self, HuntCrossley, KelvinVoigt, QuasiLinear, Zener};
 
 use super::Fit;
 use crate::diagnostic::{Diagnostic, listed, nearest};
-use crate::plant::{Contact, Law};
+use crate::plant::{Contact, Law, MODES};
 use crate::toml_reader::{Bounds, Table};
 
 /// δ₀ [m] unless a model says otherwise: that of the chapter's numbers.
@@ -164,7 +164,8 @@ impl Environment {
         parameters
     }
 
-    /// The environment as the simulated rig can have it; `None` for laws that it does not simulate.
+    /// The environment as the simulated rig can have it; `None` if it has more than [`MODES`]
+    /// relaxation modes.
     pub fn contact(&self) -> Option<Contact> {
         let law = match &self.law {
             EnvironmentLaw::Free => Law::Free,
@@ -184,13 +185,60 @@ impl Environment {
                 damping_exponent: damping_exponent.unwrap_or(*exponent),
                 reference_depth_m: self.reference_depth_m,
             }),
-            EnvironmentLaw::Zener { .. } | EnvironmentLaw::QuasiLinear { .. } => return None,
+            EnvironmentLaw::Zener {
+                stiffness,
+                second_stiffness,
+                damping,
+            } => Law::Zener(Zener {
+                stiffness_n_per_m: *stiffness,
+                second_stiffness_n_per_m: *second_stiffness,
+                damping_ns_per_m: *damping,
+            }),
+            EnvironmentLaw::QuasiLinear {
+                stiffness,
+                elastic,
+                relaxation,
+            } => Law::QuasiLinear(QuasiLinear {
+                elastic: elastic.law(*stiffness, self.reference_depth_m),
+                modes: modes(relaxation)?,
+            }),
         };
         Some(Contact {
             law,
             surface_m: self.surface_m,
         })
     }
+}
+
+impl Elastic {
+    fn law(self, stiffness_n_per_m: f64, reference_depth_m: f64) -> law::Elastic<f64> {
+        match self {
+            Elastic::Power { exponent } => law::Elastic::Power {
+                stiffness_n_per_m,
+                exponent,
+                reference_depth_m,
+            },
+            Elastic::Exponential { stiffening_rate } => law::Elastic::Exponential {
+                stiffness_n_per_m,
+                stiffening_rate_per_m: stiffening_rate,
+            },
+        }
+    }
+}
+
+/// The modes of a model, and ones of fraction 0; `None` if there are more than the rig has.
+fn modes(relaxation: &[RelaxationMode]) -> Option<[law::RelaxationMode<f64>; MODES]> {
+    let mut modes = [law::RelaxationMode {
+        fraction: 0.0,
+        rate_per_s: 0.0,
+    }; MODES];
+    for (index, own) in relaxation.iter().enumerate() {
+        *modes.get_mut(index)? = law::RelaxationMode {
+            fraction: own.fraction,
+            rate_per_s: own.rate,
+        };
+    }
+    Some(modes)
 }
 
 impl EnvironmentLaw {

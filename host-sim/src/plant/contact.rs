@@ -1,6 +1,12 @@
 //! A material under the probe: one of the core's laws, from a surface on, that only pushes.
 
-use estimator_core::law::{ContactLaw, HuntCrossley, KelvinVoigt, unilateral};
+use estimator_core::law::{
+    HuntCrossley, KelvinVoigt, QuasiLinear, QuasiLinearState, RelaxingLaw, Zener, ZenerState,
+    unilateral,
+};
+
+/// Most relaxation modes of a quasi-linear material; modes that are not used have fraction 0.
+pub const MODES: usize = 4;
 
 /// The laws that the rig simulates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +17,68 @@ pub enum Law {
     KelvinVoigt(KelvinVoigt<f64>),
     /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
     HuntCrossley(HuntCrossley<f64>),
+    /// The standard linear solid, (2)
+    Zener(Zener<f64>),
+    /// An elastic response that relaxes, (9)–(17)
+    QuasiLinear(QuasiLinear<f64, MODES>),
+}
+
+/// What a material remembers of the touches so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Memory {
+    /// Nothing: the law has none.
+    None,
+    /// Of a Zener material.
+    Zener(ZenerState<f64>),
+    /// Of a quasi-linear material.
+    QuasiLinear(QuasiLinearState<f64, MODES>),
+}
+
+impl Law {
+    /// Before the first touch.
+    pub fn at_rest(&self) -> Memory {
+        match self {
+            Law::Free | Law::KelvinVoigt(_) | Law::HuntCrossley(_) => Memory::None,
+            Law::Zener(law) => Memory::Zener(law.at_rest()),
+            Law::QuasiLinear(law) => Memory::QuasiLinear(law.at_rest()),
+        }
+    }
+
+    /// Force [N] one period after the last step, see [`RelaxingLaw::step`]. A memory of another law
+    /// is one of a material at rest.
+    pub fn step(&self, memory: &mut Memory, depth_m: f64, speed_mps: f64, period_s: f64) -> f64 {
+        match (self, &mut *memory) {
+            (Law::Free, _) => 0.0,
+            (Law::KelvinVoigt(law), _) => law.step(&mut (), depth_m, speed_mps, period_s),
+            (Law::HuntCrossley(law), _) => law.step(&mut (), depth_m, speed_mps, period_s),
+            (Law::Zener(law), Memory::Zener(state)) => {
+                law.step(state, depth_m, speed_mps, period_s)
+            }
+            (Law::QuasiLinear(law), Memory::QuasiLinear(state)) => {
+                law.step(state, depth_m, speed_mps, period_s)
+            }
+            _ => {
+                *memory = self.at_rest();
+                self.step(memory, depth_m, speed_mps, period_s)
+            }
+        }
+    }
+
+    /// Force [N] of a material that was at rest until now.
+    pub fn force_n(&self, depth_m: f64, speed_mps: f64) -> f64 {
+        self.step(&mut self.at_rest(), depth_m, speed_mps, 0.0)
+    }
+
+    /// Force at once [N], before anything relaxes: F⁽ᵉ⁾(δ).
+    pub fn elastic_n(&self, depth_m: f64) -> f64 {
+        match self {
+            Law::Free => 0.0,
+            Law::KelvinVoigt(law) => law.elastic_n(depth_m),
+            Law::HuntCrossley(law) => law.elastic_n(depth_m),
+            Law::Zener(law) => law.elastic_n(depth_m),
+            Law::QuasiLinear(law) => law.elastic_n(depth_m),
+        }
+    }
 }
 
 /// A law and where its material begins.
@@ -29,16 +97,17 @@ impl Contact {
         surface_m: 0.0,
     };
 
-    /// Force on the probe [N] at `position_m` [m], moving at `speed_mps` [m/s]: max(law, 0), for a
-    /// surface that does not stick.
+    /// Force on the probe [N] at `position_m` [m], moving at `speed_mps` [m/s], of a material that
+    /// was at rest until now: max(law, 0), for a surface that does not stick.
     pub fn force_n(&self, position_m: f64, speed_mps: f64) -> f64 {
+        self.step(&mut self.law.at_rest(), position_m, speed_mps, 0.0)
+    }
+
+    /// Force on the probe [N] one period [s] after the last step: max(law, 0). The saturation does
+    /// not reach the memory.
+    pub fn step(&self, memory: &mut Memory, position_m: f64, speed_mps: f64, period_s: f64) -> f64 {
         let depth_m = position_m - self.surface_m;
-        let force_n = match &self.law {
-            Law::Free => 0.0,
-            Law::KelvinVoigt(law) => law.force_n(depth_m, speed_mps),
-            Law::HuntCrossley(law) => law.force_n(depth_m, speed_mps),
-        };
-        unilateral(force_n)
+        unilateral(self.law.step(memory, depth_m, speed_mps, period_s))
     }
 
     /// Whether a probe at `position_m` [m] is in the material.

@@ -60,8 +60,8 @@ impl Motor {
 
     /// One step of the classical Runge–Kutta method over `step_s` [s] from time `time_s`.
     ///
-    /// `setpoint` maps a time to what the motor follows, `contact_n` position and velocity to the
-    /// force against it. Of fourth order as long as both are smooth; at a touch the error of that
+    /// `setpoint` maps a time to what the motor follows, `contact_n` the time since the step began,
+    /// position and velocity to the force against it. Of fourth order as long as both are smooth; at a touch the error of that
     /// one step is of second order.
     pub fn advance(
         &self,
@@ -69,20 +69,20 @@ impl Motor {
         time_s: f64,
         step_s: f64,
         setpoint: impl Fn(f64) -> Setpoint,
-        contact_n: impl Fn(f64, f64) -> f64,
+        contact_n: impl Fn(f64, f64, f64) -> f64,
     ) -> MotorState {
         let half_s = 0.5 * step_s;
         let middle = setpoint(time_s + half_s);
-        let slope = |state: MotorState, setpoint: Setpoint| MotorState {
+        let slope = |state: MotorState, elapsed_s: f64, setpoint: Setpoint| MotorState {
             position_m: state.velocity_mps,
             velocity_mps: (self.drive_n(state, setpoint)
-                - contact_n(state.position_m, state.velocity_mps))
+                - contact_n(elapsed_s, state.position_m, state.velocity_mps))
                 / self.mass_kg,
         };
-        let k1 = slope(state, setpoint(time_s));
-        let k2 = slope(state.moved(k1, half_s), middle);
-        let k3 = slope(state.moved(k2, half_s), middle);
-        let k4 = slope(state.moved(k3, step_s), setpoint(time_s + step_s));
+        let k1 = slope(state, 0.0, setpoint(time_s));
+        let k2 = slope(state.moved(k1, half_s), half_s, middle);
+        let k3 = slope(state.moved(k2, half_s), half_s, middle);
+        let k4 = slope(state.moved(k3, step_s), step_s, setpoint(time_s + step_s));
         let sixth_s = step_s / 6.0;
         state
             .moved(k1, sixth_s)

@@ -8,7 +8,7 @@ use estimator_core::law::KelvinVoigt;
 /// The rig's sub-step: 1 kHz, twenty a sample.
 const STEP_S: f64 = 5e-5;
 
-fn no_contact(_: f64, _: f64) -> f64 {
+fn no_contact(_: f64, _: f64, _: f64) -> f64 {
     0.0
 }
 
@@ -40,7 +40,7 @@ fn a_sine_pressed_into_a_spring_and_damper_is_the_transfer_function() {
     let (stiffness, damping) = (11_500.0, 70.0);
     let omega = TAU * 5.0;
     let reference = |t: f64| (1e-3 * (omega * t).sin(), 1e-3 * omega * (omega * t).cos());
-    let bilateral = |x: f64, v: f64| stiffness * x + damping * v;
+    let bilateral = |_: f64, x: f64, v: f64| stiffness * x + damping * v;
     let (nr, ni) = (motor.stiffness_n_per_m, omega * motor.damping_ns_per_m);
     let dr = nr + stiffness - motor.mass_kg * omega * omega;
     let di = ni + omega * damping;
@@ -79,7 +79,7 @@ fn impact_depth_m(contact: Contact, speed_mps: f64, step_s: f64) -> f64 {
             0.0,
             step_s,
             |_| (0.0, 0.0),
-            |x, v| contact.force_n(x, v),
+            |_, x, v| contact.force_n(x, v),
         );
         if next.velocity_mps < 0.0 {
             // The velocity passes zero inside this step; there the parabola through it peaks.
@@ -127,7 +127,7 @@ fn press(contact: Contact, step_s: f64) -> Vec<MotorState> {
             states.push(state);
         }
         let time_s = f64::from(step) * step_s;
-        state = motor.advance(state, time_s, step_s, setpoint, |x, v| {
+        state = motor.advance(state, time_s, step_s, setpoint, |_, x, v| {
             contact.force_n(x, v)
         });
     }

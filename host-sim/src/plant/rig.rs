@@ -1,6 +1,6 @@
 //! Motor, material and sensors together: a motion in, a log and the truth out.
 
-use super::contact::Contact;
+use super::contact::{Contact, Memory};
 use super::motor::{Motor, MotorState};
 use super::sensors::{Encoder, LoadCell, Sensors};
 use crate::diagnostic::Diagnostic;
@@ -93,6 +93,7 @@ impl Rig {
         let mut recorder = Recorder::with_capacity(samples);
         let mut state = MotorState::at_rest(motion.position(0.0).0);
         let mut stage = 0;
+        let mut memory = schedule[0].contact.law.at_rest();
         for sample in 0..samples {
             let time_s = sample as f64 / self.sensors.rate_hz;
             while stage + 1 < schedule.len() && time_s >= schedule[stage].until_s {
@@ -103,10 +104,12 @@ impl Rig {
                     state,
                 )?;
                 stage += 1;
+                memory = schedule[stage].contact.law.at_rest();
             }
             let contact = &schedule[stage].contact;
-            recorder.take(time_s, state, contact, &encoder, &mut cell);
-            state = self.advance_one_sample(state, time_s, period_s, motion, contact);
+            recorder.take(time_s, state, contact, memory, &encoder, &mut cell);
+            let from = (state, memory);
+            (state, memory) = self.advance_one_sample(from, time_s, period_s, motion, contact);
         }
         Ok(recorder.finish(cell.clipped()))
     }
@@ -135,12 +138,12 @@ impl Rig {
 
     fn advance_one_sample(
         &self,
-        mut state: MotorState,
+        (mut state, mut memory): (MotorState, Memory),
         time_s: f64,
         period_s: f64,
         motion: &Motion,
         contact: &Contact,
-    ) -> MotorState {
+    ) -> (MotorState, Memory) {
         let step_s = period_s / f64::from(self.substeps);
         for step in 0..self.substeps {
             let from_s = time_s + f64::from(step) * step_s;
@@ -149,10 +152,13 @@ impl Rig {
                 from_s,
                 step_s,
                 |at_s| motion.position(at_s),
-                |position_m, velocity_mps| contact.force_n(position_m, velocity_mps),
+                |elapsed_s, position_m, velocity_mps| {
+                    contact.step(&mut { memory }, position_m, velocity_mps, elapsed_s)
+                },
             );
+            contact.step(&mut memory, state.position_m, state.velocity_mps, step_s);
         }
-        state
+        (state, memory)
     }
 }
 
@@ -212,10 +218,11 @@ impl Recorder {
         time_s: f64,
         state: MotorState,
         contact: &Contact,
+        mut memory: Memory,
         encoder: &Encoder,
         cell: &mut LoadCell,
     ) {
-        let force_n = contact.force_n(state.position_m, state.velocity_mps);
+        let force_n = contact.step(&mut memory, state.position_m, state.velocity_mps, 0.0);
         self.position_m.push(encoder.read_m(state.position_m));
         self.force_n.push(cell.read_n(force_n));
         self.truth.time_s.push(time_s);

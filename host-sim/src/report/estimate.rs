@@ -258,6 +258,10 @@ fn label(name: &str) -> String {
         "exponent" => " n",
         "damping_exponent" => " q",
         "second_stiffness" => " κ₂",
+        "relaxation_fraction_1" => " c₁",
+        "relaxation_rate_1" => " ν₁",
+        "relaxation_fraction_2" => " c₂",
+        "relaxation_rate_2" => " ν₂",
         _ => "",
     };
     let words = name.replace('_', " ");

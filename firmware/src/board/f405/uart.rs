@@ -11,7 +11,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Tx, config};
 
-/// 200 bytes per millisecond; a sample with its estimate is at most 192 (`MAX_ENCODED` twice).
+/// 200 bytes per millisecond; a sample with its estimate is at most 182 (frame.rs).
 /// 42 MHz / 16 / 2 Mbaud = 1 5/16: exact.
 const BAUD: u32 = 2_000_000;
 
