@@ -7,7 +7,7 @@
 
 use estimator_core::config::{Config, Method, Surface};
 use estimator_core::estimate::{Estimate, Event};
-use estimator_core::law::HuntCrossley;
+use estimator_core::law::{ContactLaw, HuntCrossley};
 use estimator_core::{State, step};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
@@ -76,12 +76,8 @@ impl Case {
             law: Law::HuntCrossley(law),
             surface_m,
         };
-        // Three quarters of the peak force at rest; damping adds the rest.
-        let force_n = 0.75 * rng.random_range(7.0..14.0);
-        let depth_m = contact
-            .depth_at_m(force_n)
-            .expect("every contact reaches 10 N");
-        let motion = motion(&mut rng, stroke, depth_m).shifted(surface_m);
+        let peak_n = rng.random_range(5.0..14.0);
+        let motion = motion(&mut rng, stroke, &law, peak_n).shifted(surface_m);
         let run = Rig::default().run(&Stage::throughout(contact), &motion, seed);
         let run = run.expect("the rig follows every material of the table");
         let touch = run.truth.position_m.iter().position(|x| *x > surface_m);
@@ -105,21 +101,32 @@ fn drawn(rng: &mut Pcg64) -> HuntCrossley<f64> {
     HuntCrossley::new(stiffness, damping, rng.random_range(1.05..1.7), 1e-3)
 }
 
-fn motion(rng: &mut Pcg64, stroke: Stroke, depth_m: f64) -> Motion {
-    let gap_m = (0.4 * depth_m).clamp(1e-4, 5e-4);
-    let way_m = depth_m + gap_m;
+/// The stroke whose fastest way in reaches `peak_n` at its deepest, or would: the cell ends at 15.4 N.
+fn motion(rng: &mut Pcg64, stroke: Stroke, law: &HuntCrossley<f64>, peak_n: f64) -> Motion {
+    let frequency_hz = rng.random_range(0.9..1.6);
+    // Largest speed over the way.
+    let quickness = match stroke {
+        Stroke::Sine => std::f64::consts::PI * frequency_hz,
+        Stroke::Ramp => [2.0, 4.0, 8.0][rng.random_range(0..3)],
+    };
+    let gap_m = |depth_m: f64| (0.4 * depth_m).clamp(1e-4, 5e-4);
+    let way_m = |depth_m: f64| depth_m + gap_m(depth_m);
+    let mut depth_m = 0.05;
+    while law.force_n(depth_m, quickness * way_m(depth_m)) > peak_n {
+        depth_m *= 0.99;
+    }
+    let (gap_m, way_m) = (gap_m(depth_m), way_m(depth_m));
     let mut segments = vec![Segment::Hold { seconds: REST_S }];
     match stroke {
         Stroke::Sine => segments.push(Segment::Sine {
             mean_m: 0.5 * way_m - gap_m,
             amplitude_m: 0.5 * way_m,
-            frequency_hz: rng.random_range(0.9..1.6),
+            frequency_hz,
             seconds: SECONDS - REST_S,
         }),
         Stroke::Ramp => {
-            let speed_mps = way_m * [2.0, 4.0, 8.0][rng.random_range(0..3)];
-            let cycle_s = 2.0 * way_m / speed_mps + 0.5;
-            for _ in 0..((SECONDS - REST_S) / cycle_s) as usize {
+            let speed_mps = quickness * way_m;
+            for _ in 0..((SECONDS - REST_S) / (2.0 / quickness + 0.5)) as usize {
                 segments.push(Segment::Ramp {
                     to_m: depth_m,
                     speed_mps,
