@@ -8,7 +8,7 @@ use super::{EXPLAINED, Options};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::report::estimate::{EventKind, EventMark, law_title};
-use crate::report::number::quantity;
+use crate::report::number::{Measured, quantity};
 
 /// Fewer measurements than this are no free air.
 const FEWEST_FREE: f64 = 10.0;
@@ -121,10 +121,9 @@ fn surface(batch: &Batch, options: &Options) -> Option<String> {
     let surface = batch.value("surface")?;
     (options.surface_m.is_none()).then(|| {
         format!(
-            "the surface was fitted, at {} ± {}: the standard errors of the other parameters include \
-             what that leaves open",
-            quantity(surface.value, 5, "m"),
-            quantity(surface.std_error, 2, "m")
+            "the surface was fitted, at {}: the standard errors of the other parameters include what \
+             that leaves open",
+            Measured::new(surface.value, Some(surface.std_error), "m")
         )
     })
 }

@@ -181,9 +181,9 @@ impl Round<'_> {
             scales: &self.course.scales,
             fixed: &stay,
         };
-        let fits = starts
-            .into_iter()
-            .map(|start| problem.fit_to(start, self.still));
+        let starts: Vec<Vec<f64>> = starts.into_iter().collect();
+        let fits = in_parallel(&starts, |start| problem.fit_to(start.clone(), self.still));
+        let fits = fits.into_iter();
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let mut candidate = Candidate {
             fit: best,
