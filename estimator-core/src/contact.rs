@@ -109,7 +109,8 @@ pub struct Contact<T> {
     pub phase: Phase,
     /// The phase differs from the last sample's.
     pub changed: bool,
-    /// Raw samples since the touch; 0 in free air.
+    /// Raw samples since the touch, or since the force was last lost within the material (a retreat
+    /// that the material cannot follow); 0 in free air.
     pub run: u32,
     /// The surface of this or the last contact, once there was one.
     pub surface: Option<SurfacePosition<T>>,
@@ -248,7 +249,8 @@ impl<T: Real> ContactState<T> {
         self.outside |= self
             .surface
             .is_some_and(|surface| sample.position_m < surface.position_m);
-        self.run = if self.phase == Phase::Contact {
+        let pressed = force > params.release_sigma * self.wander_n;
+        self.run = if self.phase == Phase::Contact && pressed {
             self.run.saturating_add(1)
         } else {
             0

@@ -36,34 +36,43 @@ impl Default for DemoArgs {
     }
 }
 
-/// A material palpated on the simulated rig and estimated with its surface known.
+/// A material palpated on the simulated rig and estimated.
 #[derive(Clone, Debug)]
 pub struct Palpated {
     /// What was touched.
     pub material: Material,
+    /// Where its surface was (m).
+    pub surface_m: f64,
     /// What the sensors read.
     pub log: UniformLog,
     /// What the estimator made of it.
     pub estimation: Estimation,
 }
 
-/// Palpates one material twice over (16 s) and estimates it by Hunt–Crossley's two stages.
+/// Palpates one material, its surface at `surface_m` (m), twice over (17 s) and estimates it with
+/// `method`; if `known`, the estimator is told where the surface is.
 ///
 /// # Errors
 /// A material that the rig cannot follow.
-pub fn palpate(material: Material, seed: u64) -> Result<Palpated, Diagnostic> {
-    let once = Motion::palpation(material.peak_depth_m);
-    let schedule = Stage::throughout(material.at(0.0));
+pub fn palpate(
+    material: Material,
+    surface_m: f64,
+    seed: u64,
+    method: Method,
+    known: bool,
+) -> Result<Palpated, Diagnostic> {
+    let once = Motion::palpation(material.peak_depth_m).shifted(surface_m);
+    let schedule = Stage::throughout(material.at(surface_m));
     let run = Rig::default().run(&schedule, &once.then(&once), seed)?;
     let log = run.log.uniform()?;
     let choices = Choices {
-        surface_m: Some(0.0),
+        surface_m: known.then_some(surface_m),
         ..Choices::default()
     };
-    let methods = [Method::HuntCrossleyTwoStage];
-    let estimation = estimate(&log, Config::default(), &methods, choices)?;
+    let estimation = estimate(&log, Config::default(), &[method], choices)?;
     Ok(Palpated {
         material,
+        surface_m,
         log,
         estimation,
     })
@@ -75,12 +84,13 @@ pub fn palpate(material: Material, seed: u64) -> Result<Palpated, Diagnostic> {
 /// What the file system says.
 pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     say(
-        "A simulated rig palpates two materials; the estimator is told where the surface is,\n\
-         and nothing else. Load cell: 20 mN noise, 5 mN steps; encoder: 1 µm; 1 kHz.\n\n",
+        "A simulated rig palpates two materials; the estimator is told nothing about them, nor\n\
+         where they begin. Load cell: 20 mN noise, 5 mN steps; encoder: 1 µm; 1 kHz.\n\n",
     )?;
     let mut shown = Vec::new();
-    for material in [GEL, PLASTIC] {
-        let palpated = palpate(material, args.seed)?;
+    for (material, surface_m) in [(GEL, 180e-6), (PLASTIC, -120e-6)] {
+        let method = Method::HuntCrossleyBank;
+        let palpated = palpate(material, surface_m, args.seed, method, false)?;
         say(found(&palpated))?;
         let path = args.out.join(format!("{}.csv", material.name));
         write_log(&path, &palpated.log)?;
@@ -111,23 +121,18 @@ fn write_log(path: &Path, log: &UniformLog) -> std::io::Result<()> {
 /// The estimates beside the truth, a line each.
 fn found(palpated: &Palpated) -> String {
     let law = &palpated.material.law;
-    let truth = [law.stiffness_n_per_m, law.damping_ns_per_m, law.exponent];
+    let (stiffness, damping) = (law.stiffness_n_per_m, law.damping_ns_per_m);
+    let truth = [stiffness, damping, law.exponent, palpated.surface_m];
     let outcome = &palpated.estimation.outcome;
     let mut text = format!("{} ({})\n", palpated.material.name, outcome.status.name());
     for ((info, estimate), truth) in outcome.named(&outcome.parameters).zip(truth) {
-        let (found, off) = match estimate {
-            Some(e) => {
-                let error = Some(f64::from(e.std_error));
-                let found = Measured::new(f64::from(e.value), error, info.unit.symbol());
-                let off = 100.0 * (f64::from(e.value) / truth - 1.0);
-                (found.to_string(), format!("{off:+.2} %"))
-            }
-            None => ("not observable".into(), String::new()),
+        let unit = info.unit.symbol();
+        let found = match estimate {
+            Some(e) => Measured::new(e.value.into(), Some(e.std_error.into()), unit).to_string(),
+            None => "not observable".into(),
         };
-        text.push_str(&format!(
-            "  {:<10} {found:<26} true {truth:<8} {off}\n",
-            info.name
-        ));
+        let truth = Measured::new(truth, None, unit);
+        text.push_str(&format!("  {:<10} {found:<26} true {truth}\n", info.name));
     }
     text.push('\n');
     text

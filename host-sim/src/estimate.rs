@@ -1,11 +1,12 @@
 //! `palpate estimate`: the board's step over a log, and what it comes to.
 
 mod explain;
-mod files;
+pub(crate) mod files;
 pub mod outcome;
 mod print;
 mod setup;
 mod show;
+mod whole_log;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -18,6 +19,7 @@ pub use explain::explain;
 pub use outcome::Outcome;
 pub use setup::{Choices, Setup, setup};
 pub use show::{Shown, document};
+pub use whole_log::BatchArgs;
 
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
@@ -32,7 +34,8 @@ const SIMPLER_MARGIN: f64 = 1.02;
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Example:\n  palpate estimate log.csv --law hunt_crossley --out result\n  \
-    palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\""
+    palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\"\n  \
+    palpate estimate indentation.csv --method batch --indenter sphere:0.003 --out result"
 )]
 pub struct EstimateArgs {
     /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or .csv.gz.
@@ -59,6 +62,9 @@ pub struct EstimateArgs {
     /// Write every N-th sample into estimate.csv.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
+    /// What is given for a fit of the whole log.
+    #[command(flatten)]
+    pub batch: BatchArgs,
     /// How the log is read.
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -104,7 +110,7 @@ pub enum LawChoice {
     HuntCrossley,
     /// Standard linear solid: a spring in series with a spring and damper in parallel
     Zener,
-    /// Kδ₀(δ/δ₀)ⁿ that relaxes in one or two modes
+    /// Kδ₀(δ/δ₀)ⁿ that relaxes in one or two modes, in up to four by batch
     #[value(alias = "hammerstein")]
     QuasiLinear,
 }
@@ -128,6 +134,8 @@ pub enum MethodChoice {
     Cascade2,
     /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
     Bank,
+    /// The whole log at once (every law)
+    Batch,
 }
 
 impl MethodChoice {
@@ -152,6 +160,7 @@ impl MethodChoice {
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
+            MethodChoice::Batch => "batch",
         }
     }
 }
@@ -206,7 +215,8 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
             .value(method.map_or("", MethodChoice::name))
             .remedy(
                 "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, arx \
-                 with zener, cascade and cascade_2 with quasi_linear; or leave --method out",
+                 with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
+                 out",
             ));
     }
     Ok(left)
@@ -292,6 +302,10 @@ fn long_enough(log: &UniformLog, replay: &Replay) -> Result<(), Diagnostic> {
 /// # Errors
 /// A [`Diagnostic`] for input that cannot be used; else what the file system says.
 pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
+    if whole_log::wanted(args) {
+        return whole_log::run(args);
+    }
+    args.batch.refuse()?;
     let methods = methods(args.law, args.method)?;
     let base = match &args.config {
         Some(path) => crate::settings::read(path)?,

@@ -1,5 +1,6 @@
 //! Palpate on the host: a simulated rig, replay of logs, reports.
 
+pub mod batch;
 pub mod check;
 pub mod demo;
 pub mod diagnostic;

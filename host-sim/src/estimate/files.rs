@@ -26,7 +26,7 @@ pub(super) struct Context<'a> {
 }
 
 /// Six significant digits, so that a value reads as it was computed: in single precision.
-fn number(value: f64) -> Value {
+pub(crate) fn number(value: f64) -> Value {
     let text = format!("{value:.6e}");
     text.parse::<f64>()
         .ok()
@@ -34,7 +34,7 @@ fn number(value: f64) -> Value {
         .map_or(Value::Null, |v| json!(v))
 }
 
-fn seconds(value: f64) -> Value {
+pub(crate) fn seconds(value: f64) -> Value {
     json!((value * 1e6).round() / 1e6)
 }
 
@@ -101,7 +101,7 @@ pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
 ///
 /// # Errors
 /// What the file system says; nothing is half written.
-pub(super) fn write_json(path: &Path, value: &Value) -> io::Result<()> {
+pub(crate) fn write_json(path: &Path, value: &Value) -> io::Result<()> {
     write_atomically(path, |writer| {
         serde_json::to_writer_pretty(&mut *writer, value)?;
         writeln!(writer)

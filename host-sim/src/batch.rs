@@ -1,0 +1,428 @@
+//! `palpate estimate --method batch`: the whole log at once.
+//!
+//! Who has a record of an indentation, and no loop, does not want a recursion: here every sample is
+//! seen at once, without delay, and the law that explains the record best gets the parameters that
+//! explain it best. The sentence, a file a word:
+//!
+//! `kinematics` takes depth and speed from the position, `course` makes block means of them and of
+//! the raw force, `start` scans for where to begin, `fit` walks to the minimum over the parameters of
+//! a `family`, `select` compares the laws, `error` says how well the parameters are known, `touch`
+//! looks at each touch by itself, and `modulus` makes a material constant of it.
+
+mod course;
+mod dense;
+mod error;
+mod family;
+mod files;
+mod fit;
+mod kinematics;
+mod modulus;
+mod note;
+mod print;
+mod result;
+mod select;
+mod show;
+mod start;
+mod touch;
+
+use estimator_core::config::Method;
+use estimator_core::estimate::Estimated;
+use estimator_core::{Config, Status};
+
+pub use family::{Family, MOST_MODES};
+pub use files::write;
+pub use modulus::Indenter;
+pub use print::summary;
+pub use result::{Batch, Columns, Modulus, Parameter, TouchFit, Tried};
+
+use course::{Course, Node, Use};
+use family::natural;
+use fit::{Fit, Problem};
+use kinematics::{Kinematics, kinematics};
+use select::{Candidate, Fixed, candidates};
+
+use crate::diagnostic::Diagnostic;
+use crate::estimate::{Choices, Outcome, Setup, setup};
+use crate::inspect::inspect;
+use crate::log::UniformLog;
+use crate::replay::{Replay, replay};
+use crate::signal;
+
+#[cfg(test)]
+mod tests;
+
+/// A law that leaves this many times the noise does not explain the force.
+const EXPLAINED: f64 = 3.0;
+/// A parameter that must be positive and is known no better than this share of itself is not known.
+const KNOWN: f64 = 0.7;
+/// Points of the elastic curve.
+const CURVE_POINTS: usize = 200;
+
+/// What to fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The laws to compare, simplest first.
+    pub families: Vec<Family>,
+    /// δ₀ (m)
+    pub reference_depth_m: Option<f64>,
+    /// Position of the surface (m), if it is known.
+    pub surface_m: Option<f64>,
+    /// What touches, if it is known.
+    pub indenter: Option<Indenter>,
+    /// ν of the material; 0.5 does not change its volume.
+    pub poisson: f64,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            families: all_families(),
+            reference_depth_m: None,
+            surface_m: None,
+            indenter: None,
+            poisson: 0.5,
+        }
+    }
+}
+
+/// Every law, simplest first.
+pub fn all_families() -> Vec<Family> {
+    let modes = (1..=MOST_MODES).map(Family::QuasiLinear);
+    [Family::KelvinVoigt, Family::HuntCrossley, Family::Zener]
+        .into_iter()
+        .chain(modes)
+        .collect()
+}
+
+/// Parameters, misfit, offset, skew.
+type Estimates = (
+    Vec<Parameter>,
+    f64,
+    Option<Estimated<f64>>,
+    Option<Estimated<f64>>,
+);
+
+/// A log, and what the fit needs to know of it besides the samples.
+struct Given<'a> {
+    log: &'a UniformLog,
+    motion: &'a Kinematics,
+    course: &'a Course,
+    reference_depth_m: f64,
+}
+
+/// Fits a whole log.
+///
+/// # Errors
+/// The field of the configuration that cannot be used, or a log too short to have free air.
+pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch, Diagnostic> {
+    let choices = Choices {
+        reference_depth_m: options.reference_depth_m,
+        surface_m: options.surface_m,
+    };
+    let Setup { config, notes } = setup(log, base, Method::KelvinVoigt, choices);
+    // The recursion finds the touches, the events and what is in the log; its estimates are dropped.
+    let replay = replay(log, &config).map_err(|error| {
+        Diagnostic::new(format!("the configuration cannot be used: {error}"))
+            .at_key(error.field)
+            .value(error.value)
+            .remedy(error.expected)
+    })?;
+    let motion = kinematics(log);
+    let mut empty = nothing(log, &replay, notes);
+    let Some(course) = Course::of(log, &motion, &replay) else {
+        empty.notes.extend(note::nothing(log, &empty));
+        return Ok(empty);
+    };
+    let given = Given {
+        log,
+        motion: &motion,
+        course: &course,
+        reference_depth_m: empty.reference_depth_m,
+    };
+    let fixed = Fixed {
+        surface: options
+            .surface_m
+            .map(|at| (at - course.scales.touch_m) / course.scales.depth_m),
+        exponent: None,
+    };
+    let tried = candidates(&course, &options.families, fixed);
+    let Some(best) = given.best(&tried, fixed) else {
+        empty.notes.push("no law has a minimum on this log".into());
+        empty.status = Status::Unobservable;
+        return Ok(empty);
+    };
+    let mut batch = given.result(empty, best, &tried, fixed);
+    batch.modulus = options
+        .indenter
+        .and_then(|indenter| given.modulus(best, indenter, options.poisson, fixed));
+    let notes = note::notes(log, &course, &batch, options);
+    batch.notes.extend(notes);
+    Ok(batch)
+}
+
+/// The result of a log in which nothing is touched.
+fn nothing(log: &UniformLog, replay: &Replay, notes: Vec<String>) -> Batch {
+    let outcome = Outcome::of(log, replay);
+    let inspection = inspect(log, replay, &outcome.touches);
+    Batch {
+        family: Family::KelvinVoigt,
+        status: Status::NoContact,
+        parameters: unknown(Family::KelvinVoigt),
+        offset: None,
+        skew: None,
+        reference_depth_m: f64::from(replay.config.reference.depth_m),
+        force_rmse_n: None,
+        noise_n: log.force_noise_n(),
+        misfit: 1.0,
+        selection: Vec::new(),
+        per_touch: Vec::new(),
+        modulus: None,
+        touches: outcome.touches,
+        // A change of material is the recursion's opinion.
+        events: outcome
+            .events
+            .into_iter()
+            .filter(|event| !note::is_material_change(event))
+            .collect(),
+        inspection,
+        notes: notes.into_iter().chain(log.notes.iter().cloned()).collect(),
+        columns: Columns::default(),
+        elastic: Default::default(),
+    }
+}
+
+fn unknown(family: Family) -> Vec<Parameter> {
+    let names = family.parameters().into_iter();
+    names
+        .map(|(name, unit)| Parameter {
+            name,
+            unit,
+            estimate: None,
+        })
+        .collect()
+}
+
+impl Given<'_> {
+    fn problem<'a>(&'a self, candidate: &'a Candidate, fixed: &'a [usize]) -> Problem<'a> {
+        Problem {
+            family: candidate.fit.family,
+            nodes: &self.course.nodes,
+            weights: &candidate.weights,
+            scales: &self.course.scales,
+            fixed,
+        }
+    }
+
+    /// The smallest score among the laws of which the log tells every relaxation mode: one that is
+    /// not known to be there is not taken, whatever it takes off the residuals.
+    fn best<'a>(&self, tried: &'a [Candidate], fixed: Fixed) -> Option<&'a Candidate> {
+        let mut order: Vec<&Candidate> = tried.iter().collect();
+        order.sort_by(|a, b| a.score.total_cmp(&b.score));
+        let told = |candidate: &&&Candidate| {
+            let (parameters, ..) = self.estimated(candidate, fixed);
+            let mut modes = parameters
+                .iter()
+                .filter(|p| p.name.starts_with("relaxation"));
+            modes.all(|mode| mode.estimate.is_some())
+        };
+        order.iter().find(told).or(order.first()).copied()
+    }
+
+    /// The parameters of a candidate, its misfit, its offset and its skew.
+    fn estimated(&self, candidate: &Candidate, fixed: Fixed) -> Estimates {
+        let family = candidate.fit.family;
+        let stay = fixed.of(family);
+        let problem = self.problem(candidate, &stay);
+        let covariance = problem.covariance(&candidate.fit.free);
+        let mut values = problem.reported(&candidate.fit.free, &covariance, self.reference_depth_m);
+        let (skew, offset) = (values.pop(), values.pop());
+        let skew = skew.filter(|_| family.skew().is_some());
+        (self.named(family, &values), covariance.misfit, offset, skew)
+    }
+
+    fn result(&self, empty: Batch, best: &Candidate, tried: &[Candidate], fixed: Fixed) -> Batch {
+        let (parameters, misfit, offset, skew) = self.estimated(best, fixed);
+        let columns = self.columns(&best.fit);
+        let rmse = self.rmse(&best.fit);
+        let selection = tried.iter().map(|candidate| Tried {
+            family: candidate.fit.family,
+            parameters: candidate.fit.free.len(),
+            force_rmse_n: self.rmse(&candidate.fit),
+            score: candidate.score,
+        });
+        Batch {
+            family: best.fit.family,
+            status: status(&best.fit, &parameters, rmse, empty.noise_n),
+            parameters: sorted(best.fit.family, parameters),
+            offset,
+            skew,
+            force_rmse_n: Some(rmse),
+            misfit,
+            selection: selection.collect(),
+            per_touch: touch::touches(self.course, self.log, best, self.reference_depth_m),
+            columns,
+            elastic: self.elastic(&best.fit),
+            ..empty
+        }
+    }
+
+    /// Names to values; none to what the log does not tell.
+    fn named(&self, family: Family, values: &[Estimated<f64>]) -> Vec<Parameter> {
+        let known = |name: &str, estimate: &Estimated<f64>| {
+            let far = match name {
+                "surface" => self.course.scales.depth_m,
+                "damping" if family != Family::Zener => f64::INFINITY,
+                _ => KNOWN * estimate.value.abs(),
+            };
+            estimate.value.is_finite() && estimate.std_error < far
+        };
+        let names = family.parameters().into_iter().zip(values);
+        names
+            .map(|((name, unit), value)| Parameter {
+                estimate: Some(*value).filter(|value| known(&name, value)),
+                name,
+                unit,
+            })
+            .collect()
+    }
+
+    /// The force of a fit at every sample (N), offset included, whatever it was fitted to.
+    fn forces(&self, fit: &Fit) -> Vec<f64> {
+        let period_s = self.log.period_s();
+        let nodes: Vec<Node> = (0..self.log.len())
+            .map(|at| Node {
+                time_s: self.log.time_s[at],
+                period_s,
+                position_m: self.motion.position_m[at],
+                speed_mps: self.motion.speed_mps[at],
+                acceleration_mps2: self.motion.acceleration_mps2[at],
+                force_n: self.log.force_n[at],
+                count: 1.0,
+                held: 1.0,
+                used: self.course.uses[at],
+            })
+            .collect();
+        let mut forces = Vec::with_capacity(nodes.len());
+        let law = natural(fit.family, &fit.free, &self.course.scales);
+        law.along(fit.family, &nodes, |_, force| forces.push(force));
+        forces
+    }
+
+    /// Whether a sample of the log was fitted to in contact.
+    fn is_fitted(&self, at: usize) -> bool {
+        matches!(self.course.uses[at], Use::Contact(_)) && !self.log.in_gap[at]
+    }
+
+    fn rmse(&self, fit: &Fit) -> f64 {
+        let errors = self.forces(fit).into_iter().enumerate();
+        let fitted = errors.filter(|(at, _)| self.is_fitted(*at));
+        signal::rms(fitted.map(|(at, force)| self.log.force_n[at] - force))
+    }
+
+    fn columns(&self, fit: &Fit) -> Columns {
+        let law = natural(fit.family, &fit.free, &self.course.scales);
+        let mut touched = vec![false; self.log.len()];
+        for touch in &self.course.touches {
+            touched[touch.clone()].fill(true);
+        }
+        let forces = self.forces(fit).into_iter().zip(&touched);
+        let positions = self.motion.position_m.iter();
+        Columns {
+            depth_m: positions.map(|x| x - law.surface_m).collect(),
+            speed_mps: self.motion.speed_mps.clone(),
+            measured_n: self.log.force_n.iter().map(|f| f - law.offset_n).collect(),
+            estimated_n: forces
+                .map(|(force, touched)| {
+                    if *touched {
+                        force - law.offset_n
+                    } else {
+                        f64::NAN
+                    }
+                })
+                .collect(),
+            used: (0..self.log.len()).map(|at| self.is_fitted(at)).collect(),
+        }
+    }
+
+    fn elastic(&self, fit: &Fit) -> (Vec<f64>, Vec<f64>) {
+        let law = natural(fit.family, &fit.free, &self.course.scales);
+        let deepest = self.course.scales.touch_m + self.course.scales.depth_m - law.surface_m;
+        let depths = (0..=CURVE_POINTS).map(|i| deepest * i as f64 / CURVE_POINTS as f64);
+        let depths: Vec<f64> = depths.collect();
+        let forces = depths.iter().map(|depth| law.elastic_n(*depth)).collect();
+        (depths, forces)
+    }
+
+    /// E with the indenter's own exponent: fitted again unless the law has that one anyway.
+    fn modulus(
+        &self,
+        best: &Candidate,
+        indenter: Indenter,
+        poisson: f64,
+        fixed: Fixed,
+    ) -> Option<Modulus> {
+        let exponent = indenter.exponent();
+        let family = match best.fit.family {
+            Family::KelvinVoigt if exponent != 1.0 => Family::HuntCrossley,
+            Family::Zener if exponent != 1.0 => Family::QuasiLinear(1),
+            family => family,
+        };
+        let fixed = Fixed {
+            exponent: Some(exponent),
+            ..fixed
+        };
+        let again = candidates(self.course, &[family], fixed).pop()?;
+        let stay = fixed.of(family);
+        let problem = self.problem(&again, &stay);
+        let covariance = problem.covariance(&again.fit.free);
+        let values = problem.reported(&again.fit.free, &covariance, self.reference_depth_m);
+        let stiffness = values.first()?;
+        let value = indenter.youngs_modulus(stiffness.value, self.reference_depth_m, poisson);
+        let law = natural(family, &again.fit.free, &self.course.scales);
+        let relaxes: f64 = law.modes.iter().map(|mode| mode.fraction).sum();
+        Some(Modulus {
+            value: Estimated {
+                value,
+                std_error: value * stiffness.std_error / stiffness.value,
+            },
+            relaxed_pa: (family.modes() > 0).then_some(value * (1.0 - relaxes)),
+            indenter: indenter.name(),
+            poisson,
+            exponent_assumed: exponent,
+            force_rmse_n: self.rmse(&again.fit),
+        })
+    }
+}
+
+fn status(fit: &Fit, parameters: &[Parameter], rmse: f64, noise_n: f64) -> Status {
+    if parameters
+        .iter()
+        .any(|parameter| parameter.estimate.is_none())
+    {
+        Status::Unobservable
+    } else if rmse > EXPLAINED * noise_n {
+        Status::ModelSuspect
+    } else if fit.converged {
+        Status::Converged
+    } else {
+        Status::Converging
+    }
+}
+
+/// Modes fast to slow, as everywhere.
+fn sorted(family: Family, mut parameters: Vec<Parameter>) -> Vec<Parameter> {
+    let Family::QuasiLinear(modes) = family else {
+        return parameters;
+    };
+    let rate = |pair: &[Parameter]| pair[1].estimate.map_or(0.0, |rate| rate.value);
+    let of_modes = 2..2 + 2 * modes;
+    let mut pairs: Vec<Vec<Parameter>> = parameters[of_modes.clone()]
+        .chunks(2)
+        .map(<[Parameter]>::to_vec)
+        .collect();
+    pairs.sort_by(|a, b| rate(b).total_cmp(&rate(a)));
+    for (parameter, value) in parameters[of_modes].iter_mut().zip(pairs.concat()) {
+        parameter.estimate = value.estimate;
+    }
+    parameters
+}

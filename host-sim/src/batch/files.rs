@@ -1,0 +1,167 @@
+//! `estimate.json`, `estimate.csv` and `report.html` of a batch fit.
+//!
+//! The fields of the recursive methods, and more: `per_touch`, `youngs_modulus`, `force_offset`,
+//! `force_skew`, `misfit`, and `parameters`, `modes` and `score` in `selection`.
+
+use std::error::Error;
+use std::io;
+use std::path::Path;
+
+use estimator_core::estimate::Estimated;
+use serde_json::{Map, Value, json};
+
+use super::result::{Batch, Modulus, Parameter};
+use super::show;
+use crate::estimate::files::{number, seconds, write_json};
+use crate::log::UniformLog;
+use crate::output::write_atomically;
+use crate::report::estimate::EventKind;
+
+/// Writes all three into `folder`; every `every`-th sample into the table.
+///
+/// # Errors
+/// What the file system says.
+pub fn write(
+    folder: &Path,
+    path: &Path,
+    log: &UniformLog,
+    batch: &Batch,
+    every: usize,
+) -> Result<(), Box<dyn Error>> {
+    write_json(&folder.join("estimate.json"), &json(batch))?;
+    write_csv(&folder.join("estimate.csv"), log, batch, every)?;
+    show::document(log, batch, path)?.write(&folder.join("report.html"))?;
+    Ok(())
+}
+
+fn estimated(estimate: Option<Estimated<f64>>, unit: &str) -> Value {
+    estimate.map_or(Value::Null, |estimate| {
+        json!({
+            "value": number(estimate.value),
+            "std_error": number(estimate.std_error),
+            "unit": unit,
+        })
+    })
+}
+
+fn parameters(parameters: &[Parameter]) -> Value {
+    let entries = parameters.iter().map(|parameter| {
+        (
+            parameter.name.clone(),
+            estimated(parameter.estimate, parameter.unit),
+        )
+    });
+    Value::Object(entries.collect::<Map<String, Value>>())
+}
+
+fn modulus(modulus: &Modulus) -> Value {
+    json!({
+        "value": number(modulus.value.value),
+        "std_error": number(modulus.value.std_error),
+        "unit": "Pa",
+        "relaxed": modulus.relaxed_pa.map(number),
+        "indenter": modulus.indenter,
+        "poisson": number(modulus.poisson),
+        "exponent_assumed": number(modulus.exponent_assumed),
+        "force_rmse_n": number(modulus.force_rmse_n),
+    })
+}
+
+/// The content of `estimate.json`.
+pub(super) fn json(batch: &Batch) -> Value {
+    let touches = batch.touches.iter().map(|touch| {
+        json!({
+            "from_s": seconds(touch.from_s),
+            "to_s": seconds(touch.to_s),
+            "peak_force_n": number(touch.peak_force_n),
+            "peak_depth_m": number(touch.peak_depth_m),
+        })
+    });
+    let per_touch = batch.per_touch.iter().map(|touch| {
+        json!({
+            "from_s": seconds(touch.from_s),
+            "to_s": seconds(touch.to_s),
+            "parameters": parameters(&touch.parameters),
+            "block_rmse_n": number(touch.block_rmse_n),
+        })
+    });
+    let selection = batch.selection.iter().map(|tried| {
+        json!({
+            "law": tried.family.name(),
+            "modes": tried.family.modes(),
+            "parameters": tried.parameters,
+            "force_rmse_n": number(tried.force_rmse_n),
+            "score": number(tried.score),
+        })
+    });
+    let ends = batch.touches.first().zip(batch.touches.last());
+    let segments = ends.map(|(first, last)| {
+        json!({
+            "from_s": seconds(first.from_s),
+            "to_s": seconds(last.to_s),
+            "parameters": parameters(&batch.parameters),
+        })
+    });
+    json!({
+        "law": batch.family.name(),
+        "method": "batch",
+        "reference_depth_m": number(batch.reference_depth_m),
+        "status": batch.status.name(),
+        "parameters": parameters(&batch.parameters),
+        "force_rmse_n": batch.force_rmse_n.map(number),
+        "force_noise_n": number(batch.noise_n),
+        "force_offset": estimated(batch.offset, "N"),
+        "force_skew": estimated(batch.skew, "s"),
+        "misfit": number(batch.misfit),
+        // Nothing settles where everything is seen at once.
+        "settled_at_s": Value::Null,
+        "segments": segments.into_iter().collect::<Vec<_>>(),
+        "touches": touches.collect::<Vec<_>>(),
+        "per_touch": per_touch.collect::<Vec<_>>(),
+        "youngs_modulus": batch.modulus.as_ref().map(modulus),
+        "events": batch.events.iter().map(event).collect::<Vec<_>>(),
+        "selection": selection.collect::<Vec<_>>(),
+        "notes": batch.notes,
+    })
+}
+
+fn event(event: &crate::report::estimate::EventMark) -> Value {
+    let at = seconds(event.time_s);
+    match &event.kind {
+        EventKind::Estimator(kind) => json!({ "t_s": at, "kind": kind.name() }),
+        EventKind::Fault { code, .. } => json!({ "t_s": at, "kind": "fault", "code": code }),
+    }
+}
+
+/// A row for every `every`-th sample: what was measured, what the law says, and whether it was
+/// fitted to.
+fn write_csv(path: &Path, log: &UniformLog, batch: &Batch, every: usize) -> io::Result<()> {
+    let columns = &batch.columns;
+    write_atomically(path, |writer| {
+        let mut table = csv::Writer::from_writer(writer);
+        table.write_record([
+            "t_s",
+            "depth_m",
+            "speed_mps",
+            "force_n",
+            "prediction_n",
+            "fitted",
+        ])?;
+        for at in (0..columns.depth_m.len()).step_by(every) {
+            let predicted = columns.estimated_n[at];
+            table.write_record([
+                format!("{:.6}", log.time_s[at]),
+                format!("{:.6e}", columns.depth_m[at]),
+                format!("{:.4e}", columns.speed_mps[at]),
+                format!("{:.6e}", columns.measured_n[at]),
+                if predicted.is_nan() {
+                    String::new()
+                } else {
+                    format!("{predicted:.6e}")
+                },
+                u8::from(columns.used[at]).to_string(),
+            ])?;
+        }
+        table.flush()
+    })
+}

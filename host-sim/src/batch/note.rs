@@ -1,0 +1,143 @@
+//! What a reader of a batch fit must know: what was left out, what was assumed, what does not fit.
+
+use estimator_core::estimate::Event;
+
+use super::course::Course;
+use super::result::Batch;
+use super::{EXPLAINED, Options};
+use crate::inspect::suspicions;
+use crate::log::UniformLog;
+use crate::report::estimate::{EventKind, EventMark, law_title};
+use crate::report::number::quantity;
+
+/// Fewer measurements than this are no free air.
+const FEWEST_FREE: f64 = 10.0;
+
+/// Whether an event is the recursion's opinion about the material.
+pub(super) fn is_material_change(event: &EventMark) -> bool {
+    event.kind == EventKind::Estimator(Event::MaterialChange)
+}
+
+/// Of a log in which nothing is touched.
+pub(super) fn nothing(log: &UniformLog, batch: &Batch) -> Vec<String> {
+    let mut notes = suspicions(log);
+    notes.push(format!(
+        "no contact: the force never rose out of what it does in free air (its noise is {} rms)",
+        quantity(batch.noise_n, 2, "N")
+    ));
+    notes
+}
+
+/// Of a fit.
+pub(super) fn notes(
+    log: &UniformLog,
+    course: &Course,
+    batch: &Batch,
+    options: &Options,
+) -> Vec<String> {
+    let mut notes = suspicions(log);
+    notes.extend(left_out(log, course));
+    notes.extend(offset(course));
+    notes.extend(misfit(batch));
+    notes.extend(damping(batch));
+    notes.extend(skew(log, batch));
+    notes.extend(adhesion(batch));
+    notes.extend(surface(batch, options));
+    notes.extend(modulus(batch));
+    if let Some(limit) = batch.inspection.saturated_n {
+        notes.push(format!(
+            "the force stands still at its largest value, {}: the channel saturates there",
+            quantity(limit, 4, "N")
+        ));
+    }
+    notes
+}
+
+fn left_out(log: &UniformLog, course: &Course) -> Option<String> {
+    let (out, all) = course.left_out(log);
+    (out > 0).then(|| {
+        format!(
+            "{:.1} % of the samples in contact were left out: on the way out, from where the force \
+             has fallen to 3 % of the touch's peak, a surface that sticks or recovers slowly does \
+             what no law here says",
+            100.0 * out as f64 / all as f64
+        )
+    })
+}
+
+fn offset(course: &Course) -> Option<String> {
+    (course.free() < FEWEST_FREE).then(|| {
+        "no free air: the resting force was fitted with the parameters, and their standard errors \
+         include it"
+            .into()
+    })
+}
+
+fn misfit(batch: &Batch) -> Option<String> {
+    let rmse = batch.force_rmse_n?;
+    let multiple = rmse / batch.noise_n;
+    (multiple > EXPLAINED).then(|| {
+        format!(
+            "{} leaves {} rms, {multiple:.1} times the noise: it does not explain this force within \
+             its noise, and its parameters describe it on average",
+            law_title(batch.family.name()),
+            quantity(rmse, 3, "N"),
+        )
+    })
+}
+
+fn damping(batch: &Batch) -> Option<String> {
+    let damping = batch.value("damping")?;
+    (damping.value < -3.0 * damping.std_error).then(|| {
+        "the damping is negative: the force runs ahead of the position; a delay between the two \
+         channels looks like that"
+            .into()
+    })
+}
+
+fn skew(log: &UniformLog, batch: &Batch) -> Option<String> {
+    let skew = batch.skew?;
+    let late = skew.value.abs();
+    (late > 4.0 * skew.std_error && late > 0.1 * log.period_s()).then(|| {
+        format!(
+            "the force is {} {} than the position; the damping would carry that otherwise",
+            quantity(late, 3, "s"),
+            if skew.value > 0.0 { "later" } else { "earlier" }
+        )
+    })
+}
+
+fn adhesion(batch: &Batch) -> Option<String> {
+    (batch.inspection.pull_n > 0.0).then(|| {
+        format!(
+            "the force falls to {} below rest: adhesion (or a resting force that moves), which the \
+             law does not have",
+            quantity(batch.inspection.pull_n, 3, "N")
+        )
+    })
+}
+
+fn surface(batch: &Batch, options: &Options) -> Option<String> {
+    let surface = batch.value("surface")?;
+    (options.surface_m.is_none()).then(|| {
+        format!(
+            "the surface was fitted, at {} ± {}: the standard errors of the other parameters include \
+             what that leaves open",
+            quantity(surface.value, 5, "m"),
+            quantity(surface.std_error, 2, "m")
+        )
+    })
+}
+
+fn modulus(batch: &Batch) -> Option<String> {
+    let modulus = batch.modulus.as_ref()?;
+    let (own, with) = (batch.force_rmse_n?, modulus.force_rmse_n);
+    let fitted = batch.value("exponent").map_or(1.0, |n| n.value);
+    Some(format!(
+        "Young's modulus takes the exponent of the indenter, {}, where the fit has {fitted:.3}: the \
+         force then leaves {} rms instead of {}",
+        modulus.exponent_assumed,
+        quantity(with, 3, "N"),
+        quantity(own, 3, "N")
+    ))
+}

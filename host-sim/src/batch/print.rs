@@ -1,0 +1,101 @@
+//! A batch fit on the terminal.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::result::{Batch, Tried};
+use crate::log::UniformLog;
+use crate::report::number::{Measured, counted, quantity};
+use crate::wrap::wrapped;
+
+/// A dozen lines: the log, the parameters, the fit, the laws, the notes.
+pub fn summary(path: &Path, log: &UniformLog, batch: &Batch) -> String {
+    let mut text = String::new();
+    // Writing into a String cannot fail.
+    let _ = write_summary(&mut text, path, log, batch);
+    text
+}
+
+fn write_summary(
+    text: &mut String,
+    path: &Path,
+    log: &UniformLog,
+    batch: &Batch,
+) -> std::fmt::Result {
+    let seconds = log.len() as f64 * log.period_s();
+    writeln!(
+        text,
+        "{}: {seconds:.2} s at {} Hz, {}",
+        path.display(),
+        log.rate_hz,
+        counted(batch.touches.len(), "touch")
+    )?;
+    writeln!(
+        text,
+        "{} (batch): {}",
+        batch.family.name(),
+        batch.status.name()
+    )?;
+    let longest = batch
+        .parameters
+        .iter()
+        .map(|parameter| parameter.name.len());
+    let width = longest.max().unwrap_or(0).max(10);
+    for parameter in &batch.parameters {
+        match parameter.estimate {
+            Some(estimate) => {
+                let error = Some(estimate.std_error);
+                let measured = Measured::new(estimate.value, error, parameter.unit);
+                writeln!(text, "  {:<width$} {measured}", parameter.name)?;
+            }
+            None => writeln!(text, "  {:<width$} not observable", parameter.name)?,
+        }
+    }
+    if let Some(modulus) = &batch.modulus {
+        let (value, error) = (modulus.value.value, Some(modulus.value.std_error));
+        let measured = Measured::new(value, error, "Pa");
+        writeln!(
+            text,
+            "Young's modulus {measured} ({}, Poisson's ratio {})",
+            modulus.indenter, modulus.poisson
+        )?;
+    }
+    if let Some(rmse) = batch.force_rmse_n {
+        writeln!(
+            text,
+            "force RMSE in contact {}, {} times the noise of {}",
+            quantity(rmse, 3, "N"),
+            quantity(rmse / batch.noise_n, 3, "1").trim_end(),
+            quantity(batch.noise_n, 3, "N")
+        )?;
+    }
+    if batch.selection.len() > 1 {
+        writeln!(text, "{}", wrapped("", &tried(&batch.selection)))?;
+    }
+    for note in &batch.notes {
+        writeln!(text, "{}", wrapped("note: ", note))?;
+    }
+    Ok(())
+}
+
+/// A law's name, with the number of its modes if it has a choice.
+pub(super) fn name(tried: &Tried) -> String {
+    match tried.family {
+        super::Family::QuasiLinear(modes) => {
+            format!("{} with {}", tried.family.name(), counted(modes, "mode"))
+        }
+        family => family.name().into(),
+    }
+}
+
+/// The laws that were compared, and what each leaves.
+fn tried(selection: &[Tried]) -> String {
+    let laws = selection.iter().map(|tried| {
+        format!(
+            "{} leaves {}",
+            name(tried),
+            quantity(tried.force_rmse_n, 3, "N")
+        )
+    });
+    format!("laws tried: {}", laws.collect::<Vec<_>>().join("; "))
+}

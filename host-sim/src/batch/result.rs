@@ -1,0 +1,127 @@
+//! What a batch fit comes to: the numbers of `estimate.json`.
+
+use estimator_core::Status;
+use estimator_core::estimate::Estimated;
+
+use super::family::Family;
+use crate::inspect::Inspection;
+use crate::report::estimate::{EventMark, Touch};
+
+/// A parameter of the law.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// As in files: `stiffness`.
+    pub name: String,
+    /// Without prefix: `N/m`, `1`.
+    pub unit: &'static str,
+    /// `None` if the log does not tell it.
+    pub estimate: Option<Estimated<f64>>,
+}
+
+/// A law that was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// The law, with its modes.
+    pub family: Family,
+    /// Free numbers: the law's parameters and the force offset.
+    pub parameters: usize,
+    /// Raw force against it where it was fitted (N rms).
+    pub force_rmse_n: f64,
+    /// BIC over that of the best.
+    pub score: f64,
+}
+
+/// One touch by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TouchFit {
+    /// From (s).
+    pub from_s: f64,
+    /// To (s).
+    pub to_s: f64,
+    /// Stiffness, damping and exponent, as far as the law has them, with the log's own surface.
+    pub parameters: Vec<Parameter>,
+    /// Block means of the force against the law with these (N rms): below the noise of single
+    /// samples where the law fits.
+    pub block_rmse_n: f64,
+}
+
+/// Young's modulus of a given indenter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modulus {
+    /// E (Pa), of the material before it relaxes.
+    pub value: Estimated<f64>,
+    /// E (Pa) after it has relaxed, if the law relaxes.
+    pub relaxed_pa: Option<f64>,
+    /// The indenter as it was given.
+    pub indenter: String,
+    /// ν
+    pub poisson: f64,
+    /// n that the indenter stands for.
+    pub exponent_assumed: f64,
+    /// Raw force against the law with this exponent (N rms).
+    pub force_rmse_n: f64,
+}
+
+/// A fit of a whole log.
+#[derive(Clone, Debug)]
+pub struct Batch {
+    /// The law that was taken.
+    pub family: Family,
+    /// How far the parameters can be trusted.
+    pub status: Status,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// Force in free air (N).
+    pub offset: Option<Estimated<f64>>,
+    /// How late the force is (s) against the position, where the law can tell: Hunt–Crossley.
+    pub skew: Option<Estimated<f64>>,
+    /// δ₀ (m)
+    pub reference_depth_m: f64,
+    /// Raw force against the law over the samples that were fitted, in contact (N rms).
+    pub force_rmse_n: Option<f64>,
+    /// Standard deviation of the raw force (N).
+    pub noise_n: f64,
+    /// √(χ²/(N − p)) over the noise and what no candidate explains.
+    pub misfit: f64,
+    /// The laws that were tried.
+    pub selection: Vec<Tried>,
+    /// Each touch by itself.
+    pub per_touch: Vec<TouchFit>,
+    /// Young's modulus, if the indenter is known.
+    pub modulus: Option<Modulus>,
+    /// All touches.
+    pub touches: Vec<Touch>,
+    /// All events.
+    pub events: Vec<EventMark>,
+    /// What is in the log.
+    pub inspection: Inspection,
+    /// What a reader must know, a sentence each.
+    pub notes: Vec<String>,
+    /// Columns, a value a sample of the log.
+    pub columns: Columns,
+    /// Depth (m) and elastic force (N): before anything relaxes.
+    pub elastic: (Vec<f64>, Vec<f64>),
+}
+
+/// Columns of `estimate.csv` and of the figures.
+#[derive(Clone, Debug, Default)]
+pub struct Columns {
+    /// Penetration (m).
+    pub depth_m: Vec<f64>,
+    /// Its rate (m/s).
+    pub speed_mps: Vec<f64>,
+    /// Raw force without the offset (N).
+    pub measured_n: Vec<f64>,
+    /// Force of the law without the offset (N); NaN in free air.
+    pub estimated_n: Vec<f64>,
+    /// Whether the fit has seen the sample.
+    pub used: Vec<bool>,
+}
+
+impl Batch {
+    /// The parameter of that name.
+    pub fn value(&self, name: &str) -> Option<Estimated<f64>> {
+        let mut own = self.parameters.iter();
+        own.find(|parameter| parameter.name == name)?.estimate
+    }
+}

@@ -1,0 +1,338 @@
+//! Which law: every candidate is fitted to the whole course, and the one with the smallest Bayesian
+//! information criterion is taken.
+//!
+//! BIC = M·ln(χ²/N) + p·ln M. M is the number of *independent* residuals, N over the correlation
+//! time that the best candidate leaves: with N itself the long holds of a measured record would buy a
+//! mode for every wiggle. Modes of the quasi-linear law are chosen by the same score.
+//!
+//! **Weights.** A block mean of m samples has the variance σ²/m of the noise; that of the position,
+//! ξ², times the local stiffness k squared, over m/h, if h samples in a row have the same error (a
+//! hold on one count of an encoder does not average it); and the variance s² of what even the best
+//! candidate misses, which no mean removes: w = 1/((σ² + k²ξ²h)/m + s²). Where a law fits, s = 0 and
+//! every sample counts; where none fits, a block counts as one however long, and a hold weighs by
+//! its logarithm: 15 s at 5 kHz do not drown the approach. k and s are those of the best candidate of
+//! a first round with σ alone; s makes χ² = N there. The second round is the result.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::course::{Course, Node, Scales, Use};
+use super::error::correlation;
+use super::family::{Family, SURFACE, natural};
+use super::fit::{Fit, Problem};
+use super::start::{Given, Starts, scan};
+
+/// A block on the surface within so many samples' travel may be on either side of it.
+const STRADDLE: f64 = 1.0;
+/// The first round ends where a step promises less than this of χ²; the second where it promises
+/// nothing any more.
+const ROUGH: f64 = 1e-2;
+const STILL: f64 = 1e-6;
+/// A mode of two numbers must gain this times ln N of χ².
+const WORTH: f64 = 2.0;
+/// A mode that is added to a fit begins with this share of what does not relax.
+const SMALL_MODE: f64 = 0.03;
+
+/// A law that was fitted.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    /// Its minimum.
+    pub(super) fit: Fit,
+    /// Weights of the nodes.
+    pub(super) weights: Vec<f64>,
+    /// BIC, less that of the best candidate.
+    pub(super) score: f64,
+}
+
+/// What is fixed in advance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Fixed {
+    /// Free number of the surface.
+    pub(super) surface: Option<f64>,
+    /// n
+    pub(super) exponent: Option<f64>,
+}
+
+impl Fixed {
+    /// The numbers that stay, of a family.
+    pub(super) fn of(&self, family: Family) -> Vec<usize> {
+        let surface = self.surface.map(|_| SURFACE);
+        let exponent = self.exponent.and(family.exponent());
+        surface.into_iter().chain(exponent).collect()
+    }
+}
+
+/// Fits every family, in their order; those without a minimum, and modes that nothing asks for, are
+/// left out.
+pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> Vec<Candidate> {
+    let (nodes, scales) = (&course.nodes, &course.scales);
+    let noise_only: Vec<f64> = nodes
+        .iter()
+        .map(|node| weight(node, scales, 0.0, 0.0))
+        .collect();
+    let given = Given {
+        surface: fixed.surface,
+        exponent: fixed.exponent,
+    };
+    let starts = scan(families, nodes, &noise_only, scales, given);
+    let round = Round {
+        course,
+        weights: &noise_only,
+        fixed,
+        still: ROUGH,
+    };
+    let (chain, alone): (Vec<Family>, Vec<Family>) = families
+        .iter()
+        .partition(|family| matches!(family, Family::QuasiLinear(_)));
+    // The chain takes longest, so it is begun first.
+    let mut tasks = vec![chain];
+    tasks.extend(alone.into_iter().map(|family| vec![family]));
+    let first = in_parallel(&tasks, |task| round.chain(task, &starts)).concat();
+    let weights = second_weights(course, &first);
+    let round = Round {
+        weights: &weights,
+        still: STILL,
+        ..round
+    };
+    let second = in_parallel(&first, |candidate| {
+        round.fit(candidate.fit.family, [candidate.fit.free.clone()])
+    });
+    let mut second: Vec<Candidate> = second.into_iter().flatten().collect();
+    let place = |candidate: &Candidate| families.iter().position(|f| *f == candidate.fit.family);
+    second.sort_by_key(place);
+    scored(course, second)
+}
+
+/// 1/((σ² + k²ξ²h)/m + s²) for what is used: slope k (N/m), s² in N².
+fn weight(node: &Node, scales: &Scales, slope: f64, missed_n2: f64) -> f64 {
+    if node.used == Use::Out || node.count == 0.0 {
+        return 0.0;
+    }
+    let by_position = (slope * scales.position_noise_m).powi(2) * node.held;
+    1.0 / ((scales.noise_n.powi(2) + by_position) / node.count + missed_n2)
+}
+
+/// Runs `work` on each task on all cores; results in the order of the tasks.
+fn in_parallel<A: Sync, T: Send>(tasks: &[A], work: impl Fn(&A) -> T + Sync) -> Vec<T> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..cores.min(tasks.len()) {
+            scope.spawn(|| {
+                while let Some((index, task)) = {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    tasks.get(index).map(|task| (index, task))
+                } {
+                    let result = work(task);
+                    // Only a panic of another thread poisons it, and that ends the scope.
+                    if let Ok(mut done) = done.lock() {
+                        done.push((index, result));
+                    }
+                }
+            });
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_default();
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Fits with one set of weights.
+#[derive(Clone, Copy)]
+struct Round<'a> {
+    course: &'a Course,
+    weights: &'a [f64],
+    fixed: Fixed,
+    still: f64,
+}
+
+impl Round<'_> {
+    /// One family after another, each also from the one before with a mode more; until a mode brings
+    /// less than its two numbers are worth.
+    fn chain(&self, families: &[Family], starts: &Starts) -> Vec<Candidate> {
+        let mut chain: Vec<Candidate> = Vec::new();
+        for family in families {
+            let last = chain.last().map(|candidate| &candidate.fit);
+            let nested = last.map(|fit| one_mode_more(&fit.free, fit.family));
+            let nested = nested.filter(|free| free.len() == family.free());
+            let Some(candidate) = self.fit(*family, starts.of(*family).chain(nested)) else {
+                continue;
+            };
+            let before = last.map_or(f64::INFINITY, |fit| fit.cost);
+            let gained = before - candidate.fit.cost;
+            let worth = WORTH * (self.course.nodes.len() as f64).ln();
+            chain.push(candidate);
+            if gained < worth {
+                break;
+            }
+        }
+        chain
+    }
+
+    /// The best minimum from several starts; Kelvin–Voigt twice, the second time without the samples
+    /// on the surface.
+    fn fit(&self, family: Family, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Candidate> {
+        let stay = self.fixed.of(family);
+        let problem = Problem {
+            family,
+            nodes: &self.course.nodes,
+            weights: self.weights,
+            scales: &self.course.scales,
+            fixed: &stay,
+        };
+        let fits = starts
+            .into_iter()
+            .map(|start| problem.fit_to(start, self.still));
+        let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let mut candidate = Candidate {
+            fit: best,
+            weights: self.weights.to_vec(),
+            score: 0.0,
+        };
+        if family == Family::KelvinVoigt {
+            mask_surface(&mut candidate.weights, self.course, &candidate.fit);
+            let masked = Problem {
+                weights: &candidate.weights,
+                ..problem
+            };
+            candidate.fit = masked.fit_to(candidate.fit.free, self.still);
+        }
+        Some(candidate)
+    }
+}
+
+/// The free numbers with a small mode in the widest gap between the rates.
+fn one_mode_more(free: &[f64], family: Family) -> Vec<f64> {
+    let mut rates: Vec<f64> = free[family.first_mode()..]
+        .chunks(2)
+        .map(|m| m[1])
+        .collect();
+    rates.sort_unstable_by(f64::total_cmp);
+    // Half a decade beyond either end counts as a gap of its own.
+    let slower = (1.2, rates[0] - 1.2);
+    let gaps = rates
+        .windows(2)
+        .map(|pair| (0.5 * (pair[1] - pair[0]), 0.5 * (pair[0] + pair[1])));
+    let widest = gaps.chain([slower]).max_by(|a, b| a.0.total_cmp(&b.0));
+    let rate = widest.map_or(rates[0], |(_, rate)| rate);
+    [free, &[SMALL_MODE.ln(), rate]].concat()
+}
+
+/// At the surface the force of (1) jumps by λδ̇: on which side a sample is, its rounding decides.
+fn mask_surface(weights: &mut [f64], course: &Course, fit: &Fit) {
+    let scales = &course.scales;
+    let surface_m = natural(fit.family, &fit.free, scales).surface_m;
+    for (weight, node) in weights.iter_mut().zip(&course.nodes) {
+        let travel_m = STRADDLE * node.speed_mps.abs() * scales.period_s;
+        if (node.position_m - surface_m).abs() <= travel_m + 2.0 * scales.position_noise_m {
+            *weight = 0.0;
+        }
+    }
+}
+
+/// The weights of the second round, from the best candidate of the first.
+fn second_weights(course: &Course, candidates: &[Candidate]) -> Vec<f64> {
+    let best = candidates
+        .iter()
+        .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+    let Some(best) = best else { return Vec::new() };
+    let scales = &course.scales;
+    let force = |shift_m: f64| {
+        let mut law = natural(best.fit.family, &best.fit.free, scales);
+        law.surface_m -= shift_m;
+        let mut forces = Vec::with_capacity(course.nodes.len());
+        law.along(best.fit.family, &course.nodes, |_, force| {
+            forces.push(force)
+        });
+        forces
+    };
+    let shift_m = 1e-3 * scales.depth_m;
+    let moved = force(shift_m).into_iter().zip(force(-shift_m));
+    let slopes: Vec<f64> = moved.map(|(a, b)| (a - b) / (2.0 * shift_m)).collect();
+    let errors: Vec<f64> = force(0.0)
+        .into_iter()
+        .zip(&course.nodes)
+        .map(|(force, node)| node.force_n - force)
+        .collect();
+    let weights = |missed_n2: f64| {
+        let nodes = course.nodes.iter().zip(&slopes);
+        nodes
+            .map(|(node, slope)| weight(node, scales, *slope, missed_n2))
+            .collect::<Vec<f64>>()
+    };
+    let chi_2 = |missed_n2: f64| {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (weight, error) in weights(missed_n2).iter().zip(&errors) {
+            sum += weight * error * error;
+            count += f64::from(u8::from(*weight > 0.0));
+        }
+        (sum / f64::max(count, 1.0), count)
+    };
+    weights(missed_n2(chi_2, scales.noise_n.powi(2)))
+}
+
+/// s² (N²) with which the mean of χ² is 1; 0 if the noise alone explains it.
+fn missed_n2(chi_2: impl Fn(f64) -> (f64, f64), noise_n2: f64) -> f64 {
+    let (mean, count) = chi_2(0.0);
+    // χ²/N of pure noise scatters by √(2/N).
+    if mean < 1.0 + 3.0 * (2.0 / f64::max(count, 1.0)).sqrt() {
+        return 0.0;
+    }
+    let (mut low, mut high) = (1e-6 * noise_n2, noise_n2);
+    while chi_2(high).0 > 1.0 {
+        high *= 4.0;
+    }
+    for _ in 0..30 {
+        let middle = (low * high).sqrt();
+        if chi_2(middle).0 > 1.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// The scores, over the nodes that all candidates see.
+fn scored(course: &Course, mut candidates: Vec<Candidate>) -> Vec<Candidate> {
+    let mut common = match candidates.first() {
+        Some(first) => first.weights.clone(),
+        None => return candidates,
+    };
+    for candidate in &candidates {
+        for (weight, other) in common.iter_mut().zip(&candidate.weights) {
+            *weight = weight.min(*other);
+        }
+    }
+    let residuals = |candidate: &Candidate| {
+        let problem = Problem {
+            family: candidate.fit.family,
+            nodes: &course.nodes,
+            weights: &common,
+            scales: &course.scales,
+            fixed: &[],
+        };
+        problem.residuals(&candidate.fit.free)
+    };
+    let all: Vec<Vec<f64>> = candidates.iter().map(residuals).collect();
+    let chi_2: Vec<f64> = all.iter().map(|r| r.iter().map(|r| r * r).sum()).collect();
+    let best = (0..chi_2.len()).min_by(|a, b| chi_2[*a].total_cmp(&chi_2[*b]));
+    let Some(best) = best else { return candidates };
+    let count = all[best].len() as f64;
+    // Twice as many independent residuals as parameters at least.
+    let independent =
+        (count / correlation(&all[best])).max(2.0 * candidates[best].fit.free.len() as f64);
+    for (candidate, chi_2) in candidates.iter_mut().zip(&chi_2) {
+        let parameters = candidate.fit.free.len() as f64;
+        candidate.score = independent * (chi_2 / count).ln() + parameters * independent.ln();
+    }
+    let least = candidates
+        .iter()
+        .map(|c| c.score)
+        .fold(f64::INFINITY, f64::min);
+    for candidate in &mut candidates {
+        candidate.score -= least;
+    }
+    candidates
+}
