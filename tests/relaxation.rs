@@ -292,6 +292,16 @@ fn the_law_that_relaxes_is_chosen_where_the_material_does_and_only_there() {
 }
 
 #[test]
+fn strokes_that_follow_each_other_mislead_the_cascade_and_it_says_so() {
+    // The second stroke presses into a material that has not recovered: F < F⁽ᵉ⁾ from its start.
+    let mut law = POLYURETHANE;
+    law.modes[0].rate_per_s = 1.0;
+    let run = palpated(Law::QuasiLinear(law), SEED);
+    let estimation = estimated(&run, Method::HammersteinCascade);
+    assert_eq!(estimation.outcome.status, Status::ModelSuspect);
+}
+
+#[test]
 fn two_modes_are_told_apart_roughly_and_the_errors_say_so() {
     // 1/s and 0.05/s, 20 % each.
     let mut law = POLYURETHANE;
