@@ -1,6 +1,7 @@
 //! The firmware in QEMU against the host. `cargo xtask test` builds what this needs and says where
 //! it is.
 
+use estimator_core::estimate::PARAMETER_SLOTS;
 use estimator_core::frame::Frame;
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
 use std::ops::RangeInclusive;
@@ -205,38 +206,35 @@ fn estimate_fields(estimate: &Estimate<f32>) -> Vec<Field> {
         ("test_ratio", bits(innovation.test_ratio)),
         ("forgetting", bits(estimate.forgetting)),
     ];
+    macro_rules! parameter {
+        ($slot:literal) => {
+            [
+                concat!("parameter ", $slot, " observable"),
+                concat!("parameter ", $slot),
+                concat!("parameter ", $slot, " std_error"),
+            ]
+        };
+    }
+    let names: [[&str; 3]; PARAMETER_SLOTS] = [
+        parameter!(0),
+        parameter!(1),
+        parameter!(2),
+        parameter!(3),
+        parameter!(4),
+        parameter!(5),
+        parameter!(6),
+        parameter!(7),
+        parameter!(8),
+        parameter!(9),
+        parameter!(10),
+        parameter!(11),
+    ];
     for (slot, parameter) in estimate.parameters.iter().enumerate() {
-        const NAMES: [[&str; 3]; 5] = [
-            [
-                "parameter 0 observable",
-                "parameter 0",
-                "parameter 0 std_error",
-            ],
-            [
-                "parameter 1 observable",
-                "parameter 1",
-                "parameter 1 std_error",
-            ],
-            [
-                "parameter 2 observable",
-                "parameter 2",
-                "parameter 2 std_error",
-            ],
-            [
-                "parameter 3 observable",
-                "parameter 3",
-                "parameter 3 std_error",
-            ],
-            [
-                "parameter 4 observable",
-                "parameter 4",
-                "parameter 4 std_error",
-            ],
-        ];
         let known = parameter.unwrap_or_default();
-        fields.push((NAMES[slot][0], u64::from(parameter.is_some())));
-        fields.push((NAMES[slot][1], bits(known.value)));
-        fields.push((NAMES[slot][2], bits(known.std_error)));
+        let [observable, value, std_error] = names[slot];
+        fields.push((observable, u64::from(parameter.is_some())));
+        fields.push((value, bits(known.value)));
+        fields.push((std_error, bits(known.std_error)));
     }
     fields.push(("status", u64::from(estimate.status.code())));
     fields
