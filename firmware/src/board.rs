@@ -103,7 +103,7 @@ pub enum Acquired {
 /// One instant as the hardware gave it.
 #[derive(Clone, Copy)]
 pub struct RawSample {
-    /// Time since start [µs].
+    /// Time since start (µs).
     pub time_us: u64,
     /// The encoder.
     pub position: Reading,

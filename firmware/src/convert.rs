@@ -11,10 +11,10 @@ pub mod wiring {
     /// 12 bits become 17 codes' worth, and noise drops by √32.
     pub const OVERSAMPLING: u16 = 32;
 
-    /// Position [m] per code: a 1 µm linear encoder (four edges counted), summed like the force.
+    /// Position (m) per code: a 1 µm linear encoder (four edges counted), summed like the force.
     pub const POSITION_M_PER_CODE: f32 = 1e-6 / OVERSAMPLING as f32;
 
-    /// Force [N] per code: ±50 N on an amplifier with 0…3.3 V around 1.65 V, 4096 codes at 12 bit.
+    /// Force (N) per code: ±50 N on an amplifier with 0…3.3 V around 1.65 V, 4096 codes at 12 bit.
     /// Positive pushes the probe out.
     pub const FORCE_N_PER_CODE: f32 = 100.0 / 4096.0 / OVERSAMPLING as f32;
 

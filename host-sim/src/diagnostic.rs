@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 use crate::wrap::wrapped;
 
-/// Widest excerpt [characters]: with its margin it fits a terminal of 80 columns.
+/// Widest excerpt (characters): with its margin it fits a terminal of 80 columns.
 const EXCERPT_WIDTH: usize = 74;
 
 /// Longest list of names in one note [names, characters]: three lines; a log may have hundreds of

@@ -73,7 +73,7 @@ pub struct EstimateArgs {
 /// How logs of other machines are read.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ReadingArgs {
-    /// Other column names, signs and units: "t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz".
+    /// Other column names, signs and units: `t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz`.
     #[arg(long, value_name = "MAP", value_parser = column_map)]
     pub columns: Option<ColumnMap>,
     /// Leave rows with missing or non-finite values out instead of stopping at the first.

@@ -30,11 +30,11 @@ pub const FEWEST_SAMPLES: usize = 10;
 pub struct Log {
     /// Where it came from.
     pub path: PathBuf,
-    /// Time [s].
+    /// Time (s).
     pub time_s: Vec<f64>,
-    /// Position [m], growing into the material.
+    /// Position (m), growing into the material.
     pub position_m: Vec<f64>,
-    /// Force [N], positive when it pushes the probe out.
+    /// Force (N), positive when it pushes the probe out.
     pub force_n: Vec<f64>,
     /// The further columns of numbers, in the order of the file.
     pub extra: Vec<ExtraColumn>,
@@ -101,7 +101,7 @@ impl Log {
         self.time_s.is_empty()
     }
 
-    /// From the first sample to the last [s].
+    /// From the first sample to the last (s).
     pub fn duration_s(&self) -> f64 {
         match (self.time_s.first(), self.time_s.last()) {
             (Some(first), Some(last)) => last - first,

@@ -22,13 +22,13 @@ struct Piece {
     from_s: f64,
     seconds: f64,
     segment: Segment,
-    /// Where the segment before ended [m].
+    /// Where the segment before ended (m).
     origin_m: f64,
     joint: Joint,
 }
 
 impl Motion {
-    /// A motion that begins at rest at `start_m` [m].
+    /// A motion that begins at rest at `start_m` (m).
     ///
     /// # Errors
     /// No segment, or one that lasts no time or forever, is too fast for its frequency to mean
@@ -67,7 +67,7 @@ impl Motion {
         motion
     }
 
-    /// The built-in palpation of a surface at 0 m down to `peak_depth_m` [m], 8.6 s: rest in free
+    /// The built-in palpation of a surface at 0 m down to `peak_depth_m` (m), 8.6 s: rest in free
     /// air (0.6 s, for the noise), approach, sine touches at 1 and 2 Hz that leave the surface each
     /// time, a ramp to 80 % of the depth, a hold of 1 s, back, rest in free air.
     ///
@@ -97,7 +97,7 @@ impl Motion {
         Motion::joined(depth_m(-0.5), segments)
     }
 
-    /// The motion for a surface at `surface_m` [m] instead of 0.
+    /// The motion for a surface at `surface_m` (m) instead of 0.
     pub fn shifted(&self, surface_m: f64) -> Motion {
         let segments = self
             .pieces
@@ -115,12 +115,12 @@ impl Motion {
         )
     }
 
-    /// How long it lasts [s].
+    /// How long it lasts (s).
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
-    /// Position [m] and velocity [m/s] at a time [s]; at rest before the beginning and after the end.
+    /// Position (m) and velocity (m/s) at a time (s); at rest before the beginning and after the end.
     pub fn position(&self, time_s: f64) -> (f64, f64) {
         let index = self.pieces.partition_point(|piece| piece.from_s <= time_s);
         let Some(piece) = index.checked_sub(1).map(|index| &self.pieces[index]) else {
@@ -133,7 +133,7 @@ impl Motion {
         piece.position(within_s.min(piece.seconds))
     }
 
-    /// The highest position [m], to a millisecond.
+    /// The highest position (m), to a millisecond.
     pub fn highest_m(&self) -> f64 {
         let milliseconds = (self.duration_s * 1e3).ceil() as u64;
         let positions = (0..=milliseconds).map(|ms| self.position(ms as f64 * 1e-3).0);
@@ -153,7 +153,7 @@ impl Piece {
 mod tests {
     use super::*;
 
-    /// The largest jump of position [m] and of velocity [m/s] beyond what a step of 10 µs explains.
+    /// The largest jump of position (m) and of velocity (m/s) beyond what a step of 10 µs explains.
     fn jumps(motion: &Motion) -> (f64, f64) {
         let steps = (motion.duration_s() * 1e5) as u32;
         let at = |step: u32| motion.position(f64::from(step) * 1e-5);

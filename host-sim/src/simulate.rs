@@ -11,10 +11,10 @@ use crate::motion::Motion;
 use crate::output::say;
 use crate::plant::{Contact, MODES, Rig, Run, Stage};
 
-/// Force at the deepest point of the built-in motion [N]: the chapter's touches reach 10 to 14 N.
+/// Force at the deepest point of the built-in motion (N): the chapter's touches reach 10 to 14 N.
 const PALPATION_FORCE_N: f64 = 10.0;
 
-/// Depth of the built-in motion where nothing pushes back [m]: the chapter's on gel.
+/// Depth of the built-in motion where nothing pushes back (m): the chapter's on gel.
 const FREE_DEPTH_M: f64 = 4.2e-3;
 
 /// Arguments of `palpate simulate`.

@@ -1,6 +1,6 @@
 //! Sentences that fit a terminal.
 
-/// Widest line [characters].
+/// Widest line (characters).
 pub const WIDTH: usize = 100;
 
 /// `lead` and `text`, broken between words into lines of at most [`WIDTH`] characters; further lines

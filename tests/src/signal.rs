@@ -5,11 +5,11 @@
 use estimator_core::Sample;
 use estimator_core::law::{ContactLaw, HuntCrossley, unilateral};
 
-/// The rate of the samples [Hz].
+/// The rate of the samples (Hz).
 pub const RATE_HZ: f64 = 1000.0;
-/// Free air at the start [s]: the estimator settles.
+/// Free air at the start (s): the estimator settles.
 const SETTLE_S: f64 = 1.0;
-/// Where a stroke starts and ends [m]: above the surface.
+/// Where a stroke starts and ends (m): above the surface.
 const REST_M: f64 = -0.5e-3;
 
 /// The chapter's materials: a soft gel, then a stiff plastic layer.
@@ -69,7 +69,7 @@ impl Stroke {
         }
     }
 
-    /// Position [m] and speed [m/s], `t` seconds into the stroke: 16u²(1−u)², highest at the middle.
+    /// Position (m) and speed (m/s), `t` seconds into the stroke: 16u²(1−u)², highest at the middle.
     fn at(&self, t: f64) -> (f64, f64) {
         let u = t / self.duration_s;
         let hump = u * (1.0 - u);

@@ -28,7 +28,7 @@ impl<T: Real, const N: usize> Default for Excitation<T, N> {
 
 impl<T: Real, const N: usize> Excitation<T, N> {
     /// Whether to learn from `phi`: it has moved by `step` of its largest component within the last
-    /// [`STAY_OPEN`] samples.
+    /// 64 samples.
     pub fn admits(&mut self, phi: &SVector<T, N>, step: T) -> bool {
         let mut moved = T::nil();
         let mut scale = T::nil();

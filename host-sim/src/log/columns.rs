@@ -7,11 +7,11 @@ use crate::diagnostic::{Diagnostic, listed, nearest};
 /// One of the three channels of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
-    /// Time [s].
+    /// Time (s).
     Time,
-    /// Position [m].
+    /// Position (m).
     Position,
-    /// Force [N].
+    /// Force (N).
     Force,
 }
 

@@ -11,7 +11,7 @@ use crate::signal;
 /// A log whose stamps deviate from an even grid by less than this many periods is even.
 const EVEN_PERIODS: f64 = 0.01;
 
-/// Largest grid [samples]: 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
+/// Largest grid (samples): 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
 const LARGEST_GRID: f64 = 5e7;
 
 /// A log with even spacing in time.
@@ -19,13 +19,13 @@ const LARGEST_GRID: f64 = 5e7;
 pub struct UniformLog {
     /// Where it came from; empty for a log that is in memory only.
     pub path: PathBuf,
-    /// Samples per second [Hz].
+    /// Samples per second (Hz).
     pub rate_hz: f64,
-    /// Time [s]: the log's own stamps if nothing was interpolated.
+    /// Time (s): the log's own stamps if nothing was interpolated.
     pub time_s: Vec<f64>,
-    /// Position [m].
+    /// Position (m).
     pub position_m: Vec<f64>,
-    /// Force [N].
+    /// Force (N).
     pub force_n: Vec<f64>,
     /// Whether the sample was invented between samples more than 1.5 median periods apart.
     pub in_gap: Vec<bool>,
@@ -46,7 +46,7 @@ impl UniformLog {
         self.time_s.is_empty()
     }
 
-    /// Standard deviation of the force noise [N], from the samples that were not invented.
+    /// Standard deviation of the force noise (N), from the samples that were not invented.
     pub fn force_noise_n(&self) -> f64 {
         let measured = self.in_gap.chunk_by(|a, b| a == b).scan(0, |start, run| {
             let from = *start;
@@ -61,7 +61,7 @@ impl UniformLog {
         signal::noise(&self.force_n[longest])
     }
 
-    /// Time between samples [s].
+    /// Time between samples (s).
     pub fn period_s(&self) -> f64 {
         1.0 / self.rate_hz
     }
@@ -77,7 +77,7 @@ impl Log {
         self.on_grid(timing.rate_hz(), &timing)
     }
 
-    /// The log on an even grid of `rate_hz` [Hz] from its first stamp on, by linear interpolation.
+    /// The log on an even grid of `rate_hz` (Hz) from its first stamp on, by linear interpolation.
     ///
     /// A log that has this rate within 0.1 % and is even within 1 % of a period passes untouched.
     ///

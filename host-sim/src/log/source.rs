@@ -8,7 +8,7 @@ use flate2::bufread::MultiGzDecoder;
 
 use crate::diagnostic::Diagnostic;
 
-/// How much of a file is looked at before it is read [bytes]: a header of a thousand columns fits.
+/// How much of a file is looked at before it is read (bytes): a header of a thousand columns fits.
 const HEAD_BYTES: u64 = 1 << 16;
 
 /// An open file and its beginning.

@@ -12,16 +12,16 @@ const SNAP: f64 = 1e-3;
 /// How evenly a log is sampled.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Median interval between samples [s]; of a log with two rates, that of the denser one.
+    /// Median interval between samples (s); of a log with two rates, that of the denser one.
     pub base_period_s: f64,
-    /// Mean of the intervals that are no gap and at least half a base period [s]: unlike the
+    /// Mean of the intervals that are no gap and at least half a base period (s): unlike the
     /// median it is free of the rounding of the stamps.
     pub mean_period_s: f64,
-    /// Standard deviation of those intervals [s].
+    /// Standard deviation of those intervals (s).
     pub jitter_s: f64,
-    /// Shortest interval [s].
+    /// Shortest interval (s).
     pub shortest_s: f64,
-    /// Longest interval [s].
+    /// Longest interval (s).
     pub longest_s: f64,
     /// Intervals longer than 1.5 base periods.
     pub gaps: Vec<Gap>,
@@ -32,9 +32,9 @@ pub struct Timing {
 pub struct Gap {
     /// Index of the last sample before it.
     pub index: usize,
-    /// Time of the last sample before it [s].
+    /// Time of the last sample before it (s).
     pub from_s: f64,
-    /// Time of the first sample after it [s].
+    /// Time of the first sample after it (s).
     pub to_s: f64,
 }
 
@@ -65,7 +65,7 @@ impl Log {
         }
     }
 
-    /// Samples per second [Hz], a round number if the log's is within 0.1 % of one; 0 for fewer
+    /// Samples per second (Hz), a round number if the log's is within 0.1 % of one; 0 for fewer
     /// than two samples.
     pub fn rate_hz(&self) -> f64 {
         self.timing().rate_hz()
@@ -73,7 +73,7 @@ impl Log {
 }
 
 impl Timing {
-    /// Samples per second [Hz], snapped to a round number within 0.1 %; 0 if there is no period.
+    /// Samples per second (Hz), snapped to a round number within 0.1 %; 0 if there is no period.
     pub fn rate_hz(&self) -> f64 {
         if self.mean_period_s > 0.0 {
             snapped(1.0 / self.mean_period_s)

@@ -7,7 +7,7 @@ use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::plant::{Contact, Law, MODES};
 use crate::toml_reader::{Bounds, Table};
 
-/// δ₀ [m] unless a model says otherwise: that of the chapter's numbers.
+/// δ₀ (m) unless a model says otherwise: that of the chapter's numbers.
 const USUAL_REFERENCE_DEPTH_M: f64 = 1e-3;
 
 /// Exponents that a contact can have: 1 a layer, 3/2 a sphere, 2 a cone; fits wander further.
@@ -18,9 +18,9 @@ const EXPONENTS: Bounds = Bounds::Within(0.1, 10.0);
 pub struct Environment {
     /// The law and its parameters.
     pub law: EnvironmentLaw,
-    /// Position of the surface [m].
+    /// Position of the surface (m).
     pub surface_m: f64,
-    /// δ₀ [m], at which stiffness and damping hold.
+    /// δ₀ (m), at which stiffness and damping hold.
     pub reference_depth_m: f64,
     /// What a fit must not move and what it found.
     pub fit: Fit,
@@ -33,16 +33,16 @@ pub enum EnvironmentLaw {
     Free,
     /// F = Kδ + λδ̇, (1)
     KelvinVoigt {
-        /// K [N/m]
+        /// K (N/m)
         stiffness: f64,
-        /// λ [N s/m]
+        /// λ (N s/m)
         damping: f64,
     },
     /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
     HuntCrossley {
-        /// K [N/m]
+        /// K (N/m)
         stiffness: f64,
-        /// λ [N s/m]
+        /// λ (N s/m)
         damping: f64,
         /// n
         exponent: f64,
@@ -51,16 +51,16 @@ pub enum EnvironmentLaw {
     },
     /// The standard linear solid, (2)
     Zener {
-        /// κ₁ [N/m], the spring in series: F/δ at once.
+        /// κ₁ (N/m), the spring in series: F/δ at once.
         stiffness: f64,
-        /// κ₂ [N/m], parallel to the damper.
+        /// κ₂ (N/m), parallel to the damper.
         second_stiffness: f64,
-        /// λ [N s/m]
+        /// λ (N s/m)
         damping: f64,
     },
     /// Fung's quasi-linear law, (9)
     QuasiLinear {
-        /// K [N/m] at δ₀, or m of (11).
+        /// K (N/m) at δ₀, or m of (11).
         stiffness: f64,
         /// The elastic response.
         elastic: Elastic,
@@ -79,7 +79,7 @@ pub enum Elastic {
     },
     /// (m/b)(e^{bδ} − 1), (13)
     Exponential {
-        /// b [1/m]
+        /// b (1/m)
         stiffening_rate: f64,
     },
 }
@@ -89,7 +89,7 @@ pub enum Elastic {
 pub struct RelaxationMode {
     /// c
     pub fraction: f64,
-    /// ν [1/s]
+    /// ν (1/s)
     pub rate: f64,
 }
 

@@ -19,13 +19,13 @@ use super::{Motion, Segment};
 use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::toml_reader::{Bounds, Table, TomlFile};
 
-/// Where a motion begins unless it says so [m]: 2 mm above a surface at 0.
+/// Where a motion begins unless it says so (m): 2 mm above a surface at 0.
 const USUAL_START_M: f64 = -2e-3;
 
-/// Longest segment [s]: a day. More is a mistyped unit.
+/// Longest segment (s): a day. More is a mistyped unit.
 const LONGEST_S: f64 = 86_400.0;
 
-/// Fastest ramp [m/s] and wave [Hz] that a rig with 1 kHz and millimetres can mean.
+/// Fastest ramp (m/s) and wave (Hz) that a rig with 1 kHz and millimetres can mean.
 const FASTEST_MPS: f64 = 100.0;
 const FASTEST_HZ: f64 = 1e4;
 

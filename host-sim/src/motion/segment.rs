@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::diagnostic::Diagnostic;
 
-/// Shortest time in which a velocity changes [s]: 20 ms lie within what a 100 Hz motor follows.
+/// Shortest time in which a velocity changes (s): 20 ms lie within what a 100 Hz motor follows.
 const BLEND_S: f64 = 0.02;
 
 /// A piece of motion. Waves begin at their lowest point.
@@ -12,50 +12,50 @@ const BLEND_S: f64 = 0.02;
 pub enum Segment {
     /// To a position at constant speed, with 20 ms of constant acceleration at either end.
     Ramp {
-        /// Where to [m].
+        /// Where to (m).
         to_m: f64,
-        /// How fast [m/s].
+        /// How fast (m/s).
         speed_mps: f64,
     },
     /// Rest where the segment before ended.
     Hold {
-        /// How long [s].
+        /// How long (s).
         seconds: f64,
     },
     /// x = mean − amplitude·cos(2πft)
     Sine {
-        /// Middle [m].
+        /// Middle (m).
         mean_m: f64,
-        /// Half the stroke [m].
+        /// Half the stroke (m).
         amplitude_m: f64,
-        /// f [Hz]
+        /// f (Hz)
         frequency_hz: f64,
-        /// How long [s].
+        /// How long (s).
         seconds: f64,
     },
     /// Several sines at once, of equal amplitude and with Schroeder's phases; never further than
     /// `amplitude_m` from the mean.
     Multisine {
-        /// Middle [m].
+        /// Middle (m).
         mean_m: f64,
-        /// Sum of the amplitudes [m].
+        /// Sum of the amplitudes (m).
         amplitude_m: f64,
-        /// The frequencies [Hz].
+        /// The frequencies (Hz).
         frequencies_hz: Vec<f64>,
-        /// How long [s].
+        /// How long (s).
         seconds: f64,
     },
     /// A sine whose frequency grows or falls linearly.
     Chirp {
-        /// Middle [m].
+        /// Middle (m).
         mean_m: f64,
-        /// Half the stroke [m].
+        /// Half the stroke (m).
         amplitude_m: f64,
-        /// Frequency at the beginning [Hz].
+        /// Frequency at the beginning (Hz).
         from_hz: f64,
-        /// Frequency at the end [Hz].
+        /// Frequency at the end (Hz).
         to_hz: f64,
-        /// How long [s].
+        /// How long (s).
         seconds: f64,
     },
 }
@@ -69,7 +69,7 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// Distance from the segment's own position [m] and velocity [m/s].
+    /// Distance from the segment's own position (m) and velocity (m/s).
     pub(super) fn deviation(&self, within_s: f64) -> (f64, f64) {
         let s = within_s / self.seconds;
         if s >= 1.0 {
@@ -86,7 +86,7 @@ impl Joint {
 }
 
 impl Segment {
-    /// How long it takes from `origin_m` [s].
+    /// How long it takes from `origin_m` (s).
     pub(super) fn seconds(&self, origin_m: f64) -> f64 {
         match self {
             Segment::Ramp { to_m, speed_mps } => {
@@ -100,7 +100,7 @@ impl Segment {
         }
     }
 
-    /// Position [m] and velocity [m/s] `t` seconds into it.
+    /// Position (m) and velocity (m/s) `t` seconds into it.
     pub(super) fn target(&self, origin_m: f64, t: f64) -> (f64, f64) {
         match self {
             Segment::Ramp { to_m, speed_mps } => ramp(origin_m, *to_m, *speed_mps, t),
@@ -136,7 +136,7 @@ impl Segment {
         }
     }
 
-    /// How the segment takes over from `before` (position [m], velocity [m/s]).
+    /// How the segment takes over from `before` (position (m), velocity (m/s)).
     pub(super) fn joint(&self, before: (f64, f64), seconds: f64) -> Joint {
         let (position_m, velocity_mps) = self.target(before.0, 0.0);
         let off_m = before.0 - position_m;
@@ -181,7 +181,7 @@ impl Segment {
         }
     }
 
-    /// The segment moved by `by_m` [m].
+    /// The segment moved by `by_m` (m).
     pub(super) fn shifted(&self, by_m: f64) -> Segment {
         let mut moved = self.clone();
         match &mut moved {

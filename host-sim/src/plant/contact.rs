@@ -44,7 +44,7 @@ impl Law {
         }
     }
 
-    /// Force [N] one period after the last step, see [`RelaxingLaw::step`]. A memory of another law
+    /// Force (N) one period after the last step, see [`RelaxingLaw::step`]. A memory of another law
     /// is one of a material at rest.
     pub fn step(&self, memory: &mut Memory, depth_m: f64, speed_mps: f64, period_s: f64) -> f64 {
         match (self, &mut *memory) {
@@ -64,12 +64,12 @@ impl Law {
         }
     }
 
-    /// Force [N] of a material that was at rest until now.
+    /// Force (N) of a material that was at rest until now.
     pub fn force_n(&self, depth_m: f64, speed_mps: f64) -> f64 {
         self.step(&mut self.at_rest(), depth_m, speed_mps, 0.0)
     }
 
-    /// Force at once [N], before anything relaxes: F⁽ᵉ⁾(δ).
+    /// Force at once (N), before anything relaxes: F⁽ᵉ⁾(δ).
     pub fn elastic_n(&self, depth_m: f64) -> f64 {
         match self {
             Law::Free => 0.0,
@@ -86,7 +86,7 @@ impl Law {
 pub struct Contact {
     /// The law.
     pub law: Law,
-    /// Position of the surface [m].
+    /// Position of the surface (m).
     pub surface_m: f64,
 }
 
@@ -97,25 +97,25 @@ impl Contact {
         surface_m: 0.0,
     };
 
-    /// Force on the probe [N] at `position_m` [m], moving at `speed_mps` [m/s], of a material that
+    /// Force on the probe (N) at `position_m` (m), moving at `speed_mps` (m/s), of a material that
     /// was at rest until now: max(law, 0), for a surface that does not stick.
     pub fn force_n(&self, position_m: f64, speed_mps: f64) -> f64 {
         self.step(&mut self.law.at_rest(), position_m, speed_mps, 0.0)
     }
 
-    /// Force on the probe [N] one period [s] after the last step: max(law, 0). The saturation does
+    /// Force on the probe (N) one period (s) after the last step: max(law, 0). The saturation does
     /// not reach the memory.
     pub fn step(&self, memory: &mut Memory, position_m: f64, speed_mps: f64, period_s: f64) -> f64 {
         let depth_m = position_m - self.surface_m;
         unilateral(self.law.step(memory, depth_m, speed_mps, period_s))
     }
 
-    /// Whether a probe at `position_m` [m] is in the material.
+    /// Whether a probe at `position_m` (m) is in the material.
     pub fn touches(&self, position_m: f64) -> bool {
         self.law != Law::Free && position_m > self.surface_m
     }
 
-    /// Depth [m] at which the material at rest pushes with `force_n` [N]; `None` in free air or if
+    /// Depth (m) at which the material at rest pushes with `force_n` (N); `None` in free air or if
     /// it never does within a metre.
     pub fn depth_at_m(&self, force_n: f64) -> Option<f64> {
         let pushes = |depth_m: f64| self.force_n(self.surface_m + depth_m, 0.0) >= force_n;

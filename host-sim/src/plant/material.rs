@@ -4,7 +4,7 @@ use estimator_core::law::HuntCrossley;
 
 use super::contact::{Contact, Law};
 
-/// δ₀ [m] of the numbers printed in the chapter.
+/// δ₀ (m) of the numbers printed in the chapter.
 pub const REFERENCE_DEPTH_M: f64 = 1e-3;
 
 /// A material as the chapter identified it, and how deep its rig pressed.
@@ -14,7 +14,7 @@ pub struct Material {
     pub name: &'static str,
     /// Its law.
     pub law: HuntCrossley<f64>,
-    /// Depth of the deepest touch [m]: where the chapter's figures reach 9 to 12 N.
+    /// Depth of the deepest touch (m): where the chapter's figures reach 9 to 12 N.
     pub peak_depth_m: f64,
 }
 
@@ -33,7 +33,7 @@ pub const PLASTIC: Material = Material {
 };
 
 impl Material {
-    /// The material with its surface at `surface_m` [m].
+    /// The material with its surface at `surface_m` (m).
     pub fn at(&self, surface_m: f64) -> Contact {
         Contact {
             law: Law::HuntCrossley(self.law),

@@ -10,30 +10,30 @@ use std::f64::consts::TAU;
 /// The motor and its controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor {
-    /// m: moving mass [kg].
+    /// m: moving mass (kg).
     pub mass_kg: f64,
-    /// kp: position gain [N/m].
+    /// kp: position gain (N/m).
     pub stiffness_n_per_m: f64,
-    /// kd: velocity gain [N s/m].
+    /// kd: velocity gain (N s/m).
     pub damping_ns_per_m: f64,
-    /// The coil's largest force, either way [N].
+    /// The coil's largest force, either way (N).
     pub force_limit_n: f64,
 }
 
 /// Where the motor is and how fast.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorState {
-    /// x [m]
+    /// x (m)
     pub position_m: f64,
-    /// v [m/s]
+    /// v (m/s)
     pub velocity_mps: f64,
 }
 
-/// A position and a velocity to follow [m], [m/s].
+/// A position and a velocity to follow (m), (m/s).
 pub type Setpoint = (f64, f64);
 
 impl Motor {
-    /// A motor whose free closed loop has the natural frequency `bandwidth_hz` [Hz] and the damping
+    /// A motor whose free closed loop has the natural frequency `bandwidth_hz` (Hz) and the damping
     /// ratio `damping_ratio`.
     pub fn with_bandwidth(
         mass_kg: f64,
@@ -50,7 +50,7 @@ impl Motor {
         }
     }
 
-    /// The coil's force [N].
+    /// The coil's force (N).
     pub fn drive_n(&self, state: MotorState, setpoint: Setpoint) -> f64 {
         let (position_m, velocity_mps) = setpoint;
         let wanted_n = self.stiffness_n_per_m * (position_m - state.position_m)
@@ -58,7 +58,7 @@ impl Motor {
         wanted_n.clamp(-self.force_limit_n, self.force_limit_n)
     }
 
-    /// One step of the classical Runge–Kutta method over `step_s` [s] from time `time_s`.
+    /// One step of the classical Runge–Kutta method over `step_s` (s) from time `time_s`.
     ///
     /// `setpoint` maps a time to what the motor follows, `contact_n` the time since the step began,
     /// position and velocity to the force against it. Of fourth order as long as both are smooth; at a touch the error of that
@@ -100,7 +100,7 @@ impl Default for Motor {
 }
 
 impl MotorState {
-    /// At rest at `position_m` [m].
+    /// At rest at `position_m` (m).
     pub fn at_rest(position_m: f64) -> MotorState {
         MotorState {
             position_m,

@@ -61,7 +61,7 @@ fn a_sine_pressed_into_a_spring_and_damper_is_the_transfer_function() {
     assert!(worst < 1e-13, "{worst:e} m");
 }
 
-/// Deepest penetration [m] of a free mass that hits `contact` at `speed_mps`, in steps of `step_s`.
+/// Deepest penetration (m) of a free mass that hits `contact` at `speed_mps`, in steps of `step_s`.
 fn impact_depth_m(contact: Contact, speed_mps: f64, step_s: f64) -> f64 {
     let free = Motor {
         mass_kg: 0.5,

@@ -33,7 +33,7 @@ impl Default for Rig {
 /// What lies under the probe until a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage {
-    /// End of the stage [s]; the last stage lasts as long as the motion whatever it says.
+    /// End of the stage (s); the last stage lasts as long as the motion whatever it says.
     pub until_s: f64,
     /// The material.
     pub contact: Contact,
@@ -52,13 +52,13 @@ impl Stage {
 /// What really happened, a value per sample of the log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// Time [s].
+    /// Time (s).
     pub time_s: Vec<f64>,
-    /// Position of the probe [m].
+    /// Position of the probe (m).
     pub position_m: Vec<f64>,
-    /// Velocity of the probe [m/s].
+    /// Velocity of the probe (m/s).
     pub velocity_mps: Vec<f64>,
-    /// Force on the probe [N].
+    /// Force on the probe (N).
     pub force_n: Vec<f64>,
 }
 

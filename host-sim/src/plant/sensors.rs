@@ -10,15 +10,15 @@ pub const FORCE_CODES: f64 = 4096.0;
 /// Settings of both sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors {
-    /// Standard deviation of the force noise [N].
+    /// Standard deviation of the force noise (N).
     pub force_noise_n: f64,
-    /// Force per code [N]; 0: neither steps nor limits.
+    /// Force per code (N); 0: neither steps nor limits.
     pub force_step_n: f64,
-    /// Force at code 0 [N]; the range is 4096 steps from there.
+    /// Force at code 0 (N); the range is 4096 steps from there.
     pub force_min_n: f64,
-    /// Position per count [m]; 0: no steps.
+    /// Position per count (m); 0: no steps.
     pub position_step_m: f64,
-    /// Samples per second [Hz].
+    /// Samples per second (Hz).
     pub rate_hz: f64,
 }
 
@@ -65,7 +65,7 @@ impl LoadCell {
         }
     }
 
-    /// What the converter says [N] of a force [N].
+    /// What the converter says (N) of a force (N).
     pub fn read_n(&mut self, force_n: f64) -> f64 {
         let noise: f64 = StandardNormal.sample(&mut self.noise);
         let noisy_n = force_n + self.settings.force_noise_n * noise;
@@ -93,7 +93,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder of `step_m` [m] a count, whose zero lies where `seed` has it.
+    /// An encoder of `step_m` (m) a count, whose zero lies where `seed` has it.
     pub fn new(step_m: f64, seed: u64) -> Encoder {
         // Its own stream: other force noise must not move the encoder.
         let mut random = Pcg64::seed_from_u64(seed ^ 0x656e_636f_6465_7200);
@@ -103,7 +103,7 @@ impl Encoder {
         }
     }
 
-    /// What the counter says [m] of a position [m]: ⌊x/step + phase⌋ counts, right in the mean over
+    /// What the counter says (m) of a position (m): ⌊x/step + phase⌋ counts, right in the mean over
     /// all phases.
     pub fn read_m(&self, position_m: f64) -> f64 {
         if self.step_m == 0.0 {

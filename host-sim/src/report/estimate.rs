@@ -45,23 +45,23 @@ pub struct Run<'a> {
     pub name: &'a str,
     /// The law, as in files: `hunt_crossley`.
     pub law: &'a str,
-    /// Time [s].
+    /// Time (s).
     pub time_s: &'a [f64],
-    /// Penetration [m].
+    /// Penetration (m).
     pub depth_m: &'a [f64],
-    /// Rate of penetration [m/s].
+    /// Rate of penetration (m/s).
     pub speed_mps: &'a [f64],
-    /// Measured force [N].
+    /// Measured force (N).
     pub measured_n: &'a [f64],
-    /// Force of a replay with the estimated parameters [N]; NaN where there is none.
+    /// Force of a replay with the estimated parameters (N); NaN where there is none.
     pub estimated_n: &'a [f64],
-    /// F − F̂ before the sample was learned from [N]: the argument of (24).
+    /// F − F̂ before the sample was learned from (N): the argument of (24).
     pub innovation_n: &'a [f64],
     /// β of (24) that was used.
     pub forgetting: &'a [f64],
     /// How far the estimate could be trusted.
     pub status: &'a [Status],
-    /// Standard deviation of the force noise [N].
+    /// Standard deviation of the force noise (N).
     pub noise_n: Option<f64>,
     /// The settings of (24).
     pub forgetting_law: Option<ForgettingLaw>,
@@ -77,11 +77,11 @@ pub struct Run<'a> {
     pub events: &'a [EventMark],
     /// Force over depth at rest.
     pub elastic: Option<Elastic<'a>>,
-    /// Raw measured force against the replay with the final parameters, in contact [N].
+    /// Raw measured force against the replay with the final parameters, in contact (N).
     pub force_rmse_n: Option<f64>,
-    /// From first contact until every parameter stays within 5 % of its final value [s].
+    /// From first contact until every parameter stays within 5 % of its final value (s).
     pub settled_at_s: Option<f64>,
-    /// δ₀, where stiffness and damping are reported [m].
+    /// δ₀, where stiffness and damping are reported (m).
     pub reference_depth_m: Option<f64>,
 }
 
@@ -110,9 +110,9 @@ pub struct FinalParameter<'a> {
 /// One material from a change to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<'a> {
-    /// From [s].
+    /// From (s).
     pub from_s: f64,
-    /// To [s].
+    /// To (s).
     pub to_s: f64,
     /// The parameters at its end.
     pub parameters: &'a [FinalParameter<'a>],
@@ -121,20 +121,20 @@ pub struct Segment<'a> {
 /// One touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// From [s].
+    /// From (s).
     pub from_s: f64,
-    /// To [s].
+    /// To (s).
     pub to_s: f64,
-    /// Largest force [N].
+    /// Largest force (N).
     pub peak_force_n: f64,
-    /// Largest depth [m].
+    /// Largest depth (m).
     pub peak_depth_m: f64,
 }
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventMark {
-    /// When [s].
+    /// When (s).
     pub time_s: f64,
     /// What.
     pub kind: EventKind,
@@ -159,9 +159,9 @@ pub enum EventKind {
 pub struct ForgettingLaw {
     /// α₁
     pub alpha_1: f64,
-    /// α₂ [1/N]
+    /// α₂ (1/N)
     pub alpha_2_per_n: f64,
-    /// α₃ [N]
+    /// α₃ (N)
     pub alpha_3_n: f64,
 }
 
@@ -176,11 +176,11 @@ impl ForgettingLaw {
 /// Force over depth without damping.
 #[derive(Clone, Copy, Debug)]
 pub struct Elastic<'a> {
-    /// Depth [m].
+    /// Depth (m).
     pub depth_m: &'a [f64],
-    /// Estimated elastic force [N].
+    /// Estimated elastic force (N).
     pub estimated_n: &'a [f64],
-    /// The true one [N], where it is known (a simulated rig); else empty.
+    /// The true one (N), where it is known (a simulated rig); else empty.
     pub true_n: &'a [f64],
 }
 
