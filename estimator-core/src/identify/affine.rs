@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::kelvin_voigt::size;
+use super::kelvin_voigt::{damper, judged, spring};
 use super::{ForceNoise, Identify, Instant};
 use crate::config::Params;
 use crate::contact::SurfacePosition;
@@ -88,16 +88,11 @@ impl<T: Real> Identify<T> for Affine<T> {
 
     fn judged(&self, noise: &ForceNoise<T>, _surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
         let errors = self.rls.covariance.variances().map(Real::root) * noise.raw;
-        let theta = &self.rls.theta;
-        let mut judged = [Judged::default(); PARAMETER_SLOTS];
-        for (slot, (value, std_error)) in judged.iter_mut().zip(theta.iter().zip(&errors)).take(2) {
-            *slot = Judged {
-                value: *value,
-                std_error: *std_error,
-                scale: size(*value, theta.x),
-            };
-        }
-        judged
+        let [stiffness, damping, _]: [T; 3] = self.rls.theta.into();
+        judged(
+            &[spring(stiffness), damper(damping, stiffness)],
+            errors.iter(),
+        )
     }
 }
 

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector2;
 
-use super::kelvin_voigt::size;
+use super::kelvin_voigt::{damper, judged, spring};
 use super::{Bank, ForceNoise, Identify, Instant, Refiner};
 use crate::config::Params;
 use crate::contact::SurfacePosition;
@@ -168,24 +168,12 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
     }
 
     fn judged(&self, _noise: &ForceNoise<T>, _surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
-        let mut judged = [Judged::default(); PARAMETER_SLOTS];
         let Some(refiner) = &self.refiner else {
-            return judged;
+            return [Judged::default(); PARAMETER_SLOTS];
         };
         let [stiffness, damping, exponent, _] = refiner.values();
-        let values = [
-            (stiffness, size(stiffness, stiffness)),
-            (damping, size(damping, stiffness)),
-            (exponent, T::unit()),
-        ];
-        let errors = refiner.std_errors();
-        for ((slot, (value, scale)), std_error) in judged.iter_mut().zip(values).zip(errors) {
-            *slot = Judged {
-                value,
-                std_error,
-                scale,
-            };
-        }
-        judged
+        let exponent = (exponent, T::unit());
+        let values = [spring(stiffness), damper(damping, stiffness), exponent];
+        judged(&values, refiner.std_errors().iter())
     }
 }

@@ -6,7 +6,7 @@
 
 use nalgebra::{Vector1, Vector2, Vector3};
 
-use super::kelvin_voigt::size;
+use super::kelvin_voigt::{damper, judged, spring};
 use super::{Confidence, ForceNoise, Identify, Instant};
 use crate::config::Params;
 use crate::estimate::PARAMETER_SLOTS;
@@ -142,25 +142,12 @@ impl<T: Real> Identify<T> for TwoStage<T> {
 
     fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
         let errors = self.confidence.std_errors(noise, surface_error);
-        let theta = &self.gamma_1.theta;
+        let [stiffness, damping]: [T; 2] = self.gamma_1.theta.into();
         // An exponent at its bound is no estimate: nothing is observable on the scale of it.
         let bounded = self.exponent() != self.gamma_2.theta.x;
-        let exponent_size = if bounded { T::nil() } else { T::unit() };
-        let values = [
-            (theta.x, size(theta.x, theta.x)),
-            (theta.y, size(theta.y, theta.x)),
-            (self.exponent(), exponent_size),
-        ];
-        let mut judged = [Judged::default(); PARAMETER_SLOTS];
-        for ((slot, (value, scale)), std_error) in judged.iter_mut().zip(values).zip(errors.iter())
-        {
-            *slot = Judged {
-                value,
-                std_error: *std_error,
-                scale,
-            };
-        }
-        judged
+        let exponent = (self.exponent(), if bounded { T::nil() } else { T::unit() });
+        let values = [spring(stiffness), damper(damping, stiffness), exponent];
+        judged(&values, errors.iter())
     }
 }
 

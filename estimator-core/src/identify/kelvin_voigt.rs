@@ -68,16 +68,11 @@ impl<T: Real> Identify<T> for Linear<T> {
 
     fn judged(&self, noise: &ForceNoise<T>, surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
         let errors = self.confidence.std_errors(noise, surface_error);
-        let theta = &self.rls.theta;
-        let mut judged = [Judged::default(); PARAMETER_SLOTS];
-        for ((slot, value), std_error) in judged.iter_mut().zip(theta.iter()).zip(errors.iter()) {
-            *slot = Judged {
-                value: *value,
-                std_error: *std_error,
-                scale: size(*value, theta.x),
-            };
-        }
-        judged
+        let [stiffness, damping]: [T; 2] = self.rls.theta.into();
+        judged(
+            &[spring(stiffness), damper(damping, stiffness)],
+            errors.iter(),
+        )
     }
 }
 
@@ -88,6 +83,32 @@ pub(super) fn size<T: Real>(value: T, stiffness: T) -> T {
     value
         .magnitude()
         .max_of(T::from_f64(0.1) * stiffness.magnitude())
+}
+
+/// A stiffness and its size.
+pub(super) fn spring<T: Real>(stiffness: T) -> (T, T) {
+    (stiffness, size(stiffness, stiffness))
+}
+
+/// A damping and its size.
+pub(super) fn damper<T: Real>(damping: T, stiffness: T) -> (T, T) {
+    (damping, size(damping, stiffness))
+}
+
+/// Values with their sizes, and standard errors, in the order of the law's slots.
+pub(super) fn judged<'a, T: Real>(
+    values: &[(T, T)],
+    errors: impl Iterator<Item = &'a T>,
+) -> [Judged<T>; PARAMETER_SLOTS] {
+    let mut judged = [Judged::default(); PARAMETER_SLOTS];
+    for ((slot, (value, scale)), std_error) in judged.iter_mut().zip(values).zip(errors) {
+        *slot = Judged {
+            value: *value,
+            std_error: *std_error,
+            scale: *scale,
+        };
+    }
+    judged
 }
 
 #[cfg(test)]
