@@ -56,7 +56,7 @@ pub struct EstimateArgs {
     /// Depth (m) at which stiffness and damping are reported; 1 mm unless the log is of another scale.
     #[arg(long, value_name = "M", value_parser = positive)]
     pub reference_depth: Option<f64>,
-    /// Position of the surface (m), if it is known; otherwise the position of impact is taken.
+    /// Position of the surface (m), if it is known; otherwise it is found, or taken from the impact.
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = finite)]
     pub surface: Option<f64>,
     /// Write every N-th sample into estimate.csv.
