@@ -7,7 +7,7 @@
 //! let svg = Chart::new(Axis::time(), Axis::new("Force", "N"))
 //!     .series(Series::measured("measured", &time_s, &force_n))
 //!     .to_svg("Force over time");
-//! assert!(svg.starts_with("<svg") && svg.contains("Force (N)"));
+//! assert!(svg.starts_with("<svg") && svg.contains("Force [N]"));
 //! ```
 //!
 //! A chart never fails: no data gives an empty frame that says so, values that are not finite break
