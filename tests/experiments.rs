@@ -56,6 +56,11 @@ fn assert_found(palpated: &Palpated, seed: u64) {
         );
     }
     assert_eq!(end.status, Status::Converged, "{name}, seed {seed}");
+    let changes = moments(&palpated.estimation, Event::MaterialChange);
+    assert!(
+        changes.is_empty(),
+        "{name}, seed {seed}: no other material at {changes:?} s"
+    );
 }
 
 #[test]
