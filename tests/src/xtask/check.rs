@@ -1,7 +1,7 @@
 //! Everything, in the order that ends with cargo's own summary.
 
 use crate::firmware::{Firmware, decoder};
-use crate::step::{command, run, run_quietly, runs};
+use crate::step::{command, lint_level, run, run_quietly, runs};
 use crate::{packages, root};
 use std::process::Command;
 
@@ -77,7 +77,7 @@ fn host_lints() -> Result<(), String> {
     }
     if runs(cargo(&["clippy", "--version"])) {
         let mut clippy = cargo(&["clippy", "--workspace", "--all-targets"]);
-        clippy.args(["--features", "tests/qemu", "--", "-D", "warnings"]);
+        clippy.args(["--features", "tests/qemu", "--", lint_level(), "warnings"]);
         result = result.and(run("clippy", clippy));
     } else {
         println!("LEFT OUT: lints. `rustup component add clippy` brings them.");

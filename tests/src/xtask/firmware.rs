@@ -1,7 +1,7 @@
 //! Builds of the firmware, and the proof that its step cannot panic.
 
 use crate::root;
-use crate::step::{capture, command, run};
+use crate::step::{capture, command, lint_level, run};
 use crate::toolchain::Toolchain;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ impl Firmware {
             for features in ["qemu,panic-proof", "f405"] {
                 let mut clippy = self.cargo("clippy");
                 clippy.args(["--locked", "--release", "--no-default-features"]);
-                clippy.args(["--features", features, "--", "-D", "warnings"]);
+                clippy.args(["--features", features, "--", lint_level(), "warnings"]);
                 run(&format!("clippy, firmware for {features}"), clippy)?;
             }
             Ok(())
