@@ -19,8 +19,6 @@ pub struct State<T: Real = f32> {
     last_time_us: Option<u64>,
     /// Samples until the filter has forgotten something that must not be learned from.
     distrust: u32,
-    /// Raw samples in a row that the material pushes.
-    pushed_for: u32,
     last: Estimate<T>,
 }
 
@@ -34,7 +32,6 @@ impl<T: Real> State<T> {
             judge: Judge::new(),
             last_time_us: None,
             distrust: 0,
-            pushed_for: 0,
             last: Estimate::nothing(params),
         }
     }
@@ -64,9 +61,6 @@ impl<T: Real> State<T> {
 pub const RANGE: f64 = 1e6;
 /// An instant is learned from when its force is above this many standard deviations.
 const LEARN_SIGMAS: f64 = 6.0;
-/// The material pushes when the raw force is above this many standard deviations of its noise.
-const PUSH_SIGMAS: f64 = 3.0;
-
 /// An instant is learned from within this many reference depths and speeds: 1 m and 10 m/s at 1 mm.
 /// What an encoder that jumps makes of the motion would otherwise settle the estimates for good.
 const PLAUSIBLE: f64 = 1e3;
@@ -91,12 +85,6 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     if contact.phase == Phase::Contact {
         state.judge.touched();
     }
-    let pushes = sample.force_n - contact.rest_n > T::from_f64(PUSH_SIGMAS) * contact.noise_n;
-    state.pushed_for = if pushes {
-        state.pushed_for.saturating_add(1)
-    } else {
-        0
-    };
     let innovation = state.predict(params, &contact, &instant, &noise);
     let learned = state.learn(params, &contact, &instant, &noise, &innovation);
     let change = learned.and_then(|_| state.judge(params, &contact, &noise, &innovation));
@@ -198,8 +186,7 @@ impl<T: Real> State<T> {
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.magnitude() < widest && at.speed.magnitude() < widest;
         let usable = inside && above && plausible;
-        let pushed = self.pushed_for >= params.filter.memory_samples();
-        self.identifier.admit(usable && pushed);
+        self.identifier.admit(usable);
         if !usable {
             return None;
         }
@@ -248,7 +235,6 @@ impl<T: Real> State<T> {
         self.identifier = Identifier::new(params);
         self.judge = Judge::new();
         self.distrust = params.filter.memory_samples();
-        self.pushed_for = 0;
         self.last = Estimate::nothing(params);
         let faults = estimate.faults.with(Fault::NotFinite);
         Estimate {

@@ -17,6 +17,7 @@ use estimator_core::config::Method;
 
 pub use explain::explain;
 pub use outcome::Outcome;
+pub(crate) use print::headline;
 pub use setup::{Choices, Setup, setup};
 pub use show::{Shown, document};
 pub use whole_log::BatchArgs;

@@ -77,22 +77,23 @@ impl<T: Real> BankRefiner<T> {
             return;
         }
         let Some(candidate) = bank.best() else { return };
-        let floor = candidate.residual + noise.filtered * noise.filtered;
-        let started = Refiner::new(&candidate, bank.surface_step());
-        let (worse, learned) = match &self.refiner {
-            Some(own) if own.is_sound() => {
-                (own.energy() > T::from_f64(WORSE) * floor, own.learned())
+        let started = || Some(Refiner::new(&candidate, bank.surface_step()));
+        let settled = match &self.refiner {
+            Some(refiner) if refiner.is_sound() => {
+                let floor = candidate.residual + noise.filtered * noise.filtered;
+                let worse = refiner.energy() > T::from_f64(WORSE) * floor;
+                if !worse || refiner.learned() <= PATIENCE {
+                    return;
+                }
+                refiner.learned() >= SETTLED
             }
-            _ => (true, u32::MAX),
+            _ => false,
         };
-        if !worse || learned <= PATIENCE {
-            return;
-        }
-        if learned < SETTLED || learned == u32::MAX {
-            self.refiner = Some(started);
+        if !settled {
+            self.refiner = started();
             self.successor = None;
         } else if self.successor.is_none() {
-            self.successor = Some(started);
+            self.successor = started();
         }
     }
 
@@ -127,9 +128,9 @@ impl<T: Real> Default for BankRefiner<T> {
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>, _noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
         match &self.refiner {
-            Some(refiner) => refiner.predict(at, noise),
+            Some(refiner) => refiner.predict(at),
             None => (at.force, T::nil()),
         }
     }

@@ -120,11 +120,10 @@ impl<T: Real> Refiner<T> {
     }
 
     /// F̂ and its variance from the parameters' errors, scaled.
-    pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>) -> (T, T) {
+    pub fn predict(&self, at: &Instant<T>) -> (T, T) {
         let predicted = predict(&self.values(), at);
         let phi = predicted.gradient.component_mul(&self.prior);
-        // φ/σ and P·σ² cancel: P is in units of the noise of the raw force.
-        let _ = noise;
+        // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
         (predicted.force, self.covariance.variance(&phi) + self.bend)
     }
 
@@ -153,7 +152,7 @@ impl<T: Real> Refiner<T> {
     /// 1, or less for an error that is not to be expected: where the motion jumps between two
     /// samples, force and speed do not belong together.
     fn weight(&self, error: T, phi: &Vector4<T>, noise: &ForceNoise<T>) -> T {
-        let model = self.covariance.variance(&(phi / noise.raw)) * noise.raw * noise.raw;
+        let model = self.covariance.variance(phi);
         let expected =
             T::from_f64(HUBER) * (noise.filtered * noise.filtered + model + self.bend).root();
         let size = error.magnitude();

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::result::{Batch, Tried};
+use crate::estimate::headline;
 use crate::log::UniformLog;
 use crate::report::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;
@@ -22,14 +23,7 @@ fn write_summary(
     log: &UniformLog,
     batch: &Batch,
 ) -> std::fmt::Result {
-    let seconds = log.len() as f64 * log.period_s();
-    writeln!(
-        text,
-        "{}: {seconds:.2} s at {} Hz, {}",
-        path.display(),
-        log.rate_hz,
-        counted(batch.touches.len(), "touch")
-    )?;
+    text.push_str(&headline(path, log, batch.touches.len()));
     writeln!(
         text,
         "{} (batch): {}",

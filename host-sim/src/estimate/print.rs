@@ -17,6 +17,17 @@ pub(super) fn summary(path: &Path, log: &UniformLog, estimation: &Estimation) ->
     text
 }
 
+/// The first line: which log, how long, how often touched.
+pub(crate) fn headline(path: &Path, log: &UniformLog, touches: usize) -> String {
+    let seconds = log.len() as f64 * log.period_s();
+    format!(
+        "{}: {seconds:.2} s at {} Hz, {}\n",
+        path.display(),
+        log.rate_hz,
+        counted(touches, "touch")
+    )
+}
+
 fn write_summary(
     text: &mut String,
     path: &Path,
@@ -25,14 +36,7 @@ fn write_summary(
 ) -> std::fmt::Result {
     let outcome = &estimation.outcome;
     let method = MethodChoice::of(estimation.replay.config.method).name();
-    let seconds = log.len() as f64 * log.period_s();
-    writeln!(
-        text,
-        "{}: {seconds:.2} s at {} Hz, {}",
-        path.display(),
-        log.rate_hz,
-        counted(outcome.touches.len(), "touch")
-    )?;
+    text.push_str(&headline(path, log, outcome.touches.len()));
     write!(
         text,
         "{} ({method}): {}",
