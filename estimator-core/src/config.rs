@@ -138,6 +138,14 @@ pub enum Method {
     HuntCrossleyBank = 5,
     /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
     KelvinVoigtSurface = 6,
+    /// Zener by a bank of exact fits over surface and rate, refined over a history; the surface
+    /// among the parameters.
+    ZenerBank = 9,
+    /// The quasi-linear law with one mode by a bank over exponent, surface and rate, refined over a
+    /// history; the surface among the parameters.
+    QuasiLinearBank = 10,
+    /// The same with two modes, once the force speaks for the second.
+    QuasiLinearBank2 = 11,
 }
 
 impl Method {
@@ -146,9 +154,9 @@ impl Method {
         match self {
             Method::KelvinVoigt | Method::KelvinVoigtSurface => LawKind::KelvinVoigt,
             Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
-            Method::ZenerArx => LawKind::Zener,
-            Method::HammersteinCascade => LawKind::QuasiLinear,
-            Method::HammersteinCascade2 => LawKind::QuasiLinear2,
+            Method::ZenerArx | Method::ZenerBank => LawKind::Zener,
+            Method::HammersteinCascade | Method::QuasiLinearBank => LawKind::QuasiLinear,
+            Method::HammersteinCascade2 | Method::QuasiLinearBank2 => LawKind::QuasiLinear2,
         }
     }
 }
@@ -156,7 +164,14 @@ impl Method {
 impl Method {
     /// Whether the surface is among the parameters, rather than taken from the impact.
     pub const fn finds_surface(self) -> bool {
-        matches!(self, Method::HuntCrossleyBank | Method::KelvinVoigtSurface)
+        matches!(
+            self,
+            Method::HuntCrossleyBank
+                | Method::KelvinVoigtSurface
+                | Method::ZenerBank
+                | Method::QuasiLinearBank
+                | Method::QuasiLinearBank2
+        )
     }
 }
 

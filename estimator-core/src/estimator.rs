@@ -70,6 +70,7 @@ const IMPACT_FLOOR: f64 = 5e-3;
 /// Takes one sample and says what is known after it. Never panics, never allocates; every number in
 /// the result is finite, whatever comes in.
 pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>) -> Estimate<T> {
+    let elapsed_s = state.elapsed_s(params, &sample);
     let faults = state.admit(params, &sample);
     if is_dropped(faults) {
         return Estimate {
@@ -82,6 +83,10 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     let aligned = state.filter.update(&params.filter, &sample);
     let contact = state.contact.update(&params.contact, &sample);
     let (instant, noise) = scaled(params, &aligned, &contact);
+    let instant = Instant {
+        elapsed_s,
+        ..instant
+    };
     if contact.phase == Phase::Contact {
         state.judge.touched();
     }
@@ -106,6 +111,15 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
 }
 
 impl<T: Real> State<T> {
+    /// Since the last sample that was used (s).
+    fn elapsed_s(&self, params: &Params<T>, sample: &Sample<T>) -> T {
+        let elapsed_us = match self.last_time_us {
+            Some(last) => sample.time_us.saturating_sub(last),
+            None => params.period_us,
+        };
+        T::from_f64(1e-6 * elapsed_us as f64)
+    }
+
     /// What is wrong with the sample; restarts the filters after a gap.
     fn admit(&mut self, params: &Params<T>, sample: &Sample<T>) -> Faults {
         let mut faults = sample.faults;
@@ -186,7 +200,8 @@ impl<T: Real> State<T> {
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.magnitude() < widest && at.speed.magnitude() < widest;
         let usable = inside && above && plausible;
-        self.identifier.admit(usable);
+        let touching = contact.phase == Phase::Contact;
+        self.identifier.follow(at, noise, usable, touching);
         if !usable {
             return None;
         }
@@ -289,6 +304,7 @@ fn scaled<T: Real>(
         surface_error: surface_error(params, contact),
         spread: aligned.spread_m2 / (scale.depth_m * scale.depth_m),
         coupling: aligned.coupling_m2ps / (scale.depth_m * scale.speed_mps),
+        elapsed_s: T::nil(),
     };
     (instant, force_noise(params, contact))
 }

@@ -6,6 +6,7 @@ mod bank_refiner;
 mod confidence;
 mod equation_error;
 mod hammerstein;
+mod history;
 mod hunt_crossley;
 mod kelvin_voigt;
 mod modes;
@@ -17,6 +18,7 @@ pub use bank::{Bank, Candidate};
 pub use bank_refiner::BankRefiner;
 pub use confidence::Confidence;
 pub use hammerstein::{Cascade, Cascade1, Cascade2};
+pub use history::HistoryFit;
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
 pub use modes::hammerstein_coefficients;
@@ -119,6 +121,8 @@ pub struct Instant<T> {
     pub spread: T,
     /// Covariance of depth and speed within it.
     pub coupling: T,
+    /// Since the instant before (s).
+    pub elapsed_s: T,
 }
 
 impl<T: Real> Instant<T> {
@@ -183,6 +187,8 @@ pub enum Identifier<T: Real> {
     BankRefiner(BankRefiner<T>),
     /// See [`Affine`].
     Affine(Affine<T>),
+    /// See [`HistoryFit`].
+    History(HistoryFit<T>),
 }
 
 impl<T: Real> Identifier<T> {
@@ -199,6 +205,9 @@ impl<T: Real> Identifier<T> {
                 Self::Linear(Linear::new(params))
             }
             Method::KelvinVoigtSurface => Self::Affine(Affine::new(params)),
+            Method::ZenerBank | Method::QuasiLinearBank | Method::QuasiLinearBank2 => {
+                Self::History(HistoryFit::new(params))
+            }
         }
     }
 
@@ -207,6 +216,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::BankRefiner(own) => own.surface(params),
             Self::Affine(own) => own.surface(params, noise),
+            Self::History(own) => own.surface(params),
             _ => None,
         }
     }
@@ -221,6 +231,7 @@ impl<T: Real> Identifier<T> {
             Self::Cascade2(own) => own.predict(at, noise, surface_error),
             Self::BankRefiner(own) => own.predict(at, noise, surface_error),
             Self::Affine(own) => own.predict(at, noise, surface_error),
+            Self::History(own) => own.predict(at, noise, surface_error),
         }
     }
 
@@ -240,7 +251,23 @@ impl<T: Real> Identifier<T> {
             Self::Cascade2(own) => own.learn(params, at, noise, beta),
             Self::BankRefiner(own) => own.learn(params, at, noise, beta),
             Self::Affine(own) => own.learn(params, at, noise, beta),
+            Self::History(own) => own.learn(params, at, noise, beta),
         }
+    }
+
+    /// Sees every instant before it may be learned from, in contact (`touching`) or not: a material
+    /// that relaxes recovers in free air. `usable` and [`Identify::admit`]'s `pushed` are the same.
+    pub fn follow(
+        &mut self,
+        at: &Instant<T>,
+        noise: &ForceNoise<T>,
+        usable: bool,
+        touching: bool,
+    ) {
+        if let Self::History(own) = self {
+            own.follow(at, noise, usable, touching);
+        }
+        self.admit(usable);
     }
 
     /// See [`Identify::admit`].
@@ -263,6 +290,7 @@ impl<T: Real> Identifier<T> {
             Self::Cascade2(own) => own.reopen(params),
             Self::BankRefiner(own) => own.reopen(params),
             Self::Affine(own) => own.reopen(params),
+            Self::History(own) => own.reopen(params),
         }
     }
 
@@ -276,6 +304,7 @@ impl<T: Real> Identifier<T> {
             Self::Cascade2(own) => own.judged(noise, surface_error),
             Self::BankRefiner(own) => own.judged(noise, surface_error),
             Self::Affine(own) => own.judged(noise, surface_error),
+            Self::History(own) => own.judged(noise, surface_error),
         }
     }
 }

@@ -133,8 +133,11 @@ pub enum MethodChoice {
     /// The same in two modes (quasi_linear)
     #[value(name = "cascade_2")]
     Cascade2,
-    /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
+    /// Bank of exact fits and refiner, surface included (hunt_crossley, zener, quasi_linear)
     Bank,
+    /// The same with two modes, once the force speaks for the second (quasi_linear)
+    #[value(name = "bank_2")]
+    Bank2,
     /// The whole log at once (every law)
     Batch,
 }
@@ -148,7 +151,10 @@ impl MethodChoice {
             Method::ZenerArx => MethodChoice::Arx,
             Method::HammersteinCascade => MethodChoice::Cascade,
             Method::HammersteinCascade2 => MethodChoice::Cascade2,
-            Method::HuntCrossleyBank => MethodChoice::Bank,
+            Method::HuntCrossleyBank | Method::ZenerBank | Method::QuasiLinearBank => {
+                MethodChoice::Bank
+            }
+            Method::QuasiLinearBank2 => MethodChoice::Bank2,
         }
     }
 
@@ -161,6 +167,7 @@ impl MethodChoice {
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
+            MethodChoice::Bank2 => "bank_2",
             MethodChoice::Batch => "batch",
         }
     }

@@ -253,7 +253,8 @@ impl Row {
     }
 }
 
-fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+/// The `share`-quantile of some values.
+pub(crate) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_unstable_by(f64::total_cmp);
     let at = ((values.len().max(1) - 1) as f64 * share).round() as usize;

@@ -1,0 +1,476 @@
+//! Laws with memory, and the choice among laws, from a history that is fitted again and again.
+//!
+//! What relaxes remembers: a filter that starts anew at a better reference does not know what the
+//! material went through, and a press that is followed by a hold is the only thing that ever tells
+//! the exponent. So the recent past is kept, condensed ([`course`]), and Gauss–Newton passes over it,
+//! a few blocks a sample, at ever better references ([`fit`]); what leaves the history stays as a
+//! covariance and a memory (`anchor`). A bank of exact fits says where to start ([`bank`]). Each pass
+//! measures what its reference costs exactly, so that a step that made it worse is halved.
+//!
+//! A method that has several laws to choose from gives each its turn; a law takes over when the
+//! criterion of Bayes speaks for it (Schwarz 1978).
+
+mod bank;
+mod course;
+mod fit;
+
+use bank::Bank;
+use course::{Block, Course};
+use fit::{DAMPING, EXPONENT, Fit, MODES, Memory, STIFFNESS, SURFACE, Theta, modes, predict};
+
+use super::kelvin_voigt::size;
+use super::{ForceNoise, Identify, Instant, SPEED_PER_DEPTH};
+use crate::config::{Method, Params};
+use crate::contact::SurfacePosition;
+use crate::estimate::PARAMETER_SLOTS;
+use crate::law::LawKind;
+use crate::scalar::Real;
+use crate::status::Judged;
+
+/// The grid of surfaces begins this many uncertainties of the impact before it, and reaches two
+/// beyond: a force threshold is late, never early.
+const SURFACES_BEFORE: f64 = 4.0;
+/// Blocks that a pass takes at one sample.
+const BLOCKS_PER_SAMPLE: u32 = 4;
+/// Blocks to learn from before the first pass, and the range of force that they must cover.
+const FIRST_PASS: u32 = 5;
+const FIRST_RANGE: f64 = 2.0;
+/// A pass is published when it has moved by less than this many standard errors,
+const NEAR: f64 = 1.0;
+/// and has converged when by less than this: the next one waits for news.
+const CONVERGED: f64 = 0.1;
+/// News: this share of the blocks.
+const NEWS: f64 = 0.1;
+/// A reference may cost this much more than the one before it (the data grow), and this share.
+const WORSE: f64 = 0.3;
+const WORSE_SHARE: f64 = 1.2;
+/// A fit whose errors are this many times their variance is bad, and starts anew after some passes.
+const BAD: f64 = 4.0;
+const PATIENCE: u32 = 8;
+/// By how much the criterion must speak for another law: 10 is very strong (Kass & Raftery 1995).
+const MARGIN: f64 = 10.0;
+/// Where two modes start from one: factors on its rate.
+const SPLITS: [(f64, f64); 3] = [(4.0, 0.5), (1.5, 0.15), (12.0, 0.8)];
+/// Forgetting of what left the history (6000 blocks, 50 000 samples).
+const ANCHOR_BETA: f64 = 0.99984;
+
+/// Laws that a method chooses from, the simplest first.
+fn laws(method: Method) -> &'static [LawKind] {
+    match method {
+        Method::ZenerBank => &[LawKind::Zener],
+        Method::QuasiLinearBank2 => &[LawKind::QuasiLinear, LawKind::QuasiLinear2],
+        _ => &[LawKind::QuasiLinear],
+    }
+}
+
+const MOST_LAWS: usize = 2;
+
+/// A law and where its passes stand.
+#[derive(Clone, Copy, Debug)]
+struct Contender<T: Real> {
+    law: LawKind,
+    /// The last reference that was accepted and what it costs; `None`: starts anew.
+    accepted: Option<(Theta<T>, T)>,
+    /// The next reference.
+    proposed: Theta<T>,
+    rejected: u32,
+    /// Passes since it started anew, and how often it did.
+    passes: u32,
+    starts: u32,
+    /// Number of the block at which it last finished a pass.
+    finished: u32,
+    /// The last step in standard errors, what was left, and how many blocks it was over.
+    step: T,
+    left: T,
+    blocks: T,
+}
+
+impl<T: Real> Contender<T> {
+    fn new(law: LawKind) -> Self {
+        Contender {
+            law,
+            accepted: None,
+            proposed: Theta::repeat(T::nil()),
+            rejected: 0,
+            passes: 0,
+            starts: 0,
+            finished: 0,
+            step: T::from_f64(1e9),
+            left: T::from_f64(1e9),
+            blocks: T::nil(),
+        }
+    }
+
+    fn converged(&self) -> bool {
+        self.accepted.is_some() && self.step < T::from_f64(CONVERGED)
+    }
+
+    /// Takes a finished pass; whether its reference is accepted.
+    fn finish(&mut self, pass: &Fit<T>) -> bool {
+        self.finished = pass.next();
+        self.passes = self.passes.saturating_add(1);
+        let cost = pass.cost();
+        let worse = match self.accepted {
+            Some((_, before)) => cost > T::from_f64(WORSE_SHARE) * before + T::from_f64(WORSE),
+            None => false,
+        };
+        if !pass.is_sound() || (worse && self.rejected < 3) {
+            self.rejected += 1;
+            match self.accepted {
+                Some((reference, _)) => {
+                    self.proposed = (reference + self.proposed) * T::from_f64(0.5);
+                }
+                None => self.passes = PATIENCE,
+            }
+            return false;
+        }
+        self.rejected = 0;
+        self.accepted = Some((pass.reference(), cost));
+        self.proposed = pass.values();
+        self.step = pass.step();
+        self.left = pass.left();
+        self.blocks = pass.blocks();
+        true
+    }
+
+    /// Schwarz's criterion: n·ln(left) + p·ln n.
+    fn criterion(&self) -> T {
+        let floor = T::from_f64(0.1).max_of(self.left);
+        let count = self.blocks.max_of(T::unit());
+        let parameters = T::from_f64(fit::parameters(self.law) as f64);
+        count * floor.ln() + parameters * count.ln()
+    }
+}
+
+/// Bank, history and passes, scaled.
+#[derive(Clone, Debug)]
+pub struct HistoryFit<T: Real> {
+    course: Course<T>,
+    bank: Option<Bank<T>>,
+    /// What is known of the blocks that have left the history, and the memory at its beginning.
+    anchor: Fit<T>,
+    current: Option<Fit<T>>,
+    pass: Option<Fit<T>>,
+    contenders: [Option<Contender<T>>; MOST_LAWS],
+    turn: usize,
+    champion: usize,
+    /// Blocks that were learned from.
+    learned: u32,
+    /// The memory of `current` at this sample.
+    live: Memory<T>,
+    judged: [Judged<T>; PARAMETER_SLOTS],
+}
+
+impl<T: Real> HistoryFit<T> {
+    /// Before the first contact.
+    pub fn new(params: &Params<T>) -> Self {
+        let mut contenders = [None; MOST_LAWS];
+        for (slot, law) in contenders.iter_mut().zip(laws(params.method)) {
+            *slot = Some(Contender::new(*law));
+        }
+        let law = laws(params.method).first().copied();
+        HistoryFit {
+            course: Course::new(),
+            bank: None,
+            anchor: Fit::new(
+                law.unwrap_or(LawKind::QuasiLinear),
+                &Theta::repeat(T::unit()),
+                T::nil(),
+            ),
+            current: None,
+            pass: None,
+            contenders,
+            turn: 0,
+            champion: 0,
+            learned: 0,
+            live: Memory::default(),
+            judged: [Judged::default(); PARAMETER_SLOTS],
+        }
+    }
+
+    /// The surface (m) with its standard error, once there is an estimate.
+    pub fn surface(&self, params: &Params<T>) -> Option<SurfacePosition<T>> {
+        let current = self.current.as_ref()?;
+        Some(SurfacePosition {
+            position_m: current.values()[SURFACE] * params.scale.depth_m,
+            std_error_m: current.std_errors()[SURFACE] * params.scale.depth_m,
+        })
+    }
+
+    /// Takes every instant, in contact or not.
+    pub fn follow(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, usable: bool, touching: bool) {
+        if let Some(block) = self.course.follow(at, usable, touching) {
+            self.take(&block, at, noise);
+        } else if let Some(current) = &self.current {
+            let block = Block::of(at);
+            let law = modes(current.law());
+            self.live = predict(&current.values(), law, &self.live, &block).memory;
+        }
+        self.feed_bank();
+        self.work(noise);
+    }
+
+    /// A block has ended.
+    fn take(&mut self, block: &Block<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
+        if let Some(leaving) = self.course.leaving().copied() {
+            self.let_go(&leaving, noise);
+        }
+        self.course.push(*block);
+        if let Some(current) = &mut self.current {
+            current.absorb(block, noise.raw, T::unit());
+            self.live = current.memory();
+            if !current.is_sound() {
+                self.current = None;
+            }
+        }
+        if block.count > T::nil() {
+            self.learned = self.learned.saturating_add(1);
+            if self.bank.is_none() {
+                let step = at.surface_error;
+                let first = at.surface - T::from_f64(SURFACES_BEFORE) * step;
+                let linear = self
+                    .contenders
+                    .iter()
+                    .flatten()
+                    .all(|contender| contender.law == LawKind::Zener);
+                let number = self.course.next().saturating_sub(1);
+                self.bank = Some(Bank::new(first, step, linear, number));
+            }
+        }
+        self.refresh(noise);
+    }
+
+    /// A block leaves the history: the anchor takes it, where the estimate is good.
+    fn let_go(&mut self, block: &Block<T>, noise: &ForceNoise<T>) {
+        if let Some(current) = &self.current {
+            let step = self.bank.as_ref().map_or(T::nil(), Bank::surface_step);
+            self.anchor = self.anchor.again(current.law(), &current.values(), step);
+        }
+        let good = self
+            .current
+            .as_ref()
+            .is_some_and(|current| current.left() < T::from_f64(BAD));
+        if good {
+            self.anchor
+                .absorb(block, noise.raw, T::from_f64(ANCHOR_BETA));
+        } else {
+            self.anchor.pass(block);
+        }
+        // A pass that has not seen the block yet has come too late.
+        if self
+            .pass
+            .as_ref()
+            .is_some_and(|pass| pass.next() < self.anchor.next())
+        {
+            self.pass = None;
+        }
+    }
+
+    fn feed_bank(&mut self) {
+        let Some(bank) = &mut self.bank else { return };
+        if let Some(block) = self.course.get(bank.next()) {
+            bank.take(block);
+        }
+    }
+
+    fn work(&mut self, noise: &ForceNoise<T>) {
+        if self.pass.is_none() {
+            self.begin();
+        }
+        let Some(pass) = &mut self.pass else { return };
+        for _ in 0..BLOCKS_PER_SAMPLE {
+            match self.course.get(pass.next()) {
+                Some(block) => pass.absorb(block, noise.raw, T::unit()),
+                None => {
+                    self.finish(noise);
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Starts a pass of the contender whose turn it is, if there is something for it to find.
+    fn begin(&mut self) {
+        let Some(bank) = &self.bank else { return };
+        let (low, high) = bank.span();
+        if self.learned < FIRST_PASS || high < T::from_f64(FIRST_RANGE) * low {
+            return;
+        }
+        self.turn = (self.turn + 1) % MOST_LAWS;
+        let simpler = self.contenders.first().copied().flatten();
+        let Some(Some(contender)) = self.contenders.get_mut(self.turn) else {
+            return;
+        };
+        let news = T::from_f64(f64::from(
+            self.course.next().saturating_sub(contender.finished),
+        ));
+        let waits = contender.converged() && news < T::from_f64(NEWS) * contender.blocks;
+        if waits && contender.left < T::from_f64(BAD) {
+            return;
+        }
+        let bad = contender.left > T::from_f64(BAD) && contender.passes >= PATIENCE;
+        if contender.accepted.is_none() || bad {
+            let start = match (contender.law, simpler) {
+                (LawKind::QuasiLinear2, Some(simpler)) if simpler.converged() => {
+                    Some(split(&simpler.proposed, contender.starts))
+                }
+                (LawKind::QuasiLinear2, _) => None,
+                (law, _) => bank.found(law == LawKind::Zener),
+            };
+            let Some(start) = start else { return };
+            contender.proposed = start;
+            contender.accepted = None;
+            contender.passes = 0;
+            contender.starts = contender.starts.wrapping_add(1);
+        }
+        let pass = self
+            .anchor
+            .again(contender.law, &contender.proposed, bank.surface_step());
+        self.pass = Some(pass);
+    }
+
+    /// A pass has come to the newest block.
+    fn finish(&mut self, noise: &ForceNoise<T>) {
+        let Some(pass) = self.pass.take() else { return };
+        let Some(Some(contender)) = self.contenders.get_mut(self.turn) else {
+            return;
+        };
+        if !contender.finish(&pass) {
+            return;
+        }
+        let contender = *contender;
+        let champion = self.contenders.get(self.champion).copied().flatten();
+        let takes = match (&self.current, champion) {
+            (None, _) | (_, None) => {
+                contender.passes >= PATIENCE / 2 || contender.step < T::from_f64(NEAR)
+            }
+            (Some(current), _) if self.turn == self.champion => {
+                contender.step < T::from_f64(NEAR)
+                    || pass.cost() < T::from_f64(0.7) * current.left()
+            }
+            (Some(_), Some(champion)) => {
+                contender.step < T::from_f64(NEAR)
+                    && contender.criterion() + T::from_f64(MARGIN) < champion.criterion()
+            }
+        };
+        if takes {
+            self.champion = self.turn;
+            self.live = pass.memory();
+            self.current = Some(pass);
+            self.refresh(noise);
+        }
+    }
+
+    fn refresh(&mut self, _noise: &ForceNoise<T>) {
+        self.judged = match &self.current {
+            Some(current) => judged(current),
+            None => [Judged::default(); PARAMETER_SLOTS],
+        };
+    }
+}
+
+/// Where two modes start from one.
+fn split<T: Real>(one: &Theta<T>, start: u32) -> Theta<T> {
+    let mut two = *one;
+    let (fast, slow) = SPLITS
+        .get(start as usize % SPLITS.len())
+        .copied()
+        .unwrap_or((4.0, 0.5));
+    let [(fraction_1, log_rate_1), (fraction_2, log_rate_2)] = MODES;
+    let half = T::from_f64(0.5) * one[fraction_1];
+    (two[fraction_1], two[fraction_2]) = (half, half);
+    two[log_rate_1] = one[log_rate_1] + T::from_f64(libm::log(fast));
+    two[log_rate_2] = one[log_rate_1] + T::from_f64(libm::log(slow));
+    two
+}
+
+/// The parameters of the law with their standard errors, in the order of its slots.
+fn judged<T: Real>(fit: &Fit<T>) -> [Judged<T>; PARAMETER_SLOTS] {
+    let theta = fit.values();
+    let stiffness = theta[STIFFNESS];
+    let unit = |slot: usize| {
+        let mut gradient = Theta::repeat(T::nil());
+        if let Some(own) = gradient.get_mut(slot) {
+            *own = T::unit();
+        }
+        gradient
+    };
+    let mut judged = [Judged::default(); PARAMETER_SLOTS];
+    let mut put = |index: usize, value: T, gradient: &Theta<T>, scale: T| {
+        if let Some(slot) = judged.get_mut(index) {
+            *slot = Judged {
+                value,
+                std_error: fit.variance(gradient, T::unit()).root(),
+                scale,
+            };
+        }
+    };
+    put(0, stiffness, &unit(STIFFNESS), size(stiffness, stiffness));
+    match fit.law() {
+        LawKind::KelvinVoigt | LawKind::HuntCrossley => {
+            let damping = theta[DAMPING];
+            put(1, damping, &unit(DAMPING), size(damping, stiffness));
+            put(2, theta[EXPONENT], &unit(EXPONENT), T::unit());
+        }
+        LawKind::Zener => {
+            let (fraction, log_rate) = MODES[0];
+            let share = theta[fraction].max_of(T::from_f64(1e-6));
+            let rate = theta[log_rate].exp();
+            // κ₂ = κ₁(1 − c)/c, λ = κ₁/(cν)
+            let second = stiffness * (T::unit() - share) / share;
+            let mut gradient = unit(STIFFNESS) * (second / stiffness);
+            gradient[fraction] = -(stiffness / (share * share));
+            put(1, second, &gradient, size(second, stiffness));
+            let damping = stiffness / (share * rate) * T::from_f64(SPEED_PER_DEPTH);
+            let mut gradient = unit(STIFFNESS) * (damping / stiffness);
+            gradient[fraction] = -(damping / share);
+            gradient[log_rate] = -damping;
+            put(2, damping, &gradient, size(damping, stiffness));
+        }
+        law => {
+            put(1, theta[EXPONENT], &unit(EXPONENT), T::unit());
+            // Fast to slow.
+            let mut order = MODES;
+            if modes(law) == 2 && theta[MODES[0].1] < theta[MODES[1].1] {
+                order.reverse();
+            }
+            for (index, (fraction, log_rate)) in order.into_iter().take(modes(law)).enumerate() {
+                let rate = theta[log_rate].exp();
+                put(2 + 2 * index, theta[fraction], &unit(fraction), T::unit());
+                put(3 + 2 * index, rate, &(unit(log_rate) * rate), rate);
+            }
+        }
+    }
+    judged
+}
+
+impl<T: Real> Identify<T> for HistoryFit<T> {
+    fn predict(&self, at: &Instant<T>, _noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+        let Some(current) = &self.current else {
+            return (at.force, T::nil());
+        };
+        let law = modes(current.law());
+        let predicted = predict(&current.values(), law, &self.live, &Block::of(at));
+        let variance = current.variance(&predicted.gradient, T::unit());
+        (predicted.force, variance)
+    }
+
+    fn learn(
+        &mut self,
+        _params: &Params<T>,
+        _at: &Instant<T>,
+        _noise: &ForceNoise<T>,
+        _beta: T,
+    ) -> Option<T> {
+        // Learning is done in `follow`, which sees every instant.
+        self.current.is_some().then(T::unit)
+    }
+
+    fn reopen(&mut self, params: &Params<T>) {
+        *self = HistoryFit::new(params);
+    }
+
+    fn judged(&self, _noise: &ForceNoise<T>, _surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
+        self.judged
+    }
+}
