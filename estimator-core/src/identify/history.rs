@@ -154,6 +154,8 @@ pub struct HistoryFit<T: Real> {
     contenders: [Option<Contender<T>>; MOST_LAWS],
     turn: usize,
     champion: usize,
+    /// The first impact and its standard error.
+    impact: Option<(T, T)>,
     /// Blocks that were learned from.
     learned: u32,
     /// The memory of `current` at this sample.
@@ -182,6 +184,7 @@ impl<T: Real> HistoryFit<T> {
             contenders,
             turn: 0,
             champion: 0,
+            impact: None,
             learned: 0,
             live: Memory::default(),
             judged: [Judged::default(); PARAMETER_SLOTS],
@@ -197,9 +200,22 @@ impl<T: Real> HistoryFit<T> {
         })
     }
 
+    /// Where the material begins and how far that is off: as estimated, else the first impact.
+    fn surface_found(&self) -> Option<(T, T)> {
+        let error = self.impact?.1;
+        match &self.current {
+            Some(current) => Some((current.values()[SURFACE], error)),
+            None => self.impact,
+        }
+    }
+
     /// Takes every instant, in contact or not.
     pub fn follow(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, usable: bool, touching: bool) {
-        if let Some(block) = self.course.follow(at, usable, touching) {
+        if touching {
+            self.impact.get_or_insert((at.surface, at.surface_error));
+        }
+        let surface = self.surface_found().unwrap_or((at.surface, at.surface_error));
+        if let Some(block) = self.course.follow(at, surface, usable, touching) {
             self.take(&block, at, noise);
         } else if let Some(current) = &self.current {
             let block = Block::of(at);
@@ -452,7 +468,8 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         let law = modes(current.law());
         let predicted = predict(&current.values(), law, &self.live, &Block::of(at));
         let variance = current.variance(&predicted.gradient, T::unit());
-        (predicted.force, variance)
+        // A material that has not recovered is not there yet: it does not pull.
+        (T::nil().max_of(predicted.force), variance)
     }
 
     fn learn(

@@ -16,7 +16,7 @@ const SHORTEST: u32 = 8;
 const MOVES: f64 = 0.03;
 /// or when it is this share of the time since the motion ended.
 const HOLD_SHARE: f64 = 0.04;
-/// A probe this many standard errors of the impact above it is in free air.
+/// A probe this many standard errors of the surface above it is in free air.
 const CLEAR: f64 = 6.0;
 
 /// Means over a block, scaled; see [`Instant`].
@@ -166,14 +166,18 @@ impl<T: Real> Course<T> {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// Takes an instant; gives the block that it ends, to be pushed.
+    /// Takes an instant; gives the block that it ends, to be pushed. `surface` is where the material
+    /// begins, as far as is known, and `error` how far that is off: an impact on a material that has
+    /// not recovered says nothing of it.
     pub(super) fn follow(
         &mut self,
         at: &Instant<T>,
+        (surface, error): (T, T),
         usable: bool,
         touching: bool,
     ) -> Option<Block<T>> {
-        let near = at.depth > -(T::from_f64(CLEAR) * at.surface_error);
+        let depth = at.position() - surface;
+        let near = depth > -(T::from_f64(CLEAR) * error);
         let kind = if usable {
             Kind::Learned
         } else if touching || near {
@@ -188,18 +192,17 @@ impl<T: Real> Course<T> {
         }
         self.open.kind = kind;
         self.open.add(at);
-        if ended.is_none() && self.is_full(at) {
+        if ended.is_none() && self.is_full(at, depth.magnitude().max_of(error)) {
             ended = Some(self.close());
         }
         ended
     }
 
-    fn is_full(&mut self, at: &Instant<T>) -> bool {
+    fn is_full(&mut self, at: &Instant<T>, depth: T) -> bool {
         if self.open.kind == Kind::Free || self.open.samples < SHORTEST {
             return false;
         }
         let moved = (at.position() - self.open.first).magnitude();
-        let depth = at.depth.magnitude().max_of(at.surface_error);
         if moved > T::from_f64(MOVES) * depth {
             self.since_motion_s = T::nil();
             return true;
