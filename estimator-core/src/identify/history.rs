@@ -69,7 +69,7 @@ const MOST_LAWS: usize = 2;
 #[derive(Clone, Copy, Debug)]
 struct Contender<T: Real> {
     law: LawKind,
-    /// The last reference that was accepted and what it costs; `None`: starts anew.
+    /// The last reference that was accepted and what it costs at best; `None`: starts anew.
     accepted: Option<(Theta<T>, T)>,
     /// The next reference.
     proposed: Theta<T>,
@@ -105,32 +105,41 @@ impl<T: Real> Contender<T> {
         self.accepted.is_some() && self.step < T::from_f64(CONVERGED)
     }
 
-    /// Takes a finished pass; whether its reference is accepted.
-    fn finish(&mut self, pass: &Fit<T>) -> bool {
-        self.finished = pass.next();
-        self.passes = self.passes.saturating_add(1);
-        let cost = pass.cost();
+    /// Whether a reference is no worse than the one before, by what it costs at best; else the next
+    /// one is halfway.
+    fn accepts(&mut self, reference: &Theta<T>, cost: T, sound: bool) -> bool {
         let worse = match self.accepted {
             Some((_, before)) => cost > T::from_f64(WORSE_SHARE) * before + T::from_f64(WORSE),
             None => false,
         };
-        if !pass.is_sound() || (worse && self.rejected < 3) {
-            self.rejected += 1;
-            match self.accepted {
-                Some((reference, _)) => {
-                    self.proposed = (reference + self.proposed) * T::from_f64(0.5);
-                }
-                None => self.passes = PATIENCE,
-            }
-            return false;
+        if sound && (!worse || self.rejected >= 3) {
+            self.rejected = 0;
+            self.accepted = Some((*reference, cost));
+            return true;
         }
-        self.rejected = 0;
-        self.accepted = Some((pass.reference(), cost));
-        self.proposed = pass.values();
-        self.step = pass.step();
-        self.left = pass.left();
-        self.blocks = pass.blocks();
-        true
+        self.rejected += 1;
+        match self.accepted {
+            Some((reference, _)) => {
+                self.proposed = (reference + self.proposed) * T::from_f64(0.5);
+            }
+            None => self.passes = PATIENCE,
+        }
+        false
+    }
+
+    /// Takes a finished pass over all parameters.
+    fn finish(&mut self, pass: &Fit<T>, surface_error: T) {
+        self.finished = pass.next();
+        self.passes = self.passes.saturating_add(1);
+        if pass.is_sound() {
+            self.proposed = pass.stepped(surface_error);
+            self.step = pass.step();
+            self.left = pass.left();
+            self.blocks = pass.blocks();
+        } else {
+            self.accepted = None;
+            self.step = T::from_f64(1e9);
+        }
     }
 
     /// Schwarz's criterion: n·ln(left) + p·ln n.
@@ -150,7 +159,9 @@ pub struct HistoryFit<T: Real> {
     /// What is known of the blocks that have left the history, and the memory at its beginning.
     anchor: Fit<T>,
     current: Option<Fit<T>>,
+    /// The pass that is under way; whether it is over K, λ and B alone.
     pass: Option<Fit<T>>,
+    projects: bool,
     contenders: [Option<Contender<T>>; MOST_LAWS],
     turn: usize,
     champion: usize,
@@ -181,6 +192,7 @@ impl<T: Real> HistoryFit<T> {
             ),
             current: None,
             pass: None,
+            projects: false,
             contenders,
             turn: 0,
             champion: 0,
@@ -339,34 +351,52 @@ impl<T: Real> HistoryFit<T> {
             contender.passes = 0;
             contender.starts = contender.starts.wrapping_add(1);
         }
-        let pass = self
-            .anchor
-            .again(contender.law, &contender.proposed, bank.surface_step());
-        self.pass = Some(pass);
+        // What has left the history is known for all parameters together.
+        let own = self.anchor.is_informed() && self.anchor.law() == contender.law;
+        self.projects = !own;
+        self.pass = Some(if own {
+            self.anchor
+                .again(contender.law, &contender.proposed, bank.surface_step())
+        } else {
+            self.anchor.projected(contender.law, &contender.proposed)
+        });
     }
 
     /// A pass has come to the newest block.
     fn finish(&mut self, noise: &ForceNoise<T>) {
         let Some(pass) = self.pass.take() else { return };
+        let surface_error = self.bank.as_ref().map_or(T::nil(), Bank::surface_step);
         let Some(Some(contender)) = self.contenders.get_mut(self.turn) else {
             return;
         };
-        if !contender.finish(&pass) {
+        if self.projects {
+            if contender.accepts(&pass.reference(), pass.left(), pass.is_sound()) {
+                self.projects = false;
+                self.pass = Some(self.anchor.again(
+                    contender.law,
+                    &pass.values(),
+                    surface_error,
+                ));
+            }
             return;
+        }
+        contender.finish(&pass, surface_error);
+        if !pass.is_sound() {
+            return;
+        }
+        if contender.accepted.is_none() {
+            contender.accepted = Some((pass.reference(), pass.cost()));
         }
         let contender = *contender;
         let champion = self.contenders.get(self.champion).copied().flatten();
+        let near = contender.step < T::from_f64(NEAR);
         let takes = match (&self.current, champion) {
-            (None, _) | (_, None) => {
-                contender.passes >= PATIENCE / 2 || contender.step < T::from_f64(NEAR)
-            }
+            (None, _) | (_, None) => near || contender.passes >= PATIENCE / 2,
             (Some(current), _) if self.turn == self.champion => {
-                contender.step < T::from_f64(NEAR)
-                    || pass.cost() < T::from_f64(0.7) * current.left()
+                near || pass.left() < T::from_f64(0.7) * current.left()
             }
             (Some(_), Some(champion)) => {
-                contender.step < T::from_f64(NEAR)
-                    && contender.criterion() + T::from_f64(MARGIN) < champion.criterion()
+                near && contender.criterion() + T::from_f64(MARGIN) < champion.criterion()
             }
         };
         if takes {
@@ -392,9 +422,9 @@ fn split<T: Real>(one: &Theta<T>, start: u32) -> Theta<T> {
         .get(start as usize % SPLITS.len())
         .copied()
         .unwrap_or((4.0, 0.5));
-    let [(fraction_1, log_rate_1), (fraction_2, log_rate_2)] = MODES;
-    let half = T::from_f64(0.5) * one[fraction_1];
-    (two[fraction_1], two[fraction_2]) = (half, half);
+    let [(relaxing_1, log_rate_1), (relaxing_2, log_rate_2)] = MODES;
+    let half = T::from_f64(0.5) * one[relaxing_1];
+    (two[relaxing_1], two[relaxing_2]) = (half, half);
     two[log_rate_1] = one[log_rate_1] + T::from_f64(libm::log(fast));
     two[log_rate_2] = one[log_rate_1] + T::from_f64(libm::log(slow));
     two
@@ -416,7 +446,7 @@ fn judged<T: Real>(fit: &Fit<T>) -> [Judged<T>; PARAMETER_SLOTS] {
         if let Some(slot) = judged.get_mut(index) {
             *slot = Judged {
                 value,
-                std_error: fit.variance(gradient, T::unit()).root(),
+                std_error: fit.variance(gradient).root(),
                 scale,
             };
         }
@@ -429,17 +459,16 @@ fn judged<T: Real>(fit: &Fit<T>) -> [Judged<T>; PARAMETER_SLOTS] {
             put(2, theta[EXPONENT], &unit(EXPONENT), T::unit());
         }
         LawKind::Zener => {
-            let (fraction, log_rate) = MODES[0];
-            let share = theta[fraction].max_of(T::from_f64(1e-6));
-            let rate = theta[log_rate].exp();
-            // κ₂ = κ₁(1 − c)/c, λ = κ₁/(cν)
-            let second = stiffness * (T::unit() - share) / share;
-            let mut gradient = unit(STIFFNESS) * (second / stiffness);
-            gradient[fraction] = -(stiffness / (share * share));
+            let (relaxing, log_rate) = MODES[0];
+            let (share, rate) = (theta[relaxing] / stiffness, theta[log_rate].exp());
+            // c = κ₁/(κ₁ + κ₂): κ₂ = κ₁²/B − κ₁, λ = κ₁²/(Bν).
+            let second = stiffness / share - stiffness;
+            let mut gradient = unit(STIFFNESS) * (T::from_f64(2.0) / share - T::unit());
+            gradient[relaxing] = -(T::unit() / (share * share));
             put(1, second, &gradient, size(second, stiffness));
             let damping = stiffness / (share * rate) * T::from_f64(SPEED_PER_DEPTH);
-            let mut gradient = unit(STIFFNESS) * (damping / stiffness);
-            gradient[fraction] = -(damping / share);
+            let mut gradient = unit(STIFFNESS) * (T::from_f64(2.0) * damping / stiffness);
+            gradient[relaxing] = -(damping / theta[relaxing]);
             gradient[log_rate] = -damping;
             put(2, damping, &gradient, size(damping, stiffness));
         }
@@ -450,9 +479,10 @@ fn judged<T: Real>(fit: &Fit<T>) -> [Judged<T>; PARAMETER_SLOTS] {
             if modes(law) == 2 && theta[MODES[0].1] < theta[MODES[1].1] {
                 order.reverse();
             }
-            for (index, (fraction, log_rate)) in order.into_iter().take(modes(law)).enumerate() {
-                let rate = theta[log_rate].exp();
-                put(2 + 2 * index, theta[fraction], &unit(fraction), T::unit());
+            for (index, (relaxing, log_rate)) in order.into_iter().take(modes(law)).enumerate() {
+                let (rate, share) = (theta[log_rate].exp(), theta[relaxing] / stiffness);
+                let of_share = (unit(relaxing) - unit(STIFFNESS) * share) / stiffness;
+                put(2 + 2 * index, share, &of_share, T::unit());
                 put(3 + 2 * index, rate, &(unit(log_rate) * rate), rate);
             }
         }
@@ -467,7 +497,7 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         };
         let law = modes(current.law());
         let predicted = predict(&current.values(), law, &self.live, &Block::of(at));
-        let variance = current.variance(&predicted.gradient, T::unit());
+        let variance = current.variance(&predicted.gradient);
         // A material that has not recovered is not there yet: it does not pull.
         (T::nil().max_of(predicted.force), variance)
     }

@@ -1,12 +1,17 @@
 //! All laws at once, and recursive Gauss–Newton on whichever parameters a law has.
 //!
-//! θ = (K, λ, n, x₀, c₁, ln ν₁, c₂, ln ν₂), scaled, and with s = ((x − x₀)/δ₀)ⁿ, w the speed
+//! θ = (K, λ, n, x₀, B₁, ln ν₁, B₂, ln ν₂), scaled, and with s = ((x − x₀)/δ₀)ⁿ, w the speed
 //!
-//! F = K·(s − Σcᵢzᵢ) + λ·s·w, żᵢ = νᵢ(s − zᵢ),
+//! F = K·s + λ·s·w − ΣBᵢzᵢ, żᵢ = νᵢ(s − zᵢ),
 //!
-//! which is (10)–(17) for λ = 0, Hunt–Crossley (3) for c = 0, Zener (2) for n = 1 and λ = 0. z is
-//! carried over a block exactly for the block's mean of s, and so are its derivatives by n, x₀ and
-//! ln ν, so that the gradient is that of the force.
+//! which is (10)–(17) for λ = 0 and Bᵢ = Kcᵢ, Hunt–Crossley (3) for B = 0, Zener (2) for n = 1 and
+//! λ = 0. z is carried over a block exactly for the block's mean of s, and so are its derivatives by
+//! n, x₀ and ln ν, so that the gradient is that of the force.
+//!
+//! A short contact tells the product of B and ν, not the two: a step that is straight in both leaves
+//! the valley. So each step of Gauss–Newton is two passes: one that finds K, λ and B for the n, x₀ and
+//! ν of the reference, exactly, since the force is linear in them, and says what these three cost at
+//! best; and one for all of θ from there (variable projection, Golub & Pereyra 1973).
 
 use nalgebra::SVector;
 
@@ -21,7 +26,7 @@ pub(super) const STIFFNESS: usize = 0;
 pub(super) const DAMPING: usize = 1;
 pub(super) const EXPONENT: usize = 2;
 pub(super) const SURFACE: usize = 3;
-/// c and ln ν of the two modes.
+/// B and ln ν of the two modes.
 pub(super) const MODES: [(usize, usize); 2] = [(4, 5), (6, 7)];
 
 /// θ
@@ -30,12 +35,18 @@ pub(super) type Theta<T> = SVector<T, SLOTS>;
 /// Bounds of n and of ln ν: no step makes a power that single precision cannot hold.
 const EXPONENTS: (f64, f64) = (0.3, 4.0);
 const LOG_RATES: (f64, f64) = (-9.0, 6.0);
-/// Bounds of c.
-const FRACTIONS: (f64, f64) = (0.0, 0.99);
-/// Prior standard deviations of n, c and ln ν; those of K and λ are half of K.
+/// Bounds of B/K.
+const FRACTIONS: (f64, f64) = (0.003, 0.99);
+/// Prior standard deviations of n and ln ν, and of K, λ and B over K.
 const PRIOR_EXPONENT: f64 = 0.2;
-const PRIOR_FRACTION: f64 = 0.2;
 const PRIOR_LOG_RATE: f64 = 0.7;
+const PRIOR_LINEAR: f64 = 0.5;
+/// The same of a pass that finds K, λ and B alone.
+const PRIOR_PROJECTED: f64 = 3.0;
+/// Longest step in n, in ln ν, and in x₀ over its prior standard deviation.
+const LONGEST_EXPONENT: f64 = 0.3;
+const LONGEST_LOG_RATE: f64 = 1.1;
+const LONGEST_SURFACE: f64 = 2.0;
 /// Largest variance of the position in a block, over the square of the depth.
 const WIDEST: f64 = 0.04;
 /// Standard deviations beyond which an error loses weight (Huber 1964).
@@ -136,11 +147,6 @@ impl<T: Real> Shape<T> {
     }
 }
 
-/// Carries z over `x` = ν·duration at a constant s; gives its mean and its end.
-fn carried<T: Real>(z: T, s: T, decayed: T, growth: T) -> (T, T) {
-    (s + (z - s) * growth, s + (z - s) * decayed)
-}
-
 /// F̂ and its gradient over a block with `modes` modes.
 pub(super) fn predict<T: Real>(
     theta: &Theta<T>,
@@ -150,42 +156,43 @@ pub(super) fn predict<T: Real>(
 ) -> Predicted<T> {
     let shape = Shape::of(theta, block);
     let mut memory = *memory;
-    let (mut s, mut by_exponent, mut by_surface) = (shape.s, shape.by_exponent, shape.by_surface);
     let stiffness = theta[STIFFNESS];
+    let mut force = stiffness * shape.s;
+    let mut by_exponent = stiffness * shape.by_exponent;
+    let mut by_surface = stiffness * shape.by_surface;
     let mut gradient = Theta::<T>::repeat(T::nil());
-    for (mode, (fraction, log_rate)) in memory.modes.iter_mut().zip(MODES).take(modes) {
-        let share = theta[fraction];
+    for (mode, (relaxing, log_rate)) in memory.modes.iter_mut().zip(MODES).take(modes) {
+        let share = theta[relaxing];
         let x = theta[log_rate].exp() * block.duration_s;
         let mean = growth(-x);
-        // Not 1 − x·mean where x is large: e^{−x} itself.
         let decayed = (-x).exp();
         let apart = shape.s - mode.relaxed;
         let lag = mode.by_log_rate * mean + apart * (mean - decayed);
         mode.by_log_rate = decayed * (mode.by_log_rate + x * apart);
-        let relaxed;
-        (relaxed, mode.relaxed) = carried(mode.relaxed, shape.s, decayed, mean);
-        s -= share * relaxed;
-        let of_mode;
-        (of_mode, mode.by_exponent) = carried(mode.by_exponent, shape.by_exponent, decayed, mean);
-        by_exponent -= share * of_mode;
-        let of_mode;
-        (of_mode, mode.by_surface) = carried(mode.by_surface, shape.by_surface, decayed, mean);
-        by_surface -= share * of_mode;
-        gradient[fraction] = -(stiffness * relaxed);
-        gradient[log_rate] = -(stiffness * share * lag);
+        let carry = |state: &mut T, input: T| {
+            let away = *state - input;
+            *state = input + away * decayed;
+            input + away * mean
+        };
+        let relaxed = carry(&mut mode.relaxed, shape.s);
+        force -= share * relaxed;
+        by_exponent -= share * carry(&mut mode.by_exponent, shape.by_exponent);
+        by_surface -= share * carry(&mut mode.by_surface, shape.by_surface);
+        gradient[relaxing] = -relaxed;
+        gradient[log_rate] = -(share * lag);
     }
     let damping = theta[DAMPING];
-    let force = if shape.s > T::nil() {
-        stiffness * s + damping * shape.damped
+    let damper = damping * shape.damped;
+    force = if shape.s > T::nil() {
+        force + damper
     } else {
         T::nil()
     };
     if shape.narrow {
-        let damper = damping * shape.damped;
-        gradient[STIFFNESS] = s;
+        gradient[STIFFNESS] = shape.s;
         gradient[DAMPING] = shape.damped;
-        gradient[EXPONENT] = stiffness * by_exponent + damper * shape.log;
-        gradient[SURFACE] = stiffness * by_surface - damper * theta[EXPONENT] * shape.per_depth;
+        gradient[EXPONENT] = by_exponent + damper * shape.log;
+        gradient[SURFACE] = by_surface - damper * theta[EXPONENT] * shape.per_depth;
     } else {
         gradient = Theta::repeat(T::nil());
     }
@@ -237,13 +244,14 @@ pub(super) fn bounded<T: Real>(law: LawKind, mut theta: Theta<T>) -> Theta<T> {
         T::unit()
     };
     let mut left = FRACTIONS.1;
-    for (index, (fraction, log_rate)) in MODES.into_iter().enumerate() {
-        theta[fraction] = if index < modes(law) {
-            within(theta[fraction], (FRACTIONS.0, left))
-        } else {
-            T::nil()
-        };
-        left -= theta[fraction].to_f64();
+    for (index, (relaxing, log_rate)) in MODES.into_iter().enumerate() {
+        let stiffness = theta[STIFFNESS];
+        let share = within(theta[relaxing] / stiffness, (FRACTIONS.0, left));
+        let has = index < modes(law) && share.finite();
+        theta[relaxing] = if has { share * stiffness } else { T::nil() };
+        if has {
+            left = FRACTIONS.0.max(left - share.to_f64());
+        }
         theta[log_rate] = within(theta[log_rate], LOG_RATES);
     }
     theta
@@ -278,14 +286,14 @@ impl<T: Real> Fit<T> {
         let reference = bounded(law, *reference);
         let (damps, curves) = has(law);
         let only = |is: bool, value: T| if is { value } else { T::nil() };
-        let half = T::from_f64(0.5) * reference[STIFFNESS];
+        let linear = T::from_f64(PRIOR_LINEAR) * reference[STIFFNESS];
         let mut prior = Theta::<T>::repeat(T::nil());
-        prior[STIFFNESS] = half;
-        prior[DAMPING] = only(damps, half);
+        prior[STIFFNESS] = linear;
+        prior[DAMPING] = only(damps, linear);
         prior[EXPONENT] = only(curves, T::from_f64(PRIOR_EXPONENT));
         prior[SURFACE] = surface_error;
-        for (fraction, log_rate) in MODES.into_iter().take(modes(law)) {
-            prior[fraction] = T::from_f64(PRIOR_FRACTION);
+        for (relaxing, log_rate) in MODES.into_iter().take(modes(law)) {
+            prior[relaxing] = linear;
             prior[log_rate] = T::from_f64(PRIOR_LOG_RATE);
         }
         Fit {
@@ -321,6 +329,19 @@ impl<T: Real> Fit<T> {
             fit.prior = self.prior;
             fit.covariance = self.covariance.clone();
             fit.informed = true;
+        }
+        fit
+    }
+
+    /// The same for K, λ and B alone.
+    pub(super) fn projected(&self, law: LawKind, reference: &Theta<T>) -> Self {
+        let mut fit = Fit::new(law, reference, T::nil());
+        fit.memory = self.memory.moved(&(fit.reference - self.reference));
+        fit.next = self.next;
+        fit.prior *= T::from_f64(PRIOR_PROJECTED / PRIOR_LINEAR);
+        fit.prior[EXPONENT] = T::nil();
+        for (_, log_rate) in MODES {
+            fit.prior[log_rate] = T::nil();
         }
         fit
     }
@@ -387,15 +408,39 @@ impl<T: Real> Fit<T> {
         )
     }
 
+    /// θ̂, or as far towards it as a step may go.
+    pub(super) fn stepped(&self, surface_error: T) -> Theta<T> {
+        let to = self.values();
+        let step = to - self.reference;
+        let [(_, fast), (_, slow)] = MODES;
+        let longest = [
+            (EXPONENT, T::from_f64(LONGEST_EXPONENT)),
+            (SURFACE, T::from_f64(LONGEST_SURFACE) * surface_error),
+            (fast, T::from_f64(LONGEST_LOG_RATE)),
+            (slow, T::from_f64(LONGEST_LOG_RATE)),
+        ];
+        let mut share = T::unit();
+        for (slot, longest) in longest {
+            let size = step.get(slot).copied().unwrap_or_default().magnitude();
+            if size * share > longest {
+                share = longest / size;
+            }
+        }
+        bounded(self.law, self.reference + step * share)
+    }
+
+    /// Knows something of what has left the history.
+    pub(super) fn is_informed(&self) -> bool {
+        self.informed
+    }
+
     /// The memory that goes with [`Fit::values`].
     pub(super) fn memory(&self) -> Memory<T> {
         self.memory.moved(&(self.values() - self.reference))
     }
 
     /// Variance of a quantity from its gradient by θ; of a force, without the noise.
-    pub(super) fn variance(&self, gradient: &Theta<T>, noise_raw: T) -> T {
-        // P is in units of the noise already where it was learned; the prior is in none.
-        let _ = noise_raw;
+    pub(super) fn variance(&self, gradient: &Theta<T>) -> T {
         self.covariance
             .variance(&gradient.component_mul(&self.prior))
     }
@@ -415,11 +460,6 @@ impl<T: Real> Fit<T> {
     /// Mean of what is left.
     pub(super) fn left(&self) -> T {
         self.left / self.blocks.max_of(T::unit())
-    }
-
-    /// The same over the last blocks.
-    pub(super) fn recent(&self) -> T {
-        self.recent
     }
 
     /// How far it is from its reference, in standard errors.
@@ -461,7 +501,7 @@ mod tests {
     use nalgebra::SVector;
 
     fn theta() -> Theta<f64> {
-        SVector::from([2.0, 0.3, 1.6, 0.05, 0.3, -0.7, 0.2, 1.2])
+        SVector::from([2.0, 0.3, 1.6, 0.05, 0.6, -0.7, 0.4, 1.2])
     }
 
     /// A stroke and a hold in blocks of 8 ms.
@@ -520,7 +560,7 @@ mod tests {
                 rate_per_s: 2.0,
             }],
         };
-        let theta = SVector::from([2.0, 0.0, 1.6, 0.0, 0.3, libm::log(2.0), 0.0, 0.0]);
+        let theta = SVector::from([2.0, 0.0, 1.6, 0.0, 0.6, libm::log(2.0), 0.0, 0.0]);
         let (mut state, mut memory) = (law.at_rest(), Memory::default());
         let depth = |t: f64| 3e-3 * (1.0 - libm::cos(6.0 * t)) / 2.0;
         for i in 0..200 {
