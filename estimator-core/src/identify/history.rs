@@ -44,6 +44,8 @@ const NEWS: f64 = 0.1;
 /// A reference may cost this much more than the one before it (the data grow), and this share.
 const WORSE: f64 = 0.3;
 const WORSE_SHARE: f64 = 1.2;
+/// over data that have not grown by more than this.
+const GROWN: f64 = 1.03;
 /// A fit whose errors are this many times their variance is bad, and starts anew after some passes.
 const BAD: f64 = 4.0;
 const PATIENCE: u32 = 8;
@@ -79,6 +81,8 @@ struct Contender<T: Real> {
     starts: u32,
     /// Number of the block at which it last finished a pass.
     finished: u32,
+    /// Blocks that the accepted reference was compared over.
+    compared: T,
     /// The last step in standard errors, what was left, and how many blocks it was over.
     step: T,
     left: T,
@@ -95,6 +99,7 @@ impl<T: Real> Contender<T> {
             passes: 0,
             starts: 0,
             finished: 0,
+            compared: T::nil(),
             step: T::from_f64(1e9),
             left: T::from_f64(1e9),
             blocks: T::nil(),
@@ -106,15 +111,20 @@ impl<T: Real> Contender<T> {
     }
 
     /// Whether a reference is no worse than the one before, by what it costs at best; else the next
-    /// one is halfway.
-    fn accepts(&mut self, reference: &Theta<T>, cost: T, sound: bool) -> bool {
+    /// one is halfway. Costs over other data cannot be compared: there every reference is accepted.
+    fn accepts(&mut self, pass: &Fit<T>) -> bool {
+        let (cost, blocks) = (pass.left(), pass.blocks());
+        let grown = blocks > T::from_f64(GROWN) * self.compared;
         let worse = match self.accepted {
-            Some((_, before)) => cost > T::from_f64(WORSE_SHARE) * before + T::from_f64(WORSE),
-            None => false,
+            Some((_, before)) if !grown => {
+                cost > T::from_f64(WORSE_SHARE) * before + T::from_f64(WORSE)
+            }
+            _ => false,
         };
-        if sound && (!worse || self.rejected >= 3) {
+        if pass.is_sound() && (!worse || self.rejected >= 3) {
             self.rejected = 0;
-            self.accepted = Some((*reference, cost));
+            self.accepted = Some((pass.reference(), cost));
+            self.compared = blocks;
             return true;
         }
         self.rejected += 1;
@@ -246,7 +256,6 @@ impl<T: Real> HistoryFit<T> {
         self.course.push(*block);
         if let Some(current) = &mut self.current {
             current.absorb(block, noise.raw, T::unit());
-            self.live = current.memory();
             if !current.is_sound() {
                 self.current = None;
             }
@@ -261,11 +270,10 @@ impl<T: Real> HistoryFit<T> {
                     .iter()
                     .flatten()
                     .all(|contender| contender.law == LawKind::Zener);
-                let number = self.course.next().saturating_sub(1);
-                self.bank = Some(Bank::new(first, step, linear, number));
+                    self.bank = Some(Bank::new(first, step, linear, self.course.oldest()));
             }
         }
-        self.refresh(noise);
+        self.refresh();
     }
 
     /// A block leaves the history: the anchor takes it, where the estimate is good.
@@ -310,7 +318,7 @@ impl<T: Real> HistoryFit<T> {
             match self.course.get(pass.next()) {
                 Some(block) => pass.absorb(block, noise.raw, T::unit()),
                 None => {
-                    self.finish(noise);
+                    self.finish();
                     return;
                 }
             }
@@ -363,14 +371,14 @@ impl<T: Real> HistoryFit<T> {
     }
 
     /// A pass has come to the newest block.
-    fn finish(&mut self, noise: &ForceNoise<T>) {
+    fn finish(&mut self) {
         let Some(pass) = self.pass.take() else { return };
         let surface_error = self.bank.as_ref().map_or(T::nil(), Bank::surface_step);
         let Some(Some(contender)) = self.contenders.get_mut(self.turn) else {
             return;
         };
         if self.projects {
-            if contender.accepts(&pass.reference(), pass.left(), pass.is_sound()) {
+            if contender.accepts(&pass) {
                 self.projects = false;
                 self.pass = Some(self.anchor.again(
                     contender.law,
@@ -401,17 +409,24 @@ impl<T: Real> HistoryFit<T> {
         };
         if takes {
             self.champion = self.turn;
-            self.live = pass.memory();
             self.current = Some(pass);
-            self.refresh(noise);
+            self.refresh();
         }
     }
 
-    fn refresh(&mut self, _noise: &ForceNoise<T>) {
-        self.judged = match &self.current {
-            Some(current) => judged(current),
-            None => [Judged::default(); PARAMETER_SLOTS],
+    /// After `current` has changed.
+    fn refresh(&mut self) {
+        let Some(current) = &self.current else {
+            self.judged = [Judged::default(); PARAMETER_SLOTS];
+            return;
         };
+        self.judged = judged(current);
+        self.live = current.memory();
+        // From the end of the last block to this sample.
+        if let Some(open) = self.course.open() {
+            let law = modes(current.law());
+            self.live = predict(&current.values(), law, &self.live, &open).memory;
+        }
     }
 }
 
@@ -514,7 +529,12 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
     }
 
     fn reopen(&mut self, params: &Params<T>) {
-        *self = HistoryFit::new(params);
+        // Another material has been touched: what this touch has said already holds.
+        let mut anew = HistoryFit::new(params);
+        anew.learned = self.course.keep_last_touch();
+        anew.course = self.course.clone();
+        anew.anchor.starts_at(anew.course.oldest());
+        *self = anew;
     }
 
     fn judged(&self, _noise: &ForceNoise<T>, _surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {

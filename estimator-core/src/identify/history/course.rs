@@ -28,7 +28,7 @@ pub(super) struct Block<T> {
     pub(super) spread: T,
     pub(super) coupling: T,
     pub(super) duration_s: T,
-    /// Samples that the force is worth; 0 if it must not be learned from.
+    /// Samples that the force is worth; 0 if it must not be learned from, −1 in free air.
     pub(super) count: T,
 }
 
@@ -105,10 +105,10 @@ impl<T: Real> Open<T> {
             spread: T::nil().max_of(spread),
             coupling: (self.coupling + self.mixed) * share - moved * speed,
             duration_s: self.duration_s,
-            count: if self.kind == Kind::Learned {
-                count
-            } else {
-                T::nil()
+            count: match self.kind {
+                Kind::Learned => count,
+                Kind::Passed => T::nil(),
+                Kind::Free => -T::unit(),
             },
         }
     }
@@ -118,8 +118,9 @@ impl<T: Real> Open<T> {
 #[derive(Clone, Debug)]
 pub(super) struct Course<T> {
     blocks: [Block<T>; BLOCKS],
-    /// Number of the next block.
+    /// Number of the next block, and of the first that still counts.
     next: u32,
+    first: u32,
     open: Open<T>,
     since_motion_s: T,
 }
@@ -129,6 +130,7 @@ impl<T: Real> Course<T> {
         Course {
             blocks: [Block::default(); BLOCKS],
             next: 0,
+            first: 0,
             open: Open::default(),
             since_motion_s: T::nil(),
         }
@@ -141,7 +143,7 @@ impl<T: Real> Course<T> {
 
     /// Number of the oldest block that is kept.
     pub(super) fn oldest(&self) -> u32 {
-        self.next.saturating_sub(BLOCKS as u32)
+        self.first.max(self.next.saturating_sub(BLOCKS as u32))
     }
 
     /// A block by its number, if it is kept.
@@ -152,11 +154,8 @@ impl<T: Real> Course<T> {
 
     /// The oldest block, once the next one will take its place.
     pub(super) fn leaving(&self) -> Option<&Block<T>> {
-        if self.next >= BLOCKS as u32 {
-            self.get(self.oldest())
-        } else {
-            None
-        }
+        let full = self.next.saturating_sub(self.oldest()) >= BLOCKS as u32;
+        self.get(self.oldest()).filter(|_| full)
     }
 
     pub(super) fn push(&mut self, block: Block<T>) {
@@ -164,6 +163,28 @@ impl<T: Real> Course<T> {
             *slot = block;
         }
         self.next = self.next.wrapping_add(1);
+    }
+
+    /// Forgets what came before the last flight; gives the number of blocks after it that can be
+    /// learned from.
+    pub(super) fn keep_last_touch(&mut self) -> u32 {
+        let mut learned = 0;
+        let mut number = self.next;
+        while number > self.oldest() {
+            number -= 1;
+            let count = self.get(number).map_or(T::nil(), |block| block.count);
+            if count < T::nil() {
+                break;
+            }
+            learned += u32::from(count > T::nil());
+        }
+        self.first = number;
+        learned
+    }
+
+    /// The block that is under way, as far as it goes.
+    pub(super) fn open(&self) -> Option<Block<T>> {
+        (self.open.samples > 0).then(|| self.open.closed())
     }
 
     /// Takes an instant; gives the block that it ends, to be pushed. `surface` is where the material

@@ -429,6 +429,11 @@ impl<T: Real> Fit<T> {
         bounded(self.law, self.reference + step * share)
     }
 
+    /// Begins with this block.
+    pub(super) fn starts_at(&mut self, block: u32) {
+        self.next = block;
+    }
+
     /// Knows something of what has left the history.
     pub(super) fn is_informed(&self) -> bool {
         self.informed
