@@ -51,8 +51,11 @@ const BAD: f64 = 4.0;
 const PATIENCE: u32 = 8;
 /// By how much the criterion must speak for another law: 10 is very strong (Kass & Raftery 1995).
 const MARGIN: f64 = 10.0;
-/// Where two modes start from one: factors on its rate.
-const SPLITS: [(f64, f64); 3] = [(4.0, 0.5), (1.5, 0.15), (12.0, 0.8)];
+/// Passes of one mode after which two are tried.
+const ONE_MODE_FIRST: u32 = 3;
+/// Where two modes start from one: factors on its rate, each fast one with each slow one.
+const FASTER: [f64; 3] = [1.5, 4.0, 12.0];
+const SLOWER: [f64; 3] = [0.7, 0.3, 0.1];
 /// Forgetting of what left the history (6000 blocks, 50 000 samples).
 const ANCHOR_BETA: f64 = 0.99984;
 
@@ -83,6 +86,10 @@ struct Contender<T: Real> {
     finished: u32,
     /// Blocks that the accepted reference was compared over.
     compared: T,
+    /// The start that is being tried, where there are several, and the best so far with its cost.
+    origin: Theta<T>,
+    trial: usize,
+    tried: Option<(Theta<T>, T)>,
     /// The last step in standard errors, what was left, and how many blocks it was over.
     step: T,
     left: T,
@@ -100,6 +107,9 @@ impl<T: Real> Contender<T> {
             starts: 0,
             finished: 0,
             compared: T::nil(),
+            origin: Theta::repeat(T::nil()),
+            trial: 0,
+            tried: None,
             step: T::from_f64(1e9),
             left: T::from_f64(1e9),
             blocks: T::nil(),
@@ -135,6 +145,30 @@ impl<T: Real> Contender<T> {
             None => self.passes = PATIENCE,
         }
         false
+    }
+
+    /// Whether it is looking for a start among several.
+    fn is_trying(&self) -> bool {
+        self.law == LawKind::QuasiLinear2 && self.accepted.is_none()
+    }
+
+    /// Takes the cost of a start; after the last one, the best is the next reference.
+    fn tried(&mut self, pass: &Fit<T>) {
+        let cost = pass.left();
+        let better = self.tried.is_none_or(|(_, kept)| cost < kept);
+        if pass.is_sound() && better {
+            self.tried = Some((pass.reference(), cost));
+        }
+        self.trial += 1;
+        if self.trial >= FASTER.len() * SLOWER.len() {
+            self.accepted = self.tried;
+            self.compared = T::nil();
+            if let Some((reference, _)) = self.tried {
+                self.proposed = reference;
+            }
+            self.trial = 0;
+            self.tried = None;
+        }
     }
 
     /// Takes a finished pass over all parameters.
@@ -236,8 +270,8 @@ impl<T: Real> HistoryFit<T> {
         if touching {
             self.impact.get_or_insert((at.surface, at.surface_error));
         }
-        let surface = self.surface_found().unwrap_or((at.surface, at.surface_error));
-        if let Some(block) = self.course.follow(at, surface, usable, touching) {
+        let depth = self.surface_found().map(|(surface, error)| (at.position() - surface, error));
+        if let Some(block) = self.course.follow(at, depth, usable, touching) {
             self.take(&block, at, noise);
         } else if let Some(current) = &self.current {
             let block = Block::of(at);
@@ -332,7 +366,13 @@ impl<T: Real> HistoryFit<T> {
         if self.learned < FIRST_PASS || high < T::from_f64(FIRST_RANGE) * low {
             return;
         }
-        self.turn = (self.turn + 1) % MOST_LAWS;
+        let trying = self
+            .contenders
+            .get(self.turn)
+            .is_some_and(|own| own.is_some_and(|own| own.is_trying() && own.trial > 0));
+        if !trying {
+            self.turn = (self.turn + 1) % MOST_LAWS;
+        }
         let simpler = self.contenders.first().copied().flatten();
         let Some(Some(contender)) = self.contenders.get_mut(self.turn) else {
             return;
@@ -345,22 +385,36 @@ impl<T: Real> HistoryFit<T> {
             return;
         }
         let bad = contender.left > T::from_f64(BAD) && contender.passes >= PATIENCE;
-        if contender.accepted.is_none() || bad {
-            let start = match (contender.law, simpler) {
-                (LawKind::QuasiLinear2, Some(simpler)) if simpler.converged() => {
-                    Some(split(&simpler.proposed, contender.starts))
-                }
-                (LawKind::QuasiLinear2, _) => None,
-                (law, _) => bank.found(law == LawKind::Zener),
-            };
-            let Some(start) = start else { return };
-            contender.proposed = start;
+        if bad {
             contender.accepted = None;
+        }
+        if contender.is_trying() {
+            let one = match simpler {
+                Some(one) if one.passes >= ONE_MODE_FIRST || one.converged() => one.proposed,
+                _ => return,
+            };
+            if contender.trial == 0 {
+                contender.passes = 0;
+                contender.origin = if bad && contender.starts % 2 == 1 {
+                    contender.proposed
+                } else {
+                    one
+                };
+                contender.starts = contender.starts.wrapping_add(1);
+            }
+            contender.proposed = split(&contender.origin, contender.trial);
+        } else if contender.accepted.is_none() {
+            let Some(start) = bank.found(contender.law == LawKind::Zener) else {
+                return;
+            };
+            contender.proposed = start;
             contender.passes = 0;
             contender.starts = contender.starts.wrapping_add(1);
         }
         // What has left the history is known for all parameters together.
-        let own = self.anchor.is_informed() && self.anchor.law() == contender.law;
+        let own = self.anchor.is_informed()
+            && self.anchor.law() == contender.law
+            && !contender.is_trying();
         self.projects = !own;
         self.pass = Some(if own {
             self.anchor
@@ -378,7 +432,9 @@ impl<T: Real> HistoryFit<T> {
             return;
         };
         if self.projects {
-            if contender.accepts(&pass) {
+            if contender.is_trying() {
+                contender.tried(&pass);
+            } else if contender.accepts(&pass) {
                 self.projects = false;
                 self.pass = Some(self.anchor.again(
                     contender.law,
@@ -431,17 +487,19 @@ impl<T: Real> HistoryFit<T> {
 }
 
 /// Where two modes start from one.
-fn split<T: Real>(one: &Theta<T>, start: u32) -> Theta<T> {
-    let mut two = *one;
-    let (fast, slow) = SPLITS
-        .get(start as usize % SPLITS.len())
-        .copied()
-        .unwrap_or((4.0, 0.5));
+fn split<T: Real>(one: &Theta<T>, trial: usize) -> Theta<T> {
     let [(relaxing_1, log_rate_1), (relaxing_2, log_rate_2)] = MODES;
-    let half = T::from_f64(0.5) * one[relaxing_1];
+    let factor = |factors: &[f64], index: usize| factors.get(index).map_or(0.0, |f| libm::log(*f));
+    let mut two = *one;
+    let half = T::from_f64(0.5) * (one[relaxing_1] + one[relaxing_2]);
+    let middle = if one[relaxing_2] > T::nil() {
+        T::from_f64(0.5) * (one[log_rate_1] + one[log_rate_2])
+    } else {
+        one[log_rate_1]
+    };
     (two[relaxing_1], two[relaxing_2]) = (half, half);
-    two[log_rate_1] = one[log_rate_1] + T::from_f64(libm::log(fast));
-    two[log_rate_2] = one[log_rate_1] + T::from_f64(libm::log(slow));
+    two[log_rate_1] = middle + T::from_f64(factor(&FASTER, trial % FASTER.len()));
+    two[log_rate_2] = middle + T::from_f64(factor(&SLOWER, trial / FASTER.len()));
     two
 }
 

@@ -187,17 +187,17 @@ impl<T: Real> Course<T> {
         (self.open.samples > 0).then(|| self.open.closed())
     }
 
-    /// Takes an instant; gives the block that it ends, to be pushed. `surface` is where the material
-    /// begins, as far as is known, and `error` how far that is off: an impact on a material that has
-    /// not recovered says nothing of it.
+    /// Takes an instant; gives the block that it ends, to be pushed. `depth` is how deep it is, as
+    /// far as is known, and how far that is off: not from the last impact, which says nothing where
+    /// the material has not recovered.
     pub(super) fn follow(
         &mut self,
         at: &Instant<T>,
-        (surface, error): (T, T),
+        depth: Option<(T, T)>,
         usable: bool,
         touching: bool,
     ) -> Option<Block<T>> {
-        let depth = at.position() - surface;
+        let (depth, error) = depth.unwrap_or((-T::unit(), T::nil()));
         let near = depth > -(T::from_f64(CLEAR) * error);
         let kind = if usable {
             Kind::Learned
