@@ -71,9 +71,11 @@ fn laws(method: Method) -> &'static [LawKind] {
 const MOST_LAWS: usize = 2;
 
 /// A law and where its passes stand.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Contender<T: Real> {
     law: LawKind,
+    /// What is known of the blocks that have left the history, and the memory at its beginning.
+    anchor: Fit<T>,
     /// The last reference that was accepted and what it costs at best; `None`: starts anew.
     accepted: Option<(Theta<T>, T)>,
     /// The next reference.
@@ -100,6 +102,7 @@ impl<T: Real> Contender<T> {
     fn new(law: LawKind) -> Self {
         Contender {
             law,
+            anchor: Fit::new(law, &Theta::repeat(T::unit()), T::nil()),
             accepted: None,
             proposed: Theta::repeat(T::nil()),
             rejected: 0,
@@ -113,6 +116,29 @@ impl<T: Real> Contender<T> {
             step: T::from_f64(1e9),
             left: T::from_f64(1e9),
             blocks: T::nil(),
+        }
+    }
+
+    /// A block leaves the history.
+    fn let_go(
+        &mut self,
+        block: &Block<T>,
+        noise_raw: T,
+        surface_error: T,
+        simpler: Option<&Theta<T>>,
+    ) {
+        let good = self.accepted.is_some() && self.left < T::from_f64(BAD);
+        if self.accepted.is_some() {
+            self.anchor = self.anchor.again(self.law, &self.proposed, surface_error);
+        } else if let Some(simpler) = simpler {
+            let start = split(simpler, FASTER.len() + 1);
+            self.anchor = self.anchor.again(self.law, &start, surface_error);
+        }
+        if good && self.step < T::from_f64(NEAR) {
+            self.anchor
+                .absorb(block, noise_raw, T::from_f64(ANCHOR_BETA));
+        } else {
+            self.anchor.pass(block);
         }
     }
 
@@ -200,8 +226,6 @@ impl<T: Real> Contender<T> {
 pub struct HistoryFit<T: Real> {
     course: Course<T>,
     bank: Option<Bank<T>>,
-    /// What is known of the blocks that have left the history, and the memory at its beginning.
-    anchor: Fit<T>,
     current: Option<Fit<T>>,
     /// The pass that is under way; whether it is over K, λ and B alone.
     pass: Option<Fit<T>>,
@@ -221,19 +245,13 @@ pub struct HistoryFit<T: Real> {
 impl<T: Real> HistoryFit<T> {
     /// Before the first contact.
     pub fn new(params: &Params<T>) -> Self {
-        let mut contenders = [None; MOST_LAWS];
+        let mut contenders = [const { None }; MOST_LAWS];
         for (slot, law) in contenders.iter_mut().zip(laws(params.method)) {
             *slot = Some(Contender::new(*law));
         }
-        let law = laws(params.method).first().copied();
         HistoryFit {
             course: Course::new(),
             bank: None,
-            anchor: Fit::new(
-                law.unwrap_or(LawKind::QuasiLinear),
-                &Theta::repeat(T::unit()),
-                T::nil(),
-            ),
             current: None,
             pass: None,
             projects: false,
@@ -310,30 +328,24 @@ impl<T: Real> HistoryFit<T> {
         self.refresh();
     }
 
-    /// A block leaves the history: the anchor takes it, where the estimate is good.
+    /// A block leaves the history: the anchors take it, where the estimates are good.
     fn let_go(&mut self, block: &Block<T>, noise: &ForceNoise<T>) {
-        if let Some(current) = &self.current {
-            let step = self.bank.as_ref().map_or(T::nil(), Bank::surface_step);
-            self.anchor = self.anchor.again(current.law(), &current.values(), step);
-        }
-        let good = self
-            .current
-            .as_ref()
-            .is_some_and(|current| current.left() < T::from_f64(BAD));
-        if good {
-            self.anchor
-                .absorb(block, noise.raw, T::from_f64(ANCHOR_BETA));
-        } else {
-            self.anchor.pass(block);
+        let surface_error = self.bank.as_ref().map_or(T::nil(), Bank::surface_step);
+        let simpler = self.simplest();
+        for contender in self.contenders.iter_mut().flatten() {
+            contender.let_go(block, noise.raw, surface_error, simpler.as_ref());
         }
         // A pass that has not seen the block yet has come too late.
-        if self
-            .pass
-            .as_ref()
-            .is_some_and(|pass| pass.next() < self.anchor.next())
-        {
+        let number = self.course.oldest();
+        if self.pass.as_ref().is_some_and(|pass| pass.next() <= number) {
             self.pass = None;
         }
+    }
+
+    /// Where the simplest law stands, once it has made some passes.
+    fn simplest(&self) -> Option<Theta<T>> {
+        let one = self.contenders.first()?.as_ref()?;
+        (one.passes >= ONE_MODE_FIRST || one.converged()).then_some(one.proposed)
     }
 
     fn feed_bank(&mut self) {
@@ -369,11 +381,12 @@ impl<T: Real> HistoryFit<T> {
         let trying = self
             .contenders
             .get(self.turn)
-            .is_some_and(|own| own.is_some_and(|own| own.is_trying() && own.trial > 0));
+            .and_then(Option::as_ref)
+            .is_some_and(|own| own.is_trying() && own.trial > 0);
         if !trying {
             self.turn = (self.turn + 1) % MOST_LAWS;
         }
-        let simpler = self.contenders.first().copied().flatten();
+        let simpler = self.simplest();
         let Some(Some(contender)) = self.contenders.get_mut(self.turn) else {
             return;
         };
@@ -389,10 +402,7 @@ impl<T: Real> HistoryFit<T> {
             contender.accepted = None;
         }
         if contender.is_trying() {
-            let one = match simpler {
-                Some(one) if one.passes >= ONE_MODE_FIRST || one.converged() => one.proposed,
-                _ => return,
-            };
+            let Some(one) = simpler else { return };
             if contender.trial == 0 {
                 contender.passes = 0;
                 contender.origin = if bad && contender.starts % 2 == 1 {
@@ -412,15 +422,16 @@ impl<T: Real> HistoryFit<T> {
             contender.starts = contender.starts.wrapping_add(1);
         }
         // What has left the history is known for all parameters together.
-        let own = self.anchor.is_informed()
-            && self.anchor.law() == contender.law
-            && !contender.is_trying();
+        let own = contender.anchor.is_informed() && !contender.is_trying();
         self.projects = !own;
         self.pass = Some(if own {
-            self.anchor
+            contender
+                .anchor
                 .again(contender.law, &contender.proposed, bank.surface_step())
         } else {
-            self.anchor.projected(contender.law, &contender.proposed)
+            contender
+                .anchor
+                .projected(contender.law, &contender.proposed)
         });
     }
 
@@ -436,7 +447,7 @@ impl<T: Real> HistoryFit<T> {
                 contender.tried(&pass);
             } else if contender.accepts(&pass) {
                 self.projects = false;
-                self.pass = Some(self.anchor.again(
+                self.pass = Some(contender.anchor.again(
                     contender.law,
                     &pass.values(),
                     surface_error,
@@ -451,16 +462,17 @@ impl<T: Real> HistoryFit<T> {
         if contender.accepted.is_none() {
             contender.accepted = Some((pass.reference(), pass.cost()));
         }
-        let contender = *contender;
-        let champion = self.contenders.get(self.champion).copied().flatten();
-        let near = contender.step < T::from_f64(NEAR);
+        let (step, passes, criterion) =
+            (contender.step, contender.passes, contender.criterion());
+        let champion = self.contenders.get(self.champion).and_then(Option::as_ref);
+        let near = step < T::from_f64(NEAR);
         let takes = match (&self.current, champion) {
-            (None, _) | (_, None) => near || contender.passes >= PATIENCE / 2,
+            (None, _) | (_, None) => near || passes >= PATIENCE / 2,
             (Some(current), _) if self.turn == self.champion => {
                 near || pass.left() < T::from_f64(0.7) * current.left()
             }
             (Some(_), Some(champion)) => {
-                near && contender.criterion() + T::from_f64(MARGIN) < champion.criterion()
+                near && criterion + T::from_f64(MARGIN) < champion.criterion()
             }
         };
         if takes {
@@ -591,7 +603,10 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         let mut anew = HistoryFit::new(params);
         anew.learned = self.course.keep_last_touch();
         anew.course = self.course.clone();
-        anew.anchor.starts_at(anew.course.oldest());
+        let first = anew.course.oldest();
+        for contender in anew.contenders.iter_mut().flatten() {
+            contender.anchor.starts_at(first);
+        }
         *self = anew;
     }
 
