@@ -39,6 +39,10 @@ const FIRST_RANGE: f64 = 2.0;
 const NEAR: f64 = 1.0;
 /// and has converged when by less than this: the next one waits for news.
 const CONVERGED: f64 = 0.1;
+/// Standard errors over the size of what is known.
+const KNOWN: f64 = 0.05;
+/// After this many passes an estimate that is still not good will not become so.
+const LONG_TRIED: u32 = 100;
 /// News: this share of the blocks.
 const NEWS: f64 = 0.1;
 /// A reference may cost this much more than the one before it (the data grow), and this share.
@@ -235,8 +239,12 @@ pub struct HistoryFit<T: Real> {
     champion: usize,
     /// The first impact and its standard error.
     impact: Option<(T, T)>,
-    /// Blocks that were learned from.
+    /// Blocks that were learned from, and passes that were finished.
     learned: u32,
+    passes: u32,
+    /// The estimate has once been good, or nothing good could be found: from here on an error of the
+    /// prediction is one of the law or a change of material, and not of an estimate still under way.
+    judges: bool,
     /// The memory of `current` at this sample.
     live: Memory<T>,
     judged: [Judged<T>; PARAMETER_SLOTS],
@@ -260,6 +268,8 @@ impl<T: Real> HistoryFit<T> {
             champion: 0,
             impact: None,
             learned: 0,
+            passes: 0,
+            judges: false,
             live: Memory::default(),
             judged: [Judged::default(); PARAMETER_SLOTS],
         }
@@ -456,6 +466,7 @@ impl<T: Real> HistoryFit<T> {
             return;
         }
         contender.finish(&pass, surface_error);
+        self.passes = self.passes.saturating_add(1);
         if !pass.is_sound() {
             return;
         }
@@ -475,11 +486,19 @@ impl<T: Real> HistoryFit<T> {
                 near && criterion + T::from_f64(MARGIN) < champion.criterion()
             }
         };
+        let good = near && pass.left() < T::from_f64(BAD);
         if takes {
             self.champion = self.turn;
             self.current = Some(pass);
             self.refresh();
+            self.judges |= good && self.knows();
         }
+    }
+
+    /// Every parameter to a few percent; or enough has been tried.
+    fn knows(&self) -> bool {
+        let known = |judged: &Judged<T>| judged.std_error <= T::from_f64(KNOWN) * judged.scale;
+        self.judged.iter().all(known)
     }
 
     /// After `current` has changed.
@@ -584,7 +603,12 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         let predicted = predict(&current.values(), law, &self.live, &Block::of(at));
         let variance = current.variance(&predicted.gradient);
         // A material that has not recovered is not there yet: it does not pull.
-        (T::nil().max_of(predicted.force), variance)
+        let force = T::nil().max_of(predicted.force);
+        if self.judges || self.passes >= LONG_TRIED {
+            return (force, variance);
+        }
+        let error = at.force - force;
+        (force, variance.max_of(error * error))
     }
 
     fn learn(
