@@ -55,6 +55,9 @@ fn configurations() -> Vec<Config> {
         Method::ZenerArx,
         Method::HammersteinCascade,
         Method::HammersteinCascade2,
+        Method::ZenerBank,
+        Method::QuasiLinearBank,
+        Method::QuasiLinearBank2,
     ];
     for method in methods {
         for filter in filters {

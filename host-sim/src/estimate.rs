@@ -205,9 +205,12 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::KelvinVoigt, Method::KelvinVoigt, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
-        (LawChoice::Zener, Method::ZenerArx, true),
-        (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
-        (LawChoice::QuasiLinear, Method::HammersteinCascade2, true),
+        (LawChoice::Zener, Method::ZenerBank, true),
+        (LawChoice::Zener, Method::ZenerArx, false),
+        (LawChoice::QuasiLinear, Method::QuasiLinearBank, true),
+        (LawChoice::QuasiLinear, Method::QuasiLinearBank2, true),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade, false),
+        (LawChoice::QuasiLinear, Method::HammersteinCascade2, false),
     ];
     let fits = |(own, candidate, default): &(LawChoice, Method, bool)| {
         (law == LawChoice::Auto || law == *own)
@@ -222,9 +225,9 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, arx \
-                 with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
-                 out",
+                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, bank \
+                 and arx with zener, bank, bank_2, cascade and cascade_2 with quasi_linear, batch with \
+                 every law; or leave --method out",
             ));
     }
     Ok(left)
@@ -401,9 +404,9 @@ mod tests {
         let simplest_first = [
             Method::KelvinVoigtSurface,
             Method::HuntCrossleyBank,
-            Method::ZenerArx,
-            Method::HammersteinCascade,
-            Method::HammersteinCascade2,
+            Method::ZenerBank,
+            Method::QuasiLinearBank,
+            Method::QuasiLinearBank2,
         ];
         assert_eq!(all, simplest_first);
     }

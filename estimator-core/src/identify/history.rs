@@ -96,6 +96,8 @@ struct Contender<T: Real> {
     origin: Theta<T>,
     trial: usize,
     tried: Option<(Theta<T>, T)>,
+    /// Its parameters are known well enough for a gradient to hold.
+    straight: bool,
     /// The last step in standard errors, what was left, and how many blocks it was over.
     step: T,
     left: T,
@@ -113,6 +115,7 @@ impl<T: Real> Contender<T> {
             passes: 0,
             starts: 0,
             finished: 0,
+            straight: false,
             compared: T::nil(),
             origin: Theta::repeat(T::nil()),
             trial: 0,
@@ -138,7 +141,7 @@ impl<T: Real> Contender<T> {
             let start = split(simpler, FASTER.len() + 1);
             self.anchor = self.anchor.again(self.law, &start, surface_error);
         }
-        if good && self.step < T::from_f64(NEAR) {
+        if good && self.straight && self.step < T::from_f64(NEAR) {
             self.anchor
                 .absorb(block, noise_raw, T::from_f64(ANCHOR_BETA));
         } else {
@@ -208,6 +211,7 @@ impl<T: Real> Contender<T> {
         if pass.is_sound() {
             self.proposed = pass.stepped(surface_error);
             self.step = pass.step();
+            self.straight = pass.is_straight();
             self.left = pass.left();
             self.blocks = pass.blocks();
         } else {

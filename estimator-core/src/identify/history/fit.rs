@@ -34,7 +34,7 @@ pub(super) type Theta<T> = SVector<T, SLOTS>;
 
 /// Bounds of n and of ln ν: no step makes a power that single precision cannot hold.
 const EXPONENTS: (f64, f64) = (0.3, 4.0);
-const LOG_RATES: (f64, f64) = (-9.0, 6.0);
+const LOG_RATES: (f64, f64) = (-9.0, 4.5);
 /// Bounds of B/K.
 const FRACTIONS: (f64, f64) = (0.003, 0.99);
 /// Prior standard deviations of n and ln ν, and of K, λ and B over K.
@@ -54,6 +54,8 @@ const HUBER: f64 = 5.0;
 /// A block is worth no more than this many samples: what its position is off by is the same for all
 /// of them (1 µm of encoder steps on 6 N/mm are 2 mN, what is left of 20 mN by a mean of 100).
 const MOST_COUNTED: f64 = 100.0;
+/// Largest standard error of ln ν over which a gradient holds.
+const STRAIGHT: f64 = 0.2;
 /// Memory of the recent errors (blocks).
 const RECENT: f64 = 16.0;
 
@@ -477,6 +479,15 @@ impl<T: Real> Fit<T> {
             }
         }
         most
+    }
+
+    /// Whether its gradient holds over its standard errors.
+    pub(super) fn is_straight(&self) -> bool {
+        let errors = self.std_errors();
+        MODES.into_iter().all(|(_, log_rate)| {
+            let error = errors.get(log_rate).copied().unwrap_or_default();
+            error < T::from_f64(STRAIGHT)
+        })
     }
 
     /// The values can be a contact: finite, and a spring that pushes.
