@@ -146,13 +146,19 @@ pub enum Method {
     QuasiLinearBank = 10,
     /// The same with two modes, once the force speaks for the second.
     QuasiLinearBank2 = 11,
+    /// Kelvin–Voigt, Hunt–Crossley, Zener and quasi-linear with one mode side by side over the same
+    /// history; the records say which law they are of.
+    Selection = 12,
 }
 
 impl Method {
     /// The law that the method identifies.
     pub const fn law(self) -> LawKind {
         match self {
-            Method::KelvinVoigt | Method::KelvinVoigtSurface => LawKind::KelvinVoigt,
+            // The law that a selection starts with.
+            Method::KelvinVoigt | Method::KelvinVoigtSurface | Method::Selection => {
+                LawKind::KelvinVoigt
+            }
             Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
             Method::ZenerArx | Method::ZenerBank => LawKind::Zener,
             Method::HammersteinCascade | Method::QuasiLinearBank => LawKind::QuasiLinear,
@@ -171,6 +177,7 @@ impl Method {
                 | Method::ZenerBank
                 | Method::QuasiLinearBank
                 | Method::QuasiLinearBank2
+                | Method::Selection
         )
     }
 }

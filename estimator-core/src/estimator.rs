@@ -95,7 +95,7 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     let change = learned.and_then(|_| state.judge(params, &contact, &noise, &innovation));
     let estimate = Estimate {
         time_us: sample.time_us.saturating_sub(params.delay_us()),
-        law: params.law(),
+        law: state.last.law,
         phase: contact.phase,
         status: state.judge.status(),
         depth_m: state.depth_m(params, &contact, &aligned),
@@ -227,13 +227,15 @@ impl<T: Real> State<T> {
         judged
             .iter_mut()
             .for_each(|parameter| parameter.std_error *= misfit);
+        let law = self.identifier.law(params);
         let own = judged
-            .get(..params.law().parameters().len() - 1)
+            .get(..law.parameters().len() - 1)
             .unwrap_or(&[]);
         let event = self
             .judge
             .update(&params.status, own, innovation.test_ratio);
-        self.last.parameters = identify::report(params, own, surface);
+        self.last.law = law;
+        self.last.parameters = identify::report(params, law, own, surface);
         if event == Some(Event::MaterialChange) {
             self.identifier.reopen(params);
         }

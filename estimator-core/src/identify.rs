@@ -28,6 +28,7 @@ pub use zener::{Solid, ZenerArx};
 use crate::config::{Initial, Method, Params, Reference};
 use crate::contact::SurfacePosition;
 use crate::estimate::{Estimated, PARAMETER_SLOTS, Parameters};
+use crate::law::LawKind;
 use crate::scalar::Real;
 use crate::status::Judged;
 use crate::units::Unit;
@@ -205,9 +206,18 @@ impl<T: Real> Identifier<T> {
                 Self::Linear(Linear::new(params))
             }
             Method::KelvinVoigtSurface => Self::Affine(Affine::new(params)),
-            Method::ZenerBank | Method::QuasiLinearBank | Method::QuasiLinearBank2 => {
-                Self::History(HistoryFit::new(params))
-            }
+            Method::ZenerBank
+            | Method::QuasiLinearBank
+            | Method::QuasiLinearBank2
+            | Method::Selection => Self::History(HistoryFit::new(params)),
+        }
+    }
+
+    /// The law that it holds to be the right one now.
+    pub fn law(&self, params: &Params<T>) -> LawKind {
+        match self {
+            Self::History(own) => own.law().unwrap_or(params.law()),
+            _ => params.law(),
         }
     }
 
@@ -312,15 +322,12 @@ impl<T: Real> Identifier<T> {
 /// The parameters in SI units, the surface behind the law's own; what is not observable is `None`.
 pub fn report<T: Real>(
     params: &Params<T>,
+    law: LawKind,
     judged: &[Judged<T>],
     surface: SurfacePosition<T>,
 ) -> Parameters<T> {
     let scale = &params.scale;
-    let units = params
-        .law()
-        .parameters()
-        .iter()
-        .map(|info| scale.of(info.unit));
+    let units = law.parameters().iter().map(|info| scale.of(info.unit));
     let mut parameters = [None; PARAMETER_SLOTS];
     for ((slot, own), unit) in parameters.iter_mut().zip(judged).zip(units) {
         *slot = own.observable().then(|| Estimated {

@@ -138,6 +138,8 @@ pub enum MethodChoice {
     /// The same with two modes, once the force speaks for the second (quasi_linear)
     #[value(name = "bank_2")]
     Bank2,
+    /// Four laws side by side, as the board would choose among them while it touches (auto)
+    Online,
     /// The whole log at once (every law)
     Batch,
 }
@@ -155,6 +157,7 @@ impl MethodChoice {
                 MethodChoice::Bank
             }
             Method::QuasiLinearBank2 => MethodChoice::Bank2,
+            Method::Selection => MethodChoice::Online,
         }
     }
 
@@ -168,6 +171,7 @@ impl MethodChoice {
             MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
             MethodChoice::Bank2 => "bank_2",
+            MethodChoice::Online => "online",
             MethodChoice::Batch => "batch",
         }
     }
@@ -211,6 +215,7 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::QuasiLinear, Method::QuasiLinearBank2, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade, false),
         (LawChoice::QuasiLinear, Method::HammersteinCascade2, false),
+        (LawChoice::Auto, Method::Selection, false),
     ];
     let fits = |(own, candidate, default): &(LawChoice, Method, bool)| {
         (law == LawChoice::Auto || law == *own)
@@ -227,7 +232,7 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
             .remedy(
                 "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, bank \
                  and arx with zener, bank, bank_2, cascade and cascade_2 with quasi_linear, batch with \
-                 every law; or leave --method out",
+                 every law, online with auto; or leave --method out",
             ));
     }
     Ok(left)

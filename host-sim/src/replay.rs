@@ -2,6 +2,7 @@
 
 use estimator_core::config::Params;
 use estimator_core::estimate::Phase;
+use estimator_core::law::LawKind;
 use estimator_core::{Config, ConfigError, Estimate, Faults, Sample, State, step};
 
 use crate::log::UniformLog;
@@ -94,6 +95,11 @@ impl Replay {
         let surface = self.surface_m.last().copied().unwrap_or_default();
         let position = self.records[index].depth_m + self.surface_m[index];
         f64::from(position) - f64::from(surface)
+    }
+
+    /// The law of the last record: an estimator may choose among several.
+    pub fn law(&self) -> LawKind {
+        self.last().map_or(self.params.law(), |record| record.law)
     }
 
     /// The last record; `None` of an empty log.

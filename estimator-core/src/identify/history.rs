@@ -68,11 +68,17 @@ fn laws(method: Method) -> &'static [LawKind] {
     match method {
         Method::ZenerBank => &[LawKind::Zener],
         Method::QuasiLinearBank2 => &[LawKind::QuasiLinear, LawKind::QuasiLinear2],
+        Method::Selection => &[
+            LawKind::KelvinVoigt,
+            LawKind::HuntCrossley,
+            LawKind::Zener,
+            LawKind::QuasiLinear,
+        ],
         _ => &[LawKind::QuasiLinear],
     }
 }
 
-const MOST_LAWS: usize = 2;
+const MOST_LAWS: usize = 4;
 
 /// A law and where its passes stand.
 #[derive(Clone, Debug)]
@@ -279,6 +285,11 @@ impl<T: Real> HistoryFit<T> {
         }
     }
 
+    /// The law of the estimate, once there is one.
+    pub fn law(&self) -> Option<LawKind> {
+        self.current.as_ref().map(Fit::law)
+    }
+
     /// The surface (m) with its standard error, once there is an estimate.
     pub fn surface(&self, params: &Params<T>) -> Option<SurfacePosition<T>> {
         let current = self.current.as_ref()?;
@@ -302,12 +313,14 @@ impl<T: Real> HistoryFit<T> {
         if touching {
             self.impact.get_or_insert((at.surface, at.surface_error));
         }
-        let depth = self.surface_found().map(|(surface, error)| (at.position() - surface, error));
+        let depth = self
+            .surface_found()
+            .map(|(surface, error)| (at.position() - surface, error));
         if let Some(block) = self.course.follow(at, depth, usable, touching) {
             self.take(&block, at, noise);
         } else if let Some(current) = &self.current {
             let block = Block::of(at);
-            let law = modes(current.law());
+            let law = current.law();
             self.live = predict(&current.values(), law, &self.live, &block).memory;
         }
         self.feed_bank();
@@ -336,7 +349,7 @@ impl<T: Real> HistoryFit<T> {
                     .iter()
                     .flatten()
                     .all(|contender| contender.law == LawKind::Zener);
-                    self.bank = Some(Bank::new(first, step, linear, self.course.oldest()));
+                self.bank = Some(Bank::new(first, step, linear, self.course.oldest()));
             }
         }
         self.refresh();
@@ -398,7 +411,8 @@ impl<T: Real> HistoryFit<T> {
             .and_then(Option::as_ref)
             .is_some_and(|own| own.is_trying() && own.trial > 0);
         if !trying {
-            self.turn = (self.turn + 1) % MOST_LAWS;
+            let laws = self.contenders.iter().flatten().count().max(1);
+            self.turn = (self.turn + 1) % laws;
         }
         let simpler = self.simplest();
         let Some(Some(contender)) = self.contenders.get_mut(self.turn) else {
@@ -428,7 +442,8 @@ impl<T: Real> HistoryFit<T> {
             }
             contender.proposed = split(&contender.origin, contender.trial);
         } else if contender.accepted.is_none() {
-            let Some(start) = bank.found(contender.law == LawKind::Zener) else {
+            let linear = matches!(contender.law, LawKind::Zener | LawKind::KelvinVoigt);
+            let Some(start) = bank.found(linear) else {
                 return;
             };
             contender.proposed = start;
@@ -477,8 +492,7 @@ impl<T: Real> HistoryFit<T> {
         if contender.accepted.is_none() {
             contender.accepted = Some((pass.reference(), pass.cost()));
         }
-        let (step, passes, criterion) =
-            (contender.step, contender.passes, contender.criterion());
+        let (step, passes, criterion) = (contender.step, contender.passes, contender.criterion());
         let champion = self.contenders.get(self.champion).and_then(Option::as_ref);
         let near = step < T::from_f64(NEAR);
         let takes = match (&self.current, champion) {
@@ -487,7 +501,12 @@ impl<T: Real> HistoryFit<T> {
                 near || pass.left() < T::from_f64(0.7) * current.left()
             }
             (Some(_), Some(champion)) => {
-                near && criterion + T::from_f64(MARGIN) < champion.criterion()
+                let margin = if self.turn > self.champion {
+                    T::from_f64(MARGIN)
+                } else {
+                    T::nil()
+                };
+                near && criterion + margin < champion.criterion()
             }
         };
         let good = near && pass.left() < T::from_f64(BAD);
@@ -515,7 +534,7 @@ impl<T: Real> HistoryFit<T> {
         self.live = current.memory();
         // From the end of the last block to this sample.
         if let Some(open) = self.course.open() {
-            let law = modes(current.law());
+            let law = current.law();
             self.live = predict(&current.values(), law, &self.live, &open).memory;
         }
     }
@@ -603,7 +622,7 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         let Some(current) = &self.current else {
             return (at.force, T::nil());
         };
-        let law = modes(current.law());
+        let law = current.law();
         let predicted = predict(&current.values(), law, &self.live, &Block::of(at));
         let variance = current.variance(&predicted.gradient);
         // A material that has not recovered is not there yet: it does not pull.

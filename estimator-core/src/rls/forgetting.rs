@@ -29,7 +29,10 @@ impl<T: Real> ForgettingParams<T> {
             Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => 0.03,
             Method::ZenerArx | Method::HammersteinCascade | Method::HammersteinCascade2 => 0.001,
             // They forget by no error: what is another material starts them anew.
-            Method::ZenerBank | Method::QuasiLinearBank | Method::QuasiLinearBank2 => 0.001,
+            Method::ZenerBank
+            | Method::QuasiLinearBank
+            | Method::QuasiLinearBank2
+            | Method::Selection => 0.001,
         });
         require(
             (0.0..=0.5).contains(&alpha_1),

@@ -127,7 +127,7 @@ pub(super) fn write_csv(path: &Path, replay: &Replay, every: usize) -> io::Resul
 fn header(replay: &Replay) -> Vec<String> {
     let signals = "t_s,phase,status,depth_m,speed_mps,force_n,prediction_n,test_ratio,beta";
     let mut header: Vec<String> = signals.split(',').map(String::from).collect();
-    for info in replay.params.law().parameters() {
+    for info in replay.law().parameters() {
         header.push(info.name.into());
         header.push(format!("{}_std_error", info.name));
     }
@@ -154,8 +154,11 @@ fn row(replay: &Replay, index: usize) -> Vec<String> {
         record.innovation.test_ratio.to_string(),
         record.forgetting.to_string(),
     ];
-    let slots = replay.params.law().parameters().len();
+    let slots = replay.law().parameters().len();
+    // Parameters of a law that was given up later stand in no column.
+    let own = record.law == replay.law();
     for parameter in &record.parameters[..slots] {
+        let parameter = parameter.filter(|_| own);
         row.push(parameter.map_or(String::new(), |p| p.value.to_string()));
         row.push(parameter.map_or(String::new(), |p| p.std_error.to_string()));
     }

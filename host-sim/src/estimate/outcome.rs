@@ -60,15 +60,15 @@ pub struct Outcome {
 impl Outcome {
     /// Draws the sum of a replay of `log`.
     pub fn of(log: &UniformLog, replay: &Replay) -> Outcome {
-        let law = replay.params.law();
         let decisive = decisive(replay);
+        let law = decisive.map_or(replay.params.law(), |record| record.law);
         let parameters = decisive.map_or([None; PARAMETER_SLOTS], |record| record.parameters);
-        let replayed_n = replay_force(log, replay, &parameters);
+        let replayed_n = replay_force(log, replay, law, &parameters);
         Outcome {
             law,
             status: decisive.map_or(Status::NoContact, |record| record.status),
             force_rmse_n: force_rmse(log, replay, &replayed_n),
-            settled_at_s: settled_at(replay, &parameters),
+            settled_at_s: settled_at(replay, law, &parameters),
             segments: segments(replay),
             touches: touches(replay),
             events: events(replay),
@@ -152,14 +152,19 @@ fn decisive(replay: &Replay) -> Option<&Record> {
 /// The law over the log's own motion at the resolution of a few samples: the estimator's window
 /// would round off what happens within it. What a law remembers runs on between the touches; a
 /// force is due in contact only.
-fn replay_force(log: &UniformLog, replay: &Replay, parameters: &Parameters<f32>) -> Vec<f32> {
+fn replay_force(
+    log: &UniformLog,
+    replay: &Replay,
+    kind: LawKind,
+    parameters: &Parameters<f32>,
+) -> Vec<f32> {
     let reference_depth_m = f64::from(replay.config.reference.depth_m);
     let mut forces = vec![0.0; replay.records.len()];
-    let Some(law) = law_with(replay.params.law(), parameters, reference_depth_m) else {
+    let Some(law) = law_with(kind, parameters, reference_depth_m) else {
         return forces;
     };
     let found = match replay.config.method.finds_surface() {
-        true => parameters[replay.params.law().parameters().len() - 1],
+        true => parameters[kind.parameters().len() - 1],
         false => None,
     };
     let mut memory = law.at_rest();
@@ -202,18 +207,17 @@ fn force_rmse(log: &UniformLog, replay: &Replay, replayed_n: &[f32]) -> Option<f
 }
 
 /// From the end backward to the last record that is further than 5 % from the end's parameters.
-fn settled_at(replay: &Replay, parameters: &Parameters<f32>) -> Option<f64> {
+fn settled_at(replay: &Replay, law: LawKind, parameters: &Parameters<f32>) -> Option<f64> {
     // The surface is a place, not a property: a percentage of it means nothing.
-    let own = replay.params.law().parameters().len() - 1;
+    let own = law.parameters().len() - 1;
     let last = parameters[..own]
         .iter()
         .copied()
         .collect::<Option<Vec<_>>>()?;
     let near = |record: &Record| {
-        record.parameters[..own]
-            .iter()
-            .zip(&last)
-            .all(|(then, end)| {
+        let values = record.parameters[..own].iter().zip(&last);
+        record.law == law
+            && values.into_iter().all(|(then, end)| {
                 then.is_some_and(|then| {
                     f64::from((then.value - end.value).abs())
                         <= SETTLED_WITHIN * f64::from(end.value.abs())

@@ -102,7 +102,8 @@ struct Shape<T> {
     by_surface: T,
     damped: T,
     log: T,
-    per_depth: T,
+    /// 1/depth as far as the damper depends on it.
+    damped_per_depth: T,
     /// Whether two orders of the power describe the block.
     narrow: bool,
 }
@@ -118,7 +119,7 @@ impl<T: Real> Shape<T> {
                 by_surface: T::nil(),
                 damped: T::nil(),
                 log: T::nil(),
-                per_depth: T::nil(),
+                damped_per_depth: T::nil(),
                 narrow: false,
             };
         }
@@ -143,27 +144,42 @@ impl<T: Real> Shape<T> {
             by_surface: -(exponent * s * per_depth),
             damped: s * block.speed + power * exponent * block.coupling * per_depth,
             log,
-            per_depth,
+            damped_per_depth: per_depth,
             narrow,
         }
     }
 }
 
-/// F̂ and its gradient over a block with `modes` modes.
+impl<T: Real> Shape<T> {
+    /// The damper of Kelvin–Voigt (1), which takes no part in the depth.
+    fn with_plain_damper(self, speed: T) -> Self {
+        let inside = self.s > T::nil();
+        Shape {
+            damped: if inside { speed } else { T::nil() },
+            damped_per_depth: T::nil(),
+            ..self
+        }
+    }
+}
+
+/// F̂ of a law and its gradient over a block.
 pub(super) fn predict<T: Real>(
     theta: &Theta<T>,
-    modes: usize,
+    law: LawKind,
     memory: &Memory<T>,
     block: &Block<T>,
 ) -> Predicted<T> {
-    let shape = Shape::of(theta, block);
+    let shape = match law {
+        LawKind::KelvinVoigt => Shape::of(theta, block).with_plain_damper(block.speed),
+        _ => Shape::of(theta, block),
+    };
     let mut memory = *memory;
     let stiffness = theta[STIFFNESS];
     let mut force = stiffness * shape.s;
     let mut by_exponent = stiffness * shape.by_exponent;
     let mut by_surface = stiffness * shape.by_surface;
     let mut gradient = Theta::<T>::repeat(T::nil());
-    for (mode, (relaxing, log_rate)) in memory.modes.iter_mut().zip(MODES).take(modes) {
+    for (mode, (relaxing, log_rate)) in memory.modes.iter_mut().zip(MODES).take(modes(law)) {
         let share = theta[relaxing];
         let x = theta[log_rate].exp() * block.duration_s;
         let mean = growth(-x);
@@ -194,7 +210,7 @@ pub(super) fn predict<T: Real>(
         gradient[STIFFNESS] = shape.s;
         gradient[DAMPING] = shape.damped;
         gradient[EXPONENT] = by_exponent + damper * shape.log;
-        gradient[SURFACE] = by_surface - damper * theta[EXPONENT] * shape.per_depth;
+        gradient[SURFACE] = by_surface - damper * theta[EXPONENT] * shape.damped_per_depth;
     } else {
         gradient = Theta::repeat(T::nil());
     }
@@ -351,7 +367,7 @@ impl<T: Real> Fit<T> {
     /// Takes a block that may be learned from or not; `beta` is the forgetting factor.
     pub(super) fn absorb(&mut self, block: &Block<T>, noise_raw: T, beta: T) {
         self.next = self.next.wrapping_add(1);
-        let there = predict(&self.reference, modes(self.law), &self.memory, block);
+        let there = predict(&self.reference, self.law, &self.memory, block);
         self.memory = there.memory;
         if block.count <= T::nil() || there.gradient[STIFFNESS] == T::nil() {
             return;
@@ -383,7 +399,7 @@ impl<T: Real> Fit<T> {
     /// Takes a block for its memory only.
     pub(super) fn pass(&mut self, block: &Block<T>) {
         self.next = self.next.wrapping_add(1);
-        self.memory = predict(&self.reference, modes(self.law), &self.memory, block).memory;
+        self.memory = predict(&self.reference, self.law, &self.memory, block).memory;
     }
 
     pub(super) fn law(&self) -> LawKind {
@@ -540,7 +556,7 @@ mod tests {
             let mut memory = Memory::default();
             let mut last = None;
             for i in 0..100 {
-                let predicted = predict(theta, 2, &memory, &block(i));
+                let predicted = predict(theta, LawKind::QuasiLinear2, &memory, &block(i));
                 memory = predicted.memory;
                 last = Some(predicted);
             }
@@ -590,7 +606,7 @@ mod tests {
             }
             let predicted = predict(
                 &theta,
-                1,
+                LawKind::QuasiLinear,
                 &memory,
                 &Block {
                     position: mean,
