@@ -3,7 +3,7 @@
 //! What relaxes remembers: a filter that starts anew at a better reference does not know what the
 //! material went through, and a press that is followed by a hold is the only thing that ever tells
 //! the exponent. So the recent past is kept, condensed ([`course`]), and Gauss–Newton passes over it,
-//! a few blocks a sample, at ever better references ([`fit`]); what leaves the history stays as a
+//! two blocks a sample, at ever better references ([`fit`]); what leaves the history stays as a
 //! covariance and a memory (`anchor`). A bank of exact fits says where to start ([`bank`]). Each pass
 //! measures what its reference costs exactly, so that a step that made it worse is halved.
 //!
@@ -15,7 +15,7 @@ mod course;
 mod fit;
 
 use bank::Bank;
-use course::{Block, Course};
+use course::{BLOCKS, Block, Course};
 use fit::{DAMPING, EXPONENT, Fit, MODES, Memory, STIFFNESS, SURFACE, Theta, modes, predict};
 
 use super::kelvin_voigt::size;
@@ -31,7 +31,9 @@ use crate::status::Judged;
 /// beyond: a force threshold is late, never early.
 const SURFACES_BEFORE: f64 = 4.0;
 /// Blocks that a pass takes at one sample.
-const BLOCKS_PER_SAMPLE: u32 = 4;
+const BLOCKS_PER_SAMPLE: u32 = 2;
+/// Blocks over which the passes go; the rest of the course waits for its anchors.
+const KEPT: u32 = BLOCKS as u32 - 8;
 /// Blocks to learn from before the first pass, and the range of force that they must cover.
 const FIRST_PASS: u32 = 5;
 const FIRST_RANGE: f64 = 2.0;
@@ -255,9 +257,13 @@ pub struct HistoryFit<T: Real> {
     /// The estimate has once been good, or nothing good could be found: from here on an error of the
     /// prediction is one of the law or a change of material, and not of an estimate still under way.
     judges: bool,
+    /// The bank was searched at this sample.
+    busy: bool,
     /// The memory of `current` at this sample.
     live: Memory<T>,
     judged: [Judged<T>; PARAMETER_SLOTS],
+    /// Surface of the estimate and its standard error.
+    found: Option<(T, T)>,
 }
 
 impl<T: Real> HistoryFit<T> {
@@ -280,8 +286,10 @@ impl<T: Real> HistoryFit<T> {
             learned: 0,
             passes: 0,
             judges: false,
+            busy: false,
             live: Memory::default(),
             judged: [Judged::default(); PARAMETER_SLOTS],
+            found: None,
         }
     }
 
@@ -292,10 +300,10 @@ impl<T: Real> HistoryFit<T> {
 
     /// The surface (m) with its standard error, once there is an estimate.
     pub fn surface(&self, params: &Params<T>) -> Option<SurfacePosition<T>> {
-        let current = self.current.as_ref()?;
+        let (position, error) = self.found?;
         Some(SurfacePosition {
-            position_m: current.values()[SURFACE] * params.scale.depth_m,
-            std_error_m: current.std_errors()[SURFACE] * params.scale.depth_m,
+            position_m: position * params.scale.depth_m,
+            std_error_m: error * params.scale.depth_m,
         })
     }
 
@@ -317,21 +325,23 @@ impl<T: Real> HistoryFit<T> {
             .surface_found()
             .map(|(surface, error)| (at.position() - surface, error));
         if let Some(block) = self.course.follow(at, depth, usable, touching) {
+            // Bank and passes wait: no sample pays for everything.
             self.take(&block, at, noise);
-        } else if let Some(current) = &self.current {
+            return;
+        }
+        if let Some(current) = &self.current {
             let block = Block::of(at);
             let law = current.law();
             self.live = predict(&current.values(), law, &self.live, &block).memory;
         }
         self.feed_bank();
-        self.work(noise);
+        if !self.let_go(noise) {
+            self.work(noise);
+        }
     }
 
     /// A block has ended.
     fn take(&mut self, block: &Block<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
-        if let Some(leaving) = self.course.leaving().copied() {
-            self.let_go(&leaving, noise);
-        }
         self.course.push(*block);
         if let Some(current) = &mut self.current {
             current.absorb(block, noise.raw, T::unit());
@@ -355,18 +365,24 @@ impl<T: Real> HistoryFit<T> {
         self.refresh();
     }
 
-    /// A block leaves the history: the anchors take it, where the estimates are good.
-    fn let_go(&mut self, block: &Block<T>, noise: &ForceNoise<T>) {
+    /// The oldest block leaves the history, for one law at a time; whether one was due.
+    fn let_go(&mut self, noise: &ForceNoise<T>) -> bool {
         let surface_error = self.bank.as_ref().map_or(T::nil(), Bank::surface_step);
         let simpler = self.simplest();
+        let due = self.course.next().saturating_sub(KEPT);
         for contender in self.contenders.iter_mut().flatten() {
-            contender.let_go(block, noise.raw, surface_error, simpler.as_ref());
+            let number = contender.anchor.next();
+            if number >= due {
+                continue;
+            }
+            if let Some(block) = self.course.get(number) {
+                contender.let_go(block, noise.raw, surface_error, simpler.as_ref());
+            } else {
+                contender.anchor.starts_at(self.course.oldest());
+            }
+            return true;
         }
-        // A pass that has not seen the block yet has come too late.
-        let number = self.course.oldest();
-        if self.pass.as_ref().is_some_and(|pass| pass.next() <= number) {
-            self.pass = None;
-        }
+        false
     }
 
     /// Where the simplest law stands, once it has made some passes.
@@ -376,9 +392,13 @@ impl<T: Real> HistoryFit<T> {
     }
 
     fn feed_bank(&mut self) {
+        self.busy = false;
         let Some(bank) = &mut self.bank else { return };
+        let lost = |own: &Contender<T>| own.accepted.is_none() || own.left > T::from_f64(BAD);
+        let searches = self.contenders.iter().flatten().any(lost);
         if let Some(block) = self.course.get(bank.next()) {
-            bank.take(block);
+            bank.take(block, searches);
+            self.busy = searches;
         }
     }
 
@@ -387,11 +407,19 @@ impl<T: Real> HistoryFit<T> {
             self.begin();
         }
         let Some(pass) = &mut self.pass else { return };
-        for _ in 0..BLOCKS_PER_SAMPLE {
+        // Searching the bank costs as much as a block.
+        let blocks = if self.busy { 1 } else { BLOCKS_PER_SAMPLE };
+        for taken in 0..blocks {
             match self.course.get(pass.next()) {
                 Some(block) => pass.absorb(block, noise.raw, T::unit()),
+                // To finish a pass costs as much as a block.
+                None if taken > 0 => return,
                 None => {
-                    self.finish();
+                    if pass.next() < self.course.next() {
+                        self.pass = None;
+                    } else {
+                        self.finish();
+                    }
                     return;
                 }
             }
@@ -528,9 +556,11 @@ impl<T: Real> HistoryFit<T> {
     fn refresh(&mut self) {
         let Some(current) = &self.current else {
             self.judged = [Judged::default(); PARAMETER_SLOTS];
+            self.found = None;
             return;
         };
         self.judged = judged(current);
+        self.found = Some((current.values()[SURFACE], current.std_errors()[SURFACE]));
         self.live = current.memory();
         // From the end of the last block to this sample.
         if let Some(open) = self.course.open() {

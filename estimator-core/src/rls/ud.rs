@@ -71,6 +71,11 @@ impl<T: Real, const N: usize> Ud<T, N> {
         // Uᵀφ with the factors as they were: column j is used before it is changed.
         for j in 0..N {
             let f = self.project(phi, j);
+            if f == T::nil() {
+                // The sample says nothing about it: half of a law's parameters may be another's.
+                self.diagonal[j] = self.bounded(self.diagonal[j] / beta);
+                continue;
+            }
             let v = self.diagonal[j] * f;
             let before = alpha;
             alpha += f * v;

@@ -53,6 +53,8 @@ pub(super) struct Bank<T> {
     /// Number of the block that is being taken, and the surface that takes it next.
     next: u32,
     column: usize,
+    /// What the block's duration does to each rate.
+    courses: [(T, T); RATES],
     /// The best cells of this round and of the last, over all exponents and of n = 1.
     best: [Option<Best<T>>; 2],
     found: [Option<Best<T>>; 2],
@@ -83,6 +85,7 @@ impl<T: Real> Bank<T> {
             span: (T::nil(), T::nil()),
             next,
             column: 0,
+            courses: [(T::nil(), T::nil()); RATES],
             best: [None; 2],
             found: [None; 2],
         }
@@ -117,10 +120,12 @@ impl<T: Real> Bank<T> {
         Some(theta)
     }
 
-    /// Takes a block for one more surface; after the last one the best cells are those that include it.
-    pub(super) fn take(&mut self, block: &Block<T>) {
+    /// Takes a block for one more surface; after the last one, if it `searches`, the best cells are
+    /// those that include it.
+    pub(super) fn take(&mut self, block: &Block<T>, searches: bool) {
         if self.column == 0 {
             self.take_force(block);
+            self.courses = courses(block.duration_s);
         }
         let column = self.column;
         let surface = self.first_surface + self.surface_step * T::from_f64(column as f64);
@@ -130,7 +135,7 @@ impl<T: Real> Bank<T> {
         let log = if inside { depth.ln() } else { T::nil() };
         let mut s = if inside { depth } else { T::nil() };
         let ratio = (T::from_f64(EXPONENT_STEP) * log).exp();
-        let courses = courses(block.duration_s);
+        let courses = self.courses;
         let (rows, yy) = (self.rows, self.yy);
         let Some(cells) = self.cells.get_mut(column) else {
             return;
@@ -139,7 +144,8 @@ impl<T: Real> Bank<T> {
         for (row, cells) in cells.iter_mut().take(rows).enumerate() {
             for (rate, (cell, course)) in cells.iter_mut().zip(&courses).enumerate() {
                 cell.take(s, block.force, weight, course);
-                if let Some((stiffness, relaxing, energy)) = cell.fit(yy) {
+                let fit = if searches { cell.fit(yy) } else { None };
+                if let Some((stiffness, relaxing, energy)) = fit {
                     let best = Best {
                         energy,
                         stiffness,
@@ -266,7 +272,7 @@ mod tests {
                 count: 8.0,
                 ..Block::default()
             };
-            (0..bank.columns).for_each(|_| bank.take(&block));
+            (0..bank.columns).for_each(|_| bank.take(&block, true));
         }
     }
 

@@ -152,12 +152,6 @@ impl<T: Real> Course<T> {
         self.blocks.get(number as usize % BLOCKS).filter(|_| kept)
     }
 
-    /// The oldest block, once the next one will take its place.
-    pub(super) fn leaving(&self) -> Option<&Block<T>> {
-        let full = self.next.saturating_sub(self.oldest()) >= BLOCKS as u32;
-        self.get(self.oldest()).filter(|_| full)
-    }
-
     pub(super) fn push(&mut self, block: Block<T>) {
         if let Some(slot) = self.blocks.get_mut(self.next as usize % BLOCKS) {
             *slot = block;

@@ -66,6 +66,35 @@ struct Mode<T> {
     by_exponent: T,
     by_surface: T,
     by_log_rate: T,
+    pace: Pace<T>,
+}
+
+/// What a duration does to a mode; most blocks in motion last equally long, and exponentials are
+/// half of what a block costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Pace<T> {
+    log_rate: T,
+    duration_s: T,
+    /// ν·duration, e^{−x} and (1 − e^{−x})/x.
+    x: T,
+    decayed: T,
+    mean: T,
+}
+
+impl<T: Real> Pace<T> {
+    fn at(&mut self, log_rate: T, duration_s: T) -> Self {
+        if self.log_rate != log_rate || self.duration_s != duration_s || self.mean == T::nil() {
+            let x = log_rate.exp() * duration_s;
+            *self = Pace {
+                log_rate,
+                duration_s,
+                x,
+                decayed: (-x).exp(),
+                mean: growth(-x),
+            };
+        }
+        *self
+    }
 }
 
 /// What a contact remembers.
@@ -181,9 +210,9 @@ pub(super) fn predict<T: Real>(
     let mut gradient = Theta::<T>::repeat(T::nil());
     for (mode, (relaxing, log_rate)) in memory.modes.iter_mut().zip(MODES).take(modes(law)) {
         let share = theta[relaxing];
-        let x = theta[log_rate].exp() * block.duration_s;
-        let mean = growth(-x);
-        let decayed = (-x).exp();
+        let Pace {
+            x, decayed, mean, ..
+        } = mode.pace.at(theta[log_rate], block.duration_s);
         let apart = shape.s - mode.relaxed;
         let lag = mode.by_log_rate * mean + apart * (mean - decayed);
         mode.by_log_rate = decayed * (mode.by_log_rate + x * apart);
@@ -377,14 +406,7 @@ impl<T: Real> Fit<T> {
         let phi = there.gradient.component_mul(&self.prior) * per_sigma;
         let at_reference = (block.force - there.force) * per_sigma;
         let error = at_reference - phi.dot(&self.deviation);
-        let model = self.covariance.variance(&phi);
-        let expected = T::from_f64(HUBER) * (T::unit().max_of(self.recent) + model).root();
-        let size = error.magnitude();
-        let weight = if size > expected {
-            expected / size
-        } else {
-            T::unit()
-        };
+        let weight = self.weight(error, &phi);
         let update = self.covariance.update(&phi, beta, weight);
         self.deviation += update.gain * error;
         let after = error - phi.dot(&update.gain) * error;
@@ -394,6 +416,22 @@ impl<T: Real> Fit<T> {
         let share = T::from_f64(1.0 / RECENT);
         self.recent += share * (after * after - self.recent);
         self.informed = true;
+    }
+
+    /// 1, or less for an error that is not to be expected.
+    fn weight(&self, error: T, phi: &Theta<T>) -> T {
+        let size = error.magnitude();
+        let usual = T::unit().max_of(self.recent);
+        if size * size <= T::from_f64(HUBER * HUBER) * usual {
+            return T::unit();
+        }
+        let model = self.covariance.variance(phi);
+        let expected = T::from_f64(HUBER) * (usual + model).root();
+        if size > expected {
+            expected / size
+        } else {
+            T::unit()
+        }
     }
 
     /// Takes a block for its memory only.
