@@ -135,9 +135,6 @@ pub enum MethodChoice {
     Cascade2,
     /// Bank of exact fits and refiner, surface included (hunt_crossley, zener, quasi_linear)
     Bank,
-    /// The same with two modes, once the force speaks for the second (quasi_linear)
-    #[value(name = "bank_2")]
-    Bank2,
     /// Four laws side by side, as the board would choose among them while it touches (auto)
     Online,
     /// The whole log at once (every law)
@@ -153,10 +150,10 @@ impl MethodChoice {
             Method::ZenerArx => MethodChoice::Arx,
             Method::HammersteinCascade => MethodChoice::Cascade,
             Method::HammersteinCascade2 => MethodChoice::Cascade2,
-            Method::HuntCrossleyBank | Method::ZenerBank | Method::QuasiLinearBank => {
-                MethodChoice::Bank
-            }
-            Method::QuasiLinearBank2 => MethodChoice::Bank2,
+            Method::HuntCrossleyBank
+            | Method::ZenerBank
+            | Method::QuasiLinearBank
+            | Method::QuasiLinearBank2 => MethodChoice::Bank,
             Method::Selection => MethodChoice::Online,
         }
     }
@@ -170,7 +167,6 @@ impl MethodChoice {
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
-            MethodChoice::Bank2 => "bank_2",
             MethodChoice::Online => "online",
             MethodChoice::Batch => "batch",
         }
@@ -231,7 +227,7 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
             .value(method.map_or("", MethodChoice::name))
             .remedy(
                 "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, bank \
-                 and arx with zener, bank, bank_2, cascade and cascade_2 with quasi_linear, batch with \
+                 and arx with zener, bank, cascade and cascade_2 with quasi_linear, batch with \
                  every law, online with auto; or leave --method out",
             ));
     }

@@ -334,8 +334,11 @@ impl<T: Real> HistoryFit<T> {
             let law = current.law();
             self.live = predict(&current.values(), law, &self.live, &block).memory;
         }
-        self.feed_bank();
-        if !self.let_go(noise) {
+        let ends = |pass: &Fit<T>| pass.next() >= self.course.next();
+        if self.pass.as_ref().is_some_and(ends) {
+            self.finish();
+        } else if !self.let_go(noise) {
+            self.feed_bank();
             self.work(noise);
         }
     }
@@ -403,23 +406,19 @@ impl<T: Real> HistoryFit<T> {
     }
 
     fn work(&mut self, noise: &ForceNoise<T>) {
-        if self.pass.is_none() {
+        let Some(pass) = &mut self.pass else {
             self.begin();
-        }
-        let Some(pass) = &mut self.pass else { return };
+            return;
+        };
         // Searching the bank costs as much as a block.
         let blocks = if self.busy { 1 } else { BLOCKS_PER_SAMPLE };
         for taken in 0..blocks {
             match self.course.get(pass.next()) {
                 Some(block) => pass.absorb(block, noise.raw, T::unit()),
-                // To finish a pass costs as much as a block.
                 None if taken > 0 => return,
+                // Overtaken by the end of the history.
                 None => {
-                    if pass.next() < self.course.next() {
-                        self.pass = None;
-                    } else {
-                        self.finish();
-                    }
+                    self.pass = None;
                     return;
                 }
             }
