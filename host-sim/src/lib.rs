@@ -2,10 +2,13 @@
 
 pub mod batch;
 pub mod check;
+mod dense;
 pub mod demo;
 pub mod diagnostic;
 pub mod estimate;
+pub mod gap;
 pub mod inspect;
+mod kinematics;
 pub mod log;
 pub mod model;
 pub mod motion;
