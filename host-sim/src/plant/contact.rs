@@ -4,9 +4,10 @@ use estimator_core::law::{
     HuntCrossley, KelvinVoigt, QuasiLinear, QuasiLinearState, RelaxingLaw, Zener, ZenerState,
     unilateral,
 };
+use estimator_core::rig::{Environment, MOST_MODES};
 
 /// Most relaxation modes of a quasi-linear material; modes that are not used have fraction 0.
-pub const MODES: usize = 4;
+pub const MODES: usize = MOST_MODES;
 
 /// The laws that the rig simulates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +97,18 @@ impl Contact {
         law: Law::Free,
         surface_m: 0.0,
     };
+
+    /// The same in the parts that effects act on.
+    pub fn environment(&self) -> Environment<f64> {
+        let environment = match self.law {
+            Law::Free => Environment::free(),
+            Law::KelvinVoigt(law) => law.into(),
+            Law::HuntCrossley(law) => law.into(),
+            Law::Zener(law) => law.into(),
+            Law::QuasiLinear(law) => law.into(),
+        };
+        environment.at(self.surface_m)
+    }
 
     /// Force on the probe (N) at `position_m` (m), moving at `speed_mps` (m/s), of a material that
     /// was at rest until now: max(law, 0), for a surface that does not stick.
