@@ -57,6 +57,18 @@ pub struct Reading<S> {
     pub touch: Touch<S>,
 }
 
+impl<S: Scalar> RigState<S> {
+    /// The same with another material under the probe, at rest; what the rig itself remembers stays.
+    #[must_use]
+    pub fn renewed(self) -> RigState<S> {
+        RigState {
+            contact: ContactState::at_rest(),
+            deflection_m: [S::nil(); 2],
+            ..self
+        }
+    }
+}
+
 impl<S: Scalar> Rig<S> {
     /// A rig that adds nothing.
     pub fn bare(environment: Environment<S>) -> Rig<S> {
