@@ -2,6 +2,7 @@
 
 pub mod batch;
 pub mod check;
+pub mod compensate;
 pub mod demo;
 pub mod diagnostic;
 pub mod estimate;

@@ -21,6 +21,9 @@ pub type Effects = [Option<Effect<f64>>; MOST_EFFECTS];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chain {
     rig: Rig<f64>,
+    /// How late the position is read (s). What is periodic in time has its phase by the clock of the
+    /// position's readings, as a fit of the log sees it.
+    late_s: f64,
 }
 
 impl Chain {
@@ -30,7 +33,10 @@ impl Chain {
             effects: effects
                 .map(|slot| slot.filter(|own| own.id().info().place != Place::PositionReading)),
         };
-        Chain { rig }
+        Chain {
+            late_s: (-rig.delay_s()).max(0.0),
+            rig,
+        }
     }
 
     pub(super) fn at_rest(&self) -> RigState<f64> {
@@ -44,6 +50,10 @@ impl Chain {
         moved: Motion<f64>,
         period_s: f64,
     ) -> Reading<f64> {
+        let moved = Motion {
+            time_s: moved.time_s + self.late_s,
+            ..moved
+        };
         self.rig.step(state, moved, period_s)
     }
 

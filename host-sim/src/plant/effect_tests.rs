@@ -216,3 +216,17 @@ fn every_effect_of_the_catalogue_runs_on_the_rig() {
         );
     }
 }
+
+#[test]
+fn what_is_periodic_in_time_has_its_phase_by_the_clock_of_the_position() {
+    // F(t − T_d) of A sin(2πft + φ), early or late.
+    let hum = (EffectId::PeriodicDisturbance, [0.5, 12.0, 0.3, 0.0]);
+    for delay_s in [0.0, 4e-3, -4e-3] {
+        let delay = (EffectId::TimeDelay, [delay_s, 0.0, 0.0, 0.0]);
+        let run = run(&rig([hum, delay]), Contact::FREE, &there_and_back());
+        for (force, time_s) in run.log.force_n.iter().zip(&run.log.time_s).skip(10) {
+            let exact = 0.5 * (TAU * 12.0 * (time_s - delay_s) + 0.3).sin();
+            assert!((force - exact).abs() < 1e-12, "{delay_s}: {force} {exact}");
+        }
+    }
+}
