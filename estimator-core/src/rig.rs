@@ -9,9 +9,11 @@
 //! for the order, and each effect's file for its law. A `time_delay` is the caller's: F(t − T_d) is
 //! this rig moved as it was T_d ago.
 
+pub mod compensate;
 mod contact;
 mod environment;
 
+pub use compensate::{Compensation, CompensationState, compensates};
 pub use contact::{ContactState, Touch};
 pub use environment::{Damping, Environment, MOST_MODES};
 
@@ -55,6 +57,18 @@ pub struct Reading<S> {
     pub force_n: S,
     /// The contact itself.
     pub touch: Touch<S>,
+}
+
+impl<S: Scalar> RigState<S> {
+    /// The same with another material under the probe, at rest; what the rig itself remembers stays.
+    #[must_use]
+    pub fn renewed(self) -> RigState<S> {
+        RigState {
+            contact: ContactState::at_rest(),
+            deflection_m: [S::nil(); 2],
+            ..self
+        }
+    }
 }
 
 impl<S: Scalar> Rig<S> {
@@ -199,20 +213,7 @@ impl<S: Scalar> Rig<S> {
         let mut force_n = S::nil();
         for (effect, z) in self.effects.iter().zip(&mut state.sliding) {
             let Some(effect) = effect else { continue };
-            force_n = force_n
-                + match effect {
-                    Effect::CoulombFriction(own) => own.force_n(z, motor.speed_mps, change_m),
-                    Effect::StribeckFriction(own) => own.force_n(motor.speed_mps),
-                    Effect::ViscousDrag(own) => own.force_n(motor.speed_mps),
-                    Effect::AsymmetricDrag(own) => own.force_n(motor.speed_mps),
-                    Effect::ToolInertia(own) => own.force_n(motor.acceleration_mps2),
-                    Effect::CableStiffness(own) => own.force_n(motor.position_m),
-                    Effect::Cogging(own) => own.force_n(motor.position_m),
-                    Effect::PeriodicDisturbance(own) => own.force_n(motor.time_s),
-                    Effect::ForceOffset(own) => own.force_n(),
-                    Effect::ForceDrift(own) => own.force_n(motor.time_s),
-                    _ => S::nil(),
-                };
+            force_n = force_n + effect.load_n(z, motor, change_m);
         }
         force_n
     }

@@ -3,6 +3,7 @@
 pub mod batch;
 pub mod check;
 mod dense;
+pub mod compensate;
 pub mod demo;
 pub mod diagnostic;
 pub mod estimate;

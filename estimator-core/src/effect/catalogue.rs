@@ -101,3 +101,23 @@ impl EffectId {
         EffectId::ALL.iter().copied().find(|id| id.name() == name)
     }
 }
+
+impl<S: Scalar> Effect<S> {
+    /// What it adds to the force between contact and load cell (N), the motor side having gone
+    /// `change_m` since the last sample; 0 of an effect that enters elsewhere. `z` is its memory.
+    pub(crate) fn load_n(&self, z: &mut S, motor: &Motion<S>, change_m: S) -> S {
+        match self {
+            Effect::CoulombFriction(own) => own.force_n(z, motor.speed_mps, change_m),
+            Effect::StribeckFriction(own) => own.force_n(motor.speed_mps),
+            Effect::ViscousDrag(own) => own.force_n(motor.speed_mps),
+            Effect::AsymmetricDrag(own) => own.force_n(motor.speed_mps),
+            Effect::ToolInertia(own) => own.force_n(motor.acceleration_mps2),
+            Effect::CableStiffness(own) => own.force_n(motor.position_m),
+            Effect::Cogging(own) => own.force_n(motor.position_m),
+            Effect::PeriodicDisturbance(own) => own.force_n(motor.time_s),
+            Effect::ForceOffset(own) => own.force_n(),
+            Effect::ForceDrift(own) => own.force_n(motor.time_s),
+            _ => S::nil(),
+        }
+    }
+}

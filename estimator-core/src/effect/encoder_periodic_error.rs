@@ -20,6 +20,12 @@ effect! {
 }
 
 impl<S: Scalar> EncoderPeriodicError<S> {
+    /// What the encoder reads (m) where the motor side is at `position_m`: the forward law.
+    pub fn reading_m(&self, position_m: S) -> S {
+        let angular = angular_of(self.pitch_m);
+        position_m + wave(self.amplitude_m, angular, self.phase_rad, position_m).0
+    }
+
     /// What the motor side did when this was read: x = x_read − A sin(2πx/p + φ), by iteration,
     /// which converges as (2πA/p)ᵏ; an encoder of use has 2πA/p < 0.2.
     pub(crate) fn motor_side(&self, read: Motion<S>) -> Motion<S> {
