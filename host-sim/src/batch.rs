@@ -11,7 +11,7 @@
 
 mod assemble;
 mod course;
-mod error;
+pub(crate) mod error;
 mod family;
 mod files;
 mod fit;

@@ -1,72 +1,132 @@
 //! `palpate gap`: where simulation and measurement disagree, what is missing, and the proof.
 //!
-//! The steps, a file a word: `floor` says what noise leaves without any model; `course` makes block
-//! means of the logs; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
+//! The steps, a file a word: `floor` says what noise leaves without any model; `course` is a log as
+//! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
 //! says what a residual may be; `propose` says where a candidate starts and what it promises;
-//! `search` adds, swaps and drops effects, each time refitting everything.
+//! `search` adds, swaps and drops effects, each time refitting everything; `decide` judges on
+//! held-out parts; `regions` says where, `error` how well; `files` writes it down.
 
+mod command;
 mod course;
+mod decide;
+mod error;
+mod files;
 mod fit;
 mod floor;
+mod low_pass;
+mod print;
 mod propose;
+mod regions;
+mod result;
 mod search;
 mod shape;
+mod tell;
 mod weights;
 
+pub use command::{GapArgs, run};
 pub use floor::Floor;
+pub use regions::{Region, words};
+pub use result::{Curves, Finding, Known, Named, Tried, Verdict};
 
 use estimator_core::effect::EffectId;
+use rayon::prelude::*;
 
 use course::{Course, Scales};
-use fit::Problem;
+use decide::Evidence;
+use low_pass::LowPass;
 use search::Search;
+use shape::Term;
 
+use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 use crate::model::Model;
 
-/// Blocks of a search.
+/// Samples of a search, and of the last fits.
 const SEARCHED: usize = 5_000;
+const FITTED: usize = 30_000;
 
-/// debugging
-pub fn try_it(model: &Model, logs: &[UniformLog]) {
-    let clock = std::time::Instant::now();
-    let floors: Vec<Floor> = logs.iter().map(Floor::of).collect();
+/// What to look for, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Corner of the zero-phase low-pass that measured and predicted force go through (Hz).
+    pub bandwidth_hz: Option<f64>,
+    /// The effects that may be named.
+    pub catalogue: Vec<EffectId>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            bandwidth_hz: None,
+            catalogue: EffectId::ALL.to_vec(),
+        }
+    }
+}
+
+/// Finds what a base model lacks to explain logs of one rig.
+///
+/// # Errors
+/// A model that is no rig, or a log that holds no motion.
+pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Finding, Diagnostic> {
+    model.rig()?;
+    let given = given(model)?;
+    let floors: Vec<Floor> = logs.par_iter().map(Floor::of).collect();
+    let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
+    let raw: Vec<Course> = logs.par_iter().map(Course::of).collect();
     let samples: usize = logs.iter().map(UniformLog::len).sum();
-    let block = samples.div_ceil(SEARCHED);
-    let courses: Vec<Course> = logs.iter().map(|log| Course::of(log).thinned(block)).collect();
-    let scales = Scales::of(&courses);
-    println!("{floors:?}\n{scales:?} block {block}");
-    let given = Vec::new();
-    let flat: Vec<f64> = courses
-        .iter()
-        .zip(&floors)
-        .flat_map(|(c, f)| c.count.iter().map(|n| if *n > 0.0 { 1.0 / f.variance(*n) } else { 0.0 }).collect::<Vec<_>>())
-        .collect();
+    let filtered: Vec<Course> = raw.iter().map(|course| course.filtered(low_pass)).collect();
+    let thinned = |most: usize| -> Vec<Course> {
+        let step = samples.div_ceil(most);
+        filtered.iter().map(|course| course.thinned(step)).collect()
+    };
+    let (coarse, fine) = (thinned(SEARCHED), thinned(FITTED));
+    let scales = Scales::of(&coarse);
     let mut search = Search {
-        problem: Problem { courses: &courses, weights: &flat },
+        courses: &coarse,
+        floors: &floors,
+        low_pass,
+        weights: vec![1.0; coarse.iter().map(Course::len).sum()],
         base: &model.environment,
         given: &given,
         scales: &scales,
-        ids: EffectId::ALL,
+        ids: &options.catalogue,
         floor: 0.0,
         correlation: 1.0,
     };
     let base = search.base_fit();
-    let weights = weights::weights(&weights::variances(&base, &courses, &floors));
-    search.problem.weights = &weights;
-    search.floor = weights.iter().filter(|w| **w > 0.0).count() as f64;
-    let base = search.problem.fit(&base.shape, base.numbers);
-    let show = |fit: &fit::Fit| {
-        println!("  ratio {:.4} {:?} env {:?}", (fit.cost / search.floor).sqrt(), search::added(fit), fit.shape.environment_at(&fit.numbers).iter().map(|v| format!("{v:.5}")).collect::<Vec<_>>());
-        for t in fit.shape.terms_at(&fit.numbers) { println!("      {:?} {:?}", t.id, t.row); }
+    search.weigh(&base);
+    let base = search.refitted(&base);
+    let found = search.run(base.clone());
+    let evidence = Evidence {
+        courses: &fine,
+        floors: &floors,
+        low_pass,
+        scales: &scales,
     };
-    println!("base {:.2}s", clock.elapsed().as_secs_f64());
-    show(&base);
-    let found = search.run(base);
-    let t=std::time::Instant::now(); for _ in 0..10 { let _=search.problem.linear(&found.best.shape,&found.best.numbers); } println!("linear {:.2} ms n {} nodes {}", t.elapsed().as_secs_f64()*100.0, found.best.numbers.len(), search.problem.weights.len());
-    let t=std::time::Instant::now(); for _ in 0..10 { let _=search.problem.cost(&found.best.shape,&found.best.numbers); } println!("cost {:.2} ms", t.elapsed().as_secs_f64()*100.0);
-    println!("found {:.2}s", clock.elapsed().as_secs_f64());
-    show(&found.best);
-    if std::env::var("DUMP").is_ok() { let mut row=0; let v=weights::variances(&found.best,&courses,&floors); for c in &courses { fit::along(&found.best.shape,&found.best.numbers,c,|at,rd: estimator_core::rig::Reading<f64>| { println!("D {:.4} {:.6e} {:.4e} {:.4} {:.4} {:.4} {:.3e}", c.time_s[at], c.position_m[at], c.speed_mps[at], c.force_n[at], c.force_n[at]-rd.force_n, v[row].sqrt(), rd.touch.depth_m); row+=1; }); } }
-    for r in &found.rivals { for f in r.iter().take(3) { show(f); } }
+    let ladder = search.ladder(&base, &found);
+    let decision = evidence.decide(&base, found);
+    Ok(tell::finding(model, &evidence, decision, ladder, options))
+}
+
+/// The effects that the base model has already: in the fit from the start, and to stay.
+fn given(model: &Model) -> Result<Vec<Term>, Diagnostic> {
+    let term = |own: &crate::model::Effect| -> Result<Term, Diagnostic> {
+        let effect = own.core()?;
+        let id = effect.id();
+        let (row, infos) = (effect.row(), id.info().parameters);
+        let free = |at: usize| {
+            // A number that is 0 because the model does not give it is a form, not a start.
+            infos.get(at).is_some_and(|info| {
+                !own.fit.fixed.iter().any(|name| name == info.name)
+                    && !(info.usual.is_some() && row[at] == 0.0)
+            })
+        };
+        Ok(Term {
+            id,
+            row,
+            free: std::array::from_fn(free),
+            given: true,
+        })
+    };
+    model.effects.iter().map(term).collect()
 }

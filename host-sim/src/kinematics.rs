@@ -119,6 +119,11 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
+    let held = held(channel);
+    // A position that reads the same for a while moves by less than a count in that time.
+    for (noise, run) in speed_noise_mps.iter_mut().zip(&held) {
+        *noise = noise.min(2.0 * noise_m * log.rate_hz / run);
+    }
     Kinematics {
         position_m,
         speed_mps,
@@ -126,7 +131,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         speed_noise_mps,
         acceleration_noise_mps2,
         noise_m,
-        held: held(channel),
+        held,
     }
 }
 

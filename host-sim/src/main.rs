@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
 use palpate::wrap::wrapped;
-use palpate::{check, demo, estimate, simulate};
+use palpate::{check, demo, estimate, gap, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
 ///
@@ -24,6 +24,8 @@ struct Command {
 enum Verb {
     /// Run the board's estimator over logs and report what was touched
     Estimate(estimate::EstimateArgs),
+    /// Find where a model and a log disagree, name the missing effect, add it, show the gap shrink
+    Gap(gap::GapArgs),
     /// Run a model on the simulated rig and write what its sensors read
     Simulate(simulate::SimulateArgs),
     /// Say what is in a log: rate, gaps, units, noise, contacts, and what it is good for
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
     let command = Command::parse();
     let done = match &command.verb {
         Some(Verb::Estimate(args)) => estimate::run(args),
+        Some(Verb::Gap(args)) => gap::run(args),
         Some(Verb::Check(args)) => check::run(args),
         Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
         Some(Verb::Demo(args)) => demo::run(args),

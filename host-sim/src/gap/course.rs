@@ -1,5 +1,6 @@
 //! A log as the fits see it: position, speed, acceleration and force, at the log's rate or thinned.
 
+use super::low_pass::LowPass;
 use crate::kinematics::kinematics;
 use crate::log::UniformLog;
 
@@ -58,6 +59,15 @@ impl Course {
             acceleration_noise_mps2: every(&self.acceleration_noise_mps2),
             count: every(&self.count),
         }
+    }
+
+    /// The same with its force through a low-pass.
+    pub(super) fn filtered(&self, low_pass: Option<LowPass>) -> Course {
+        let mut filtered = self.clone();
+        if let Some(low_pass) = low_pass {
+            low_pass.apply(&mut filtered.force_n, self.period_s);
+        }
+        filtered
     }
 
     pub(super) fn len(&self) -> usize {

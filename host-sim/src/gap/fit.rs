@@ -8,6 +8,7 @@ use estimator_core::rig::Reading;
 use estimator_core::scalar::{Dual, Scalar};
 
 use super::course::Course;
+use super::low_pass::LowPass;
 use super::shape::Shape;
 use crate::dense;
 
@@ -24,8 +25,10 @@ const LANES: usize = 8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Problem<'a> {
     pub(super) courses: &'a [Course],
-    /// 1/N² per block, log after log; 0 leaves a block out.
+    /// 1/N² per sample, log after log; 0 leaves a sample out.
     pub(super) weights: &'a [f64],
+    /// What residuals and gradients go through, as the courses' force has.
+    pub(super) low_pass: Option<LowPass>,
 }
 
 /// A minimum.
@@ -43,7 +46,7 @@ pub(super) struct Linear {
     pub(super) columns: Vec<Vec<f64>>,
 }
 
-/// The force (N) of a rig along a course, block by block.
+/// The force (N) of a rig along a course, sample by sample.
 pub(super) fn along<S: Scalar>(
     shape: &Shape,
     numbers: &[S],
@@ -119,15 +122,14 @@ pub(super) fn forces(shape: &Shape, numbers: &[f64], courses: &[Course]) -> Vec<
 impl Problem<'_> {
     /// Σ w r².
     pub(super) fn cost(&self, shape: &Shape, numbers: &[f64]) -> f64 {
-        let mut weights = self.weights.iter();
-        let mut cost = 0.0;
-        for course in self.courses {
-            along(shape, numbers, course, |at, reading: Reading<f64>| {
-                let weight = weights.next().copied().unwrap_or(0.0);
-                cost += weight * (course.force_n[at] - reading.force_n).powi(2);
-            });
-        }
-        if cost.is_finite() { cost } else { f64::MAX }
+        self.weighted_square(&self.residuals(shape, numbers))
+    }
+
+    /// Measured minus predicted force (N), log after log.
+    pub(super) fn residuals(&self, shape: &Shape, numbers: &[f64]) -> Vec<f64> {
+        let forces = self.forces(shape, numbers).into_iter();
+        let measured = self.courses.iter().flat_map(|course| &course.force_n);
+        forces.zip(measured).map(|(force, measured)| measured - force).collect()
     }
 
     pub(super) fn linear(&self, shape: &Shape, numbers: &[f64]) -> Linear {
@@ -144,7 +146,31 @@ impl Problem<'_> {
             }
             from += LANES;
         }
+        if self.low_pass.is_some() {
+            // The courses' force has been filtered already: filter the prediction alone.
+            let forces = self.forces(shape, numbers);
+            let measured = self.courses.iter().flat_map(|course| &course.force_n);
+            let residuals = linear.residuals.iter_mut().zip(measured).zip(&forces);
+            residuals.for_each(|((own, measured), force)| *own = measured - force);
+            linear.columns.iter_mut().for_each(|column| self.filter(column));
+        }
         linear
+    }
+
+    /// Forces (N), log after log, as the courses' force was filtered.
+    pub(super) fn forces(&self, shape: &Shape, numbers: &[f64]) -> Vec<f64> {
+        let mut forces = forces(shape, numbers, self.courses);
+        self.filter(&mut forces);
+        forces
+    }
+
+    fn filter(&self, channel: &mut [f64]) {
+        let Some(low_pass) = self.low_pass else { return };
+        let mut from = 0;
+        for course in self.courses {
+            low_pass.apply(&mut channel[from..from + course.len()], course.period_s);
+            from += course.len();
+        }
     }
 
     fn lanes<const N: usize>(&self, shape: &Shape, numbers: &[f64], from: usize, linear: &mut Linear) {

@@ -62,13 +62,6 @@ impl Floor {
             why: why.into(),
         }
     }
-
-    /// Variance (N²) of a mean over `count` samples: the white part averages out.
-    pub(super) fn variance(&self, count: f64) -> f64 {
-        let white = self.high_pass_n.min(self.used_n).powi(2);
-        let coloured = self.used_n.powi(2) - white;
-        coloured + white / count.max(1.0)
-    }
 }
 
 /// Stretches in which the position stays within two counts, in the quarter of the travel that is

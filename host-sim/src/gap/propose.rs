@@ -59,7 +59,7 @@ impl<'a> Ground<'a> {
             problem,
             fit,
             scales,
-            forces: forces(&fit.shape, &fit.numbers, problem.courses),
+            forces: problem.forces(&fit.shape, &fit.numbers),
             residuals,
             basis,
             roots,
@@ -90,13 +90,11 @@ impl<'a> Ground<'a> {
     fn score(&self, mut term: Term) -> Proposal {
         let mut terms = self.fit.shape.terms_at(&self.fit.numbers);
         terms.push(term.clone());
-        let mut base = self.fit.shape.base.clone();
-        base.fit.fixed = base.parameters().into_iter().map(|own| own.name).collect();
         let shape = Shape {
             terms,
             ..self.fit.shape.clone()
         };
-        let changed = forces(&shape, &self.fit.numbers, self.problem.courses);
+        let changed = self.problem.forces(&shape, &self.fit.numbers);
         let mut change: Vec<f64> = changed
             .iter()
             .zip(&self.forces)
@@ -167,8 +165,9 @@ impl<'a> Ground<'a> {
             course.position_m.iter_mut().for_each(|x| *x += step);
         }
         let shape = &self.fit.shape;
+        let here = forces(shape, &self.fit.numbers, self.problem.courses);
         let moved = forces(shape, &self.fit.numbers, &moved);
-        moved.iter().zip(&self.forces).map(|(a, b)| (a - b) / step).collect()
+        moved.iter().zip(&here).map(|(a, b)| (a - b) / step).collect()
     }
 
     /// The three strongest lines of carrier·sin(2πft + φ) in the residuals: f (Hz), amplitude, φ.

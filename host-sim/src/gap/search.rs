@@ -4,10 +4,14 @@
 use estimator_core::effect::EffectId;
 use rayon::prelude::*;
 
-use super::course::Scales;
+use super::course::{Course, Scales};
 use super::fit::{Fit, Problem};
+use super::floor::Floor;
+use super::low_pass::LowPass;
 use super::propose::{Ground, Proposal};
+use super::result::Tried;
 use super::shape::{Shape, Term};
+use super::weights::{variances, weights};
 use crate::model;
 
 /// Candidates that are refitted jointly in a forward step.
@@ -24,9 +28,16 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best.
 const FIRST_STEPS: usize = 4;
 
+/// Share of the base's excess that is left after two effects when a third is not tried.
+const HOPELESS: f64 = 0.5;
+
 /// A search over the catalogue on one resolution of the logs.
 pub(super) struct Search<'a> {
-    pub(super) problem: Problem<'a>,
+    pub(super) courses: &'a [Course],
+    pub(super) floors: &'a [Floor],
+    pub(super) low_pass: Option<LowPass>,
+    /// 1/N² per sample, of the best fit so far.
+    pub(super) weights: Vec<f64>,
     pub(super) base: &'a model::Environment,
     pub(super) given: &'a [Term],
     pub(super) scales: &'a Scales,
@@ -52,6 +63,46 @@ pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
 }
 
 impl Search<'_> {
+    fn problem(&self) -> Problem<'_> {
+        Problem {
+            courses: self.courses,
+            weights: &self.weights,
+            low_pass: self.low_pass,
+        }
+    }
+
+    /// Weights for what `fit` says the residuals may be; fits to old weights are to be costed again.
+    pub(super) fn weigh(&mut self, fit: &Fit) {
+        self.weights = weights(&variances(fit, self.courses, self.floors, self.low_pass));
+        self.floor = self.weights.iter().filter(|w| **w > 0.0).count() as f64;
+    }
+
+    /// The same shape at its minimum under the present weights.
+    pub(super) fn refitted(&self, fit: &Fit) -> Fit {
+        self.problem().fit(&fit.shape, fit.numbers.clone())
+    }
+
+    /// The sets that came closest, for the report.
+    pub(super) fn ladder(&self, base: &Fit, found: &Found) -> Vec<Tried> {
+        let all = [base, &found.best].into_iter().chain(found.rivals.iter().flatten());
+        let mut ladder: Vec<Tried> = all
+            .map(|fit| Tried {
+                ids: added(fit),
+                ratio: (self.costed(fit).cost / self.floor).sqrt(),
+            })
+            .collect();
+        ladder.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        ladder.dedup_by(|a, b| a.ids == b.ids);
+        ladder
+    }
+
+    fn costed(&self, fit: &Fit) -> Fit {
+        Fit {
+            cost: self.problem().cost(&fit.shape, &fit.numbers),
+            ..fit.clone()
+        }
+    }
+
     /// The base law with nothing added, from several places of the surface.
     pub(super) fn base_fit(&self) -> Fit {
         let shape = Shape::new(self.base, self.given.to_vec(), self.scales);
@@ -69,16 +120,16 @@ impl Search<'_> {
         let shares = [0.0, 0.07, -0.07, 0.2, -0.2];
         let fits = shares
             .par_iter()
-            .map(|share| self.problem.walk(&shape, moved(*share), 8))
+            .map(|share| self.problem().walk(&shape, moved(*share), 8))
             .collect::<Vec<_>>();
         let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         let numbers = best.map_or(start.clone(), |fit| fit.numbers);
-        self.problem.fit(&shape, numbers)
+        self.problem().fit(&shape, numbers)
     }
 
     /// Cost with a price on free numbers: BIC in units of independent residuals.
     pub(super) fn score(&self, fit: &Fit) -> f64 {
-        let count = self.problem.weights.iter().filter(|w| **w > 0.0).count() as f64;
+        let count = self.problem().weights.iter().filter(|w| **w > 0.0).count() as f64;
         let independent = (count / self.correlation).max(2.0);
         fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
     }
@@ -100,7 +151,7 @@ impl Search<'_> {
 
     /// The best fit with each effect that promises anything added to `from`, best first.
     pub(super) fn expanded(&self, from: &Fit) -> Vec<Fit> {
-        let ground = Ground::new(self.problem, from, self.scales);
+        let ground = Ground::new(self.problem(), from, self.scales);
         let mut proposals = ground.proposals(self.ids);
         let least = 1e-3 * (from.cost - self.floor).max(0.0);
         proposals.retain(|own| own[0].gain > least);
@@ -117,7 +168,7 @@ impl Search<'_> {
             .collect();
         let walked: Vec<Fit> = tasks
             .into_par_iter()
-            .map(|(shape, start)| self.problem.walk(&shape, start, FIRST_STEPS))
+            .map(|(shape, start)| self.problem().walk(&shape, start, FIRST_STEPS))
             .collect();
         // The best start of each effect goes on, if it has a chance.
         let mut fits: Vec<Fit> = Vec::new();
@@ -133,7 +184,7 @@ impl Search<'_> {
         fits.truncate(FOLLOWED);
         let mut done: Vec<Fit> = fits
             .into_par_iter()
-            .map(|fit| self.problem.fit(&fit.shape, fit.numbers))
+            .map(|fit| self.problem().fit(&fit.shape, fit.numbers))
             .collect();
         done.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
         if std::env::var("PALPATE_TRACE").is_ok() {
@@ -157,7 +208,7 @@ impl Search<'_> {
         let filed = start.clone();
         let own = from.numbers.len();
         // The environment's numbers come first, in both.
-        let environment = shape.free.iter().take_while(|f| matches!(f.owner, super::shape::Owner::Environment(_))).count();
+        let environment = shape.environment_count();
         start[..environment].copy_from_slice(&from.numbers[..environment.min(own)]);
         if filed == start {
             return vec![(shape, start)];
@@ -166,8 +217,8 @@ impl Search<'_> {
     }
 
     /// Finds what is there.
-    pub(super) fn run(&self, base: Fit) -> Found {
-        let base_cost = base.cost;
+    pub(super) fn run(&mut self, base: Fit) -> Found {
+        let mut base_cost = base.cost;
         let mut best = base.clone();
         let mut beam = vec![base.clone()];
         let mut level = 0;
@@ -183,18 +234,27 @@ impl Search<'_> {
             });
             let Some(child) = children.first() else { break };
             let gained = best.cost - child.cost;
+            // What explains little in two steps is in no catalogue.
+            let excess = (base_cost - self.floor).max(1.0);
+            if level >= 2 && best.cost - self.floor > HOPELESS * excess {
+                break;
+            }
             let accepted = gained > self.price(best.cost, child.cost, base_cost);
             if accepted {
                 best = child.clone();
+                self.weigh(&best);
+                best = self.problem().fit(&best.shape, best.numbers);
+                base_cost = self.costed(&base).cost;
             } else if level > 0 {
                 break;
             }
             children.truncate(BEAM);
-            beam = children;
+            beam = children.iter().map(|fit| self.costed(fit)).collect();
             level += 1;
         }
         best = self.without_idle(best, base_cost);
-        self.swapped(best, base_cost)
+        let found = self.swapped(best, base_cost);
+        self.simpler(found, base_cost)
     }
 
     /// Leaves out what does not pay.
@@ -220,14 +280,34 @@ impl Search<'_> {
         terms.remove(at);
         let shape = Shape::new(self.base, terms, self.scales);
         let mut start = shape.start();
-        let environment = shape.free.iter().take_while(|f| matches!(f.owner, super::shape::Owner::Environment(_))).count();
+        let environment = shape.environment_count();
         let filed = start.clone();
         start[..environment].copy_from_slice(&fit.numbers[..environment]);
         let (a, b) = rayon::join(
-            || self.problem.fit(&shape, start),
-            || self.problem.fit(&shape, filed),
+            || self.problem().fit(&shape, start),
+            || self.problem().fit(&shape, filed),
         );
         if a.cost <= b.cost { a } else { b }
+    }
+
+    /// Stribeck's friction becomes Coulomb's where the difference does not pay.
+    fn simpler(&self, found: Found, base_cost: f64) -> Found {
+        let complex = |term: &Term| term.id == EffectId::StribeckFriction && !term.given;
+        let Some(at) = found.best.shape.terms.iter().position(complex) else {
+            return found;
+        };
+        let coulomb = Search {
+            ids: &[EffectId::CoulombFriction],
+            weights: self.weights.clone(),
+            ..*self
+        };
+        let simple = coulomb.expanded(&self.without(&found.best, at));
+        match simple.into_iter().next() {
+            Some(fit) if fit.cost - found.best.cost < self.price(fit.cost, found.best.cost, base_cost) => {
+                Found { best: fit, ..found }
+            }
+            _ => found,
+        }
     }
 
     /// Tries every other effect in the place of each; what is better takes its place.

@@ -52,7 +52,7 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// The free numbers of a law with these effects.
+    /// A law with these effects: free is what the base model does not fix.
     pub(super) fn new(base: &model::Environment, terms: Vec<Term>, scales: &Scales) -> Shape {
         let mut free = Vec::new();
         for (at, parameter) in base.parameters().iter().enumerate() {
@@ -75,6 +75,12 @@ impl Shape {
             terms,
             free,
         }
+    }
+
+    /// How many of the free numbers are the environment's: they come first.
+    pub(super) fn environment_count(&self) -> usize {
+        let own = |free: &&Free| matches!(free.owner, Owner::Environment(_));
+        self.free.iter().take_while(own).count()
     }
 
     /// The free numbers as they stand in the base model and the terms, within their bounds.

@@ -3,14 +3,20 @@
 use super::course::Course;
 use super::fit::{Fit, along, forces};
 use super::floor::Floor;
+use super::low_pass::LowPass;
 
 /// Errors of the speed in units of what white noise would leave: the steps of an encoder in slow
 /// motion are not white (measured at reversals under dry friction: 1.7).
 const SPEED_ERRORS: f64 = 2.0;
 
-/// Variances (N²) that a fit's residuals should have, block by block; 0 for a block that says nothing
+/// Variances (N²) that a fit's residuals should have, sample by sample; 0 for a sample that says nothing
 /// (a gap, or the instant of touch, which no sampling resolves).
-pub(super) fn variances(fit: &Fit, courses: &[Course], floors: &[Floor]) -> Vec<f64> {
+pub(super) fn variances(
+    fit: &Fit,
+    courses: &[Course],
+    floors: &[Floor],
+    low_pass: Option<LowPass>,
+) -> Vec<f64> {
     let moved = |change: fn(&mut Course, f64), sign: f64| {
         let mut moved = courses.to_vec();
         moved.iter_mut().for_each(|course| change(course, sign));
@@ -34,16 +40,18 @@ pub(super) fn variances(fit: &Fit, courses: &[Course], floors: &[Floor]) -> Vec<
     });
     let mut variances = Vec::with_capacity(of_position.len());
     for (course, floor) in courses.iter().zip(floors) {
+        let share = low_pass.map_or(1.0, |own| own.share(course.period_s));
         let contact = fit.shape.base.law != crate::model::EnvironmentLaw::Free;
         along(&fit.shape, &fit.numbers, course, |at, reading| {
             let row = variances.len();
-            // Within a block of the surface a force that jumps is somewhere in between.
+            // Within a sample of the surface a force that jumps is somewhere in between.
             let near_m = course.period_s * course.speed_mps[at].abs() + 2.0 * course.position_noise_m;
             let touching = contact && reading.touch.depth_m.abs() < near_m && course.speed_mps[at] != 0.0;
+            let motion = of_position[row] + of_speed[row] + of_acceleration[row];
             variances.push(if course.count[at] == 0.0 || touching {
                 0.0
             } else {
-                floor.variance(course.count[at]) + of_position[row] + of_speed[row] + of_acceleration[row]
+                share * (floor.used_n.powi(2) + motion)
             });
         });
     }
