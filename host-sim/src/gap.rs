@@ -91,7 +91,10 @@ pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Find
         scales: &scales,
         ids: &options.catalogue,
         floor: 0.0,
-        correlation: 1.0,
+        correlation: floors
+            .iter()
+            .map(|own| own.correlation / samples.div_ceil(SEARCHED) as f64)
+            .fold(1.0, f64::max),
     };
     let base = search.base_fit();
     search.weigh(&base);

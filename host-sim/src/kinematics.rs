@@ -121,8 +121,10 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     }
     let held = held(channel);
     // A position that reads the same for a while moves by less than a count in that time.
-    for (noise, run) in speed_noise_mps.iter_mut().zip(&held) {
-        *noise = noise.min(2.0 * noise_m * log.rate_hz / run);
+    for ((noise, run), speed) in speed_noise_mps.iter_mut().zip(&held).zip(&speed_mps) {
+        if speed.abs() <= *noise {
+            *noise = noise.min(2.0 * noise_m * log.rate_hz / run);
+        }
     }
     Kinematics {
         position_m,

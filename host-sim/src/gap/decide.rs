@@ -23,6 +23,9 @@ const WINDOWS: usize = 12;
 const ADEQUATE: f64 = 1.12;
 /// A base model within this explains a log in which nothing more is found.
 const NOTHING_LEFT: f64 = 1.08;
+/// How much further both go where the noise is coloured: a rest of a second does not say what it does
+/// in ten.
+const COLOURED: f64 = 1.25;
 /// Share of the base's excess that names must explain together to stand where something is left.
 const CERTAIN: f64 = 0.85;
 /// Rivals whose Σ w r² is within so many independent standard errors squared are not told apart.
@@ -124,7 +127,8 @@ impl Evidence<'_> {
         let (before, after) = (judged[0], judged[1]);
         let gains = judged[2..].iter().map(|own| 1.0 - (after.0 / own.0).powi(2)).collect();
         let named = !own.is_empty();
-        let limit = if named { ADEQUATE } else { NOTHING_LEFT };
+        let uncertain = if self.floors.iter().any(|own| own.coloured) { COLOURED } else { 1.0 };
+        let limit = uncertain * if named { ADEQUATE } else { NOTHING_LEFT };
         let verdict = if after.1 > limit {
             Verdict::Unexplained
         } else if !named {

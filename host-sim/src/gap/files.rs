@@ -1,12 +1,12 @@
 //! `gap.json` and `model.toml`.
 
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
 use super::regions::Region;
-use super::result::{Finding, Known, Named, Tried};
+use super::result::{Curves, Finding, Known, Named, Tried};
 use crate::estimate::files::number;
 use crate::output::write_atomically;
 
@@ -18,7 +18,45 @@ pub(super) fn write(folder: &Path, finding: &Finding, seconds: f64) -> io::Resul
     })?;
     write_atomically(&folder.join("model.toml"), |writer| {
         writer.write_all(finding.model.to_toml().as_bytes())
-    })
+    })?;
+    for (at, curves) in finding.curves.iter().enumerate() {
+        let name = match at {
+            0 => "gap.csv".to_string(),
+            _ => format!("gap_{}.csv", at + 1),
+        };
+        write_atomically(&folder.join(name), |writer| csv(writer, curves))?;
+    }
+    Ok(())
+}
+
+/// The forces sample by sample, for pictures of one's own.
+fn csv(writer: &mut dyn Write, curves: &Curves) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(writer);
+    table.write_record([
+        "t_s",
+        "x_m",
+        "depth_m",
+        "speed_mps",
+        "force_n",
+        "before_n",
+        "after_n",
+        "allowed_n",
+        "held_out",
+    ])?;
+    for at in 0..curves.time_s.len() {
+        table.write_record([
+            format!("{:.6}", curves.time_s[at]),
+            format!("{:.6e}", curves.position_m[at]),
+            format!("{:.6e}", curves.depth_m[at]),
+            format!("{:.5e}", curves.speed_mps[at]),
+            format!("{:.6e}", curves.measured_n[at]),
+            format!("{:.6e}", curves.before_n[at]),
+            format!("{:.6e}", curves.after_n[at]),
+            format!("{:.3e}", curves.allowed_n[at]),
+            u8::from(curves.held_out[at]).to_string(),
+        ])?;
+    }
+    table.flush()
 }
 
 /// The content of `gap.json`.

@@ -11,6 +11,7 @@ use std::ops::Range;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
+use crate::batch::error::correlation;
 use crate::log::UniformLog;
 use crate::signal;
 
@@ -34,6 +35,10 @@ pub struct Floor {
     pub rest_n: Option<f64>,
     /// The one to trust (N).
     pub used_n: f64,
+    /// Whether it is not white.
+    pub coloured: bool,
+    /// Samples per independent one.
+    pub correlation: f64,
     /// Which one it is, in words.
     pub why: String,
 }
@@ -55,7 +60,10 @@ impl Floor {
             // Both see the same; the one from all samples is the better one.
             Some(_) => (high_pass_n, "from second differences, and rest in free air agrees"),
         };
+        let coloured = used_n > COLOURED * high_pass_n;
         Floor {
+            coloured,
+            correlation: if coloured { resting_correlation(log) } else { 1.0 },
             high_pass_n,
             rest_n,
             used_n,
@@ -115,14 +123,23 @@ fn rest(log: &UniformLog) -> Option<f64> {
         let force = &log.force_n[settled];
         for window in force.chunks(LONGEST).filter(|own| own.len() >= SHORTEST / 2) {
             let weight = window.len() as f64;
-            total = (total.0 + weight * variance(window), total.1 + weight);
+            total = (total.0 + weight * variance(window, log.len()), total.1 + weight);
         }
     }
     (total.1 > 0.0).then(|| (total.0 / total.1).sqrt())
 }
 
+/// Integrated autocorrelation of the longest rest (samples).
+fn resting_correlation(log: &UniformLog) -> f64 {
+    let longest = rests(log).into_iter().max_by_key(Range::len);
+    longest.map_or(1.0, |rest| {
+        let settled = rest.start + rest.len() / 10..rest.end;
+        correlation(&detrended(&log.force_n[settled]))
+    })
+}
+
 /// Variance of a stretch without its trend and without lines.
-fn variance(force: &[f64]) -> f64 {
+fn variance(force: &[f64], log_samples: usize) -> f64 {
     let n = force.len();
     let mut bins: Vec<Complex<f64>> = detrended(force)
         .into_iter()
@@ -142,7 +159,39 @@ fn variance(force: &[f64]) -> f64 {
         let level = signal::median(power[near].to_vec()) / std::f64::consts::LN_2;
         if power[at] > LINE * level { level } else { power[at] }
     });
-    2.0 * kept.sum::<f64>() / (n as f64).powi(2)
+    let kept: Vec<f64> = kept.collect();
+    let scale = 2.0 / (n as f64).powi(2);
+    scale * (kept.iter().sum::<f64>() + below(&kept, log_samples as f64 / n as f64))
+}
+
+/// Power below the lowest bin, down to one period in the log, if the spectrum rises towards it as
+/// f^−a: the slope of the logarithms over the lowest sixteenth, where a > 0.3 is no scatter.
+fn below(power: &[f64], lengths: f64) -> f64 {
+    let low = &power[..(power.len() / 16).max(8).min(power.len())];
+    let (mut n, mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (at, p) in low.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        let (x, y) = (((at + 1) as f64).ln(), p.ln());
+        (n, sx, sy, sxx, sxy) = (n + 1.0, sx + x, sy + y, sxx + x * x, sxy + x * y);
+    }
+    let spread = n * sxx - sx * sx;
+    if spread <= 0.0 || lengths <= 1.0 {
+        return 0.0;
+    }
+    let slope = (n * sxy - sx * sy) / spread;
+    let rise = (-slope).clamp(0.0, 1.3);
+    if rise < 0.3 {
+        return 0.0;
+    }
+    // The line's level at the lowest bin; the mean of an exponential is 1.78 of its median logarithm.
+    let level = ((sy - slope * sx) / n).exp() * 1.78;
+    // ∫ of u^−a from 1/lengths to 1, in bins.
+    let from = 1.0 / lengths;
+    let integral = if (rise - 1.0).abs() < 1e-3 {
+        -from.ln()
+    } else {
+        (1.0 - from.powf(1.0 - rise)) / (1.0 - rise)
+    };
+    level * integral
 }
 
 fn detrended(force: &[f64]) -> Vec<f64> {
