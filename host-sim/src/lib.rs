@@ -5,6 +5,7 @@ pub mod check;
 pub mod compensate;
 pub mod demo;
 pub mod diagnostic;
+pub mod effects;
 pub mod estimate;
 pub mod inspect;
 pub mod log;
