@@ -16,14 +16,18 @@ const SEEN: f64 = 1.5;
 pub(super) fn document(shown: &[Ignored], provenance: Provenance) -> Document {
     let quiet = shown
         .iter()
-        .filter(|own| own.misfit.is_some_and(|misfit| misfit < SEEN))
-        .count();
+        .filter(|own| own.misfit.is_some_and(|misfit| misfit < SEEN));
+    let quiet: Vec<&str> = quiet.map(|own| own.id.name()).collect();
     let sentence = match shown {
         [one] => format!("{}: {}.", one.id.name(), one.id.info().signature),
+        _ if quiet.is_empty() => {
+            format!("All {} effects leave a trace in the residual.", shown.len())
+        }
         _ => format!(
-            "What each effect of the catalogue does to an estimate that does not know of it. {quiet} of {} \
-             hide in the parameters and leave less than {SEEN} times the noise.",
-            shown.len()
+            "Of {} effects, all but these leave a trace in the residual of a fit that does not know of \
+             them: {}.",
+            shown.len(),
+            quiet.join(", ")
         ),
     };
     let title = "Common failure modes of a palpation";

@@ -25,7 +25,7 @@ pub(super) fn catalogue() -> String {
         let _ = writeln!(text, "{}", wrapped(&format!("  {}: ", id.name()), info.law));
         let names: Vec<String> = info.parameters.iter().map(parameter).collect();
         let _ = writeln!(text, "{}", wrapped("      ", &names.join(", ")));
-        let _ = writeln!(text, "{}", wrapped("      shows as ", info.signature));
+        let _ = writeln!(text, "{}", wrapped("      signature: ", info.signature));
     }
     text + "\n`palpate effects ID` says more of one; --out DIR draws them.\n"
 }
