@@ -161,13 +161,11 @@ impl<S: Scalar> Rig<S> {
                 _ => {}
             }
         }
-        let (touch, after) = if softness > S::nil() {
+        if softness > S::nil() {
             self.yielding(state, tip, motor.time_s, softness, period_s)
         } else {
-            self.contact(&state.contact, tip, motor.time_s, period_s)
-        };
-        state.contact = after;
-        touch
+            self.contact(&mut state.contact, tip, motor.time_s, period_s)
+        }
     }
 
     /// A contact behind a spring: tip = x − F/k_s, solved for the deflection u = F/k_s at the end of
@@ -180,7 +178,7 @@ impl<S: Scalar> Rig<S> {
         time_s: S,
         softness: S,
         period_s: S,
-    ) -> (Touch<S>, ContactState<S>) {
+    ) -> Touch<S> {
         /// Newton's steps. The gradients of dual numbers lag one step behind the value.
         const STEPS: usize = 4;
         let [u1, u2] = state.deflection_m;
@@ -193,20 +191,20 @@ impl<S: Scalar> Rig<S> {
             ([now + then, then - both], now + both)
         };
         let rate = |u: S| slope * u - weights[0] * u1 + weights[1] * u2;
-        let contact = |u: S| {
+        let contact = |from: &mut ContactState<S>, u: S| {
             let yielded = (tip.0 - u, tip.1 - rate(u));
-            self.contact(&state.contact, yielded, time_s, period_s)
+            self.contact(from, yielded, time_s, period_s)
         };
         let mut u = u1;
         for _ in 0..STEPS {
-            let (touch, _) = contact(u);
+            let touch = contact(&mut state.contact.clone(), u);
             let stiffness = self.environment.slope(touch.depth_m, touch.speed_mps, slope);
             let error = u - touch.force_n * softness;
             u = u - error / (S::unit() + stiffness * softness);
         }
         state.deflection_m = [u, u1];
         state.period_s = period_s;
-        contact(u)
+        contact(&mut state.contact, u)
     }
 
     /// What comes to the force between contact and load cell (N).

@@ -44,42 +44,39 @@ impl<S: Scalar> ContactState<S> {
 }
 
 impl<S: Scalar> Rig<S> {
-    /// The contact one period after `before`, the tip being at `tip.0` (m) with the speed `tip.1`
-    /// (m/s), and what it then remembers.
+    /// The contact one period later, the tip being at `tip.0` (m) with the speed `tip.1` (m/s).
     pub(super) fn contact(
         &self,
-        before: &ContactState<S>,
+        state: &mut ContactState<S>,
         tip: (S, S),
         time_s: S,
         period_s: S,
-    ) -> (Touch<S>, ContactState<S>) {
-        let mut after = *before;
-        let (depth_m, speed_mps) = self.depth(&mut after, tip, time_s);
-        let relaxed_n = self.relaxed(&mut after, depth_m, period_s);
-        let change_m = S::nil().max_of(depth_m) - S::nil().max_of(before.depth_m);
+    ) -> Touch<S> {
+        let (depth_m, speed_mps) = self.depth(state, tip, time_s);
+        let relaxed_n = self.relaxed(state, depth_m, period_s);
+        let change_m = S::nil().max_of(depth_m) - S::nil().max_of(state.depth_m);
+        state.depth_m = depth_m;
         let mut pushed_n = relaxed_n;
         if let Some(damping) = self.damping() {
             pushed_n = pushed_n + damping.force_n(depth_m, speed_mps);
         }
-        for (effect, memory) in self.effects.iter().zip(&mut after.memories) {
+        for (effect, memory) in self.effects.iter().zip(&mut state.memories) {
             if let Some(Effect::HystereticDamping(own)) = effect {
                 pushed_n = pushed_n + own.force_n(memory, depth_m, change_m);
             }
         }
         let touches = depth_m > S::nil() && pushed_n > S::nil();
         let mut force_n = if touches { pushed_n } else { S::nil() };
-        for (effect, memory) in self.effects.iter().zip(&mut after.memories) {
+        for (effect, memory) in self.effects.iter().zip(&mut state.memories) {
             if let Some(Effect::Adhesion(own)) = effect {
                 force_n = force_n + own.force_n(memory, depth_m);
             }
         }
-        after.depth_m = depth_m;
-        let touch = Touch {
+        Touch {
             force_n,
             depth_m,
             speed_mps,
-        };
-        (touch, after)
+        }
     }
 
     /// δ and δ̇.

@@ -9,7 +9,7 @@
 use estimator_core::estimate::Estimated;
 use estimator_core::scalar::Dual;
 
-use super::dense;
+use crate::dense;
 use super::family::natural;
 use super::fit::Problem;
 
