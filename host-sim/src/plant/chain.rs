@@ -50,11 +50,26 @@ impl Chain {
         moved: Motion<f64>,
         period_s: f64,
     ) -> Reading<f64> {
-        let moved = Motion {
+        self.rig.step(state, self.timed(moved), period_s)
+    }
+
+    /// Force on the probe (N) one period after `state`, which stays as it is.
+    pub(super) fn trial_n(&self, state: &RigState<f64>, moved: Motion<f64>, period_s: f64) -> f64 {
+        self.rig.trial(state, &self.timed(moved), period_s).force_n
+    }
+
+    /// Whether the load cell feels accelerations.
+    pub(super) fn has_inertia(&self) -> bool {
+        let inertia = |own: &Effect<f64>| matches!(own, Effect::ToolInertia(_));
+        self.rig.effects().any(inertia)
+    }
+
+    /// By the clock of the position's readings.
+    fn timed(&self, moved: Motion<f64>) -> Motion<f64> {
+        Motion {
             time_s: moved.time_s + self.late_s,
             ..moved
-        };
-        self.rig.step(state, moved, period_s)
+        }
     }
 
     /// Force on the probe (N) of a material that was at rest until now.
