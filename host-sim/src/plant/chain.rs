@@ -14,6 +14,10 @@ use super::contact::Contact;
 use super::delay::Delay;
 use super::motor::MotorState;
 
+/// A motor in a hold keeps a speed of 1e-16 m/s from rounding, and friction must not take its sign:
+/// what slides only has no force at rest.
+const ROUNDING_MPS: f64 = 1e-12;
+
 /// The effects of a rig.
 pub type Effects = [Option<Effect<f64>>; MOST_EFFECTS];
 
@@ -64,10 +68,12 @@ impl Chain {
         self.rig.effects().any(inertia)
     }
 
-    /// By the clock of the position's readings.
+    /// By the clock of the position's readings, and at rest in a hold.
     fn timed(&self, moved: Motion<f64>) -> Motion<f64> {
+        let moves = moved.speed_mps.abs() > ROUNDING_MPS;
         Motion {
             time_s: moved.time_s + self.late_s,
+            speed_mps: if moves { moved.speed_mps } else { 0.0 },
             ..moved
         }
     }
