@@ -136,6 +136,11 @@ impl<S: Scalar> Rig<S> {
         Reading { force_n, touch }
     }
 
+    /// The contact alone, one period after `state`, which stays as it is: what a motor would feel there.
+    pub fn trial(&self, state: &RigState<S>, motor: &Motion<S>, period_s: S) -> Touch<S> {
+        self.touch(&mut { *state }, motor, period_s)
+    }
+
     /// The motor side behind its encoder.
     pub fn motor_side(&self, read: Motion<S>) -> Motion<S> {
         self.effects().fold(read, |motion, effect| match effect {

@@ -57,12 +57,16 @@ fn errors(log: &UniformLog) -> [(f64, f64); 3] {
 #[test]
 fn hidden_effects_bias_the_estimate_and_compensation_takes_the_bias_away() {
     let effect = |id: &str, rest: &str| format!("[[effect]]\nid = \"{id}\"\n{rest}\n");
-    let all_three = effect("coulomb_friction", "force = 0.4")
-        + &effect("force_offset", "force = 0.3")
-        + &effect("tool_inertia", "mass = 0.2");
+    let friction = |rest: &str| effect("coulomb_friction", &format!("force = 0.4\n{rest}"));
+    let others = effect("force_offset", "force = 0.3") + &effect("tool_inertia", "mass = 0.2");
     // The largest error (%) that the effect must do at least, hidden.
     for (name, effects, hidden) in [
-        ("friction, offset, inertia", all_three, 4.0),
+        (
+            "friction, offset, inertia",
+            friction("transition_speed = 5e-4") + &others,
+            4.0,
+        ),
+        ("pre-sliding friction", friction("width = 1e-5"), 4.0),
         (
             "compliance",
             effect("series_compliance", "stiffness = 12000"),
@@ -97,6 +101,23 @@ fn hidden_effects_bias_the_estimate_and_compensation_takes_the_bias_away() {
             );
         }
     }
+}
+
+#[test]
+fn friction_that_flips_below_the_encoders_sight_is_taken_off_but_for_the_flips() {
+    // A motor that stops in contact swings about its end for 25 ms with less than 30 µm/s. The rig's
+    // 0.4 N have a sign there, a 1 µm encoder sees none: measured 1.0 % instead of 0.3.
+    let model = model("[[effect]]\nid = \"coulomb_friction\"\nforce = 0.4\n");
+    let raw = recorded(&model);
+    let worst = |log: &UniformLog| {
+        errors(log)
+            .iter()
+            .map(|(percent, _)| *percent)
+            .fold(0.0, f64::max)
+    };
+    assert!(worst(&raw) > 4.0);
+    let after = worst(&compensate(&raw, &model).unwrap());
+    assert!(after < 2.0, "{after} %");
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod dense;
 pub mod compensate;
 pub mod demo;
 pub mod diagnostic;
+pub mod effects;
 pub mod estimate;
 pub mod gap;
 pub mod inspect;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
 use palpate::wrap::wrapped;
-use palpate::{check, demo, estimate, gap, simulate};
+use palpate::{check, demo, effects, estimate, gap, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
 ///
@@ -30,6 +30,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Say what is in a log: rate, gaps, units, noise, contacts, and what it is good for
     Check(check::CheckArgs),
+    /// The catalogue of effects that a rig can hide, and what each does to an estimate
+    Effects(effects::EffectsArgs),
     /// Palpate gel and plastic on the simulated rig; also what `palpate` alone does
     Demo(demo::DemoArgs),
 }
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
         Some(Verb::Gap(args)) => gap::run(args),
         Some(Verb::Check(args)) => check::run(args),
         Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
+        Some(Verb::Effects(args)) => effects::run(args),
         Some(Verb::Demo(args)) => demo::run(args),
         None => demo::run(&demo::DemoArgs::default()),
     };

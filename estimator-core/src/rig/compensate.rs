@@ -18,6 +18,9 @@
 //! 0.014 m/s² of noise from a 1 µm encoder at 1 kHz. Laws that are not linear in the motion
 //! (friction, cogging) are averaged over the window along the parabola x̄, v̄, ā.
 //!
+//! What moves slower than half a count of the encoder in half a window rests: sliding friction then
+//! has no direction, and a motor that swings out below that keeps 0.4 N of it for 25 ms.
+//!
 //! The result is late by the half width and one sample (6 ms at 1 kHz), and by a `time_delay`; a rig
 //! whose effects need no derivative has neither window nor lateness. Noise that went through the
 //! window is no longer white: give the estimator the raw one (`contact.force_noise_n`).

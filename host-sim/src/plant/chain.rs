@@ -14,6 +14,10 @@ use super::contact::Contact;
 use super::delay::Delay;
 use super::motor::MotorState;
 
+/// A motor in a hold keeps a speed of 1e-16 m/s from rounding, and friction must not take its sign:
+/// what slides only has no force at rest.
+const ROUNDING_MPS: f64 = 1e-12;
+
 /// The effects of a rig.
 pub type Effects = [Option<Effect<f64>>; MOST_EFFECTS];
 
@@ -50,11 +54,28 @@ impl Chain {
         moved: Motion<f64>,
         period_s: f64,
     ) -> Reading<f64> {
-        let moved = Motion {
+        self.rig.step(state, self.timed(moved), period_s)
+    }
+
+    /// Force on the probe (N) one period after `state`, which stays as it is.
+    pub(super) fn trial_n(&self, state: &RigState<f64>, moved: Motion<f64>, period_s: f64) -> f64 {
+        self.rig.trial(state, &self.timed(moved), period_s).force_n
+    }
+
+    /// Whether the load cell feels accelerations.
+    pub(super) fn has_inertia(&self) -> bool {
+        let inertia = |own: &Effect<f64>| matches!(own, Effect::ToolInertia(_));
+        self.rig.effects().any(inertia)
+    }
+
+    /// By the clock of the position's readings, and at rest in a hold.
+    fn timed(&self, moved: Motion<f64>) -> Motion<f64> {
+        let moves = moved.speed_mps.abs() > ROUNDING_MPS;
+        Motion {
             time_s: moved.time_s + self.late_s,
+            speed_mps: if moves { moved.speed_mps } else { 0.0 },
             ..moved
-        };
-        self.rig.step(state, moved, period_s)
+        }
     }
 
     /// Force on the probe (N) of a material that was at rest until now.

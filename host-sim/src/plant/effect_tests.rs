@@ -59,6 +59,8 @@ fn friction_in_free_air_is_a_force_against_the_way_and_nothing_else() {
             seen[usize::from(*speed > 0.0)] += 1;
         }
     }
+    // At rest for 0.4 s it has no direction.
+    assert_eq!(run.log.force_n[850], 0.0);
     // 0.4 s each way.
     assert!(seen.iter().all(|count| *count > 380), "{seen:?}");
     assert!(run.truth.force_n.iter().all(|force| *force == 0.0));

@@ -183,9 +183,9 @@ impl Probe {
     /// One sub-step from `from_s` (s).
     fn advance(&mut self, rig: &Rig, from_s: f64, motion: &Motion) {
         let step_s = rig.step_s();
-        let (chain, before, at_start) = (self.chain, self.state, self.reading.touch.force_n);
+        let (chain, before, at_start) = (&self.chain, &self.state, self.reading.touch.force_n);
         let contact_n = |elapsed_s: f64, moved: Moved<f64>| match elapsed_s > 0.0 {
-            true => chain.step(&mut { before }, moved, elapsed_s).touch.force_n,
+            true => chain.trial_n(before, moved, elapsed_s),
             false => at_start,
         };
         self.motor = rig.motor.advance(
@@ -201,16 +201,18 @@ impl Probe {
                 contact_n(elapsed_s, moved(from_s + elapsed_s, state, 0.0))
             },
         );
-        // The contact knows no acceleration, so its force gives the acceleration that inertia takes.
         let to_s = from_s + step_s;
-        let force_n = contact_n(step_s, moved(to_s, self.motor, 0.0));
-        let drive_n = rig.motor.drive_n(self.motor, motion.position(to_s));
-        let acceleration = (drive_n - force_n) / rig.motor.mass_kg;
-        self.reading = chain.step(
-            &mut self.state,
-            moved(to_s, self.motor, acceleration),
-            step_s,
-        );
+        // The contact knows no acceleration, so its force gives the acceleration that inertia takes.
+        let acceleration_mps2 = match chain.has_inertia() {
+            false => 0.0,
+            true => {
+                let force_n = contact_n(step_s, moved(to_s, self.motor, 0.0));
+                let drive_n = rig.motor.drive_n(self.motor, motion.position(to_s));
+                (drive_n - force_n) / rig.motor.mass_kg
+            }
+        };
+        let moved = moved(to_s, self.motor, acceleration_mps2);
+        self.reading = chain.step(&mut self.state, moved, step_s);
         self.arrived = self
             .channels
             .push(self.motor.position_m, self.reading.force_n);
