@@ -1,0 +1,93 @@
+//! Writes rigs with hidden effects, and scores `palpate gap` on them:
+//! `cargo run --release -p tests --example hidden -- write DIR --cases 52 --kind single --seed 1`,
+//! `cargo run --release -p tests --example hidden -- score DIR --palpate target/release/palpate`.
+
+// The table and its small version each use a part of it.
+#[allow(dead_code)]
+mod rig;
+
+use rig::case::{Case, Kind};
+use std::path::{Path, PathBuf};
+
+const USAGE: &str = "hidden write DIR --cases N [--kind single|mismatched|pair|triple|none|unknown|poor|weak] [--seed S] [--jobs J]
+hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--again] [--args \"…\"]";
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.first().map(String::as_str) {
+        Some("write") => write(&arguments[1..]),
+        _ => Err(USAGE.into()),
+    };
+    if let Err(message) = done {
+        eprintln!("{message}");
+        std::process::exit(2);
+    }
+}
+
+/// The value after `--name`.
+fn option<'a>(arguments: &'a [String], name: &str) -> Option<&'a str> {
+    let at = arguments.iter().position(|a| a == name)?;
+    arguments.get(at + 1).map(String::as_str)
+}
+
+fn number(arguments: &[String], name: &str, default: u64) -> Result<u64, String> {
+    option(arguments, name).map_or(Ok(default), |text| {
+        text.parse()
+            .map_err(|_| format!("{name} {text}: a whole number is expected"))
+    })
+}
+
+fn write(arguments: &[String]) -> Result<(), String> {
+    let dir = arguments
+        .first()
+        .filter(|a| !a.starts_with("--"))
+        .ok_or(USAGE)?;
+    let cases = number(arguments, "--cases", 26)?;
+    let seed = number(arguments, "--seed", 1)?;
+    let jobs = number(arguments, "--jobs", 2)?.max(1);
+    let kind = option(arguments, "--kind").unwrap_or("single");
+    let kind = if kind == "same" { "single" } else { kind };
+    let kind = Kind::ALL
+        .iter()
+        .find(|(_, name)| *name == kind)
+        .ok_or(USAGE)?
+        .0;
+    std::thread::scope(|scope| {
+        for job in 0..jobs {
+            scope.spawn(move || {
+                for index in (job..cases).step_by(jobs as usize) {
+                    save(Path::new(dir), kind, seed, index);
+                }
+            });
+        }
+    });
+    Ok(())
+}
+
+fn save(dir: &Path, kind: Kind, seed: u64, index: u64) {
+    let case = Case::generate(kind, seed, index);
+    let to: PathBuf = dir.join(format!("rig-{:03}", index + 1));
+    if let Err(error) = case.save(&to) {
+        eprintln!("{}: {error}", to.display());
+        std::process::exit(1);
+    }
+    let ids: Vec<String> = case
+        .hidden
+        .iter()
+        .map(|h| format!("{} ({})", h.id, h.form))
+        .collect();
+    let stranger = case.stranger.map_or("", |(stranger, _)| stranger.name());
+    println!(
+        "{} {} {} {} {} gap {:.2}",
+        to.display(),
+        case.material.law.name(),
+        case.profile.name(),
+        case.noise.name(),
+        if ids.is_empty() {
+            stranger.to_string()
+        } else {
+            ids.join(" + ")
+        },
+        case.gap_ratio(),
+    );
+}
