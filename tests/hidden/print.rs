@@ -5,17 +5,21 @@
 // The table and its small version each use a part of it.
 #[allow(dead_code)]
 mod rig;
+#[allow(dead_code)]
+mod score;
 
 use rig::case::{Case, Kind};
 use std::path::{Path, PathBuf};
 
-const USAGE: &str = "hidden write DIR --cases N [--kind single|mismatched|pair|triple|none|unknown|poor|weak] [--seed S] [--jobs J]
-hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--again] [--args \"…\"]";
+const USAGE: &str = "\
+hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak] [--seed S] [--jobs J]
+hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list]";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.first().map(String::as_str) {
         Some("write") => write(&arguments[1..]),
+        Some("score") => score(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
     if let Err(message) = done {
@@ -61,6 +65,33 @@ fn write(arguments: &[String]) -> Result<(), String> {
             });
         }
     });
+    Ok(())
+}
+
+fn score(arguments: &[String]) -> Result<(), String> {
+    let dirs = arguments.iter().take_while(|a| !a.starts_with("--"));
+    let rigs: Vec<PathBuf> = dirs
+        .flat_map(|dir| score::run::rigs(Path::new(dir)))
+        .collect();
+    if rigs.is_empty() {
+        return Err(format!("no truth.json below the folders given\n{USAGE}"));
+    }
+    let flag = |name: &str| arguments.iter().any(|a| a == name);
+    let options = score::run::Options {
+        palpate: option(arguments, "--palpate")
+            .unwrap_or("target/release/palpate")
+            .into(),
+        out: option(arguments, "--out").unwrap_or("target/hidden").into(),
+        jobs: number(arguments, "--jobs", 2)? as usize,
+        reuse: flag("--reuse"),
+        arguments: option(arguments, "--args")
+            .unwrap_or("")
+            .split_whitespace()
+            .map(String::from)
+            .collect(),
+    };
+    let scored = score::run::all(&rigs, &options)?;
+    score::table::print(&scored, flag("--list"));
     Ok(())
 }
 

@@ -454,11 +454,12 @@ impl Bare {
     fn record(&self, plant: &Plant, noise: Noise, random: &mut Random) -> Case {
         let clean = self.clean(plant, SUBSTEPS);
         let top_n = clean.iter().fold(0.0, |top: f64, f| f.abs().max(top));
-        let (code, counts) = (code_n(top_n), random.unit());
+        let code = code_n(top_n);
         let noise_at = noise.samples(clean.len(), random);
         let row = |(k, (clean, noise)): (usize, (&f64, &f64))| {
             let x = plant.read_m(self.track.x[k * SUBSTEPS]);
-            let position = (x / COUNT_M + counts).floor() * COUNT_M;
+            // The drawn surface lies anywhere between two counts.
+            let position = (x / COUNT_M).round() * COUNT_M;
             let force = ((clean + self.noise_n * noise) / code).round() * code;
             [k as f64 * 1e-3, position, force]
         };

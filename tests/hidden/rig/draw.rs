@@ -64,7 +64,7 @@ pub(crate) struct Hidden {
 
 /// Ids that are right as well: a friction that falls with the speed is either, when the
 /// catalogue says Coulomb and the rig does not.
-pub(crate) fn accepts(id: &str, form: &str) -> &'static [&'static str] {
+pub(crate) fn accepted(id: &str, form: &str) -> &'static [&'static str] {
     match (id, form) {
         ("coulomb_friction", "stribeck" | "lugre" | "tanh") => &["stribeck_friction"],
         _ => &[],

@@ -1,6 +1,7 @@
 //! A case as files, in the format of `data/hidden-effects`.
 
 use super::case::Case;
+use super::draw::accepted;
 use super::material::Law;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -50,11 +51,13 @@ impl Case {
         };
         let mut params = Map::new();
         let mut forms = Map::new();
+        let mut accepts = Map::new();
         let mut effects: Vec<&str> = Vec::new();
         for hidden in &self.hidden {
             effects.push(hidden.id);
             params.insert(hidden.id.into(), object(&hidden.params));
             forms.insert(hidden.id.into(), json!(hidden.form));
+            accepts.insert(hidden.id.into(), json!(accepted(hidden.id, hidden.form)));
         }
         if let Some((stranger, strength)) = self.stranger {
             effects.push("unknown");
@@ -67,6 +70,7 @@ impl Case {
             "kind": self.kind.name(),
             "effects": effects,
             "forms": forms,
+            "accepts": accepts,
             "params": params,
             "law": self.material.law.name(),
             "base": object(&base),
