@@ -24,6 +24,7 @@
 
 pub mod config;
 pub mod contact;
+pub mod effect;
 pub mod error;
 pub mod estimate;
 pub mod estimator;
@@ -32,6 +33,7 @@ pub mod frame;
 pub mod identify;
 pub mod law;
 pub mod noise;
+pub mod rig;
 pub mod rls;
 pub mod sample;
 pub mod scalar;
