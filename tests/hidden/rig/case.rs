@@ -9,7 +9,7 @@ use super::draw::{self, CATALOGUE, Hidden, Scale};
 use super::effect::{Effect, Stranger};
 use super::fit::{Fit, Target, rms};
 use super::material::{Law, Material};
-use super::motion::{FINE_HZ, Profile, SUBSTEPS, Track};
+use super::motion::{Profile, SUBSTEPS, Track};
 use super::plant::Plant;
 use super::random::Random;
 use super::sensor::{Noise, code_n};
@@ -92,6 +92,9 @@ pub(crate) struct Case {
     pub(crate) stranger: Option<(Stranger, f64)>,
     pub(crate) profile: Profile,
     pub(crate) noise: Noise,
+    /// The rig and its motion, for whoever looks behind the log.
+    pub(crate) plant: Plant,
+    pub(crate) track: Track,
     /// Time (s), position (m), force (N).
     pub(crate) rows: Vec<[f64; 3]>,
     /// The model file's start.
@@ -179,9 +182,11 @@ impl Case {
         if self.hidden.len() < 2 {
             return true;
         }
-        let all = rig.clean(&rig.plant(effects(usize::MAX), None), COARSE);
+        let all = rig
+            .plant(effects(usize::MAX), None)
+            .samples(&rig.track, COARSE);
         (0..self.hidden.len()).all(|k| {
-            let less = rig.clean(&rig.plant(effects(k), None), COARSE);
+            let less = rig.plant(effects(k), None).samples(&rig.track, COARSE);
             let added: Vec<f64> = all.iter().zip(&less).map(|(a, l)| a - l).collect();
             fit.beyond_n(&added) > 1.2 * self.floor_n
         })
@@ -364,7 +369,7 @@ impl Bare {
             start: off(&material, random),
             seed: (random.unit() * 2f64.powi(52)) as u64,
         };
-        let bare = rig.clean(&Plant::bare(material), COARSE);
+        let bare = Plant::bare(material).samples(&rig.track, COARSE);
         scale.peak_n = bare.iter().copied().fold(0.0, f64::max);
         rig.scale = scale;
         rig.noise_n *= scale.peak_n;
@@ -381,24 +386,9 @@ impl Bare {
         }
     }
 
-    /// Force at 1 kHz without noise, from `every` sub-steps a sample.
-    fn clean(&self, plant: &Plant, every: usize) -> Vec<f64> {
-        let thin = |series: &[f64]| -> Vec<f64> {
-            series.iter().copied().step_by(SUBSTEPS / every).collect()
-        };
-        let dt = (SUBSTEPS / every) as f64 / FINE_HZ;
-        let force = plant.force(
-            &thin(&self.track.x),
-            &thin(&self.track.v),
-            &thin(&self.track.a),
-            dt,
-        );
-        plant.sensed(&force, every, self.track.samples)
-    }
-
     /// What the base leaves of a rig without noise (N).
     fn left_n(&self, plant: &Plant) -> f64 {
-        let force = self.clean(plant, COARSE);
+        let force = plant.samples(&self.track, COARSE);
         let x: Vec<f64> = (0..force.len())
             .map(|k| plant.read_m(self.track.x[k * SUBSTEPS]))
             .collect();
@@ -452,7 +442,7 @@ impl Bare {
 
     /// Noise, codes and counts.
     fn record(&self, plant: &Plant, noise: Noise, random: &mut Random) -> Case {
-        let clean = self.clean(plant, SUBSTEPS);
+        let clean = plant.samples(&self.track, SUBSTEPS);
         let top_n = clean.iter().fold(0.0, |top: f64, f| f.abs().max(top));
         let code = code_n(top_n);
         let noise_at = noise.samples(clean.len(), random);
@@ -477,6 +467,8 @@ impl Bare {
             stranger: None,
             profile: self.profile,
             noise,
+            plant: plant.clone(),
+            track: self.track.clone(),
             rows,
             start: self.start.clone(),
             floor_n: rms(&wrong),

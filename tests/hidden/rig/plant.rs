@@ -7,6 +7,7 @@
 
 use super::effect::{Effect, Friction, Stranger, wave, wave_slope};
 use super::material::{Material, REFERENCE_M};
+use super::motion::{FINE_HZ, SUBSTEPS, Track};
 use super::random::Random;
 use super::stranger::Running;
 
@@ -60,6 +61,16 @@ impl Plant {
         (0..x.len())
             .map(|k| run.step(k as f64 * dt, x[k], v[k], a[k], dt))
             .collect()
+    }
+
+    /// Force at 1 kHz without noise, from `every` sub-steps a sample.
+    pub(crate) fn samples(&self, track: &Track, every: usize) -> Vec<f64> {
+        let thin = |series: &[f64]| -> Vec<f64> {
+            series.iter().copied().step_by(SUBSTEPS / every).collect()
+        };
+        let dt = (SUBSTEPS / every) as f64 / FINE_HZ;
+        let force = self.force(&thin(&track.x), &thin(&track.v), &thin(&track.a), dt);
+        self.sensed(&force, every, track.samples)
     }
 
     /// Delay and limit: samples at 1 kHz from sub-steps, `every` of which make one.
