@@ -14,7 +14,7 @@ use super::stranger::Running;
 /// Modes, plays and hysteresis elements together need no more.
 const MOST: usize = 8;
 /// Slower than this the guide stands (m/s): 0.05 counts of the encoder a millisecond.
-const STANDING_MPS: f64 = 5e-5;
+pub(crate) const STANDING_MPS: f64 = 5e-5;
 /// Frequency at which the amplitude of a disturbance breathes (Hz).
 const BREATHING_HZ: f64 = 0.31;
 
@@ -339,6 +339,8 @@ struct Run<'a> {
     spring: Option<(f64, f64, f64)>,
     /// Tip of the last two sub-steps (m).
     tips: [f64; 2],
+    /// Sub-steps in contact, this far: the rate has no parabola across a touch.
+    touching: usize,
     plays: [f64; MOST],
     friction: f64,
     loose: [f64; 2],
@@ -368,6 +370,7 @@ impl<'a> Run<'a> {
             stranger: plant.running(0),
             spring,
             tips: [x; 2],
+            touching: 0,
             plays: [x; MOST],
             friction: 0.0,
             loose: [0.0; 2],
@@ -438,8 +441,14 @@ impl<'a> Run<'a> {
     /// The tip at which spring and contact push alike: bisection-safe secant on an increasing function.
     fn sprung(&mut self, driven: f64, moved: (f64, f64), spring: (f64, f64, f64), dt: f64) -> f64 {
         let (plant, before, tips) = (self.plant, self.memory, self.tips);
+        let parabola = self.touching > 1;
         let trial = |tip: f64| {
-            let speed = (1.5 * tip - 2.0 * tips[0] + 0.5 * tips[1]) / dt;
+            let way = if parabola {
+                1.5 * tip - 2.0 * tips[0] + 0.5 * tips[1]
+            } else {
+                tip - tips[0]
+            };
+            let speed = way / dt;
             let (force, memory) = plant.contact(&before, &mut None, (tip, speed), moved, dt);
             (force - spring_force(driven - tip, spring), memory)
         };
@@ -474,6 +483,12 @@ impl<'a> Run<'a> {
             found = trial(tip);
         }
         self.memory = found.1;
+        // A tip that is stopped by the damper lies at the surface, to the last bit.
+        self.touching = if self.memory.depth > -1e-12 {
+            self.touching + 1
+        } else {
+            0
+        };
         self.tips = [tip, tips[0]];
         // The spring's force, since a damper that is met at speed leaves the contact's undetermined.
         spring_force(driven - tip, spring)
