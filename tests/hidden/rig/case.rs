@@ -7,7 +7,8 @@
 
 use super::draw::{self, CATALOGUE, Hidden, Scale};
 use super::effect::{Effect, Stranger};
-use super::fit::{Fit, Target, rms};
+use super::fit::{Fit, Target, rms, speed};
+use super::form;
 use super::material::{Law, Material};
 use super::motion::{Profile, SUBSTEPS, Track};
 use super::plant::Plant;
@@ -101,6 +102,9 @@ pub(crate) struct Case {
     pub(crate) start: Vec<f64>,
     pub(crate) floor_n: f64,
     pub(crate) base_rmse_n: f64,
+    /// The best fit of the base with the effect in the catalogue's form, of a mismatched one: what a
+    /// workflow that names it rightly can reach.
+    pub(crate) form_rmse_n: Option<f64>,
 }
 
 impl Case {
@@ -146,18 +150,21 @@ impl Case {
             stranger,
             ..case
         };
-        let shown = case.shown(&rig, &plant);
-        shown.then_some(case)
+        if !case.shown(&rig, &plant) {
+            return None;
+        }
+        if kind == Kind::Mismatched {
+            case.form_rmse_n = Some(form::best_rmse_n(&case));
+        }
+        Some(case)
     }
 
     /// Whether the base leaves enough, and no effect hides behind base and others.
     fn shown(&mut self, rig: &Bare, plant: &Plant) -> bool {
-        let x: Vec<f64> = (0..rig.track.samples)
-            .map(|k| plant.read_m(rig.track.x[k * SUBSTEPS]))
-            .collect();
+        let x = plant.readings(&rig.track);
         let f: Vec<f64> = self.rows.iter().map(|row| row[2]).collect();
-        let target = Target::new(&x, &f, 1e-3, 1);
-        let fit = target.fit(self.material.law, &self.material.numbers(), &[]);
+        let target = Target::base(self.material.law, &x, &f, 1);
+        let fit = target.fit(&self.material.numbers(), &[]);
         self.base_rmse_n = fit.rmse_n;
         let ratio = self.gap_ratio();
         match self.kind {
@@ -166,7 +173,7 @@ impl Case {
             _ if ratio < LEAST_RATIO => return false,
             _ => {}
         }
-        self.nothing_masked(rig, &fit) && self.more_than_coulomb(&target)
+        self.nothing_masked(rig, &fit) && self.more_than_coulomb(&target, &speed(&x, 1e-3))
     }
 
     /// Every effect of several adds at least 1.2 floors that the base (linearised) cannot follow.
@@ -193,14 +200,14 @@ impl Case {
     }
 
     /// A Stribeck friction that Coulomb describes to 10 % of the floor is a Coulomb friction.
-    fn more_than_coulomb(&self, target: &Target) -> bool {
+    fn more_than_coulomb(&self, target: &Target<'_>, v: &[f64]) -> bool {
         let stribeck = self.hidden.iter().any(|h| h.id == "stribeck_friction");
         if !stribeck || self.hidden.len() > 1 {
             return true;
         }
         let sign = |v: &f64| if v.abs() > 1e-4 { v.signum() } else { 0.0 };
-        let column = target.v.iter().map(sign).collect();
-        let fit = target.fit(self.material.law, &self.material.numbers(), &[column]);
+        let column = v.iter().map(sign).collect();
+        let fit = target.fit(&self.material.numbers(), &[column]);
         fit.rmse_n > 1.15 * self.floor_n
     }
 
@@ -389,13 +396,8 @@ impl Bare {
     /// What the base leaves of a rig without noise (N).
     fn left_n(&self, plant: &Plant) -> f64 {
         let force = plant.samples(&self.track, COARSE);
-        let x: Vec<f64> = (0..force.len())
-            .map(|k| plant.read_m(self.track.x[k * SUBSTEPS]))
-            .collect();
-        let target = Target::new(&x, &force, 1e-3, 4);
-        target
-            .fit(self.material.law, &self.material.numbers(), &[])
-            .rmse_n
+        let target = Target::base(self.material.law, &plant.readings(&self.track), &force, 4);
+        target.fit(&self.material.numbers(), &[]).rmse_n
     }
 
     /// The strength at which `left_n` is what the wanted ratio needs; None if no strength does.
@@ -473,6 +475,7 @@ impl Bare {
             start: self.start.clone(),
             floor_n: rms(&wrong),
             base_rmse_n: 0.0,
+            form_rmse_n: None,
         }
     }
 }

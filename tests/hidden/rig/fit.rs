@@ -1,20 +1,62 @@
-//! The best fit of the base model to a log: what the gap ratio of a case is measured with.
+//! Least squares: the best fit of the base model to a log, which the gap ratio of a case is measured
+//! with, and of the base with an effect in the catalogue's form.
 //!
 //! Levenberg–Marquardt with differences for gradients, on the motor's true position (without the
-//! encoder's counts), from the true values; parameters are scaled by their start.
+//! encoder's counts), from the true values.
 
 use super::material::{Law, Material};
 use super::plant::Plant;
 
-/// A log that the base is fitted to.
-#[derive(Clone, Debug)]
-pub(crate) struct Target {
-    /// Position (m), speed (m/s) and force (N).
-    pub(crate) x: Vec<f64>,
-    pub(crate) v: Vec<f64>,
+/// How a parameter may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Limit {
+    /// By a factor of 2.5 at most, never through zero.
+    Scaled,
+    /// Inside a range, by `reach` at most; `step` is the one of the difference.
+    Within {
+        low: f64,
+        high: f64,
+        reach: f64,
+        step: f64,
+    },
+}
+
+impl Limit {
+    /// Anywhere, by `reach` a step.
+    pub(crate) fn free(reach: f64) -> Limit {
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        Limit::Within {
+            low,
+            high,
+            reach,
+            step: 1e-3 * reach,
+        }
+    }
+
+    fn moved(self, from: f64, by: f64) -> f64 {
+        match self {
+            Limit::Scaled => (from + by).clamp(0.4 * from, 2.5 * from),
+            Limit::Within {
+                low, high, reach, ..
+            } => (from + by.clamp(-reach, reach)).clamp(low, high),
+        }
+    }
+
+    fn step(self, at: f64) -> f64 {
+        match self {
+            Limit::Scaled => 1e-4 * at,
+            Limit::Within { step, .. } => step,
+        }
+    }
+}
+
+/// A force to be fitted, by a model with parameters.
+pub(crate) struct Target<'a> {
+    /// Measured (N).
     pub(crate) f: Vec<f64>,
-    /// Between samples (s).
-    pub(crate) dt: f64,
+    /// The model.
+    pub(crate) predict: Box<dyn Fn(&[f64]) -> Vec<f64> + 'a>,
+    pub(crate) limits: Vec<Limit>,
 }
 
 /// What the fit leaves.
@@ -26,46 +68,73 @@ pub(crate) struct Fit {
     jacobian: Vec<Vec<f64>>,
 }
 
-impl Target {
-    /// Every `stride`-th sample; speed by central differences of the full series.
-    pub(crate) fn new(x: &[f64], f: &[f64], period_s: f64, stride: usize) -> Self {
-        let speed = |k: usize| {
-            let (low, high) = (k.saturating_sub(1), (k + 1).min(x.len() - 1));
-            (x[high] - x[low]) / ((high - low) as f64 * period_s)
+/// Speed by central differences.
+pub(crate) fn speed(x: &[f64], period_s: f64) -> Vec<f64> {
+    let at = |k: usize| {
+        let (low, high) = (k.saturating_sub(1), (k + 1).min(x.len() - 1));
+        (x[high] - x[low]) / ((high - low) as f64 * period_s)
+    };
+    (0..x.len()).map(at).collect()
+}
+
+/// Limits of the base's parameters.
+pub(crate) fn base_limits(law: Law) -> Vec<Limit> {
+    let within = |low: f64, high: f64, reach: f64, step: f64| Limit::Within {
+        low,
+        high,
+        reach,
+        step,
+    };
+    let limit = |name: &&str| match *name {
+        "surface" => within(-1.0, 1.0, 1e-3, 1e-6),
+        // A damper may vanish.
+        "damping" => within(1e-4, 1e6, 1e6, 1e-3),
+        "exponent" => within(0.3, 5.0, 0.3, 1e-4),
+        "relaxation_fraction_1" => within(1e-3, 0.98, 0.2, 1e-4),
+        _ => Limit::Scaled,
+    };
+    law.parameters().iter().map(limit).collect()
+}
+
+impl<'a> Target<'a> {
+    /// The base on every `stride`-th sample of a log at 1 kHz.
+    pub(crate) fn base(law: Law, x: &[f64], f: &[f64], stride: usize) -> Target<'a> {
+        let thin =
+            |series: &[f64]| -> Vec<f64> { series.iter().copied().step_by(stride).collect() };
+        let (v, x) = (thin(&speed(x, 1e-3)), thin(x));
+        let dt = 1e-3 * stride as f64;
+        // The base alone asks for no acceleration.
+        let predict = move |numbers: &[f64]| {
+            Plant::bare(Material::from_numbers(law, numbers)).force(&x, &v, &v, dt)
         };
-        let picked = || (0..x.len()).step_by(stride);
         Target {
-            x: picked().map(|k| x[k]).collect(),
-            v: picked().map(speed).collect(),
-            f: picked().map(|k| f[k]).collect(),
-            dt: period_s * stride as f64,
+            f: thin(f),
+            predict: Box::new(predict),
+            limits: base_limits(law),
         }
     }
 
-    fn predict(&self, law: Law, numbers: &[f64]) -> Vec<f64> {
-        // The base alone asks for no acceleration.
-        Plant::bare(Material::from_numbers(law, numbers)).force(&self.x, &self.v, &self.v, self.dt)
-    }
-
-    /// Least squares over the base's parameters, and over factors of further `columns`.
-    pub(crate) fn fit(&self, law: Law, start: &[f64], columns: &[Vec<f64>]) -> Fit {
+    /// Least squares over the parameters, and over factors of further `columns`.
+    pub(crate) fn fit(&self, start: &[f64], columns: &[Vec<f64>]) -> Fit {
         let mut numbers = start.to_vec();
         let mut damp = 1e-3;
-        let (mut sum, mut residual) = self.residual(law, &numbers, columns);
-        let mut jacobian = self.jacobian(law, &numbers);
+        let (mut sum, mut residual) = self.residual(&numbers, columns);
+        let mut jacobian = self.jacobian(&numbers, columns);
         for _ in 0..40 {
-            let free = without(&jacobian, columns);
-            let (normal, right) = normal(&free, &residual);
+            let (normal, right) = normal(&jacobian, &residual);
             let step = solve_damped(&normal, &right, damp);
-            let tried = bounded(law, &numbers, &step);
-            let (next, next_residual) = self.residual(law, &tried, columns);
+            let moved = self.limits.iter().zip(&numbers).zip(&step);
+            let tried: Vec<f64> = moved
+                .map(|((limit, from), by)| limit.moved(*from, *by))
+                .collect();
+            let (next, next_residual) = self.residual(&tried, columns);
             if next < sum {
                 let done = sum - next < 1e-7 * sum;
                 (numbers, sum, residual) = (tried, next, next_residual);
                 if done {
                     break;
                 }
-                jacobian = self.jacobian(law, &numbers);
+                jacobian = self.jacobian(&numbers, columns);
                 damp = f64::max(damp * 0.2, 1e-9);
             } else {
                 damp *= 8.0;
@@ -74,28 +143,27 @@ impl Target {
                 }
             }
         }
-        let rmse_n = (sum / self.f.len() as f64).sqrt();
         Fit {
             numbers,
-            rmse_n,
-            jacobian: without(&jacobian, columns),
+            rmse_n: (sum / self.f.len() as f64).sqrt(),
+            jacobian,
         }
     }
 
-    fn residual(&self, law: Law, numbers: &[f64], columns: &[Vec<f64>]) -> (f64, Vec<f64>) {
-        let predicted = self.predict(law, numbers);
+    fn residual(&self, numbers: &[f64], columns: &[Vec<f64>]) -> (f64, Vec<f64>) {
+        let predicted = (self.predict)(numbers);
         let raw = self.f.iter().zip(&predicted).map(|(f, p)| f - p).collect();
         let residual = without(&[raw], columns).remove(0);
         (residual.iter().map(|r| r * r).sum(), residual)
     }
 
-    fn jacobian(&self, law: Law, numbers: &[f64]) -> Vec<Vec<f64>> {
-        let column = |index: usize| {
-            let step = difference(law, numbers, index);
+    fn jacobian(&self, numbers: &[f64], columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let column = |(index, limit): (usize, &Limit)| -> Vec<f64> {
+            let step = limit.step(numbers[index]);
             let moved = |by: f64| {
                 let mut moved = numbers.to_vec();
                 moved[index] += by;
-                self.predict(law, &moved)
+                (self.predict)(&moved)
             };
             let (high, low) = (moved(step), moved(-step));
             high.iter()
@@ -103,7 +171,8 @@ impl Target {
                 .map(|(h, l)| (h - l) / (2.0 * step))
                 .collect()
         };
-        (0..numbers.len()).map(column).collect()
+        let all: Vec<Vec<f64>> = self.limits.iter().enumerate().map(column).collect();
+        without(&all, columns)
     }
 }
 
@@ -118,32 +187,6 @@ impl Fit {
 /// Root mean square.
 pub(crate) fn rms(series: &[f64]) -> f64 {
     (series.iter().map(|r| r * r).sum::<f64>() / series.len() as f64).sqrt()
-}
-
-/// Step of a central difference: 10⁻⁴ of the parameter, 1 µm of the surface.
-fn difference(law: Law, numbers: &[f64], index: usize) -> f64 {
-    if law.parameters()[index] == "surface" {
-        1e-6
-    } else {
-        (1e-4 * numbers[index].abs()).max(1e-6)
-    }
-}
-
-/// Inside what a material can be; no step is longer than a factor of two.
-fn bounded(law: Law, numbers: &[f64], step: &[f64]) -> Vec<f64> {
-    let one = |((name, old), by): ((&&str, &f64), &f64)| match *name {
-        "surface" => old + by.clamp(-1e-3, 1e-3),
-        "damping" => (old + by).max(1e-4),
-        "exponent" => (old + by.clamp(-0.3, 0.3)).clamp(0.3, 5.0),
-        "relaxation_fraction_1" => (old + by.clamp(-0.2, 0.2)).clamp(0.001, 0.98),
-        _ => (old + by).clamp(0.4 * old, 2.5 * old),
-    };
-    law.parameters()
-        .iter()
-        .zip(numbers)
-        .zip(step)
-        .map(one)
-        .collect()
 }
 
 /// Columns with their projection on `others` taken out.

@@ -5,6 +5,7 @@ pub(crate) mod case;
 pub(crate) mod draw;
 pub(crate) mod effect;
 pub(crate) mod fit;
+pub(crate) mod form;
 pub(crate) mod material;
 pub(crate) mod motion;
 pub(crate) mod plant;

@@ -118,6 +118,13 @@ impl Plant {
         x + self.hidden.iter().map(error).sum::<f64>()
     }
 
+    /// What the encoder reads at every sample before it counts (m).
+    pub(crate) fn readings(&self, track: &Track) -> Vec<f64> {
+        (0..track.samples)
+            .map(|k| self.read_m(track.x[k * SUBSTEPS]))
+            .collect()
+    }
+
     fn running(&self, stream: u64) -> Option<Running> {
         self.stranger
             .map(|(kind, strength)| Running::new(kind, strength, self.seed ^ (stream << 40)))

@@ -77,6 +77,7 @@ impl Case {
             "floor_n": self.floor_n,
             "base_rmse_n": self.base_rmse_n,
             "gap_ratio": self.gap_ratio(),
+            "form_ratio": self.form_rmse_n.map(|rmse_n| rmse_n / self.floor_n),
             "profile": self.profile.name(),
             "noise": self.noise.name(),
             "seconds": self.seconds(),

@@ -6,9 +6,10 @@ use super::share::{Share, quantile};
 use std::collections::BTreeMap;
 
 /// Order of the rows.
-const KINDS: [&str; 8] = [
+const KINDS: [&str; 9] = [
     "single",
     "mismatched",
+    "crude",
     "pair",
     "triple",
     "weak",
@@ -119,6 +120,7 @@ pub(crate) fn print(scored: &[Scored], list: bool) {
     println!(
         "exact: the set named, adequate (none: no_missing_effect; unknown: unexplained, no name). inad.: the set, unexplained.\n\
          junk: unexplained, with names. part: some of the set. doubt: unexplained or ambiguous, with a wrong name. wrong: so, as a certainty.\n\
+         crude: a form that the catalogue\'s own cannot follow within 15 % of the floor; `unexplained` is honest there.\n\
          R: held-out RMSE after over the true floor, of exact answers; all90: p90 of all. s: wall clock of the process."
     );
     coverage(scored);
@@ -217,9 +219,20 @@ fn confusion(scored: &[Scored]) {
             .or_default() += 1;
     }
     println!("truth: answers (null: no_missing_effect; ?: ambiguous; !: unexplained)");
+    let mut alone: BTreeMap<usize, Vec<String>> = BTreeMap::new();
     for ((kind, label), cells) in rows {
         let mut cells: Vec<(String, usize)> = cells.into_iter().collect();
         cells.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        // A row with nothing but its own name goes to one line with the others of that kind.
+        if let [(to, count)] = cells.as_slice()
+            && label.split(' ').next() == Some(to)
+        {
+            alone
+                .entry(kind)
+                .or_default()
+                .push(format!("{label} {count}"));
+            continue;
+        }
         let cells: Vec<String> = cells
             .iter()
             .map(|(to, count)| format!("{to} {count}"))
@@ -228,6 +241,13 @@ fn confusion(scored: &[Scored]) {
             "  {:<11}{label}: {}",
             KINDS.get(kind).unwrap_or(&""),
             cells.join(", ")
+        );
+    }
+    for (kind, labels) in alone {
+        println!(
+            "  {:<11}as itself alone: {}",
+            KINDS.get(kind).unwrap_or(&""),
+            labels.join(", ")
         );
     }
 }

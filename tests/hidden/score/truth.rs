@@ -25,6 +25,10 @@ pub(crate) struct Truth {
     pub(crate) floor_n: f64,
 }
 
+/// Where the best fit of the catalogue's form leaves more than this multiple of the floor, the
+/// catalogue does not explain the rig: `unexplained` with the right name is then right.
+pub(crate) const CRUDE: f64 = 1.15;
+
 /// Names of the older rigs: theirs, effect, the catalogue's.
 const OLDER: [(&str, &str, &str); 13] = [
     ("comp_k", "series_compliance", "stiffness"),
@@ -87,6 +91,12 @@ impl Truth {
 
     fn own(mut self, json: &Value) -> Truth {
         self.kind = json["kind"].as_str().unwrap_or_default().to_string();
+        if json["form_ratio"]
+            .as_f64()
+            .is_some_and(|ratio| ratio > CRUDE)
+        {
+            self.kind = "crude".into();
+        }
         self.base = numbers(&json["base"]);
         let form = |id: &str| json["forms"][id].as_str().unwrap_or_default().to_string();
         for id in &self.effects {
