@@ -120,6 +120,24 @@ impl Case {
         panic!("no rig shows {} {index} of seed {seed}", kind.name());
     }
 
+    /// An effect of the catalogue's form at strength 1, on a rig that nobody looked at: for whoever
+    /// compares physics, not judgements.
+    pub(crate) fn sketch(seed: u64, index: usize) -> Case {
+        let mut random = Random::new(seed, index as u64);
+        let ids = [CATALOGUE[index]];
+        let law = law(&ids, &mut random);
+        let rig = Bare::draw(law, false, &mut random);
+        let hidden = draw::build(ids[0], false, 1.0, &rig.scale, &mut random);
+        let plant = rig.plant(vec![hidden.effect.clone()], None);
+        let case = rig.record(&plant, Noise::White, &mut random);
+        Case {
+            kind: Kind::Single,
+            seed,
+            hidden: vec![hidden],
+            ..case
+        }
+    }
+
     fn draw(kind: Kind, seed: u64, index: u64, mut random: Random) -> Option<Case> {
         let ids = ids(kind, index, &mut random);
         let law = law(&ids, &mut random);
