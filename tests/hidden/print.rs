@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 const USAGE: &str = "\
 hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak] [--seed S] [--jobs J]
-hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list]";
+hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -84,6 +84,7 @@ fn score(arguments: &[String]) -> Result<(), String> {
         out: option(arguments, "--out").unwrap_or("target/hidden").into(),
         jobs: number(arguments, "--jobs", 2)? as usize,
         reuse: flag("--reuse"),
+        richer: flag("--richer"),
         arguments: option(arguments, "--args")
             .unwrap_or("")
             .split_whitespace()

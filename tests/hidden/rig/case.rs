@@ -59,6 +59,17 @@ impl Kind {
             .map_or("", |(_, name)| name)
     }
 
+    fn profile(self, random: &mut Random) -> Profile {
+        match (self, random.unit()) {
+            (Kind::Poor, _) => Profile::Slow,
+            // Many touches, or an offset or a drift could stand for what changes with each.
+            (Kind::Unknown, _) => Profile::Mixed,
+            (_, u) if u < 0.5 => Profile::Mixed,
+            (_, u) if u < 0.75 => Profile::Steps,
+            _ => Profile::Sines,
+        }
+    }
+
     /// Gap ratio wanted of each effect alone.
     fn wanted(self, random: &mut Random) -> f64 {
         match self {
@@ -98,6 +109,8 @@ pub(crate) struct Case {
     pub(crate) track: Track,
     /// Time (s), position (m), force (N).
     pub(crate) rows: Vec<[f64; 3]>,
+    /// For poor excitation: the same rig under a motion that shows more.
+    pub(crate) richer: Option<Vec<[f64; 3]>>,
     /// The model file's start.
     pub(crate) start: Vec<f64>,
     pub(crate) floor_n: f64,
@@ -125,8 +138,8 @@ impl Case {
     pub(crate) fn sketch(seed: u64, index: usize) -> Case {
         let mut random = Random::new(seed, index as u64);
         let ids = [CATALOGUE[index]];
-        let law = law(&ids, &mut random);
-        let rig = Bare::draw(law, false, &mut random);
+        let law = law(&ids, None, &mut random);
+        let rig = Bare::draw(law, Kind::Single.profile(&mut random), &mut random);
         let hidden = draw::build(ids[0], false, 1.0, &rig.scale, &mut random);
         let plant = rig.plant(vec![hidden.effect.clone()], None);
         let case = rig.record(&plant, Noise::White, &mut random);
@@ -140,8 +153,10 @@ impl Case {
 
     fn draw(kind: Kind, seed: u64, index: u64, mut random: Random) -> Option<Case> {
         let ids = ids(kind, index, &mut random);
-        let law = law(&ids, &mut random);
-        let rig = Bare::draw(law, kind == Kind::Poor, &mut random);
+        let stranger =
+            (kind == Kind::Unknown).then(|| Stranger::ALL[index as usize % Stranger::ALL.len()]);
+        let law = law(&ids, stranger, &mut random);
+        let mut rig = Bare::draw(law, kind.profile(&mut random), &mut random);
         let coloured = if kind == Kind::None {
             index % 2 == 1
         } else {
@@ -152,12 +167,9 @@ impl Case {
         for id in &ids {
             hidden.push(rig.strengthened(id, kind, &mut random)?);
         }
-        let stranger = match kind {
-            Kind::Unknown => {
-                let which = Stranger::ALL[index as usize % Stranger::ALL.len()];
-                Some(rig.strange(which, &mut random)?)
-            }
-            _ => None,
+        let stranger = match stranger {
+            Some(which) => Some(rig.strange(which, &mut random)?),
+            None => None,
         };
         let plant = rig.plant(hidden.iter().map(|h| h.effect.clone()).collect(), stranger);
         let mut case = rig.record(&plant, noise, &mut random);
@@ -170,6 +182,12 @@ impl Case {
         };
         if !case.shown(&rig, &plant) {
             return None;
+        }
+        if kind == Kind::Poor {
+            let surface = rig.material.surface;
+            let depth_m = rig.scale.depth_m;
+            rig.track = Track::draw(Profile::Mixed, surface, depth_m, &mut random);
+            case.richer = Some(rig.record(&plant, noise, &mut random).rows);
         }
         if kind == Kind::Mismatched {
             case.form_rmse_n = Some(form::best_rmse_n(&case));
@@ -281,7 +299,9 @@ fn compatible(a: &str, b: &str) -> bool {
             .any(|family| family.contains(&a) && family.contains(&b))
 }
 
-fn law(ids: &[&str], random: &mut Random) -> Law {
+fn law(ids: &[&str], stranger: Option<Stranger>, random: &mut Random) -> Law {
+    // On a linear material a wave in the force is one in the position: an encoder's.
+    let bent = stranger == Some(Stranger::ConverterWaves);
     loop {
         let law = match random.unit() {
             u if u < 0.35 => Law::KelvinVoigt,
@@ -289,7 +309,8 @@ fn law(ids: &[&str], random: &mut Random) -> Law {
             u if u < 0.94 => Law::QuasiLinear,
             _ => Law::Zener,
         };
-        if ids.iter().all(|id| draw::fits(id, law)) {
+        let linear = matches!(law, Law::KelvinVoigt | Law::Zener);
+        if ids.iter().all(|id| draw::fits(id, law)) && !(bent && linear) {
             return law;
         }
     }
@@ -362,19 +383,13 @@ struct Bare {
 }
 
 impl Bare {
-    fn draw(law: Law, poor: bool, random: &mut Random) -> Self {
+    fn draw(law: Law, profile: Profile, random: &mut Random) -> Self {
         let material = material(law, random);
         let mut depth_m = 1.2e-3;
         let wanted_n = random.log_between(5.0, 25.0);
         while depth_m < 5.5e-3 && material.elastic(depth_m) < wanted_n {
             depth_m += 0.1e-3;
         }
-        let profile = match random.unit() {
-            _ if poor => Profile::Slow,
-            u if u < 0.5 => Profile::Mixed,
-            u if u < 0.75 => Profile::Steps,
-            _ => Profile::Sines,
-        };
         let track = Track::draw(profile, material.surface, depth_m, random);
         let (low, high) = track.range_m();
         let mut scale = Scale {
@@ -490,6 +505,7 @@ impl Bare {
             plant: plant.clone(),
             track: self.track.clone(),
             rows,
+            richer: None,
             start: self.start.clone(),
             floor_n: rms(&wrong),
             base_rmse_n: 0.0,

@@ -32,13 +32,7 @@ impl Case {
 
     /// What the rig recorded.
     pub(crate) fn csv(&self) -> String {
-        let mut text = String::with_capacity(26 * self.rows.len());
-        text.push_str("t_s,x_m,f_n\n");
-        for [t, x, f] in &self.rows {
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{t:.3},{x:.6},{f:.3}");
-        }
-        text
+        csv(&self.rows)
     }
 
     /// What was really there: parameters of the catalogue's forms in the catalogue's names and units.
@@ -90,6 +84,19 @@ impl Case {
         std::fs::create_dir_all(dir)?;
         std::fs::write(dir.join("base.toml"), self.base_toml())?;
         std::fs::write(dir.join("measured.csv"), self.csv())?;
+        if let Some(rows) = &self.richer {
+            std::fs::write(dir.join("richer.csv"), csv(rows))?;
+        }
         std::fs::write(dir.join("truth.json"), format!("{:#}\n", self.truth()))
     }
+}
+
+fn csv(rows: &[[f64; 3]]) -> String {
+    let mut text = String::with_capacity(26 * rows.len());
+    text.push_str("t_s,x_m,f_n\n");
+    for [t, x, f] in rows {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{t:.3},{x:.6},{f:.3}");
+    }
+    text
 }

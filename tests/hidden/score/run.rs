@@ -19,6 +19,8 @@ pub(crate) struct Options {
     pub(crate) jobs: usize,
     /// Score the answers of the last run.
     pub(crate) reuse: bool,
+    /// Give the second log of a rig that has one (richer.csv) along.
+    pub(crate) richer: bool,
     /// Passed on to `gap`.
     pub(crate) arguments: Vec<String>,
 }
@@ -95,8 +97,14 @@ fn run(rig: &Path, out: &Path, options: &Options) -> Result<Answer, String> {
     let _ = std::fs::remove_file(&gap_json);
     let log = std::fs::File::create(out.join("stderr.txt")).map_err(|e| e.to_string())?;
     let started = Instant::now();
-    let mut child = Command::new(&options.palpate)
-        .arg("gap")
+    let mut command = Command::new(&options.palpate);
+    let richer = rig.join("richer.csv");
+    if options.richer && richer.is_file() {
+        command.arg("gap").arg("--log").arg(richer);
+    } else {
+        command.arg("gap");
+    }
+    let mut child = command
         .args(["--model".as_ref(), rig.join("base.toml").as_os_str()])
         .args(["--log".as_ref(), rig.join("measured.csv").as_os_str()])
         .args(["--out".as_ref(), out.as_os_str()])
