@@ -9,10 +9,12 @@ mod rig;
 mod score;
 
 use rig::case::{Case, Kind};
+use rig::write::Units;
 use std::path::{Path, PathBuf};
 
 const USAGE: &str = "\
 hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak] [--seed S] [--jobs J]
+             [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]";
 
 fn main() {
@@ -49,6 +51,19 @@ fn write(arguments: &[String]) -> Result<(), String> {
     let cases = number(arguments, "--cases", 26)?;
     let seed = number(arguments, "--seed", 1)?;
     let jobs = number(arguments, "--jobs", 2)?.max(1);
+    let size = |name: &str| -> Result<f64, String> {
+        let wrong = |text: &str| format!("{name} {text}: a positive number is expected");
+        let text = option(arguments, name).unwrap_or("1");
+        text.parse()
+            .ok()
+            .filter(|size: &f64| *size > 0.0)
+            .ok_or_else(|| wrong(text))
+    };
+    let units = Units {
+        length: size("--length")?,
+        force: size("--force")?,
+        time: size("--time")?,
+    };
     let kind = option(arguments, "--kind").unwrap_or("single");
     let kind = if kind == "same" { "single" } else { kind };
     let kind = Kind::ALL
@@ -60,7 +75,12 @@ fn write(arguments: &[String]) -> Result<(), String> {
         for job in 0..jobs {
             scope.spawn(move || {
                 for index in (job..cases).step_by(jobs as usize) {
-                    save(Path::new(dir), kind, seed, index);
+                    save(
+                        Path::new(dir),
+                        units,
+                        Case::generate(kind, seed, index),
+                        index,
+                    );
                 }
             });
         }
@@ -96,8 +116,8 @@ fn score(arguments: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-fn save(dir: &Path, kind: Kind, seed: u64, index: u64) {
-    let case = Case::generate(kind, seed, index);
+fn save(dir: &Path, units: Units, case: Case, index: u64) {
+    let case = Case { units, ..case };
     let to: PathBuf = dir.join(format!("rig-{:03}", index + 1));
     if let Err(error) = case.save(&to) {
         eprintln!("{}: {error}", to.display());

@@ -14,6 +14,7 @@ use super::motion::{Profile, SUBSTEPS, Track};
 use super::plant::Plant;
 use super::random::Random;
 use super::sensor::{Noise, code_n};
+use super::write::Units;
 
 /// An encoder count (m).
 const COUNT_M: f64 = 1e-6;
@@ -109,6 +110,7 @@ pub(crate) struct Case {
     pub(crate) track: Track,
     /// Time (s), position (m), force (N).
     pub(crate) rows: Vec<[f64; 3]>,
+    pub(crate) units: Units,
     /// For poor excitation: the same rig under a motion that shows more.
     pub(crate) richer: Option<Vec<[f64; 3]>>,
     /// The model file's start.
@@ -505,6 +507,7 @@ impl Bare {
             plant: plant.clone(),
             track: self.track.clone(),
             rows,
+            units: Units::SI,
             richer: None,
             start: self.start.clone(),
             floor_n: rms(&wrong),
