@@ -65,8 +65,8 @@ fn the_motor_moves_as_its_speed_and_acceleration_say() {
 fn a_hold_relaxes_at_its_rate() {
     let plant = linear(vec![Effect::Modes(vec![(0.3, 2.0)])]);
     let force = held(&plant, 1e-3, 1.0);
-    for t in [0.1, 0.4, 0.9] {
-        let expected = K * 1e-3 * (1.0 - 0.3 * (1.0 - (-2.0 * t as f64).exp()));
+    for t in [0.1_f64, 0.4, 0.9] {
+        let expected = K * 1e-3 * (1.0 - 0.3 * (1.0 - (-2.0 * t).exp()));
         // The step is a ramp of one sub-step, 5·10⁻⁵ s: 10⁻⁴ of the rate.
         close(force[((t + 0.01) / DT_S).round() as usize], expected, 1e-4);
     }
@@ -82,8 +82,8 @@ fn a_spring_in_series_lets_the_contact_creep() {
     }]);
     let force = held(&plant, 1e-3, 0.2);
     let (rate, end) = ((K + spring) / LAMBDA, 1e-3 * K * spring / (K + spring));
-    for t in [0.002, 0.005, 0.1] {
-        let expected = end + (spring * 1e-3 - end) * (-rate * t as f64).exp();
+    for t in [0.002_f64, 0.005, 0.1] {
+        let expected = end + (spring * 1e-3 - end) * (-rate * t).exp();
         // Where the tip meets the surface is known to a sub-step: rate·dt is 1 % of what creeps.
         close(force[((t + 0.01) / DT_S).round() as usize], expected, 0.01);
     }

@@ -50,12 +50,15 @@ impl Limit {
     }
 }
 
+/// Force (N) at every sample, of parameters.
+type Model<'a> = Box<dyn Fn(&[f64]) -> Vec<f64> + 'a>;
+
 /// A force to be fitted, by a model with parameters.
 pub(crate) struct Target<'a> {
     /// Measured (N).
     pub(crate) f: Vec<f64>,
     /// The model.
-    pub(crate) predict: Box<dyn Fn(&[f64]) -> Vec<f64> + 'a>,
+    pub(crate) predict: Model<'a>,
     pub(crate) limits: Vec<Limit>,
 }
 

@@ -5,18 +5,17 @@
 //! second-order backward difference for its rate (stable where the damper vanishes). Relaxation
 //! states and lags are integrated exactly for a force that is linear within a sub-step.
 
-use super::effect::{Effect, Friction, Stranger, wave, wave_slope};
+use super::drive::Drive;
+use super::effect::{Effect, Stranger, wave};
 use super::material::{Material, REFERENCE_M};
 use super::motion::{FINE_HZ, SUBSTEPS, Track};
 use super::random::Random;
 use super::stranger::Running;
 
 /// Modes, plays and hysteresis elements together need no more.
-const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 /// Slower than this the guide stands (m/s): 0.05 counts of the encoder a millisecond.
 pub(crate) const STANDING_MPS: f64 = 5e-5;
-/// Frequency at which the amplitude of a disturbance breathes (Hz).
-const BREATHING_HZ: f64 = 0.31;
 
 /// A rig: what is touched, and what it hides.
 #[derive(Clone, Debug)]
@@ -32,13 +31,13 @@ pub(crate) struct Plant {
 
 /// What the contact remembers.
 #[derive(Clone, Copy, Debug, Default)]
-struct Memory {
+pub(super) struct Memory {
     elastic: f64,
     unrelaxed: [f64; MOST],
     hysteresis: [f64; MOST],
     deepest: f64,
     set: f64,
-    depth: f64,
+    pub(super) depth: f64,
     necked: bool,
 }
 
@@ -57,7 +56,7 @@ impl Plant {
     /// Force in the load path after lag (N), at every sub-step of `dt` (s); the rest of the sensor
     /// acts on the samples ([`Plant::sensed`]).
     pub(crate) fn force(&self, x: &[f64], v: &[f64], a: &[f64], dt: f64) -> Vec<f64> {
-        let mut run = Run::new(self, x[0]);
+        let mut run = Drive::new(self, x[0]);
         (0..x.len())
             .map(|k| run.step(k as f64 * dt, x[k], v[k], a[k], dt))
             .collect()
@@ -125,7 +124,7 @@ impl Plant {
             .collect()
     }
 
-    fn running(&self, stream: u64) -> Option<Running> {
+    pub(super) fn running(&self, stream: u64) -> Option<Running> {
         self.stranger
             .map(|(kind, strength)| Running::new(kind, strength, self.seed ^ (stream << 40)))
     }
@@ -198,7 +197,7 @@ impl Plant {
     }
 
     /// F_contact (N) with the tip at `tip`, and what the contact then remembers.
-    fn contact(
+    pub(super) fn contact(
         &self,
         before: &Memory,
         stranger: &mut Option<Running>,
@@ -299,7 +298,7 @@ impl Plant {
 }
 
 /// e^{−u} and the share (1−e^{−u})/u of a linear rise that is still there.
-fn kept(u: f64) -> (f64, f64) {
+pub(super) fn kept(u: f64) -> (f64, f64) {
     ((-u).exp(), if u < 1e-9 { 1.0 } else { -(-u).exp_m1() / u })
 }
 
@@ -310,7 +309,8 @@ fn softened(depth: f64, deepest: f64, fraction: f64, scale: f64, energy: f64) ->
     } else {
         let lost = (1.0 - (depth / deepest.max(depth)).powf(energy)) * deepest / (energy * scale);
         // erf to 3·10⁻⁴ in a tanh: the material is invented anyway.
-        1.0 - fraction * (1.1284 * lost * (1.0 + 0.0894 * lost * lost)).tanh()
+        1.0 - fraction
+            * (std::f64::consts::FRAC_2_SQRT_PI * lost * (1.0 + 0.0894 * lost * lost)).tanh()
     }
 }
 
@@ -336,306 +336,4 @@ fn at(series: &[f64], index: f64) -> f64 {
     let low = (index as usize).min(series.len() - 2);
     let share = index - low as f64;
     series[low] + share * (series[low + 1] - series[low])
-}
-
-/// A rig while it runs.
-struct Run<'a> {
-    plant: &'a Plant,
-    memory: Memory,
-    stranger: Option<Running>,
-    spring: Option<(f64, f64, f64)>,
-    /// Tip of the last two sub-steps (m).
-    tips: [f64; 2],
-    /// Sub-steps in contact, this far: the rate has no parabola across a touch.
-    touching: usize,
-    plays: [f64; MOST],
-    friction: f64,
-    loose: [f64; 2],
-    lag: [f64; 2],
-    last: f64,
-    before_x: f64,
-    started: bool,
-}
-
-impl<'a> Run<'a> {
-    fn new(plant: &'a Plant, x: f64) -> Self {
-        let spring = plant.hidden.iter().find_map(|effect| match effect {
-            Effect::Compliance {
-                stiffness,
-                progressive,
-                scale,
-            } => Some((*stiffness, *progressive, *scale)),
-            _ => None,
-        });
-        let memory = Memory {
-            depth: x - plant.material.surface,
-            ..Memory::default()
-        };
-        Run {
-            plant,
-            memory,
-            stranger: plant.running(0),
-            spring,
-            tips: [x; 2],
-            touching: 0,
-            plays: [x; MOST],
-            friction: 0.0,
-            loose: [0.0; 2],
-            lag: [0.0; 2],
-            last: 0.0,
-            before_x: x,
-            started: false,
-        }
-    }
-
-    fn step(&mut self, t: f64, x: f64, v: f64, a: f64, dt: f64) -> f64 {
-        let driven = self.play(x, v);
-        let moved = self.surface(t);
-        let contact = match self.spring {
-            None => {
-                let (force, memory) =
-                    self.plant
-                        .contact(&self.memory, &mut self.stranger, driven, moved, dt);
-                self.memory = memory;
-                force
-            }
-            Some(spring) => self.sprung(driven.0, moved, spring, dt),
-        };
-        let force = contact + self.load(t, x, v, a, dt);
-        self.before_x = x;
-        let read = self.lagged(force, dt);
-        self.started = true;
-        read
-    }
-
-    /// Tip of the play and its speed.
-    fn play(&mut self, x: f64, v: f64) -> (f64, f64) {
-        let plays = self.plant.hidden.iter().find_map(|effect| match effect {
-            Effect::Backlash { plays } => Some(plays),
-            _ => None,
-        });
-        let Some(plays) = plays else { return (x, v) };
-        let (mut tip, mut speed) = (0.0, 0.0);
-        for (at, (width, share)) in self.plays.iter_mut().zip(plays) {
-            let held = at.clamp(x - 0.5 * width, x + 0.5 * width);
-            if held != *at {
-                speed += share * v;
-            }
-            *at = held;
-            tip += share * held;
-        }
-        (tip, speed)
-    }
-
-    fn surface(&self, t: f64) -> (f64, f64) {
-        let mut moved = (0.0, 0.0);
-        for effect in &self.plant.hidden {
-            if let Effect::Surface {
-                amplitude,
-                hz,
-                phase,
-                second,
-            } = effect
-            {
-                let w = std::f64::consts::TAU * hz;
-                moved.0 += amplitude * wave(w * t + phase, *second);
-                moved.1 += amplitude * w * wave_slope(w * t + phase, *second);
-            }
-        }
-        moved
-    }
-
-    /// The tip at which spring and contact push alike: bisection-safe secant on an increasing function.
-    fn sprung(&mut self, driven: f64, moved: (f64, f64), spring: (f64, f64, f64), dt: f64) -> f64 {
-        let (plant, before, tips) = (self.plant, self.memory, self.tips);
-        let parabola = self.touching > 1;
-        let trial = |tip: f64| {
-            let way = if parabola {
-                1.5 * tip - 2.0 * tips[0] + 0.5 * tips[1]
-            } else {
-                tip - tips[0]
-            };
-            let speed = way / dt;
-            let (force, memory) = plant.contact(&before, &mut None, (tip, speed), moved, dt);
-            (force - spring_force(driven - tip, spring), memory)
-        };
-        let (mut low, mut high) = (driven - 8e-3, driven + 1e-3);
-        let guess = driven - (self.before_x - tips[0]);
-        let mut tip = guess.clamp(low, high);
-        let mut step = 1e-7;
-        let mut found = trial(tip);
-        let (mut old_tip, mut old_error) = (tip, found.0);
-        for _ in 0..60 {
-            if found.0 > 0.0 {
-                high = tip;
-            } else {
-                low = tip;
-            }
-            if found.0.abs() < 1e-9 || high - low < 1e-15 {
-                break;
-            }
-            let slope = (found.0 - old_error) / (tip - old_tip);
-            let next = if slope.is_finite() && slope > 0.0 {
-                tip - found.0 / slope
-            } else {
-                step *= 4.0;
-                tip - step * found.0.signum()
-            };
-            (old_tip, old_error) = (tip, found.0);
-            tip = if next > low && next < high {
-                next
-            } else {
-                0.5 * (low + high)
-            };
-            found = trial(tip);
-        }
-        self.memory = found.1;
-        // A tip that is stopped by the damper lies at the surface, to the last bit.
-        self.touching = if self.memory.depth > -1e-12 {
-            self.touching + 1
-        } else {
-            0
-        };
-        self.tips = [tip, tips[0]];
-        // The spring's force, since a damper that is met at speed leaves the contact's undetermined.
-        spring_force(driven - tip, spring)
-    }
-
-    fn load(&mut self, t: f64, x: f64, v: f64, a: f64, dt: f64) -> f64 {
-        let mut sum = 0.0;
-        for effect in &self.plant.hidden {
-            sum += match effect {
-                Effect::Friction(friction) => {
-                    self.friction = rubbed(self.friction, x - self.before_x, v, friction);
-                    self.friction
-                }
-                Effect::Inertia {
-                    mass,
-                    loose,
-                    hz,
-                    damping,
-                } => {
-                    mass * ((1.0 - loose) * a
-                        + loose * swing(&mut self.loose, a, *hz, *damping, dt))
-                }
-                effect => plain_load(effect, t, x, v),
-            };
-        }
-        let depth = self.memory.depth;
-        sum + self.stranger.as_mut().map_or(0.0, |s| s.load(v, depth, dt))
-    }
-
-    /// Low-pass, exact for a force that is linear within the step.
-    fn lagged(&mut self, force: f64, dt: f64) -> f64 {
-        let mut read = force;
-        for effect in &self.plant.hidden {
-            if let Effect::Lag { time, order } = effect {
-                let stage_s = time / *order as f64;
-                let mut input = (if self.started { self.last } else { force }, force);
-                self.last = force;
-                for stage in self.lag.iter_mut().take(*order) {
-                    let before = if self.started { *stage } else { force };
-                    let (keep, rise) = kept(dt / stage_s);
-                    // y = input less what has not come through yet.
-                    *stage = input.1 + keep * (before - input.0) - rise * (input.1 - input.0);
-                    input = (before, *stage);
-                    read = *stage;
-                }
-            }
-        }
-        read
-    }
-}
-
-fn spring_force(stretch: f64, (stiffness, progressive, scale): (f64, f64, f64)) -> f64 {
-    stiffness * stretch * (1.0 + progressive * (stretch / scale).clamp(0.0, 3.0))
-}
-
-fn rubbed(before: f64, way: f64, v: f64, friction: &Friction) -> f64 {
-    let steady = friction.steady(v);
-    if friction.width > 0.0 {
-        let end = steady * way.signum();
-        end - (end - before) * (-way.abs() * friction.kinetic / (friction.width * steady)).exp()
-    } else if friction.smooth > 0.0 {
-        steady * (v / friction.smooth).tanh()
-    } else if v.abs() > STANDING_MPS {
-        steady * v.signum()
-    } else {
-        0.0
-    }
-}
-
-/// The acceleration (m/s²) of a mass that hangs on a spring, semi-implicit.
-fn swing(state: &mut [f64; 2], a: f64, hz: f64, damping: f64, dt: f64) -> f64 {
-    let w = std::f64::consts::TAU * hz;
-    let pulled = -w * w * state[0] - 2.0 * damping * w * state[1];
-    state[1] += dt * (pulled - a);
-    state[0] += dt * state[1];
-    pulled
-}
-
-/// What depends on time, position and speed alone (N).
-fn plain_load(effect: &Effect, t: f64, x: f64, v: f64) -> f64 {
-    let tau = std::f64::consts::TAU;
-    match effect {
-        Effect::Drag { linear, quadratic } => linear * v + quadratic * v * v.abs(),
-        Effect::AsymmetricDrag {
-            coefficient,
-            bend,
-            speed,
-        } => {
-            if *bend == 0.0 {
-                coefficient * v.abs()
-            } else {
-                coefficient * v.abs() * (v.abs() / speed).powf(*bend)
-            }
-        }
-        Effect::Offset {
-            force,
-            settling,
-            time,
-        } => {
-            if *settling == 0.0 {
-                *force
-            } else {
-                force * (1.0 - settling * (-t / time).exp())
-            }
-        }
-        Effect::Drift {
-            rate,
-            time,
-            bend,
-            scale,
-        } => {
-            if *bend > 0.0 {
-                rate * scale * (t / scale).powf(*bend)
-            } else if *time > 0.0 {
-                -rate * time * (-t / time).exp_m1()
-            } else {
-                rate * t
-            }
-        }
-        Effect::Cable {
-            stiffness,
-            hardening,
-            scale,
-        } => stiffness * x * (1.0 + hardening * (x / scale) * (x / scale)),
-        Effect::Cogging {
-            amplitude,
-            pitch,
-            phase,
-            second,
-        } => amplitude * wave(tau * x / pitch + phase, *second),
-        Effect::Disturbance {
-            amplitude,
-            hz,
-            phase,
-            second,
-            breathing,
-        } => {
-            let swell = 1.0 + breathing * (tau * BREATHING_HZ * t).sin();
-            amplitude * swell * wave(tau * hz * t + phase, *second)
-        }
-        _ => 0.0,
-    }
 }

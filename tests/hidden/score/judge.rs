@@ -83,8 +83,11 @@ pub(crate) fn first(truth: &Truth, answer: &Answer) -> bool {
     first.is_some_and(|named| truth.effects.iter().any(|id| truth.same(id, &named.id)))
 }
 
-/// Each parameter with both a truth and a standard error: name, error over standard error.
-pub(crate) fn errors(truth: &Truth, answer: &Answer) -> (Vec<(String, f64)>, Vec<(String, f64)>) {
+/// Names, and errors over standard errors.
+pub(crate) type Errors = Vec<(String, f64)>;
+
+/// Of the added and of the base's parameters, each with both a truth and a standard error.
+pub(crate) fn errors(truth: &Truth, answer: &Answer) -> (Errors, Errors) {
     let mut added = Vec::new();
     for (id, numbers) in &truth.params {
         let mut found = answer.effects.iter().filter(|named| named.id == *id);
