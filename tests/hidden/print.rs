@@ -13,7 +13,7 @@ use rig::write::Units;
 use std::path::{Path, PathBuf};
 
 const USAGE: &str = "\
-hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak] [--seed S] [--jobs J]
+hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J]
              [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]";
 

@@ -108,7 +108,7 @@ impl Bare {
         let ratio = kind.wanted(random);
         let stream = Random::new((random.unit() * 2f64.powi(52)) as u64, 5);
         let built = |strength: f64| {
-            let other = kind == Kind::Mismatched;
+            let other = matches!(kind, Kind::Mismatched | Kind::PairMismatched);
             draw::build(id, other, strength, &self.scale, &mut stream.clone())
         };
         let strength = self.sought(1.0, ratio, |s| self.plant(vec![built(s).effect], None))?;

@@ -19,6 +19,8 @@ use super::write::Units;
 
 /// What "the base does not explain it" means.
 pub(crate) const LEAST_RATIO: f64 = 1.5;
+/// Effects that push each other further than this are no hidden ones.
+const MOST_RATIO: f64 = 30.0;
 
 /// What kind of answer a case asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,10 +38,12 @@ pub(crate) enum Kind {
     Poor,
     /// One effect that the best base fit nearly hides: 1.1 to 1.5 floors.
     Weak,
+    /// Two effects in other forms.
+    PairMismatched,
 }
 
 impl Kind {
-    pub(crate) const ALL: [(Kind, &'static str); 8] = [
+    pub(crate) const ALL: [(Kind, &'static str); 9] = [
         (Kind::Single, "single"),
         (Kind::Mismatched, "mismatched"),
         (Kind::Pair, "pair"),
@@ -48,6 +52,7 @@ impl Kind {
         (Kind::Unknown, "unknown"),
         (Kind::Poor, "poor"),
         (Kind::Weak, "weak"),
+        (Kind::PairMismatched, "pair_mismatched"),
     ];
 
     pub(crate) fn name(self) -> &'static str {
@@ -72,7 +77,7 @@ impl Kind {
     pub(super) fn wanted(self, random: &mut Random) -> f64 {
         match self {
             Kind::Single => random.log_between(1.7, 20.0),
-            Kind::Mismatched | Kind::Poor => random.log_between(1.7, 6.0),
+            Kind::Mismatched | Kind::PairMismatched | Kind::Poor => random.log_between(1.7, 6.0),
             Kind::Weak => random.between(1.15, 1.45),
             _ => random.log_between(2.0, 8.0),
         }
@@ -205,7 +210,7 @@ impl Case {
         match self.kind {
             Kind::None => return true,
             Kind::Weak => return (1.08..LEAST_RATIO).contains(&ratio),
-            _ if ratio < LEAST_RATIO => return false,
+            _ if !(LEAST_RATIO..MOST_RATIO).contains(&ratio) => return false,
             _ => {}
         }
         self.nothing_masked(rig, &fit) && self.more_than_coulomb(&target, &speed(&x, 1e-3))
@@ -264,8 +269,8 @@ fn ids(kind: Kind, index: u64, random: &mut Random) -> Vec<&'static str> {
         Kind::Single | Kind::Mismatched | Kind::Weak => vec![CATALOGUE[index % CATALOGUE.len()]],
         Kind::Poor => vec![POOR[index % POOR.len()]],
         Kind::None | Kind::Unknown => Vec::new(),
-        Kind::Pair | Kind::Triple => {
-            let count = if kind == Kind::Pair { 2 } else { 3 };
+        Kind::Pair | Kind::PairMismatched | Kind::Triple => {
+            let count = if kind == Kind::Triple { 3 } else { 2 };
             let mut ids = vec![CATALOGUE[index % CATALOGUE.len()]];
             while ids.len() < count {
                 let next = *random.pick(&CATALOGUE);

@@ -74,7 +74,12 @@ fn start(hidden: &Hidden) -> (Vec<f64>, Vec<Limit>) {
             (vec![0.5 * (p[0] + p[1])], vec![Limit::free(0.3)])
         }
         ("exponential_stiffening", _) => (vec![1.3 * p[0]], vec![Limit::Scaled]),
-        ("coulomb_friction", _) => (vec![p[0], 5e-6], vec![Limit::Scaled; 2]),
+        ("coulomb_friction", _) => match hidden.effect {
+            Effect::Friction(own) if own.width > 0.0 => {
+                (vec![p[0], own.width], vec![Limit::Scaled; 2])
+            }
+            _ => (vec![p[0]], vec![Limit::Scaled]),
+        },
         ("stribeck_friction", _) => (p[..3].to_vec(), vec![Limit::Scaled; 3]),
         ("surface_motion" | "periodic_disturbance", _) => {
             let limits = vec![Limit::Scaled, relative(0.005, p[1]), Limit::free(0.5)];
@@ -154,7 +159,8 @@ fn catalogue_form(hidden: &Hidden, p: &[f64]) -> Effect {
             energy: 0.0,
         },
         "coulomb_friction" => Effect::Friction(Friction {
-            width: p[1],
+            // Without a width it slides at once.
+            width: p.get(1).copied().unwrap_or(0.0),
             ..Friction::coulomb(p[0])
         }),
         "stribeck_friction" => Effect::Friction(Friction {

@@ -6,11 +6,12 @@ use super::share::{Share, quantile};
 use std::collections::BTreeMap;
 
 /// Order of the rows.
-const KINDS: [&str; 9] = [
+const KINDS: [&str; 10] = [
     "single",
     "mismatched",
     "crude",
     "pair",
+    "pair_mismatched",
     "triple",
     "weak",
     "poor",
@@ -64,7 +65,7 @@ impl Row {
         let share = |marks: &[Mark]| self.share(marks).to_string();
         let count = |mark: Mark| self.share(&[mark]).hits;
         println!(
-            "{kind:<11}{:>5} {:>16} {:>16} {:>16} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>6.3} {:>6.3} {:>6.3} {:>5.1} {:>5.1}",
+            "{kind:<15}{:>5} {:>16} {:>16} {:>16} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>6.3} {:>6.3} {:>6.3} {:>5.1} {:>5.1}",
             self.marks.len(),
             share(&[Mark::Exact]),
             share(&[Mark::Exact, Mark::InGroup]),
@@ -88,7 +89,7 @@ impl Row {
 /// Prints everything; `list` also each run.
 pub(crate) fn print(scored: &[Scored], list: bool) {
     println!(
-        "{:<11}{:>5} {:>16} {:>16} {:>16} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>6} {:>6} {:>6} {:>5} {:>5}",
+        "{:<15}{:>5} {:>16} {:>16} {:>16} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>5} {:>6} {:>6} {:>6} {:>5} {:>5}",
         "kind",
         "n",
         "exact %",
@@ -238,14 +239,14 @@ fn confusion(scored: &[Scored]) {
             .map(|(to, count)| format!("{to} {count}"))
             .collect();
         println!(
-            "  {:<11}{label}: {}",
+            "  {:<15} {label}: {}",
             KINDS.get(kind).unwrap_or(&""),
             cells.join(", ")
         );
     }
     for (kind, labels) in alone {
         println!(
-            "  {:<11}as itself alone: {}",
+            "  {:<15} as itself alone: {}",
             KINDS.get(kind).unwrap_or(&""),
             labels.join(", ")
         );
