@@ -6,7 +6,6 @@ use crate::rig::draw::CATALOGUE;
 use crate::rig::fit::rms;
 use crate::rig::material::Law;
 use crate::rig::motion::{FINE_HZ, SUBSTEPS};
-use crate::rig::plant::STANDING_MPS;
 use estimator_core::effect::{Effect, EffectId, MOST_PARAMETERS, Motion};
 use estimator_core::law::{Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, Zener};
 use estimator_core::rig::{Environment, Rig};
@@ -66,14 +65,12 @@ fn theirs(case: &Case) -> Vec<f64> {
     let late = (rig.delay_s() * FINE_HZ).round() as i64;
     // v_read/v
     let gain = |x: f64| (case.plant.read_m(x + 1e-9) - case.plant.read_m(x - 1e-9)) / 2e-9;
-    // The guide of these rigs stands below a speed that no encoder sees.
-    let slid = |v: f64| if v.abs() < STANDING_MPS { 0.0 } else { v };
     let force: Vec<f64> = (0..track.x.len())
         .map(|k| {
             let read = Motion {
                 time_s: k as f64 / FINE_HZ,
                 position_m: case.plant.read_m(track.x[k]),
-                speed_mps: slid(track.v[k]) * gain(track.x[k]),
+                speed_mps: track.v[k] * gain(track.x[k]),
                 acceleration_mps2: track.a[k],
             };
             rig.step(&mut state, read, 1.0 / FINE_HZ).force_n

@@ -74,13 +74,12 @@ fn start(hidden: &Hidden) -> (Vec<f64>, Vec<Limit>) {
             (vec![0.5 * (p[0] + p[1])], vec![Limit::free(0.3)])
         }
         ("exponential_stiffening", _) => (vec![1.3 * p[0]], vec![Limit::Scaled]),
-        ("coulomb_friction", _) => match hidden.effect {
-            Effect::Friction(own) if own.width > 0.0 => {
-                (vec![p[0], own.width], vec![Limit::Scaled; 2])
-            }
-            _ => (vec![p[0]], vec![Limit::Scaled]),
-        },
-        ("stribeck_friction", _) => (p[..3].to_vec(), vec![Limit::Scaled; 3]),
+        // Elastic before it slides, or sliding with a transition: as the rig has it.
+        ("coulomb_friction", _) => {
+            let second = if elastic(hidden) { 20e-6 } else { 0.15e-3 };
+            (vec![p[0], second], vec![Limit::Scaled; 2])
+        }
+        ("stribeck_friction", _) => (p[..4].to_vec(), vec![Limit::Scaled; 4]),
         ("surface_motion" | "periodic_disturbance", _) => {
             let limits = vec![Limit::Scaled, relative(0.005, p[1]), Limit::free(0.5)];
             (p[..3].to_vec(), limits)
@@ -108,6 +107,10 @@ fn start(hidden: &Hidden) -> (Vec<f64>, Vec<Limit>) {
         ) => (p[..2].to_vec(), vec![Limit::Scaled; 2]),
         _ => (vec![p[0]], vec![Limit::Scaled]),
     }
+}
+
+fn elastic(hidden: &Hidden) -> bool {
+    matches!(hidden.effect, Effect::Friction(own) if own.width > 0.0)
 }
 
 /// The catalogue's form with these parameters.
@@ -158,14 +161,22 @@ fn catalogue_form(hidden: &Hidden, p: &[f64]) -> Effect {
             scale: p[1],
             energy: 0.0,
         },
-        "coulomb_friction" => Effect::Friction(Friction {
-            // Without a width it slides at once.
-            width: p.get(1).copied().unwrap_or(0.0),
-            ..Friction::coulomb(p[0])
-        }),
+        "coulomb_friction" => {
+            let (width, smooth) = if elastic(hidden) {
+                (p[1], 0.0)
+            } else {
+                (0.0, p[1])
+            };
+            Effect::Friction(Friction {
+                width,
+                smooth,
+                ..Friction::coulomb(p[0])
+            })
+        }
         "stribeck_friction" => Effect::Friction(Friction {
             stat: p[1],
             speed: p[2],
+            smooth: p[3],
             ..Friction::coulomb(p[0])
         }),
         "viscous_drag" => Effect::Drag {

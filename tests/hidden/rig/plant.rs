@@ -15,7 +15,7 @@ use super::stranger::Running;
 /// Modes, plays and hysteresis elements together need no more.
 pub(super) const MOST: usize = 8;
 /// Slower than this the guide stands (m/s): 0.05 counts of the encoder a millisecond.
-pub(crate) const STANDING_MPS: f64 = 5e-5;
+pub(super) const STANDING_MPS: f64 = 5e-5;
 
 /// A rig: what is touched, and what it hides.
 #[derive(Clone, Debug)]

@@ -72,7 +72,7 @@ pub(crate) struct Hidden {
 /// catalogue says Coulomb and the rig does not.
 pub(crate) fn accepted(id: &str, form: &str) -> &'static [&'static str] {
     match (id, form) {
-        ("coulomb_friction", "stribeck" | "lugre" | "tanh") => &["stribeck_friction"],
+        ("coulomb_friction", "stribeck" | "lugre") => &["stribeck_friction"],
         _ => &[],
     }
 }
