@@ -127,7 +127,15 @@ impl Evidence<'_> {
         let (before, after) = (judged[0], judged[1]);
         let gains = judged[2..].iter().map(|own| 1.0 - (after.0 / own.0).powi(2)).collect();
         let named = !own.is_empty();
-        let uncertain = if self.floors.iter().any(|own| own.coloured) { COLOURED } else { 1.0 };
+        // Hum in a band is no effect of the catalogue, and no line either: what rest shows of lines may
+        // stay, once a periodic disturbance has not taken it.
+        let lines = self
+            .floors
+            .iter()
+            .map(|own| 1.0 + (own.lines_n / own.used_n.max(f64::MIN_POSITIVE)).powi(2).min(1.0))
+            .fold(1.0, f64::max)
+            .sqrt();
+        let uncertain = lines * if self.floors.iter().any(|own| own.coloured) { COLOURED } else { 1.0 };
         let limit = uncertain * if named { ADEQUATE } else { NOTHING_LEFT };
         let verdict = if after.1 > limit {
             Verdict::Unexplained

@@ -1,10 +1,9 @@
 //! The noise floor of the force, without a model.
 //!
 //! Two opinions. The high-pass one (second differences) sees white noise only. The one at rest, in
-//! free air, sees the whole spectrum of what is there when nothing moves; lines in it (hum, a pump)
-//! are no noise and are cut to their neighbours' level. Where the two differ by up to three times the
-//! noise is coloured and rest is right; where they differ by more, rest is disturbed, and the
-//! high-pass one is right.
+//! free air, sees the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
+//! disturbance) are no noise and are cut to their neighbours' level. Where the two differ the noise is
+//! coloured, and rest is right.
 
 use std::ops::Range;
 
@@ -21,8 +20,6 @@ const LONGEST: usize = 2048;
 /// A bin this many times the median of its neighbours is a line; noise alone reaches it in e⁻⁸ of
 /// the bins of one window.
 const LINE: f64 = 8.0;
-/// Up to this ratio rest noise is coloured, above it disturbed.
-const DISTURBED: f64 = 3.0;
 /// From this ratio on it is not white.
 const COLOURED: f64 = 1.1;
 
@@ -33,6 +30,8 @@ pub struct Floor {
     pub high_pass_n: f64,
     /// Standard deviation (N) at rest in free air, lines left out; `None` without such a rest.
     pub rest_n: Option<f64>,
+    /// Root mean square (N) of the lines that were cut out of the rest.
+    pub lines_n: f64,
     /// The one to trust (N).
     pub used_n: f64,
     /// Whether it is not white.
@@ -47,13 +46,9 @@ impl Floor {
     /// The floor of a log.
     pub fn of(log: &UniformLog) -> Floor {
         let high_pass_n = high_pass(log);
-        let rest_n = rest(log);
+        let (rest_n, lines_n) = rest(log).map_or((None, 0.0), |(own, lines)| (Some(own), lines));
         let (used_n, why) = match rest_n {
             None => (high_pass_n, "from second differences: there is no rest in free air"),
-            Some(rest) if rest > DISTURBED * high_pass_n => (
-                high_pass_n,
-                "from second differences: the rest in free air is disturbed",
-            ),
             Some(rest) if rest > COLOURED * high_pass_n => {
                 (rest, "from rest in free air: the noise is coloured")
             }
@@ -66,6 +61,7 @@ impl Floor {
             correlation: if coloured { resting_correlation(log) } else { 1.0 },
             high_pass_n,
             rest_n,
+            lines_n,
             used_n,
             why: why.into(),
         }
@@ -114,19 +110,23 @@ fn high_pass(log: &UniformLog) -> f64 {
     if fine > 0.0 { fine } else { coarse }
 }
 
-fn rest(log: &UniformLog) -> Option<f64> {
+fn rest(log: &UniformLog) -> Option<(f64, f64)> {
     let rests = rests(log);
-    let mut total = (0.0, 0.0);
+    let mut total = [0.0; 3];
     for rest in rests {
         // What the motion leaves behind has gone after a tenth of the rest.
         let settled = rest.start + rest.len() / 10..rest.end;
         let force = &log.force_n[settled];
         for window in force.chunks(LONGEST).filter(|own| own.len() >= SHORTEST / 2) {
             let weight = window.len() as f64;
-            total = (total.0 + weight * variance(window, log.len()), total.1 + weight);
+            let (noise, lines) = variance(window, log.len());
+            for (sum, own) in total.iter_mut().zip([noise, lines, 1.0]) {
+                *sum += weight * own;
+            }
         }
     }
-    (total.1 > 0.0).then(|| (total.0 / total.1).sqrt())
+    let [noise, lines, weight] = total;
+    (weight > 0.0).then(|| ((noise / weight).sqrt(), (lines / weight).sqrt()))
 }
 
 /// Integrated autocorrelation of the longest rest (samples).
@@ -138,8 +138,8 @@ fn resting_correlation(log: &UniformLog) -> f64 {
     })
 }
 
-/// Variance of a stretch without its trend and without lines.
-fn variance(force: &[f64], log_samples: usize) -> f64 {
+/// Variance of a stretch without its trend and without lines, and that of the lines.
+fn variance(force: &[f64], log_samples: usize) -> (f64, f64) {
     let n = force.len();
     let mut bins: Vec<Complex<f64>> = detrended(force)
         .into_iter()
@@ -157,11 +157,16 @@ fn variance(force: &[f64], log_samples: usize) -> f64 {
     let kept = (0..power.len()).map(|at| {
         let near = at.saturating_sub(12)..(at + 13).min(power.len());
         let level = signal::median(power[near].to_vec()) / std::f64::consts::LN_2;
-        if power[at] > LINE * level { level } else { power[at] }
+        // A pure line leaks into two bins on either side; what is broader is noise in a band.
+        let high = |k: Option<usize>| k.and_then(|k| power.get(k)).is_some_and(|p| *p > LINE * level);
+        let broad = [3, 4, 5].iter().any(|d| high(at.checked_sub(*d)) || high(Some(at + d)));
+        if power[at] > LINE * level && !broad { level } else { power[at] }
     });
     let kept: Vec<f64> = kept.collect();
     let scale = 2.0 / (n as f64).powi(2);
-    scale * (kept.iter().sum::<f64>() + below(&kept, log_samples as f64 / n as f64))
+    let (all, own) = (power.iter().sum::<f64>(), kept.iter().sum::<f64>());
+    let noise = own + below(&kept, log_samples as f64 / n as f64);
+    (scale * noise, scale * (all - own))
 }
 
 /// Power below the lowest bin, down to one period in the log, if the spectrum rises towards it as
