@@ -22,6 +22,7 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod calibration;
 pub mod config;
 pub mod contact;
 pub mod error;
@@ -31,10 +32,13 @@ pub mod filter;
 pub mod frame;
 pub mod identify;
 pub mod law;
+pub mod link;
 pub mod noise;
 pub mod rls;
 pub mod sample;
 pub mod scalar;
+pub mod sensing;
+pub mod settings;
 pub mod status;
 pub mod units;
 
