@@ -1,7 +1,9 @@
 //! A proof by linking: the panic handler calls a function that does not exist, so this program
-//! links only if the optimiser has shown that no panic can be reached from `step`, from building
-//! its state, and from encoding what it returns. With the feature `panic-control` there is one,
-//! and the link must fail; `cargo xtask test` does both. Release profile only.
+//! links only if the optimiser has shown that no panic can be reached from the sampling task
+//! (sampling.rs and budget.rs: convert, step, take over other settings, count, queue), from
+//! building its state, from encoding what it returns, and from taking commands apart. With the
+//! feature `panic-control` there is one, and the link must fail; `cargo xtask test` does both.
+//! Release profile only.
 #![no_std]
 #![no_main]
 #![deny(missing_docs)]
@@ -9,10 +11,21 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
-use estimator_core::frame::{Frame, MAX_ENCODED, encode};
-use estimator_core::{Config, Params, Sample, State, step};
+use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
+use estimator_core::link::{Change, Health};
+use estimator_core::sensing::Codes;
+use estimator_core::settings::{Settings, Setup};
+use heapless::spsc::Queue;
 // For the interrupt vectors.
 use stm32f4xx_hal as _;
+
+#[path = "../budget.rs"]
+mod budget;
+#[path = "../sampling.rs"]
+mod sampling;
+
+use budget::{Budget, Stations};
+use sampling::{Record, Sampler};
 
 unsafe extern "C" {
     fn a_panic_path_is_left() -> !;
@@ -24,25 +37,75 @@ fn panic(_: &PanicInfo) -> ! {
     unsafe { a_panic_path_is_left() }
 }
 
-/// Samples and settings that the optimiser knows nothing about.
+/// Codes and settings that the optimiser knows nothing about.
 #[entry]
 fn main() -> ! {
-    if let Ok(params) = black_box(Config::default()).validate::<f32>() {
-        forever(&params);
+    if let Ok(setup) = black_box(Settings::default()).setup() {
+        forever(setup);
     }
     stop()
 }
 
-fn forever(params: &Params<f32>) -> ! {
-    let mut state = State::new(params);
+fn forever(setup: Setup) -> ! {
+    let mut sampler = Sampler::new(setup);
+    let mut budget = Budget::new();
+    let mut queue: Queue<Record, 4> = Queue::new();
+    let (mut outbox, mut inbox) = queue.split();
+    let mut decoder = Decoder::new();
     loop {
-        let estimate = step(params, &mut state, black_box(Sample::default()));
-        let mut bytes = [0; MAX_ENCODED];
-        let length = encode(&Frame::Estimate(estimate), black_box(0), &mut bytes);
-        black_box((length, bytes));
-        #[cfg(feature = "panic-control")]
-        black_box(bytes[black_box(length)]);
+        let codes = black_box(Codes::default());
+        let sample = sampler.convert(&codes);
+        let estimate = sampler.step(sample);
+        let record = Record {
+            codes: Some(codes),
+            sample,
+            estimate,
+        };
+        let dropped = sampler.is_sent(&estimate) && outbox.enqueue(record).is_err();
+        let [start, acquired, converted, stepped, queued] = black_box([0; 5]);
+        let at = Stations {
+            start,
+            acquired,
+            converted,
+            stepped,
+            queued,
+        };
+        budget.sample(&at, &sample, dropped, black_box(1000), black_box(1));
+        if black_box(false) {
+            let restart = black_box(true);
+            sampler.apply(&Change { setup, restart });
+        }
+        let health = Health {
+            samples: budget.samples,
+            dropped: budget.dropped,
+            overruns: budget.overruns,
+            missed: budget.missed,
+            period: budget.period.range(),
+            task: budget.task.range(),
+            ..Health::default()
+        };
+        black_box((budget.ticks, budget.finished));
+        black_box((
+            budget.convert.range(),
+            budget.step.range(),
+            budget.queue.range(),
+        ));
+        send(&Frame::Health(health));
+        if let Some(record) = inbox.dequeue() {
+            send(&Frame::Sample(record.sample));
+            send(&Frame::Estimate(record.estimate));
+            send(&Frame::Codes(record.codes.unwrap_or_default()));
+        }
+        black_box(decoder.push(black_box(0)));
     }
+}
+
+fn send(frame: &Frame) {
+    let mut bytes = [0; MAX_ENCODED];
+    let length = encode(frame, black_box(0), &mut bytes);
+    black_box((length, bytes));
+    #[cfg(feature = "panic-control")]
+    black_box(bytes[black_box(length)]);
 }
 
 fn stop() -> ! {
