@@ -10,16 +10,18 @@
 //! "RM" is reference manual RM0090, "DS" the data sheet DocID022152.
 
 mod clock;
+mod flash;
 mod ring;
 mod uart;
 
-use super::{Acquired, Board, Outcome, RATE_HZ, RawSample, Reading, Sensors};
-use crate::convert::wiring::{
-    FORCE_N_PER_CODE, FORCE_ZERO_CODE, OVERSAMPLING, POSITION_M_PER_CODE,
-};
+use super::{Acquired, Board, Outcome, Parts, RATE_HZ, Sensors, Watchdog};
 use cortex_m::peripheral::DWT;
 use defmt_rtt as _;
+use estimator_core::sensing::Codes;
+use estimator_core::settings::Key;
+use estimator_core::settings::store::Store;
 use estimator_core::{Fault, Faults};
+use flash::{Flash, SECTOR, SETTINGS};
 use ring::{Memory, Ring};
 use stm32f4xx_hal::adc::config::{
     AdcConfig, Clock, Dma, ExternalTrigger, SampleTime, Sequence, TriggerMode,
@@ -33,8 +35,18 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::timer::Timer;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{adc::Adc, pac};
 use uart::Uart;
+
+/// Conversions that are summed into one sample: 32 kHz down to 1 kHz. The sum is not divided: 12 bits
+/// become 17 codes' worth, and noise drops by √32. The encoder's latches are summed alike.
+const OVERSAMPLING: u16 = 32;
+// The defaults of the settings are those of this wiring: 0 N at half the range of the sum.
+const _: () = assert!(Key::ForceZeroCode.info().default == 2048.0 * OVERSAMPLING as f32);
+
+/// Longer than an erase of a 128 KiB sector, which takes up to 4 s (DS table 44).
+const WATCHDOG_MS: u32 = 10_000;
 
 /// Conversions and latches per second.
 const EVENT_HZ: u32 = OVERSAMPLING as u32 * RATE_HZ;
@@ -53,12 +65,15 @@ impl Board for F405 {
     type Sensors = LoadCellAndEncoder;
     type Link = Uart;
     type Light = PC4<Output>;
+    type Flash = Flash;
+    type Watchdog = Dog;
 
-    fn start(
-        mut core: cortex_m::Peripherals,
-        device: pac::Peripherals,
-    ) -> (LoadCellAndEncoder, Uart, PC4<Output>) {
-        let mut rcc = clock::start(device.RCC);
+    fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Parts<F405> {
+        // First of all, and from its own oscillator: a start-up that hangs ends in a reset.
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.stop_on_debug(&device.DBGMCU, true);
+        watchdog.start(WATCHDOG_MS.millis());
+        let (mut rcc, clock_fallback) = clock::start(device.RCC);
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
 
@@ -71,15 +86,23 @@ impl Board for F405 {
         // Gate driver off, and kept off: the pin stays an output that is low.
         let _ = gpiob.pb12.into_push_pull_output_in_state(false.into());
 
-        let link = Uart::new(device.UART4, gpioa.pa0, dma1.4, &mut rcc);
+        // Pulled up: a cable that is off is an idle line, not a stream of noise.
+        let pins = (gpioa.pa0, gpioa.pa1.into_pull_up_input());
+        let link = Uart::new(device.UART4, pins, (dma1.4, dma1.2), &mut rcc);
         let forces = load_cell(device.ADC1, gpioa.pa2.into_analog(), dma2.0, &mut rcc);
         // PB4 is JTAG's reset until it is taken; serial-wire debugging does not need it.
         let quadrature = (gpiob.pb4.into_alternate(), gpiob.pb5.into_alternate());
         let positions = encoder(device.TIM3, quadrature, dma1.7, &mut rcc);
         // Last: from the first event on, both streams count in step.
         events(device.TIM2, &mut rcc);
-        let sensors = LoadCellAndEncoder::new(forces, positions);
-        (sensors, link, gpioc.pc4.into_push_pull_output())
+        Parts {
+            sensors: LoadCellAndEncoder::new(forces, positions),
+            link,
+            light: gpioc.pc4.into_push_pull_output(),
+            store: Store::new(Flash::new(device.FLASH), SETTINGS, SECTOR),
+            watchdog: Dog(watchdog),
+            clock_fallback,
+        }
     }
 
     fn now() -> u32 {
@@ -95,6 +118,15 @@ impl Board for F405 {
         loop {
             cortex_m::asm::nop();
         }
+    }
+}
+
+/// The independent watchdog.
+pub struct Dog(IndependentWatchdog);
+
+impl Watchdog for Dog {
+    fn feed(&mut self) {
+        self.0.feed();
     }
 }
 
@@ -229,43 +261,27 @@ impl Sensors for LoadCellAndEncoder {
             return Acquired::Nothing;
         }
         self.ticks += u64::from(ticks);
-        let (force, saturated) = sum_of_force(self.forces.finished());
-        let position = self.position();
-        Acquired::Sample(RawSample {
+        let (force, force_low, force_high) = sum_of_force(self.forces.finished());
+        Acquired::Codes(Codes {
             time_us: self.ticks * u64::from(1_000_000 / RATE_HZ),
-            position: Reading {
-                code: position,
-                si_per_code: POSITION_M_PER_CODE,
+            force,
+            force_low,
+            force_high,
+            position: self.position(),
+            faults: match ticks > 1 {
+                true => Faults::NONE.with(Fault::Overrun),
+                false => Faults::NONE,
             },
-            force: Reading {
-                code: force - FORCE_ZERO_CODE,
-                si_per_code: FORCE_N_PER_CODE,
-            },
-            faults: faults(saturated, ticks > 1),
         })
     }
 }
 
-/// The sum of a block's conversions, and whether one of them stood at an end of the range: within
-/// 16 codes (13 mV) of a rail, where no amplifier is linear any more.
-fn sum_of_force(conversions: impl Iterator<Item = u16>) -> (i32, bool) {
-    let mut saturated = false;
-    let sum = conversions
-        .map(|code| {
-            saturated |= !(16..4096 - 16).contains(&code);
-            i32::from(code)
+/// The sum of a block's conversions, the lowest and the highest of them: one that stood at a rail
+/// does not hide in the sum.
+fn sum_of_force(conversions: impl Iterator<Item = u16>) -> (i32, i32, i32) {
+    conversions
+        .map(i32::from)
+        .fold((0, i32::MAX, i32::MIN), |(sum, low, high), code| {
+            (sum + code, low.min(code), high.max(code))
         })
-        .sum();
-    (sum, saturated)
-}
-
-fn faults(saturated: bool, late: bool) -> Faults {
-    let mut faults = Faults::NONE;
-    if saturated {
-        faults = faults.with(Fault::ForceSaturated);
-    }
-    if late {
-        faults = faults.with(Fault::Overrun);
-    }
-    faults
 }
