@@ -22,6 +22,7 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod budget;
 pub mod calibration;
 pub mod config;
 pub mod contact;
@@ -36,6 +37,7 @@ pub mod link;
 pub mod noise;
 pub mod rls;
 pub mod sample;
+pub mod sampling;
 pub mod scalar;
 pub mod sensing;
 pub mod settings;

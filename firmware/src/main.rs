@@ -8,9 +8,7 @@
 #![deny(missing_docs)]
 
 mod board;
-mod budget;
 mod halt;
-mod sampling;
 mod service;
 mod stack;
 mod telemetry;
@@ -18,11 +16,11 @@ mod telemetry;
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX])]
 mod app {
     use crate::board::{Acquired, Board, Outcome, Parts, RATE_HZ, Selected, Sensors};
-    use crate::budget::{Budget, Stations};
-    use crate::sampling::{Record, Sampler};
     use crate::service::Service;
     use crate::telemetry::{QUEUE, Telemetry};
+    use estimator_core::budget::{Budget, Stations};
     use estimator_core::link::Change;
+    use estimator_core::sampling::{Record, Sampler};
     use heapless::spsc::{Consumer, Producer, Queue};
 
     const PERIOD_US: u64 = 1_000_000 / RATE_HZ as u64;

@@ -1,10 +1,10 @@
 //! What the board does besides sampling: answers commands, keeps the settings, says how it is.
 
 use crate::board::{Board, Link, RATE_HZ, Watchdog};
-use crate::budget::Budget;
 use crate::stack;
 use crate::telemetry::Telemetry;
 use embedded_hal::digital::OutputPin;
+use estimator_core::budget::Budget;
 use estimator_core::estimate::Phase;
 use estimator_core::frame::Frame;
 use estimator_core::link::{Answer, Command};

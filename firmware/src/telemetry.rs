@@ -2,10 +2,10 @@
 //! may not be wrong.
 
 use crate::board::Link;
-use crate::sampling::Record;
 use embedded_hal::digital::OutputPin;
 use estimator_core::estimate::{Event, Phase};
 use estimator_core::frame::{self, CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED};
+use estimator_core::sampling::Record;
 use estimator_core::{Estimate, Fault, Faults, Status};
 
 /// Records that wait for the link: 64 ms of it. Codes, sample and estimate are at most 180 bytes

@@ -1,6 +1,6 @@
 //! A proof by linking: the panic handler calls a function that does not exist, so this program
 //! links only if the optimiser has shown that no panic can be reached from the sampling task
-//! (sampling.rs and budget.rs: convert, step, take over other settings, count, queue), from
+//! (the core's `sampling` and `budget`: convert, step, take over other settings, count, queue), from
 //! building its state, from encoding what it returns, and from taking commands apart. With the
 //! feature `panic-control` there is one, and the link must fail; `cargo xtask test` does both.
 //! Release profile only.
@@ -11,21 +11,15 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
+use estimator_core::budget::{Budget, Stations};
 use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
 use estimator_core::link::{Change, Health};
+use estimator_core::sampling::{Record, Sampler};
 use estimator_core::sensing::Codes;
 use estimator_core::settings::{Settings, Setup};
 use heapless::spsc::Queue;
 // For the interrupt vectors.
 use stm32f4xx_hal as _;
-
-#[path = "../budget.rs"]
-mod budget;
-#[path = "../sampling.rs"]
-mod sampling;
-
-use budget::{Budget, Stations};
-use sampling::{Record, Sampler};
 
 unsafe extern "C" {
     fn a_panic_path_is_left() -> !;

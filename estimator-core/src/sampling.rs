@@ -1,13 +1,16 @@
-//! What happens to every instant, and nothing else: convert, step, record. The sampling task and the
-//! link proof (bin/panic_free.rs) are both made of it.
+//! What happens to every instant on a board, and nothing else: convert, step, record. The firmware's
+//! sampling task, its link proof and the host's simulated board are made of it.
 
-use estimator_core::link::Change;
-use estimator_core::sensing::{Codes, Watch};
-use estimator_core::settings::Setup;
-use estimator_core::{Estimate, Params, Sample, State, step};
+use crate::config::Params;
+use crate::estimate::Estimate;
+use crate::estimator::{State, step};
+use crate::link::Change;
+use crate::sample::Sample;
+use crate::sensing::{Codes, Watch};
+use crate::settings::Setup;
 
 /// What the sampling task leaves behind at every tick.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Record {
     /// What the converters said; `None` of a recording in SI units.
     pub codes: Option<Codes>,
@@ -18,6 +21,7 @@ pub struct Record {
 }
 
 /// The sampling task's own state.
+#[derive(Clone, Debug)]
 pub struct Sampler {
     setup: Setup,
     watch: Watch,

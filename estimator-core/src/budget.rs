@@ -1,10 +1,10 @@
 //! What the sampling task costs and whether it is in time, counted while it runs.
 
-use estimator_core::link::Range;
-use estimator_core::{Fault, Sample};
+use crate::link::Range;
+use crate::sample::{Fault, Sample};
 
 /// Smallest, largest and mean of a series.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Meter {
     min: u32,
     max: u32,
@@ -43,7 +43,7 @@ impl Meter {
 }
 
 /// Counters of the sampling task since start.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Budget {
     /// Times that the task ran.
     pub ticks: u32,
@@ -72,7 +72,7 @@ pub struct Budget {
 }
 
 /// The stopwatch at the task's stations.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Stations {
     /// The task starts.
     pub start: u32,
@@ -84,6 +84,12 @@ pub struct Stations {
     pub stepped: u32,
     /// It is in the queue, or dropped.
     pub queued: u32,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Budget::new()
+    }
 }
 
 impl Budget {
@@ -144,5 +150,76 @@ impl Budget {
             .unwrap_or(0);
         let missed = u32::try_from(periods.saturating_sub(1)).unwrap_or(u32::MAX);
         self.missed = self.missed.saturating_add(missed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::Faults;
+
+    const TICK: u32 = 168_000;
+
+    /// A task that starts at `start` and takes `cost`, with a sample of time `time_us`.
+    fn run(budget: &mut Budget, start: u32, cost: u32, time_us: u64, faults: Faults) {
+        let at = Stations {
+            start,
+            acquired: start.wrapping_add(100),
+            converted: start.wrapping_add(150),
+            stepped: start.wrapping_add(cost - 10),
+            queued: start.wrapping_add(cost),
+        };
+        let sample = Sample {
+            time_us,
+            faults,
+            ..Sample::default()
+        };
+        budget.sample(&at, &sample, false, 1000, TICK);
+    }
+
+    #[test]
+    fn a_late_task_a_late_start_and_every_missing_instant_are_counted() {
+        let mut budget = Budget::new();
+        let mut start = u32::MAX - 3 * TICK;
+        for i in 1..=10_u64 {
+            // The stopwatch wraps on the way.
+            run(&mut budget, start, 20_000, i * 1000, Faults::NONE);
+            start = start.wrapping_add(TICK);
+        }
+        assert_eq!((budget.overruns, budget.missed), (0, 0));
+        // As long as a tick is in time, one more is not.
+        run(&mut budget, start, TICK, 11_000, Faults::NONE);
+        assert_eq!(budget.overruns, 0);
+        run(&mut budget, start, TICK + 1, 12_000, Faults::NONE);
+        assert_eq!(budget.overruns, 1);
+        // The board saw it come late, two instants are gone.
+        let late = Faults::NONE.with(Fault::Overrun);
+        run(&mut budget, start, 20_000, 15_000, late);
+        assert_eq!((budget.overruns, budget.missed), (2, 2));
+        // Time that stands still or runs back is none that is missing.
+        run(&mut budget, start, 20_000, 15_000, Faults::NONE);
+        run(&mut budget, start, 20_000, 3_000, Faults::NONE);
+        assert_eq!((budget.overruns, budget.missed), (2, 2));
+        assert_eq!(budget.samples, 15);
+    }
+
+    #[test]
+    fn jitter_is_the_spread_of_the_periods() {
+        let mut budget = Budget::new();
+        let mut start = 0;
+        for (i, late) in [0, 0, 40, 0, 0].into_iter().enumerate() {
+            let time_us = 1000 * (i as u64 + 1);
+            run(&mut budget, start + late, 500, time_us, Faults::NONE);
+            start += TICK;
+        }
+        let expected = Range {
+            min: TICK - 40,
+            mean: TICK,
+            max: TICK + 40,
+        };
+        assert_eq!(budget.period.range(), expected);
+        assert_eq!(budget.convert.range().max, 50);
+        assert_eq!(budget.queue.range().max, 10);
+        assert_eq!(Budget::new().step.range(), Range::default());
     }
 }
