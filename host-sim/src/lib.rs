@@ -6,6 +6,7 @@ pub mod demo;
 pub mod diagnostic;
 pub mod estimate;
 pub mod inspect;
+pub mod link;
 pub mod log;
 pub mod model;
 pub mod motion;

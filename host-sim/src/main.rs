@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
 use palpate::wrap::wrapped;
+use palpate::link::{config, monitor, record};
 use palpate::{check, demo, estimate, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
@@ -28,6 +29,12 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Say what is in a log: rate, gaps, units, noise, contacts, and what it is good for
     Check(check::CheckArgs),
+    /// Record a board's samples into a file that survives a crash, and write them as a log
+    Record(record::RecordArgs),
+    /// Watch a board: what it touches, what is wrong, whether it keeps its deadlines
+    Monitor(monitor::MonitorArgs),
+    /// Read, change, save, back up and restore a board's settings; calibrate its sensors
+    Config(config::ConfigArgs),
     /// Palpate gel and plastic on the simulated rig; also what `palpate` alone does
     Demo(demo::DemoArgs),
 }
@@ -38,6 +45,9 @@ fn main() -> ExitCode {
         Some(Verb::Estimate(args)) => estimate::run(args),
         Some(Verb::Check(args)) => check::run(args),
         Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
+        Some(Verb::Record(args)) => record::run(args),
+        Some(Verb::Monitor(args)) => monitor::run(args),
+        Some(Verb::Config(args)) => config::run(args),
         Some(Verb::Demo(args)) => demo::run(args),
         None => demo::run(&demo::DemoArgs::default()),
     };
