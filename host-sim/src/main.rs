@@ -6,8 +6,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
-use palpate::wrap::wrapped;
 use palpate::link::{config, monitor, record};
+use palpate::wrap::wrapped;
 use palpate::{check, demo, estimate, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.

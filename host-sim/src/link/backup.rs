@@ -33,7 +33,9 @@ pub fn text(settings: &Settings, of: &str) -> String {
 /// # Errors
 /// What the file system says.
 pub fn write(path: &Path, settings: &Settings, of: &str) -> io::Result<()> {
-    write_atomically(path, |writer| writer.write_all(text(settings, of).as_bytes()))
+    write_atomically(path, |writer| {
+        writer.write_all(text(settings, of).as_bytes())
+    })
 }
 
 /// Reads a backup over `settings`: what it does not name stays.
@@ -46,13 +48,19 @@ pub fn read(path: &Path, settings: Settings) -> Result<Settings, Diagnostic> {
 
 fn parse(file: &TomlFile, mut settings: Settings) -> Result<Settings, Diagnostic> {
     let root = file.root();
-    let mut parts: Vec<&str> = Key::ALL.iter().map(|key| split(key.info().name).0).collect();
+    let mut parts: Vec<&str> = Key::ALL
+        .iter()
+        .map(|key| split(key.info().name).0)
+        .collect();
     parts.dedup();
     for part in parts {
         let Some(table) = root.table(part)? else {
             continue;
         };
-        for key in Key::ALL.into_iter().filter(|key| split(key.info().name).0 == part) {
+        for key in Key::ALL
+            .into_iter()
+            .filter(|key| split(key.info().name).0 == part)
+        {
             if let Some(value) = table.number(split(key.info().name).1, Bounds::Any)? {
                 settings.put(key, value as f32);
             }
@@ -108,7 +116,10 @@ mod tests {
     fn what_is_not_named_stays() {
         let settings = of("[estimator]\nhalf_width = 12\n").unwrap();
         assert_eq!(settings.get(Key::EstimatorHalfWidth), 12.0);
-        assert_eq!(settings.get(Key::ForcePerCode), Settings::default().get(Key::ForcePerCode));
+        assert_eq!(
+            settings.get(Key::ForcePerCode),
+            Settings::default().get(Key::ForcePerCode)
+        );
     }
 
     #[test]

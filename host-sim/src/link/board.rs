@@ -104,7 +104,9 @@ impl SimulatedBoard {
             unsaved: false,
         };
         let responder = Responder::new(store, identity);
-        let setup = responder.setup().expect("settings that load have been checked");
+        let setup = responder
+            .setup()
+            .expect("settings that load have been checked");
         SimulatedBoard {
             world,
             sampler: Sampler::new(setup),

@@ -139,24 +139,39 @@ fn check(args: &CalibrateArgs) -> Result<(), Diagnostic> {
         Err(Diagnostic::new(what).value(value).remedy(remedy))
     };
     if args.weights.is_empty() && args.travel.is_none() {
-        return Err(Diagnostic::new("nothing to calibrate")
-            .remedy("give --weights, --travel or both"));
+        return Err(
+            Diagnostic::new("nothing to calibrate").remedy("give --weights, --travel or both")
+        );
     }
     let list = format!("{:?}", args.weights);
     if !args.weights.is_empty() && args.weights.len() < 2 {
-        return wrong("too few weights", list, "give two at least, better four, 0 among them");
+        return wrong(
+            "too few weights",
+            list,
+            "give two at least, better four, 0 among them",
+        );
     }
     if args.weights.iter().any(|kg| !kg.is_finite() || *kg < 0.0) {
-        return wrong("a weight that is none", list, "give weights in kg; --pulling turns their direction");
+        return wrong(
+            "a weight that is none",
+            list,
+            "give weights in kg; --pulling turns their direction",
+        );
     }
     if !(9.0..=10.0).contains(&args.gravity) {
         let gravity = args.gravity.to_string();
-        return wrong("gravity is elsewhere", gravity, "give it in m/s², such as 9.80665");
+        return wrong(
+            "gravity is elsewhere",
+            gravity,
+            "give it in m/s², such as 9.80665",
+        );
     }
     match args.travel {
-        Some(mm) if !mm.is_finite() || mm <= 0.0 => {
-            wrong("a way that is none", mm.to_string(), "give it in mm, into the material")
-        }
+        Some(mm) if !mm.is_finite() || mm <= 0.0 => wrong(
+            "a way that is none",
+            mm.to_string(),
+            "give it in mm, into the material",
+        ),
         _ => Ok(()),
     }
 }
@@ -235,7 +250,11 @@ fn judgement(points: &[Point], fit: &Calibration, drift_n: f64) -> String {
         }
     });
     let drift = 100.0 * drift_n.abs() / fit.span_n;
-    let stays = if drift <= 0.5 { "stays" } else { "does not stay: warm up, check the mounting" };
+    let stays = if drift <= 0.5 {
+        "stays"
+    } else {
+        "does not stay: warm up, check the mounting"
+    };
     text.push_str(&format!(
         "zero {stays}: {} after the weights, {drift:.2} % of the largest\n",
         quantity(drift_n, 2, "N")

@@ -14,13 +14,11 @@ use crate::output::say;
 
 /// Arguments of `palpate config`.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "Example:\n  palpate config --port /dev/ttyUSB0 show\n  \
+#[command(after_help = "Example:\n  palpate config --port /dev/ttyUSB0 show\n  \
     palpate config --port /dev/ttyUSB0 set estimator.depth_m 0.002\n  \
     palpate config --port /dev/ttyUSB0 calibrate --weights 0,0.5,1,2\n\n\
     A change is in force at once; `save` keeps it through a power cut. Nothing that restarts the\n\
-    estimator is taken while the probe is in contact."
-)]
+    estimator is taken while the probe is in contact.")]
 pub struct ConfigArgs {
     /// Serial port, the emulator's working directory, or `simulated`.
     #[arg(long, value_name = "PORT")]
@@ -31,9 +29,9 @@ pub struct ConfigArgs {
 
 #[derive(Subcommand, Clone, Debug)]
 enum Verb {
-    /// All settings with their units and bounds
+    /// All settings with their units
     Show,
-    /// One setting
+    /// One setting with its bounds and its default
     Get {
         /// Its name, such as force.n_per_code.
         name: String,
@@ -86,12 +84,20 @@ fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn 
         Verb::Show => show(device),
         Verb::Get { name } => {
             let key = key_of(name)?;
-            Ok(line(key, device.get(key)?))
+            let info = key.info();
+            let line = line(key, device.get(key)?);
+            Ok(format!(
+                "{line}{:24} {}; default {}\n",
+                "", info.bounds, info.default
+            ))
         }
         Verb::Set { name, value } => {
             let key = key_of(name)?;
             device.set(key, *value)?;
-            Ok(format!("{}not saved: `config save` keeps it\n", line(key, *value)))
+            Ok(format!(
+                "{}not saved: `config save` keeps it\n",
+                line(key, *value)
+            ))
         }
         Verb::Save => ordered(device, Command::Save, "saved"),
         Verb::Reload => ordered(device, Command::Reload, "as saved"),
@@ -122,7 +128,11 @@ fn ordered<P: Port>(
 fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     let identity = device.identity()?;
     let settings = device.settings()?;
-    let saved = if identity.unsaved { "not saved" } else { "saved" };
+    let saved = if identity.unsaved {
+        "not saved"
+    } else {
+        "saved"
+    };
     let mut text = format!(
         "{}, firmware {}, {} Hz; settings {saved}\n",
         identity.board, identity.firmware, identity.rate_hz
@@ -137,7 +147,12 @@ fn line(key: Key, value: f32) -> String {
     let info = key.info();
     let unit = if info.unit == "1" { "" } else { info.unit };
     let valued = format!("{value} {unit}");
-    format!("{:<24} {:<18} {}\n", info.name, valued.trim_end(), info.about)
+    format!(
+        "{:<24} {:<18} {}\n",
+        info.name,
+        valued.trim_end(),
+        info.about
+    )
 }
 
 fn key_of(name: &str) -> Result<Key, Diagnostic> {

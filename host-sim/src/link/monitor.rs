@@ -18,10 +18,8 @@ use crate::report::number::{Measured, quantity};
 
 /// Arguments of `palpate monitor`.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "Example:\n  palpate monitor --port /dev/ttyUSB0\n\n\
-    On a terminal the picture stays in place; in a pipe it is a line for every look. Ctrl-C ends it."
-)]
+#[command(after_help = "Example:\n  palpate monitor --port /dev/ttyUSB0\n\n\
+    On a terminal the picture stays in place; in a pipe it is a line for every look. Ctrl-C ends it.")]
 pub struct MonitorArgs {
     /// Serial port, the emulator's working directory, or `simulated`.
     #[arg(long, value_name = "PORT")]
@@ -80,7 +78,11 @@ pub fn watch<P: Port>(
         let statistics = device.statistics();
         if in_place {
             let screen = view.screen(&statistics);
-            let back = if height > 0 { format!("\x1b[{height}A\x1b[J") } else { String::new() };
+            let back = if height > 0 {
+                format!("\x1b[{height}A\x1b[J")
+            } else {
+                String::new()
+            };
             height = screen.lines().count();
             show(back + &screen)?;
         } else {
@@ -238,7 +240,11 @@ fn health_lines(text: &mut String, health: &Health) -> std::fmt::Result {
         writeln!(text, "             no crystal: times are off by up to 1 %")?;
     }
     if let Some(key) = health.concerns {
-        writeln!(text, "             saved {} cannot be used", key.info().name)?;
+        writeln!(
+            text,
+            "             saved {} cannot be used",
+            key.info().name
+        )?;
     }
     Ok(())
 }

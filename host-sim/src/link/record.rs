@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use estimator_core::estimate::Phase;
 use estimator_core::frame::{Decoder, Frame};
 use estimator_core::link::Health;
 use estimator_core::sensing::Codes;
@@ -59,7 +60,9 @@ pub fn run(args: &RecordArgs) -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let (Some(name), Some(folder)) = (&args.port, &args.out) else {
-        return Err(Diagnostic::new("nothing to record").remedy("give --port and --out").into());
+        return Err(Diagnostic::new("nothing to record")
+            .remedy("give --port and --out")
+            .into());
     };
     if let Some(seconds) = args.seconds.filter(|s| !s.is_finite() || *s <= 0.0) {
         let diagnostic = Diagnostic::new("a recording of no length").value(seconds);
@@ -139,7 +142,7 @@ fn keep_settings<P: Port>(device: &mut Device<P>, folder: &Path) -> Result<(), B
 
 /// An instant of a recording.
 #[derive(Clone, Copy, Debug, Default)]
-struct Instant_ {
+struct Row {
     codes: Option<Codes>,
     sample: Sample<f32>,
     innovation_n: Option<f32>,
@@ -149,7 +152,7 @@ struct Instant_ {
 #[derive(Debug, Default)]
 struct Content {
     /// A run each: a board that was reset starts its time anew.
-    runs: Vec<Vec<Instant_>>,
+    runs: Vec<Vec<Row>>,
     codes: Option<Codes>,
     garbled: u64,
     health: Option<Health>,
@@ -170,7 +173,7 @@ impl Content {
     fn sample(&mut self, sample: &Sample<f32>) {
         let codes = self.codes.take().filter(|c| c.time_us == sample.time_us);
         let last = self.runs.last().and_then(|run| run.last());
-        let instant = Instant_ {
+        let instant = Row {
             codes,
             sample: *sample,
             innovation_n: None,
@@ -189,7 +192,9 @@ impl Content {
     /// The estimate follows its sample.
     fn estimate(&mut self, estimate: &Estimate<f32>) {
         if let Some(instant) = self.runs.last_mut().and_then(|run| run.last_mut()) {
-            instant.innovation_n = Some(estimate.innovation.innovation_n);
+            // In free air nothing is predicted.
+            let in_contact = estimate.phase == Phase::Contact;
+            instant.innovation_n = in_contact.then_some(estimate.innovation.innovation_n);
         }
     }
 }
@@ -207,7 +212,10 @@ pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
     })?;
     let content = decoded(BufReader::new(file))?;
     let mut text = String::new();
-    let usable = content.runs.iter().filter(|run| run.len() >= FEWEST_SAMPLES);
+    let usable = content
+        .runs
+        .iter()
+        .filter(|run| run.len() >= FEWEST_SAMPLES);
     for (index, run) in usable.enumerate() {
         let name = match index {
             0 => "log.csv".to_string(),
@@ -215,7 +223,11 @@ pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
         };
         let log = folder.join(name);
         as_log(run).write_csv(&log)?;
-        text.push_str(&format!("{}: {}\n", log.display(), counted(run.len(), "sample")));
+        text.push_str(&format!(
+            "{}: {}\n",
+            log.display(),
+            counted(run.len(), "sample")
+        ));
     }
     if text.is_empty() {
         return Err(Diagnostic::new("fewer samples than make a log")
@@ -260,16 +272,20 @@ fn decoded(mut file: impl Read) -> io::Result<Content> {
     }
 }
 
-fn as_log(run: &[Instant_]) -> Log {
+fn as_log(run: &[Row]) -> Log {
     let start_us = run.first().map_or(0, |first| first.sample.time_us);
-    let channel = |of: &dyn Fn(&Instant_) -> f64| -> Vec<f64> { run.iter().map(of).collect() };
+    let channel = |of: &dyn Fn(&Row) -> f64| -> Vec<f64> { run.iter().map(of).collect() };
     let mut log = Log::from_channels(
         channel(&|i| (i.sample.time_us - start_us) as f64 * 1e-6),
         channel(&|i| f64::from(i.sample.position_m)),
         channel(&|i| f64::from(i.sample.force_n)),
     );
     let code = |of: fn(&Codes) -> i32| {
-        channel(&|i: &Instant_| i.codes.as_ref().map_or(f64::NAN, |codes| f64::from(of(codes))))
+        channel(&|i: &Row| {
+            i.codes
+                .as_ref()
+                .map_or(f64::NAN, |codes| f64::from(of(codes)))
+        })
     };
     let mut columns = vec![("faults", channel(&|i| f64::from(i.sample.faults.bits())))];
     if run.iter().any(|instant| instant.codes.is_some()) {
@@ -280,10 +296,11 @@ fn as_log(run: &[Instant_]) -> Log {
         "innovation_n",
         channel(&|i| i.innovation_n.map_or(f64::NAN, f64::from)),
     ));
-    log.extra.extend(columns.into_iter().map(|(name, values)| ExtraColumn {
-        name: name.into(),
-        values,
-    }));
+    log.extra
+        .extend(columns.into_iter().map(|(name, values)| ExtraColumn {
+            name: name.into(),
+            values,
+        }));
     log
 }
 
