@@ -7,6 +7,9 @@ use estimator_core::link::{Answer, Command, Health, Identity, Name, Refusal};
 use estimator_core::sensing::{Codes, Watch};
 use estimator_core::settings::{Key, Settings};
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
+use palpate::link::Device;
+use palpate::link::port::Files;
+use palpate::link::record::{convert, record};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -316,6 +319,40 @@ fn commands_are_answered_refused_with_a_reason_and_settings_outlive_the_run() {
     );
     assert_eq!(done + refused, 40, "{second:?}");
     assert!(done > 0 && refused > 0, "{second:?}");
+}
+
+/// While it runs, over the files that it reads and writes.
+#[test]
+fn the_hosts_verbs_reach_the_emulator_while_it_runs() {
+    let emulator = Emulator::from_env("live").expect("set-up");
+    let directory = emulator.directory.clone();
+    for name in ["commands.frames", "telemetry.frames"] {
+        fs::write(directory.join(name), []).expect("empty files");
+    }
+    let _ = fs::remove_file(directory.join("settings.flash"));
+    let out = directory.join("recorded");
+    let _ = fs::remove_dir_all(&out);
+    let codes = codes(&palpation(SAMPLES, 4));
+    let frames: Vec<Frame> = codes.into_iter().map(Frame::Codes).collect();
+    let running = std::thread::spawn(move || emulator.run_frames(&frames, |_| {}));
+    let mut device = Device::new(Files::open(&directory).expect("the emulator's directory"));
+    // It takes a moment to start.
+    let identity = (0..20)
+        .find_map(|_| device.identity().ok())
+        .expect("an answer");
+    assert_eq!(identity.board.as_str(), "qemu");
+    assert_eq!(device.settings().expect("settings"), Settings::default());
+    let unusable = device.set(Key::TelemetryEvery, 0.0).expect_err("refused");
+    assert!(
+        unusable.to_string().contains("telemetry.every"),
+        "{unusable}"
+    );
+    let statistics = record(&mut device, &out, Some(2_000_000)).expect("a recording");
+    assert_eq!((statistics.lost, statistics.garbled), (0, 0));
+    let said = convert(&out).expect("a log");
+    assert!(said.contains("0 samples missing"), "{said}");
+    let run = running.join().expect("no panic").expect("run");
+    every_frame_is_numbered(&run.frames);
 }
 
 #[test]

@@ -8,6 +8,8 @@
 #![deny(missing_docs)]
 
 mod board;
+#[cfg(feature = "spi-sensors")]
+mod driver;
 mod halt;
 mod service;
 mod stack;

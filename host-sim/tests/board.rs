@@ -84,7 +84,7 @@ fn an_hour_at_a_kilohertz_goes_over_two_megabaud_without_a_loss() {
     device.set(Key::EstimatorMethod, 1.0).unwrap();
     let (mut last_us, mut samples, mut estimates, mut last_dropped) = (None, 0_u32, 0_u32, None);
     while samples < HOUR {
-        match device.next().unwrap() {
+        match device.next_frame().unwrap() {
             Some(Frame::Sample(sample)) => {
                 let due = last_us.map_or(sample.time_us, |last| last + 1000);
                 assert_eq!(sample.time_us, due);
@@ -108,7 +108,7 @@ fn what_a_slower_line_cannot_carry_is_missing_by_the_count_that_the_board_gives(
     let mut device = device(&world(Hand::Palpating), 92);
     let (mut received, mut missing, mut last_us) = (0_u32, 0_u64, 0);
     while received < 30_000 {
-        if let Some(Frame::Sample(sample)) = device.next().unwrap() {
+        if let Some(Frame::Sample(sample)) = device.next_frame().unwrap() {
             missing += (sample.time_us - last_us) / 1000 - 1;
             last_us = sample.time_us;
             received += 1;
@@ -183,13 +183,13 @@ fn no_disturbed_frame_is_taken_for_a_good_one_and_all_that_are_lost_are_counted(
     let mut twin = device(&world(Hand::Palpating), BYTES_PER_MS);
     let mut expected = std::collections::HashMap::new();
     for _ in 0..400_000 {
-        if let Some(Frame::Sample(sample)) = twin.next().unwrap() {
+        if let Some(Frame::Sample(sample)) = twin.next_frame().unwrap() {
             expected.insert(sample.time_us, sample);
         }
     }
     let (mut good, mut frames) = (0, 0);
     while frames < 200_000 {
-        match noisy.next().unwrap() {
+        match noisy.next_frame().unwrap() {
             Some(Frame::Sample(sample)) => {
                 assert_eq!(expected.get(&sample.time_us), Some(&sample));
                 (good, frames) = (good + 1, frames + 1);
@@ -305,7 +305,7 @@ fn a_calibration_finds_the_cell_and_the_encoder_and_the_fault_is_over() {
     };
     let mut forces = Vec::new();
     while forces.len() < 600 {
-        if let Some(Frame::Sample(sample)) = device.next().unwrap() {
+        if let Some(Frame::Sample(sample)) = device.next_frame().unwrap() {
             assert!(!sample.faults.has(Fault::NotCalibrated));
             forces.push(f64::from(sample.force_n));
         }
@@ -385,7 +385,7 @@ fn what_the_board_estimated_is_what_the_host_estimates_from_the_same_samples() {
     let mut state = State::new(&params);
     let (mut sample, mut compared) = (None, 0);
     while compared < 5000 {
-        match device.next().unwrap() {
+        match device.next_frame().unwrap() {
             Some(Frame::Sample(next)) => sample = Some(next),
             Some(Frame::Estimate(estimate)) => {
                 let own = step(&params, &mut state, sample.take().unwrap());

@@ -329,7 +329,7 @@ fn codes<P: Port>(device: &mut Device<P>) -> Result<Vec<Codes>, Box<dyn Error>> 
     // The records that were in the queue then: 64, and a line's worth.
     let mut old = 80;
     while codes.len() < SAMPLES {
-        match device.next()? {
+        match device.next_frame()? {
             Some(Frame::Codes(_)) if old > 0 => (old, heard) = (old - 1, Instant::now()),
             Some(Frame::Codes(next)) => {
                 heard = Instant::now();

@@ -70,7 +70,7 @@ impl<P: Port> Device<P> {
     ///
     /// # Errors
     /// What the port says.
-    pub fn next(&mut self) -> io::Result<Option<Frame>> {
+    pub fn next_frame(&mut self) -> io::Result<Option<Frame>> {
         if self.waiting.is_empty() {
             self.listen(|_| Ok(()))?;
         }
@@ -148,7 +148,7 @@ impl<P: Port> Device<P> {
     fn await_answer(&mut self, to: u16, patience: Duration) -> io::Result<Option<Answer>> {
         let start = Instant::now();
         while start.elapsed() < patience {
-            match self.next()? {
+            match self.next_frame()? {
                 Some(Frame::Reply(reply)) if reply.to == to => return Ok(Some(reply.answer)),
                 Some(_) | None => {}
             }

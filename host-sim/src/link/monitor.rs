@@ -64,7 +64,7 @@ pub fn watch<P: Port>(
     let mut view = View::default();
     let (mut looks, mut heard, mut height) = (0, Instant::now(), 0);
     while args.looks.is_none_or(|most| looks < most) {
-        let Some(frame) = device.next()? else {
+        let Some(frame) = device.next_frame()? else {
             if heard.elapsed() > SILENCE {
                 return Err(silence(&device.statistics()).into());
             }

@@ -74,7 +74,7 @@ impl Firmware {
     /// Lints for both boards; `None` where there is no clippy.
     pub(crate) fn lint(&self) -> Option<Result<(), String>> {
         self.toolchain.has_clippy(&self.directory).then(|| {
-            for features in ["qemu,panic-proof", "f405"] {
+            for features in ["qemu,panic-proof", "f405", "f405,spi-sensors"] {
                 let mut clippy = self.cargo("clippy");
                 clippy.args(["--locked", "--release", "--no-default-features"]);
                 clippy.args(["--features", features, "--", lint_level(), "warnings"]);
@@ -108,7 +108,9 @@ fn within_limits(board: &str, elf: &Path) -> Result<(), String> {
     println!("    {board}: {flash} bytes of flash, {ram} bytes of RAM without stack");
     for (what, bytes, limit) in [("flash", flash, FLASH_LIMIT), ("RAM", ram, RAM_LIMIT)] {
         if bytes > limit {
-            return Err(format!("{board}: {bytes} bytes of {what}, the limit is {limit}"));
+            return Err(format!(
+                "{board}: {bytes} bytes of {what}, the limit is {limit}"
+            ));
         }
     }
     Ok(())
