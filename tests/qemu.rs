@@ -210,6 +210,7 @@ fn every_stage_costs_what_the_budget_says() {
     let (_, _, budget) = &*FROM_CODES;
     within("convert", &budget.convert);
     within("queue", &budget.queue);
+    within("encode", &budget.encode);
 }
 
 #[test]

@@ -12,8 +12,15 @@ pub struct Meter {
     count: u32,
 }
 
+impl Default for Meter {
+    fn default() -> Self {
+        Meter::new()
+    }
+}
+
 impl Meter {
-    const fn new() -> Self {
+    /// Nothing measured yet.
+    pub const fn new() -> Self {
         Meter {
             min: u32::MAX,
             max: 0,
@@ -22,7 +29,8 @@ impl Meter {
         }
     }
 
-    fn record(&mut self, value: u32) {
+    /// One more of the series.
+    pub fn record(&mut self, value: u32) {
         self.min = self.min.min(value);
         self.max = self.max.max(value);
         self.sum = self.sum.wrapping_add(u64::from(value));

@@ -32,6 +32,7 @@ pub mod estimator;
 pub mod filter;
 pub mod frame;
 pub mod identify;
+pub mod instants;
 pub mod law;
 pub mod link;
 pub mod noise;

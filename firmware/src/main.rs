@@ -144,7 +144,7 @@ mod app {
         telemetry.poll();
         if budget.finished {
             telemetry.finish();
-            Service::<Selected>::log(&budget);
+            Service::<Selected>::log(&budget, &telemetry.encode);
             Selected::stop(Outcome::Done);
         }
     }

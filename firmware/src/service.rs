@@ -4,7 +4,7 @@ use crate::board::{Board, Link, RATE_HZ, Watchdog};
 use crate::stack;
 use crate::telemetry::Telemetry;
 use embedded_hal::digital::OutputPin;
-use estimator_core::budget::Budget;
+use estimator_core::budget::{Budget, Meter};
 use estimator_core::estimate::Phase;
 use estimator_core::frame::Frame;
 use estimator_core::link::{Answer, Command};
@@ -125,7 +125,7 @@ impl<B: Board> Service<B> {
         }
         if budget.samples.wrapping_sub(self.logged) >= LOG_EVERY {
             self.logged = budget.samples;
-            Self::log(budget);
+            Self::log(budget, &telemetry.encode);
         }
     }
 
@@ -152,17 +152,18 @@ impl<B: Board> Service<B> {
     }
 
     /// Logs everything, as `key=value` (tests/qemu.rs reads it) with min/mean/max.
-    pub fn log(budget: &Budget) {
-        let [period, convert, step, queue, task] = [
+    pub fn log(budget: &Budget, encode: &Meter) {
+        let [period, convert, step, queue, task, encode] = [
             &budget.period,
             &budget.convert,
             &budget.step,
             &budget.queue,
             &budget.task,
+            encode,
         ]
         .map(|meter| Shown(meter.range()));
         defmt::info!(
-            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} step={} queue={} task={}",
+            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} step={} queue={} task={} encode={}",
             B::COST_UNIT,
             budget.samples,
             budget.ticks,
@@ -175,7 +176,8 @@ impl<B: Board> Service<B> {
             convert,
             step,
             queue,
-            task
+            task,
+            encode
         );
     }
 }

@@ -1,8 +1,9 @@
 //! Frames out, and a log line for whatever a person would want to see. Low priority: may be late,
 //! may not be wrong.
 
-use crate::board::Link;
+use crate::board::{Board, Link, Selected};
 use embedded_hal::digital::OutputPin;
+use estimator_core::budget::Meter;
 use estimator_core::estimate::{Event, Phase};
 use estimator_core::frame::{self, CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED};
 use estimator_core::sampling::Record;
@@ -17,6 +18,8 @@ pub struct Telemetry<L, P> {
     link: L,
     light: P,
     sequence: u16,
+    /// What a record costs to encode and queue, in the board's unit.
+    pub encode: Meter,
     last: Option<Estimate<f32>>,
     last_in_contact: Option<Estimate<f32>>,
 }
@@ -28,6 +31,7 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
             link,
             light,
             sequence: 0,
+            encode: Meter::new(),
             last: None,
             last_in_contact: None,
         }
@@ -41,11 +45,13 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
 
     /// Sends the frames of a record and logs what happened in it.
     pub fn send(&mut self, record: &Record) {
+        let start = Selected::now();
         if let Some(codes) = record.codes {
             self.send_frame(&Frame::Codes(codes));
         }
         self.send_frame(&Frame::Sample(record.sample));
         self.send_frame(&Frame::Estimate(record.estimate));
+        self.encode.record(Selected::now().wrapping_sub(start));
         self.log_changes(&record.estimate);
         self.show(&record.estimate);
         self.last = Some(record.estimate);

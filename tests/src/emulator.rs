@@ -177,6 +177,8 @@ pub struct Budget {
     pub queue: Meter,
     /// The whole task.
     pub task: Meter,
+    /// Encoding a record, at low priority.
+    pub encode: Meter,
 }
 
 /// Smallest, mean and largest of a series.
@@ -208,6 +210,7 @@ impl Budget {
             step: meter(field(line, "step")?)?,
             queue: meter(field(line, "queue")?)?,
             task: meter(field(line, "task")?)?,
+            encode: meter(field(line, "encode")?)?,
         })
     }
 }

@@ -11,17 +11,19 @@
 mod analog;
 mod clock;
 mod flash;
+mod registers;
 #[cfg(not(feature = "spi-sensors"))]
 mod ring;
 #[cfg(feature = "spi-sensors")]
 mod spi;
-mod ticks;
 mod uart;
 
 use super::{Board, Outcome, Parts, RATE_HZ, Watchdog};
 use cortex_m::peripheral::DWT;
 use defmt_rtt as _;
+use estimator_core::instants::Ticks;
 use estimator_core::settings::store::Store;
+use estimator_core::{Fault, Faults};
 use flash::{Flash, SECTOR, SETTINGS};
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{Output, PC4};
@@ -104,6 +106,7 @@ impl Board for F405 {
                 &mut rcc,
             )
         };
+        registers::check();
         Parts {
             sensors,
             link,
@@ -139,4 +142,15 @@ impl Watchdog for Dog {
     fn feed(&mut self) {
         self.0.feed();
     }
+}
+
+/// The time of this tick (µs), with [`Fault::Overrun`] if ticks were missed before it; `None` of a
+/// spurious call.
+fn tick(ticks: &mut Ticks) -> Option<(u64, Faults)> {
+    let (count, late) = ticks.at(F405::now())?;
+    let faults = match late {
+        true => Faults::NONE.with(Fault::Overrun),
+        false => Faults::NONE,
+    };
+    Some((count * u64::from(1_000_000 / RATE_HZ), faults))
 }

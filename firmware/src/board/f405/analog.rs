@@ -5,8 +5,9 @@
 //! the sums of both channels belong to the same 32 instants.
 
 use super::ring::{self, Memory, Ring};
-use super::ticks::Ticks;
-use crate::board::{Acquired, RATE_HZ, Sensors};
+use super::{F405, tick};
+use crate::board::{Acquired, Board, RATE_HZ, Sensors};
+use estimator_core::instants::{Counter, Ticks, summed};
 use estimator_core::sensing::Codes;
 use estimator_core::settings::Key;
 use stm32f4xx_hal::adc::Adc;
@@ -142,9 +143,7 @@ pub struct AnalogAndQuadrature {
     forces: Ring<Stream0<DMA2>>,
     positions: Ring<Stream7<DMA1>>,
     ticks: Ticks,
-    /// What the timer counted last, and what that is without its 16 bits.
-    counter: u16,
-    count: i32,
+    counter: Counter,
 }
 
 impl AnalogAndQuadrature {
@@ -152,9 +151,8 @@ impl AnalogAndQuadrature {
         AnalogAndQuadrature {
             forces,
             positions,
-            ticks: Ticks::new(),
-            counter: 0,
-            count: 0,
+            ticks: Ticks::new(F405::TICK),
+            counter: Counter::new(),
         }
     }
 
@@ -166,10 +164,7 @@ impl AnalogAndQuadrature {
     fn position(&mut self) -> i32 {
         let mut sum = 0_i32;
         for count in self.positions.latest() {
-            let moved = count.wrapping_sub(self.counter) as i16;
-            self.counter = count;
-            self.count = self.count.wrapping_add(i32::from(moved));
-            sum = sum.wrapping_add(self.count);
+            sum = sum.wrapping_add(self.counter.follow(count));
         }
         sum
     }
@@ -178,10 +173,10 @@ impl AnalogAndQuadrature {
 impl Sensors for AnalogAndQuadrature {
     fn sample(&mut self) -> Acquired {
         self.forces.acknowledge();
-        let Some((time_us, faults)) = self.ticks.next() else {
+        let Some((time_us, faults)) = tick(&mut self.ticks) else {
             return Acquired::Nothing;
         };
-        let (force, force_low, force_high) = sum_of_force(self.forces.finished());
+        let (force, force_low, force_high) = summed(self.forces.finished());
         Acquired::Codes(Codes {
             time_us,
             force,
@@ -191,14 +186,4 @@ impl Sensors for AnalogAndQuadrature {
             faults,
         })
     }
-}
-
-/// The sum of a block's conversions, the lowest and the highest of them: one that stood at a rail
-/// does not hide in the sum.
-fn sum_of_force(conversions: impl Iterator<Item = u16>) -> (i32, i32, i32) {
-    conversions
-        .map(i32::from)
-        .fold((0, i32::MAX, i32::MIN), |(sum, low, high), code| {
-            (sum + code, low.min(code), high.max(code))
-        })
 }

@@ -4,8 +4,8 @@
 //! are held high, so that they stay out of it. 5.25 MHz, mode 1: within both data sheets.
 
 use super::clock::CORE_HZ;
-use super::ticks::Ticks;
-use crate::board::{Acquired, RATE_HZ, Sensors};
+use super::{F405, tick};
+use crate::board::{Acquired, Board, RATE_HZ, Sensors};
 use crate::driver::pair::Pair;
 use crate::driver::{ads1220, as5047p};
 use core::cell::RefCell;
@@ -14,6 +14,7 @@ use cortex_m::peripheral::{NVIC, SYST};
 use cortex_m_rt::exception;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorType, MODE_1, Operation, SpiBus, SpiDevice};
+use estimator_core::instants::Ticks;
 use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PB2, PC10, PC11, PC12};
 use stm32f4xx_hal::pac::{self, SPI3};
 use stm32f4xx_hal::prelude::*;
@@ -58,7 +59,7 @@ pub fn start(wires: Wires, rcc: &mut Rcc) -> SpiSensors {
         bridge: wires.bridge,
         ready: wires.ready,
         pair: Pair::default(),
-        ticks: Ticks::new(),
+        ticks: Ticks::new(F405::TICK),
     };
     sensors.set_up();
     let mut tick = wires.tick;
@@ -97,7 +98,7 @@ impl SpiSensors {
 
 impl Sensors for SpiSensors {
     fn sample(&mut self) -> Acquired {
-        let Some((time_us, faults)) = self.ticks.next() else {
+        let Some((time_us, faults)) = tick(&mut self.ticks) else {
             return Acquired::Nothing;
         };
         let ready = self.ready.is_low();
