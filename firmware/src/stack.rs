@@ -11,7 +11,7 @@ unsafe extern "C" {
 }
 
 /// Bytes from the stack's low end up to the deepest word that was ever written. Reads as many words:
-/// 0.2 ms for 100 KiB on the board; for low priorities.
+/// a millisecond for 100 KiB on the board; for low priorities.
 pub fn never_used() -> u32 {
     let (end, start) = (&raw const _stack_end, &raw const _stack_start);
     let words = (start as usize - end as usize) / 4;

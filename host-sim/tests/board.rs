@@ -519,9 +519,20 @@ mod terminal {
                     ticks += 1;
                 }
                 let count = board.take(&mut bytes);
-                let _ = line.write_all(&bytes[..count]);
+                send(&mut line, &bytes[..count], &stop);
             }
         })
+    }
+
+    /// All of it, however slow the reader is; nothing while there is none.
+    fn send(line: &mut TTYPort, mut bytes: &[u8], stop: &AtomicBool) {
+        while !bytes.is_empty() && !stop.load(Ordering::Relaxed) {
+            match line.write(bytes) {
+                Ok(count) => bytes = &bytes[count..],
+                Err(error) if error.kind() == io::ErrorKind::TimedOut => {}
+                Err(_) => return,
+            }
+        }
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::output::say;
     A change is in force at once; `save` keeps it through a power cut. Nothing that restarts the\n\
     estimator is taken while the probe is in contact.")]
 pub struct ConfigArgs {
-    /// Serial port, the emulator's working directory, or `simulated`.
+    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
     #[arg(long, value_name = "PORT")]
     pub port: String,
     #[command(subcommand)]

@@ -21,7 +21,7 @@ use crate::report::number::{Measured, quantity};
 #[command(after_help = "Example:\n  palpate monitor --port /dev/ttyUSB0\n\n\
     On a terminal the picture stays in place; in a pipe it is a line for every look. Ctrl-C ends it.")]
 pub struct MonitorArgs {
-    /// Serial port, the emulator's working directory, or `simulated`.
+    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
     #[arg(long, value_name = "PORT")]
     pub port: String,
     /// Time between two looks (s).

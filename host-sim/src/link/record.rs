@@ -31,7 +31,7 @@ use crate::report::number::counted;
     Without --seconds it records until it is stopped (Ctrl-C); --convert then makes the log."
 )]
 pub struct RecordArgs {
-    /// Serial port, the emulator's working directory, or `simulated`.
+    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
     #[arg(long, value_name = "PORT", required_unless_present = "convert")]
     pub port: Option<String>,
     /// How long (s); a port that falls silent for 3 s ends a recording as well.

@@ -36,8 +36,9 @@ const SPI3: u32 = 0x4000_3c00;
 
 /// For either set of sensors.
 const COMMON: [Expected; 5] = [
-    // 7.3.3: SWS says that the PLL drives the core; APB1 by 4, APB2 by 2.
-    expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0b100_101_00_0000_1000),
+    // 7.3.3: SWS (3:2) says that the PLL drives the core; PPRE1 (12:10) divides by 4, PPRE2 (15:13)
+    // by 2.
+    expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
     // 8.4.1: PB12 an output; what it puts out is low (8.4.6).
     expected("GPIOB_MODER", GPIOB, 0b11 << 24, 0b01 << 24),
     expected("GPIOB_ODR", GPIOB + 0x14, 1 << 12, 0),
