@@ -275,9 +275,7 @@ fn commands_are_answered_refused_with_a_reason_and_settings_outlive_the_run() {
             (50, Command::Unknown(77)),
             (50, Command::Save),
             (50, Command::Set(width, 16.0)),
-            // After 1.5 s the first stroke into the gel is under way for most of the time: of forty
-            // commands, 50 ms apart, some find contact and some do not.
-            (1000, Command::Restart),
+            (1000, Command::Get(width)),
             (0, Command::Identify),
         ],
         &[1, 2, 3, 0],
@@ -300,9 +298,9 @@ fn commands_are_answered_refused_with_a_reason_and_settings_outlive_the_run() {
         unsaved: true,
         ..identity
     };
-    assert_eq!(first[9], Answer::Identity(unsaved));
+    assert_eq!(first[8..], [value(16.0), Answer::Identity(unsaved)]);
     // The next run has what was saved, not what was changed after it.
-    let many: Vec<_> = (0..40).map(|_| (50, Command::Restart)).collect();
+    let many: Vec<_> = (0..40).map(|_| (50, Command::Save)).collect();
     let second = answers(
         &emulator,
         &[

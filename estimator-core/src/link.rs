@@ -26,7 +26,7 @@ pub enum Command {
     Reload,
     /// 6: back to the defaults, not saved. Answer: [`Answer::Done`].
     Defaults,
-    /// 7: forget the estimates and settle anew. Answer: [`Answer::Done`].
+    /// 7: forget the estimates and settle anew, in contact as well. Answer: [`Answer::Done`].
     Restart,
     /// A number that this version does not know. Answer: [`Refusal::UnknownCommand`].
     Unknown(u8),

@@ -338,6 +338,24 @@ fn a_bent_cell_and_a_creeping_zero_are_told() {
 }
 
 #[test]
+fn a_zero_that_has_crept_does_not_keep_the_calibration_from_the_board() {
+    // GIVEN 50 mN that stay on the cell, 5 times its noise: contact, as far as the board can tell
+    let world = world(HELD);
+    let mut device = device(&world, BYTES_PER_MS);
+    let mut helper = Helper::new(&world);
+    helper.creep_n = 0.05;
+    // WHEN the calibration is accepted
+    let weights = arguments(&[0.0, 0.5, 1.0, 2.0]);
+    let said = calibrate::run(&mut device, &weights, &mut helper).unwrap();
+    // THEN it is in the board, with the zero as it is now
+    assert!(said.contains("saved"), "{said}");
+    let settings = device.settings().unwrap();
+    let truth = world.lock().unwrap().clone();
+    let crept = truth.zero_code + helper.creep_n / truth.n_per_code;
+    assert!((f64::from(settings.get(Key::ForceZeroCode)) - crept).abs() < 2.0);
+}
+
+#[test]
 fn two_weights_are_said_to_be_unchecked_and_no_weights_are_refused() {
     let world = world(HELD);
     let mut device = device(&world, BYTES_PER_MS);

@@ -277,7 +277,6 @@ fn what_is_refused_is_refused_for_its_reason_and_changes_nothing() {
         (Command::Save, true, false, (Refusal::InContact, 0)),
         (Command::Reload, true, false, (Refusal::InContact, 0)),
         (Command::Defaults, true, false, (Refusal::InContact, 0)),
-        (Command::Restart, true, false, (Refusal::InContact, 0)),
         (Command::Restart, false, true, (Refusal::Busy, 0)),
     ];
     for (command, in_contact, busy, (reason, id)) in table {
@@ -293,7 +292,10 @@ fn what_is_refused_is_refused_for_its_reason_and_changes_nothing() {
         assert_eq!(answered.change, None);
         assert_eq!(*responder.settings(), before);
     }
-    // In contact, telemetry may be changed all the same, and nothing restarts.
+    // In contact, a restart is how a zero that has crept is got rid of.
+    let answered = responder().answer(3, Command::Restart, true, false);
+    assert!(answered.change.is_some_and(|change| change.restart));
+    // And telemetry may be changed, and nothing restarts.
     let answered = responder().answer(3, Command::Set(every, 10.0), true, false);
     assert!(
         answered

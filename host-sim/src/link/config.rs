@@ -50,6 +50,8 @@ enum Verb {
     Reload,
     /// Back to the defaults (not saved)
     Defaults,
+    /// Forget the estimates and settle anew; the probe must be in free air
+    Restart,
     /// Write all settings into a file
     Backup {
         /// TOML.
@@ -102,6 +104,7 @@ fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn 
         Verb::Save => ordered(device, Command::Save, "saved"),
         Verb::Reload => ordered(device, Command::Reload, "as saved"),
         Verb::Defaults => ordered(device, Command::Defaults, "defaults in force, not saved"),
+        Verb::Restart => ordered(device, Command::Restart, "settling"),
         Verb::Backup { file } => {
             let name = device.identity()?.board.to_string();
             backup::write(file, &device.settings()?, &name)?;

@@ -227,6 +227,9 @@ fn refused(command: Command, reason: Refusal, id: u8) -> Diagnostic {
         Command::Set(_, value) => diagnostic.value(value),
         _ => diagnostic,
     };
+    if reason == Refusal::InContact {
+        return diagnostic.remedy("if it is in free air, its zero has crept: `config restart`");
+    }
     match Key::from_id(id) {
         Some(key) => {
             let info = key.info();
