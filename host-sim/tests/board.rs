@@ -14,7 +14,7 @@ use estimator_core::settings::{Key, Settings};
 use estimator_core::{Fault, State, step};
 use palpate::link::board::BYTES_PER_MS;
 use palpate::link::calibrate::{self, CalibrateArgs, Person};
-use palpate::link::port::Simulated;
+use palpate::link::port::{Files, Simulated};
 use palpate::link::record;
 use palpate::link::world::{Hand, World};
 use palpate::link::{Device, Port, SimulatedBoard};
@@ -394,6 +394,25 @@ fn a_recording_is_a_log_and_replays_to_the_boards_own_estimates() {
     // A second one does not overwrite the first.
     let error = record::record(&mut device, &out, Some(1000)).unwrap_err();
     assert!(error.to_string().contains("already"), "{error}");
+}
+
+#[test]
+fn a_run_of_the_emulator_that_is_over_is_recorded_from_its_first_sample() {
+    // GIVEN the directory of a run that answers nothing any more
+    let folder = Folder::new();
+    let run = folder.path("run");
+    let mut board = device(&world(Hand::Palpating), BYTES_PER_MS);
+    record::record(&mut board, &run, Some(1_000_000)).unwrap();
+    let bytes = fs::read(run.join("recording.frames")).unwrap();
+    fs::create_dir(folder.path("qemu")).unwrap();
+    folder.write("qemu/telemetry.frames", &bytes);
+    // WHEN it is recorded
+    let mut device = Device::new(Files::open(&folder.path("qemu")).unwrap());
+    let again = folder.path("again");
+    record::record(&mut device, &again, None).unwrap();
+    // THEN nothing was lost while settings were asked for
+    assert_eq!(fs::read(again.join("recording.frames")).unwrap(), bytes);
+    assert!(!again.join("settings.toml").exists());
 }
 
 #[test]

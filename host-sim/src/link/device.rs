@@ -40,7 +40,11 @@ pub struct Device<P> {
     /// Whether the first zero has come: before it is the rest of a frame that began earlier.
     in_step: bool,
     statistics: Statistics,
+    tap: Option<Tap>,
 }
+
+/// Takes bytes as they come, such as into a file.
+pub type Tap = Box<dyn FnMut(&[u8]) -> io::Result<()>>;
 
 impl<P: Port> Device<P> {
     /// Listens to a port.
@@ -53,6 +57,7 @@ impl<P: Port> Device<P> {
             sequence: 0,
             in_step: false,
             statistics: Statistics::default(),
+            tap: None,
         }
     }
 
@@ -72,28 +77,23 @@ impl<P: Port> Device<P> {
     /// What the port says.
     pub fn next_frame(&mut self) -> io::Result<Option<Frame>> {
         if self.waiting.is_empty() {
-            self.listen(|_| Ok(()))?;
+            self.listen()?;
         }
         Ok(self.waiting.pop_front())
     }
 
-    /// The next frames, with their bytes as they came given to `keep` first.
-    ///
-    /// # Errors
-    /// What the port or `keep` says.
-    pub fn frames(
-        &mut self,
-        keep: impl FnMut(&[u8]) -> io::Result<()>,
-    ) -> io::Result<impl Iterator<Item = Frame> + '_> {
-        self.listen(keep)?;
-        Ok(self.waiting.drain(..))
+    /// From now on, gives every byte to `tap` as it comes, whoever asked for it; `None`: to nobody.
+    pub fn tap(&mut self, tap: Option<Tap>) {
+        self.tap = tap;
     }
 
-    fn listen(&mut self, mut keep: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
+    fn listen(&mut self) -> io::Result<()> {
         let mut bytes = [0; 4096];
         let count = self.port.read(&mut bytes)?;
         let bytes = bytes.get(..count).unwrap_or(&[]);
-        keep(bytes)?;
+        if let Some(tap) = &mut self.tap {
+            tap(bytes)?;
+        }
         for byte in bytes {
             match self.decoder.push(*byte) {
                 Some(Ok((sequence, frame))) => {

@@ -5,7 +5,7 @@
 
 use std::error::Error;
 use std::fs::{self, File};
-use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -102,30 +102,42 @@ pub fn record<P: Port>(
             .remedy("name another folder with --out")
             .into());
     }
-    keep_settings(device, folder)?;
-    let mut file = File::create_new(&path)?;
+    let file = File::create_new(&path)?;
+    let mut bytes = file.try_clone()?;
+    // From here on every byte is kept, also those that come while the settings are asked for.
+    device.tap(Some(Box::new(move |come| bytes.write_all(come))));
+    let recorded = keep_settings(device, folder).and_then(|()| listen(device, &file, length_us));
+    device.tap(None);
+    file.sync_all()?;
+    recorded?;
+    Ok(device.statistics())
+}
+
+/// Until the board's own time has advanced so far, or it falls silent.
+fn listen<P: Port>(
+    device: &mut Device<P>,
+    file: &File,
+    length_us: Option<u64>,
+) -> Result<(), Box<dyn Error>> {
     let (mut first, mut heard, mut kept) = (None, Instant::now(), Instant::now());
-    loop {
-        let frames = device.frames(|bytes| file.write_all(bytes))?;
-        let mut ended = false;
-        for frame in frames {
+    while heard.elapsed() <= SILENCE {
+        let frame = device.next_frame()?;
+        if frame.is_some() {
             heard = Instant::now();
-            if let Frame::Sample(sample) = frame {
-                let start = *first.get_or_insert(sample.time_us);
-                let so_far = sample.time_us.saturating_sub(start);
-                ended |= length_us.is_some_and(|length| so_far >= length);
+        }
+        if let Some(Frame::Sample(sample)) = frame {
+            let start = *first.get_or_insert(sample.time_us);
+            let so_far = sample.time_us.saturating_sub(start);
+            if length_us.is_some_and(|length| so_far >= length) {
+                break;
             }
         }
         if kept.elapsed() >= TO_DISK {
             file.sync_data()?;
             kept = Instant::now();
         }
-        if ended || heard.elapsed() > SILENCE {
-            break;
-        }
     }
-    file.sync_all()?;
-    Ok(device.statistics())
+    Ok(())
 }
 
 /// The settings that the samples were taken with. A board that only sends is recorded without.
@@ -302,18 +314,4 @@ fn as_log(run: &[Row]) -> Log {
             values,
         }));
     log
-}
-
-/// Frames of a recording, for tests and for whoever wants them.
-///
-/// # Errors
-/// What the file system says.
-pub fn write_frames(path: &Path, frames: &[Frame]) -> io::Result<()> {
-    let mut writer = BufWriter::new(File::create(path)?);
-    let mut bytes = [0; estimator_core::frame::MAX_ENCODED];
-    for (sequence, frame) in frames.iter().enumerate() {
-        let length = estimator_core::frame::encode(frame, sequence as u16, &mut bytes);
-        writer.write_all(&bytes[..length])?;
-    }
-    writer.flush()
 }
