@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::io;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
 use estimator_core::link::{Answer, Command, Identity, Refusal};
@@ -54,7 +54,8 @@ impl<P: Port> Device<P> {
             decoder: Decoder::new(),
             waiting: VecDeque::new(),
             expected: None,
-            sequence: 0,
+            // Anywhere: an answer that is still on its way to another host must not be taken for ours.
+            sequence: anywhere(),
             in_step: false,
             statistics: Statistics::default(),
             tap: None,
@@ -215,6 +216,13 @@ impl<P: Port> Device<P> {
         }
         Ok(settings)
     }
+}
+
+/// A number that the next start hardly has as well.
+fn anywhere() -> u16 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    // Nanoseconds in units of 1.024 µs: clocks of 1 µs still give every number.
+    now.map_or(0, |now| (now.subsec_nanos() >> 10) as u16)
 }
 
 fn unexpected(answer: &Answer) -> io::Error {
