@@ -72,7 +72,8 @@ impl<T: Real> Scale<T> {
             Unit::NewtonPerMetre => self.stiffness(),
             Unit::NewtonSecondPerMetre => self.damping(),
             Unit::Metre => self.depth_m,
-            Unit::One | Unit::PerSecond => T::unit(),
+            // Rates and shares have no size to scale with.
+            _ => T::unit(),
         }
     }
 }

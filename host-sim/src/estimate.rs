@@ -36,7 +36,8 @@ const SIMPLER_MARGIN: f64 = 1.02;
 #[command(
     after_help = "Example:\n  palpate estimate log.csv --law hunt_crossley --out result\n  \
     palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\"\n  \
-    palpate estimate indentation.csv --method batch --indenter sphere:0.003 --out result"
+    palpate estimate indentation.csv --method batch --indenter sphere:0.003 --out result\n  \
+    palpate estimate log.csv --compensate model.toml --out result"
 )]
 pub struct EstimateArgs {
     /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or .csv.gz.
@@ -60,6 +61,10 @@ pub struct EstimateArgs {
     /// Position of the surface (m), if it is known; otherwise it is found, or taken from the impact.
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = finite)]
     pub surface: Option<f64>,
+    /// Take the effects of the rig in this model (TOML), such as `palpate gap` writes, off the log
+    /// before anything else: friction, drag, inertia, lag, delay, compliance, ….
+    #[arg(long, value_name = "FILE")]
+    pub compensate: Option<PathBuf>,
     /// Write every N-th sample into estimate.csv.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
@@ -96,6 +101,17 @@ impl ReadingArgs {
     /// What is wrong with the file.
     pub fn read(&self, path: &Path) -> Result<UniformLog, Diagnostic> {
         Log::read(path, &self.options())?.uniform()
+    }
+}
+
+impl EstimateArgs {
+    /// Reads a log and takes off it what the rig adds.
+    fn read(&self, path: &Path) -> Result<UniformLog, Diagnostic> {
+        let log = self.reading.read(path)?;
+        match &self.compensate {
+            None => Ok(log),
+            Some(model) => crate::compensate::read(log, model),
+        }
     }
 }
 
@@ -317,7 +333,7 @@ pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
         surface_m: args.surface,
     };
     for (path, name) in args.logs.iter().zip(names(&args.logs)) {
-        let log = args.reading.read(path)?;
+        let log = args.read(path)?;
         let estimation = estimate(&log, base, &methods, choices)?;
         say(print::summary(path, &log, &estimation))?;
         if let Some(out) = &args.out {
@@ -326,7 +342,10 @@ pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
             } else {
                 out.clone()
             };
-            write(&folder, path, &log, &estimation, args.every as usize)?;
+            let inputs: Vec<&Path> = std::iter::once(path.as_path())
+                .chain(args.compensate.as_deref())
+                .collect();
+            write(&folder, &inputs, &log, &estimation, args.every as usize)?;
             let report = folder.join("report.html");
             say(format!("report: {}\n", report.display()))?;
         }
@@ -352,7 +371,7 @@ fn names(logs: &[PathBuf]) -> Vec<String> {
 
 fn write(
     folder: &Path,
-    path: &Path,
+    inputs: &[&Path],
     log: &UniformLog,
     estimation: &Estimation,
     every: usize,
@@ -362,6 +381,7 @@ fn write(
         reference_depth_m: f64::from(estimation.replay.config.reference.depth_m),
         noise_n: estimation.replay.noise_n,
         selection: &estimation.selection,
+        compensated: &log.compensated.effects,
         notes: &estimation.notes,
     };
     files::write_json(
@@ -369,9 +389,9 @@ fn write(
         &files::json(&estimation.outcome, &context),
     )?;
     files::write_csv(&folder.join("estimate.csv"), &estimation.replay, every)?;
-    let title = format!("Estimate of {}", path.display());
+    let title = format!("Estimate of {}", inputs[0].display());
     let shown = Shown::new("", log, estimation);
-    document(&[shown], &title, &[path])?.write(&folder.join("report.html"))?;
+    document(&[shown], &title, inputs)?.write(&folder.join("report.html"))?;
     Ok(())
 }
 

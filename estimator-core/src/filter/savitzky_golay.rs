@@ -47,6 +47,11 @@ impl<T: Real> SavitzkyGolayParams<T> {
         }
     }
 
+    /// (hₖ, slope weight) for k = 1…m.
+    pub(crate) fn sides(&self) -> &[(T, T)] {
+        self.sides.get(..self.half_width).unwrap_or(&[])
+    }
+
     pub(crate) fn delay_us(&self) -> u64 {
         self.delay_us
     }
