@@ -67,6 +67,16 @@ const PLAUSIBLE: f64 = 1e3;
 /// Least standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
 const IMPACT_FLOOR: f64 = 5e-3;
 
+/// With one of these, a sample goes through filters and contact detection, but is not learned from,
+/// nor is anything that the filter still remembers of it.
+const NOT_LEARNED_FROM: [Fault; 5] = [
+    Fault::SampleMissed,
+    Fault::ForceSaturated,
+    Fault::ForceStuck,
+    Fault::PositionJump,
+    Fault::PositionStuck,
+];
+
 /// Takes one sample and says what is known after it. Never panics, never allocates; every number in
 /// the result is finite, whatever comes in.
 pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>) -> Estimate<T> {
@@ -128,9 +138,11 @@ impl<T: Real> State<T> {
         if elapsed.is_some_and(|elapsed| elapsed > params.period_us + params.period_us / 2) {
             faults = faults.with(Fault::SampleMissed);
             self.filter.restart(sample);
+        } else if faults.has(Fault::PositionJump) {
+            self.filter.restart(sample);
         }
         self.distrust = self.distrust.saturating_sub(1);
-        if faults.has(Fault::SampleMissed) || faults.has(Fault::ForceSaturated) {
+        if NOT_LEARNED_FROM.iter().any(|fault| faults.has(*fault)) {
             self.distrust = params.filter.memory_samples();
         }
         faults
@@ -428,5 +440,50 @@ mod tests {
             },
         );
         assert_eq!(out.faults, faults);
+    }
+
+    /// Fault × what the estimate does with a sample that a board reports it for, in the middle of a
+    /// stroke: dropped, learned from, and for how many samples nothing is learned.
+    #[test]
+    fn what_an_estimate_does_with_each_reported_fault() {
+        let memory = 17;
+        let table = [
+            (Fault::ForceUnusable, true, 0),
+            (Fault::PositionUnusable, true, 0),
+            (Fault::TimeNotAdvancing, true, 0),
+            (Fault::SampleMissed, false, memory),
+            (Fault::ForceSaturated, false, memory),
+            (Fault::Overrun, false, 0),
+            (Fault::NotFinite, false, 0),
+            (Fault::ForceStuck, false, memory),
+            (Fault::PositionJump, false, memory),
+            (Fault::PositionStuck, false, memory),
+            (Fault::SettingsInvalid, false, 0),
+            (Fault::NotCalibrated, false, 0),
+            (Fault::EstimatorSuspect, false, 0),
+        ];
+        assert_eq!(table.map(|(fault, ..)| fault), Fault::ALL);
+        let params = params();
+        for (fault, dropped, unlearned) in table {
+            let mut state = State::new(&params);
+            // On the way down into the gel, where every sample is learned from.
+            let before = run(&mut state, 0..800);
+            assert!(before.phase == Phase::Contact && before.forgetting < 1.0);
+            let faults = Faults::NONE.with(fault);
+            let bad = Sample {
+                faults,
+                ..stroke(800)
+            };
+            let out = step(&params, &mut state, bad);
+            assert!(out.faults.has(fault) && out.is_finite());
+            assert_eq!(out.time_us == before.time_us, dropped, "{fault:?}");
+            // A dropped sample leaves a hole of one period: the next one counts as missed after 1.5.
+            let last = (0..60)
+                .filter(|i| step(&params, &mut state, stroke(801 + i)).forgetting == 1.0)
+                .last();
+            let quiet = last.map_or(0, |i| i + 2);
+            let expected = if dropped { memory + 1 } else { unlearned };
+            assert_eq!(quiet, expected, "{fault:?}");
+        }
     }
 }

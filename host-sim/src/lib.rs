@@ -11,6 +11,7 @@ pub mod estimate;
 pub mod gap;
 pub mod inspect;
 mod kinematics;
+pub mod link;
 pub mod log;
 pub mod model;
 pub mod motion;

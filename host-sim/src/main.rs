@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
+use palpate::link::{config, monitor, record};
 use palpate::wrap::wrapped;
 use palpate::{check, demo, effects, estimate, gap, simulate};
 
@@ -32,6 +33,12 @@ enum Verb {
     Check(check::CheckArgs),
     /// The catalogue of effects that a rig can hide, and what each does to an estimate
     Effects(effects::EffectsArgs),
+    /// Record a board's samples into a file that survives a crash, and write them as a log
+    Record(record::RecordArgs),
+    /// Watch a board: what it touches, what is wrong, whether it keeps its deadlines
+    Monitor(monitor::MonitorArgs),
+    /// Read, change, save, back up and restore a board's settings; calibrate its sensors
+    Config(config::ConfigArgs),
     /// Palpate gel and plastic on the simulated rig; also what `palpate` alone does
     Demo(demo::DemoArgs),
 }
@@ -44,6 +51,9 @@ fn main() -> ExitCode {
         Some(Verb::Check(args)) => check::run(args),
         Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
         Some(Verb::Effects(args)) => effects::run(args),
+        Some(Verb::Record(args)) => record::run(args),
+        Some(Verb::Monitor(args)) => monitor::run(args),
+        Some(Verb::Config(args)) => config::run(args),
         Some(Verb::Demo(args)) => demo::run(args),
         None => demo::run(&demo::DemoArgs::default()),
     };
