@@ -43,6 +43,9 @@ impl<T: Real> State<T> {
 
     /// Position of the surface (m) that depths are measured from, once there is one.
     pub fn surface_m(&self, params: &Params<T>) -> Option<T> {
+        if params.contact.surface_known() {
+            return self.contact.surface_m();
+        }
         let found = self
             .identifier
             .surface(params, &ForceNoise::default())
@@ -64,6 +67,8 @@ const LEARN_SIGMAS: f64 = 6.0;
 /// An instant is learned from within this many reference depths and speeds: 1 m and 10 m/s at 1 mm.
 /// What an encoder that jumps makes of the motion would otherwise settle the estimates for good.
 const PLAUSIBLE: f64 = 1e3;
+/// Most samples that a count of the encoder is taken to last: what a hold is worth.
+const LONGEST_COUNT: f64 = 256.0;
 /// Least standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
 const IMPACT_FLOOR: f64 = 5e-3;
 
@@ -138,6 +143,9 @@ impl<T: Real> State<T> {
 
     /// The surface as the estimator finds it, else as the contact detector does.
     fn surface(&self, params: &Params<T>, contact: &Contact<T>) -> Option<SurfacePosition<T>> {
+        if params.contact.surface_known() {
+            return contact.surface;
+        }
         let noise = force_noise(params, contact);
         self.identifier.surface(params, &noise).or(contact.surface)
     }
@@ -289,8 +297,20 @@ fn scaled<T: Real>(
         surface_error: surface_error(params, contact),
         spread: aligned.spread_m2 / (scale.depth_m * scale.depth_m),
         coupling: aligned.coupling_m2ps / (scale.depth_m * scale.speed_mps),
+        rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
+        jitter: jitter_m2(params, aligned, contact) / (scale.depth_m * scale.depth_m),
+        rest_error: contact.rest_error_n / scale.force_n,
     };
     (instant, force_noise(params, contact))
+}
+
+/// Variance that the counts of an encoder give an instant (m²): q²/12, times the samples that a count
+/// lasts, since they all err alike.
+fn jitter_m2<T: Real>(params: &Params<T>, aligned: &Aligned<T>, contact: &Contact<T>) -> T {
+    let step_m = contact.position_step_m;
+    let moved_m = aligned.speed_mps.magnitude() * params.period_s;
+    let lasts = T::unit().max_of(step_m / (moved_m + step_m * T::from_f64(1.0 / LONGEST_COUNT)));
+    step_m * step_m * T::from_f64(1.0 / 12.0) * lasts
 }
 
 /// What the force channel is worth, scaled.

@@ -9,6 +9,7 @@ mod hammerstein;
 mod hunt_crossley;
 mod kelvin_voigt;
 mod modes;
+mod pool;
 mod refiner;
 mod zener;
 
@@ -20,7 +21,8 @@ pub use hammerstein::{Cascade, Cascade1, Cascade2};
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
 pub use modes::hammerstein_coefficients;
-pub use refiner::Refiner;
+pub use pool::{Memory, Pool, Pooled};
+pub use refiner::{Prior, Refiner};
 pub use zener::{Solid, ZenerArx};
 
 use crate::config::{Initial, Method, Params, Reference};
@@ -72,6 +74,7 @@ impl<T: Real> Scale<T> {
             Unit::NewtonPerMetre => self.stiffness(),
             Unit::NewtonSecondPerMetre => self.damping(),
             Unit::Metre => self.depth_m,
+            Unit::Second => self.depth_m / self.speed_mps,
             Unit::One | Unit::PerSecond => T::unit(),
         }
     }
@@ -119,6 +122,14 @@ pub struct Instant<T> {
     pub spread: T,
     /// Covariance of depth and speed within it.
     pub coupling: T,
+    /// Rate of the force.
+    pub rate: T,
+    /// Variance that the steps of the position sensor give the depth: of one instant, as long as
+    /// steps follow each other; where the position rests, the error is the same for many instants
+    /// and this is that much larger.
+    pub jitter: T,
+    /// Standard error of the resting force.
+    pub rest_error: T,
 }
 
 impl<T: Real> Instant<T> {
@@ -194,7 +205,7 @@ impl<T: Real> Identifier<T> {
             Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
             Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
             Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
-            Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
+            Method::HuntCrossleyBank | Method::HuntCrossleyBankSkew => Self::BankRefiner(BankRefiner::new(params)),
             Method::KelvinVoigtSurface if params.contact.surface_known() => {
                 Self::Linear(Linear::new(params))
             }
@@ -249,6 +260,7 @@ impl<T: Real> Identifier<T> {
             Self::ZenerArx(own) => own.admit(pushed),
             Self::Cascade1(own) => own.admit(pushed),
             Self::Cascade2(own) => own.admit(pushed),
+            Self::BankRefiner(own) => own.admit(pushed),
             _ => {}
         }
     }

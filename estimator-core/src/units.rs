@@ -15,6 +15,8 @@ pub enum Unit {
     NewtonSecondPerMetre,
     /// 1/s
     PerSecond,
+    /// s
+    Second,
 }
 
 impl Unit {
@@ -26,6 +28,7 @@ impl Unit {
             Unit::NewtonPerMetre => "N/m",
             Unit::NewtonSecondPerMetre => "N s/m",
             Unit::PerSecond => "1/s",
+            Unit::Second => "s",
         }
     }
 }

@@ -135,6 +135,8 @@ pub enum MethodChoice {
     Cascade2,
     /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
     Bank,
+    /// The same with the skew of the sensors, by how much the force is read later (hunt_crossley)
+    BankSkew,
     /// The whole log at once (every law)
     Batch,
 }
@@ -149,6 +151,7 @@ impl MethodChoice {
             Method::HammersteinCascade => MethodChoice::Cascade,
             Method::HammersteinCascade2 => MethodChoice::Cascade2,
             Method::HuntCrossleyBank => MethodChoice::Bank,
+            Method::HuntCrossleyBankSkew => MethodChoice::BankSkew,
         }
     }
 
@@ -161,6 +164,7 @@ impl MethodChoice {
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
+            MethodChoice::BankSkew => "bank_skew",
             MethodChoice::Batch => "batch",
         }
     }
@@ -197,6 +201,7 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::KelvinVoigt, Method::KelvinVoigtSurface, true),
         (LawChoice::KelvinVoigt, Method::KelvinVoigt, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyBankSkew, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
         (LawChoice::Zener, Method::ZenerArx, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
@@ -215,8 +220,8 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, arx \
-                 with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
+                "rls and rls_surface go with kelvin_voigt, bank, bank_skew and two_stage with \
+                 hunt_crossley, arx with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
                  out",
             ));
     }

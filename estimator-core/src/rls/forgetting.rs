@@ -26,7 +26,9 @@ impl<T: Real> ForgettingParams<T> {
         let forgetting = config.forgetting;
         let alpha_1 = forgetting.alpha_1.unwrap_or(match config.method {
             Method::KelvinVoigt | Method::KelvinVoigtSurface => 0.001,
-            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => 0.03,
+            Method::HuntCrossleyTwoStage
+            | Method::HuntCrossleyBank
+            | Method::HuntCrossleyBankSkew => 0.03,
             Method::ZenerArx | Method::HammersteinCascade | Method::HammersteinCascade2 => 0.001,
         });
         require(
