@@ -117,6 +117,9 @@ pub struct Contact<T> {
     /// Raw samples since the touch, or since the force was last lost within the material (a retreat
     /// that the material cannot follow); 0 in free air.
     pub run: u32,
+    /// The run began at the surface, and not where a lost force was regained: what the force did
+    /// before it is the law's as well, as far as the probe was in the material.
+    pub fresh: bool,
     /// The surface of this or the last contact, once there was one.
     pub surface: Option<SurfacePosition<T>>,
     /// Force in free air (N), to be taken off.
@@ -156,6 +159,9 @@ pub struct ContactState<T> {
     wander_n: T,
     phase: Phase,
     run: u32,
+    fresh: bool,
+    /// The probe has been outside since the last run.
+    left: bool,
     /// Samples in a row that speak for the other phase.
     against: u32,
     surface: Option<SurfacePosition<T>>,
@@ -180,6 +186,8 @@ impl<T: Real> ContactState<T> {
             wander_n: params.noise_floor_n,
             phase: Phase::Settling,
             run: 0,
+            fresh: false,
+            left: true,
             against: 0,
             surface: None,
             outside: true,
@@ -217,6 +225,7 @@ impl<T: Real> ContactState<T> {
             phase: self.phase,
             changed: self.phase != before && before != Phase::Settling,
             run: self.run,
+            fresh: self.fresh,
             surface: self.surface,
             rest_n: self.rest_n,
             rest_error_n: self.sigma_n * self.rest_share.root(),
@@ -278,15 +287,20 @@ impl<T: Real> ContactState<T> {
                 self.outside = false;
             }
         }
-        self.outside |= self
+        let out = self
             .surface
             .is_some_and(|surface| sample.position_m < surface.position_m);
+        self.outside |= out;
+        self.left |= out;
         let pressed = force > params.release_sigma * self.wander_n;
-        self.run = if self.phase == Phase::Contact && pressed {
-            self.run.saturating_add(1)
+        if self.phase == Phase::Contact && pressed {
+            if self.run == 0 {
+                self.fresh = core::mem::take(&mut self.left);
+            }
+            self.run = self.run.saturating_add(1);
         } else {
-            0
-        };
+            self.run = 0;
+        }
         self.free = if self.phase == Phase::Free {
             self.free.saturating_add(1)
         } else {

@@ -189,7 +189,9 @@ impl<T: Real> State<T> {
         noise: &ForceNoise<T>,
         innovation: &Innovation<T>,
     ) -> Option<T> {
-        let inside = contact.run >= params.filter.memory_samples() && self.distrust == 0;
+        let filled = contact.run >= params.filter.memory_samples();
+        let known = contact.fresh && contact.run > 0 && self.identifier.is_inside(at);
+        let inside = (filled || known) && self.distrust == 0;
         let above = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.magnitude() < widest && at.speed.magnitude() < widest;

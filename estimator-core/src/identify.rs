@@ -222,6 +222,15 @@ impl<T: Real> Identifier<T> {
         }
     }
 
+    /// Whether the whole window of the filter is in the material for sure, by a surface that is
+    /// better known than that of the impact.
+    pub fn is_inside(&self, at: &Instant<T>) -> bool {
+        match self {
+            Self::BankRefiner(own) => own.is_inside(at),
+            _ => false,
+        }
+    }
+
     /// See [`Identify::predict`].
     pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         match self {

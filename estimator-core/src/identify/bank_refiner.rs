@@ -33,6 +33,10 @@ const CATCH_UP: u32 = 3;
 /// one material shall only get better; another material clears both.
 const BANK_BETA: f64 = 0.996;
 const REFINER_BETA: f64 = 0.99984;
+/// A window is inside when the depth, less this many standard errors of the surface, squared, is
+/// this many times its spread: 2.2² = 1/0.2.
+const SURELY: f64 = 3.0;
+const INSIDE: f64 = 0.2;
 /// Prior standard deviation of the skew (s).
 const SKEW_S: f64 = 3e-3;
 /// The size that an error of the skew is compared with (s).
@@ -95,6 +99,17 @@ impl<T: Real> BankRefiner<T> {
             position_m: value * params.scale.depth_m,
             std_error_m: error * params.scale.depth_m,
         })
+    }
+
+    /// Whether the whole window of the filter is in the material: of a steady motion it reaches 2.1
+    /// standard deviations of the position to either side.
+    pub fn is_inside(&self, at: &Instant<T>) -> bool {
+        let Some(refiner) = &self.refiner else {
+            return false;
+        };
+        let ([_, _, _, surface, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
+        let depth = at.position() - surface - T::from_f64(SURELY) * error;
+        depth > T::nil() && at.spread > T::nil() && at.spread < T::from_f64(INSIDE) * depth * depth
     }
 
     /// Everything learns from a pool.

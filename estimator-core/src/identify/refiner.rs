@@ -19,7 +19,7 @@ const ENERGY_MEMORY: f64 = 8.0;
 /// Bounds of n, so that no step makes a power that single precision cannot hold.
 const EXPONENT: (f64, f64) = (0.3, 4.0);
 /// Largest variance of the position in the filter's window, over the square of the depth.
-const WIDEST: f64 = 0.04;
+const WIDEST: f64 = 0.15;
 /// Standard deviations beyond which an error loses weight (Huber 1964).
 const HUBER: f64 = 5.0;
 
