@@ -402,8 +402,8 @@ mod tests {
         assert!((406.0..=408.0).contains(&touched_at), "{touched_at}");
         let surface = contacts[420].surface.unwrap();
         assert!(surface.position_m.abs() < 11e-6, "{surface:?}");
-        // The second sample above 6σ is 80 µm deep.
-        assert!((39e-6..41e-6).contains(&surface.std_error_m), "{surface:?}");
+        // The second sample above 6σ is 70 µm deep: the resting force does not follow the approach.
+        assert!((34e-6..36e-6).contains(&surface.std_error_m), "{surface:?}");
     }
 
     #[test]

@@ -67,6 +67,8 @@ const LEARN_SIGMAS: f64 = 6.0;
 /// An instant is learned from within this many reference depths and speeds: 1 m and 10 m/s at 1 mm.
 /// What an encoder that jumps makes of the motion would otherwise settle the estimates for good.
 const PLAUSIBLE: f64 = 1e3;
+/// Standard deviation of the error of a count, in counts: 1/√12.
+const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
 /// Most samples that a count of the encoder is taken to last: what a hold is worth.
 const LONGEST_COUNT: f64 = 256.0;
 /// Least standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
@@ -270,11 +272,12 @@ fn is_dropped(faults: Faults) -> bool {
     .any(|fault| faults.has(fault))
 }
 
-/// Standard error of the surface position, scaled. An impact is never known better than this.
+/// Standard error of the surface position, scaled. An impact is never known better than its floor, a
+/// surface that is told no better than the encoder can place it: a count is 1/√12 uncertain.
 fn surface_error<T: Real>(params: &Params<T>, contact: &Contact<T>) -> T {
     let own = contact.surface.unwrap_or_default().std_error_m / params.scale.depth_m;
     if params.contact.surface_known() {
-        own
+        contact.position_step_m * T::from_f64(COUNT_ERROR) / params.scale.depth_m
     } else {
         own.max_of(T::from_f64(IMPACT_FLOOR))
     }
@@ -311,8 +314,9 @@ fn scaled<T: Real>(
 fn jitter_m2<T: Real>(params: &Params<T>, aligned: &Aligned<T>, contact: &Contact<T>) -> T {
     let step_m = contact.position_step_m;
     let moved_m = aligned.speed_mps.magnitude() * params.period_s;
+    let error_m = step_m * T::from_f64(COUNT_ERROR);
     let lasts = T::unit().max_of(step_m / (moved_m + step_m * T::from_f64(1.0 / LONGEST_COUNT)));
-    step_m * step_m * T::from_f64(1.0 / 12.0) * lasts
+    error_m * error_m * lasts
 }
 
 /// What the force channel is worth, scaled.

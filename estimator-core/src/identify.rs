@@ -116,7 +116,7 @@ pub struct Instant<T> {
     pub force: T,
     /// Surface that the depth is measured from, x₀/δ₀.
     pub surface: T,
-    /// Its standard error; 0 if the surface is known.
+    /// Its standard error.
     pub surface_error: T,
     /// Variance of the depth within the filter's window.
     pub spread: T,

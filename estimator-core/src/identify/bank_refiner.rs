@@ -51,6 +51,7 @@ pub struct BankRefiner<T: Real> {
     std_errors: [T; 5],
     prior: Prior<T>,
     skew_size: T,
+    surface_known: bool,
     pool: Pool<T>,
     memory: Memory<T>,
     until_look: u32,
@@ -84,6 +85,7 @@ impl<T: Real> BankRefiner<T> {
                 skew: T::from_f64(skew) * per_second,
             },
             skew_size: T::from_f64(SKEW_SIZE_S) * per_second,
+            surface_known: params.contact.surface_known(),
             pool: Pool::default(),
             memory: Memory::new(),
             until_look: 1,
@@ -115,12 +117,20 @@ impl<T: Real> BankRefiner<T> {
     /// Everything learns from a pool.
     fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
         let bank = self.bank.get_or_insert_with(|| {
-            let step = at.surface_error;
+            let step = if self.surface_known {
+                T::nil()
+            } else {
+                at.surface_error
+            };
             Bank::new(at.surface - T::from_f64(SURFACES_BEFORE) * step, step)
         });
-        bank.update(pooled.position, pooled.speed, pooled.force, T::from_f64(BANK_BETA));
-        // An encoder does not know better where the surface is than to a count.
-        self.prior.surface = bank.surface_step().max_of(at.jitter.root());
+        bank.update(
+            pooled.position,
+            pooled.speed,
+            pooled.force,
+            T::from_f64(BANK_BETA),
+        );
+        self.prior.surface = at.surface_error.max_of(bank.surface_step());
         self.memory.push(*pooled);
         if let Some(refiner) = &mut self.refiner {
             refiner.learn(pooled, noise, T::from_f64(REFINER_BETA));
@@ -128,7 +138,11 @@ impl<T: Real> BankRefiner<T> {
         }
         self.until_look = self.until_look.saturating_sub(1);
         if self.until_look == 0 {
-            self.until_look = if self.refiner.is_some() { LOOK_EVERY } else { 1 };
+            self.until_look = if self.refiner.is_some() {
+                LOOK_EVERY
+            } else {
+                1
+            };
             self.supervise(noise);
         }
         self.relinearise(noise);
@@ -165,15 +179,23 @@ impl<T: Real> BankRefiner<T> {
     fn begin(&mut self, refiner: Refiner<T>) {
         let next = self.memory.oldest();
         let complete = next == 0;
-        self.successor = Some(Successor { refiner, next, complete });
+        self.successor = Some(Successor {
+            refiner,
+            next,
+            complete,
+        });
     }
 
     /// The successor learns from memory, and takes over once it knows what its predecessor does.
     fn catch_up(&mut self, at: &Instant<T>, noise: &ForceNoise<T>) {
-        let Some(successor) = &mut self.successor else { return };
+        let Some(successor) = &mut self.successor else {
+            return;
+        };
         for _ in 0..CATCH_UP {
             if let Some(pooled) = self.memory.get(successor.next) {
-                successor.refiner.learn(pooled, noise, T::from_f64(REFINER_BETA));
+                successor
+                    .refiner
+                    .learn(pooled, noise, T::from_f64(REFINER_BETA));
                 successor.next += 1;
             }
         }
@@ -244,8 +266,19 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         };
         let [stiffness, damping, exponent, _, skew] = refiner.values();
         let exponent = (exponent, T::unit());
-        let [stiffness_error, damping_error, exponent_error, _, skew_error] = self.std_errors;
-        let values = [spring(stiffness), damper(damping, stiffness), exponent, (skew, self.skew_size)];
+        let [
+            stiffness_error,
+            damping_error,
+            exponent_error,
+            _,
+            skew_error,
+        ] = self.std_errors;
+        let values = [
+            spring(stiffness),
+            damper(damping, stiffness),
+            exponent,
+            (skew, self.skew_size),
+        ];
         let errors = [stiffness_error, damping_error, exponent_error, skew_error];
         judged(&values, errors.iter())
     }

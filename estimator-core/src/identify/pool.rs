@@ -150,8 +150,64 @@ impl<T: Real> Memory<T> {
     /// A pool by its number.
     pub fn get(&self, number: u32) -> Option<&Pooled<T>> {
         let there = number < self.pushed && number >= self.oldest();
-        self.pools
-            .get(number as usize % MEMORY)
-            .filter(|_| there)
+        self.pools.get(number as usize % MEMORY).filter(|_| there)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(i: u32) -> Instant<f64> {
+        let t = f64::from(i);
+        Instant {
+            depth: 1.0 + 0.02 * t + 1e-3 * t * t,
+            speed: 0.02 + 2e-3 * t,
+            force: 3.0 * t,
+            surface: 200.0,
+            spread: 0.01,
+            ..Instant::default()
+        }
+    }
+
+    #[test]
+    fn eight_instants_become_their_mean_spread_and_coupling() {
+        let mut pool = Pool::default();
+        let pooled = (0..8).filter_map(|i| pool.take(&at(i))).last().unwrap();
+        let mean = |of: &dyn Fn(Instant<f64>) -> f64| (0..8).map(|i| of(at(i))).sum::<f64>() / 8.0;
+        let (x, v) = (mean(&|at| at.position()), mean(&|at| at.speed));
+        assert!((pooled.position - x).abs() < 1e-12);
+        assert!((pooled.force - 10.5).abs() < 1e-12 && pooled.count == 8.0);
+        let spread = mean(&|at| (at.position() - x) * (at.position() - x));
+        let coupling = mean(&|at| (at.position() - x) * (at.speed - v));
+        assert!((pooled.spread - 0.01 - spread).abs() < 1e-12, "{pooled:?}");
+        assert!((pooled.coupling - coupling).abs() < 1e-12, "{pooled:?}");
+    }
+
+    #[test]
+    fn a_gap_cuts_a_pool_and_loses_nothing() {
+        let mut pool = Pool::default();
+        assert!((0..5).all(|i| pool.take(&at(i)).is_none()));
+        pool.close();
+        let cut = pool.take(&at(100)).unwrap();
+        assert_eq!((cut.count, cut.force), (5.0, 6.0));
+        let next = (101..108).filter_map(|i| pool.take(&at(i))).last().unwrap();
+        assert_eq!((next.count, next.force), (8.0, 3.0 * 103.5));
+    }
+
+    #[test]
+    fn memory_holds_the_newest_pools_under_their_numbers() {
+        let mut memory = Memory::<f64>::new();
+        for number in 0..MEMORY as u32 + 10 {
+            memory.push(Pooled {
+                force: f64::from(number),
+                ..Pooled::default()
+            });
+        }
+        assert_eq!(memory.oldest(), 10);
+        assert_eq!(memory.get(9), None);
+        assert_eq!(memory.get(10).unwrap().force, 10.0);
+        assert_eq!(memory.get(memory.pushed() - 1).unwrap().force, 137.0);
+        assert_eq!(memory.get(memory.pushed()), None);
     }
 }

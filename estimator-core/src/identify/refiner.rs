@@ -8,8 +8,8 @@
 
 use nalgebra::Vector5;
 
-use super::bank::Candidate;
 use super::ForceNoise;
+use super::bank::Candidate;
 use super::pool::Pooled;
 use crate::rls::Ud;
 use crate::scalar::Real;
@@ -252,17 +252,23 @@ mod tests {
         filtered: 0.007,
     };
 
-    fn gel(i: u32) -> Instant<f64> {
+    fn gel(i: u32) -> Pooled<f64> {
         let angle = 7.5e-3 * f64::from(i);
         let depth = 2.1 - 2.0 * libm::cos(angle);
         let speed = 1.5 * libm::sin(angle);
-        Instant {
-            depth,
+        Pooled {
+            position: depth,
             speed,
             force: (1.35 + 0.36 * speed) * libm::pow(depth, 1.35),
-            ..Instant::default()
+            count: 1.0,
+            ..Pooled::default()
         }
     }
+
+    const FOUND: Prior<f64> = Prior {
+        surface: 0.1,
+        skew: 0.0,
+    };
 
     fn start() -> Candidate<f64> {
         Candidate {
@@ -276,12 +282,16 @@ mod tests {
 
     #[test]
     fn from_a_neighbouring_cell_it_finds_all_four_in_three_generations() {
-        let mut refiner = Refiner::new(&start(), 0.1);
+        let mut refiner = Refiner::new(&start(), 0.0, &FOUND);
         for _ in 0..3 {
-            refiner = refiner.successor(0.1);
+            refiner = refiner.successor(&FOUND);
             (0..1500).for_each(|i| refiner.learn(&gel(i), &NOISE, 1.0));
         }
-        for (value, truth) in refiner.values().into_iter().zip([1.35, 0.36, 1.35, 0.0]) {
+        for (value, truth) in refiner
+            .values()
+            .into_iter()
+            .zip([1.35, 0.36, 1.35, 0.0, 0.0])
+        {
             // The prior of the last generation: one sample against 1500.
             assert!((value - truth).abs() < 1e-4, "{:?}", refiner.values());
         }
@@ -290,7 +300,10 @@ mod tests {
 
     #[test]
     fn the_order_of_the_samples_does_not_matter() {
-        let (mut forth, mut back) = (Refiner::new(&start(), 0.1), Refiner::new(&start(), 0.1));
+        let (mut forth, mut back) = (
+            Refiner::new(&start(), 0.0, &FOUND),
+            Refiner::new(&start(), 0.0, &FOUND),
+        );
         // Errors far above the noise would lose weight by what came before them.
         let noise = ForceNoise {
             raw: 5.0,
@@ -313,18 +326,22 @@ mod tests {
                 ..start()
             },
             0.0,
+            &Prior::default(),
         );
         (0..3000).for_each(|i| refiner.learn(&gel(i), &NOISE, 1.0));
         assert_eq!(refiner.values()[3], 0.0);
-        assert_eq!(refiner.std_errors()[3], 0.0);
+        assert_eq!(refiner.std_errors(0.0, &NOISE)[3], 0.0);
     }
 
     #[test]
     fn the_gradient_is_that_of_the_prediction() {
-        let theta = [1.2, 0.3, 1.5, 0.06];
-        let at = gel(200);
+        let theta = [1.2, 0.3, 1.5, 0.06, 0.01];
+        let at = Pooled {
+            rate: 3.0,
+            ..gel(200)
+        };
         let gradient = predict(&theta, &at).gradient;
-        for slot in 0..4 {
+        for slot in 0..5 {
             let shifted = |by: f64| {
                 let mut other = theta;
                 other[slot] += by;
@@ -335,6 +352,63 @@ mod tests {
             assert!(
                 (gradient[slot] - slope).abs() < 1e-6 * slope.abs().max(1.0),
                 "slot {slot}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_force_that_is_read_late_is_told_from_damping() {
+        let late = 0.02;
+        let skewed = |i: u32| {
+            let at = gel(i);
+            let rate = (gel(i + 1).force - gel(i - 1).force) / (2.0 * 7.5e-3 / 1.5 * 2.0);
+            Pooled {
+                force: at.force - late * rate,
+                rate,
+                ..at
+            }
+        };
+        let prior = Prior {
+            skew: 0.05,
+            ..FOUND
+        };
+        let mut refiner = Refiner::new(&start(), 0.0, &prior);
+        for _ in 0..4 {
+            refiner = refiner.successor(&prior);
+            (1..1500).for_each(|i| refiner.learn(&skewed(i), &NOISE, 1.0));
+        }
+        for (value, truth) in refiner
+            .values()
+            .into_iter()
+            .zip([1.35, 0.36, 1.35, 0.0, late])
+        {
+            assert!((value - truth).abs() < 2e-4, "{:?}", refiner.values());
+        }
+    }
+
+    #[test]
+    fn a_wrong_resting_force_is_within_the_errors_that_consider_it() {
+        // The bias that an offset of the force leaves is what the standard errors say of it.
+        let (quiet, offset) = (start(), 0.01);
+        let mut refiner = Refiner::new(&quiet, 0.0, &FOUND);
+        for _ in 0..4 {
+            refiner = refiner.successor(&FOUND);
+            (0..1500).for_each(|i| {
+                let at = gel(i);
+                let force = at.force + offset;
+                refiner.learn(&Pooled { force, ..at }, &NOISE, 1.0);
+            });
+        }
+        let (without, with) = (
+            refiner.std_errors(0.0, &NOISE),
+            refiner.std_errors(offset, &NOISE),
+        );
+        for (slot, truth) in [1.35, 0.36, 1.35, 0.0].into_iter().enumerate() {
+            let bias = (refiner.values()[slot] - truth).abs();
+            let claimed = (with[slot] * with[slot] - without[slot] * without[slot]).sqrt();
+            assert!(
+                (bias / claimed - 1.0).abs() < 0.1,
+                "{slot}: {bias} {claimed}"
             );
         }
     }

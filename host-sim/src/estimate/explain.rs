@@ -161,7 +161,9 @@ fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
     };
     let bent = match outcome.law {
         LawKind::KelvinVoigt => "stiffness and damping",
-        LawKind::HuntCrossley | LawKind::HuntCrossleySkew => "stiffness, damping and exponent together",
+        LawKind::HuntCrossley | LawKind::HuntCrossleySkew => {
+            "stiffness, damping and exponent together"
+        }
         LawKind::Zener => "the resting stiffness",
         LawKind::QuasiLinear | LawKind::QuasiLinear2 => "stiffness and exponent together",
     };
