@@ -127,6 +127,8 @@ pub enum Method {
     KelvinVoigt = 1,
     /// Two recursive least squares in feedback on Hunt–Crossley (25)–(37).
     HuntCrossleyTwoStage = 2,
+    /// One recursive least squares on the logarithm of Hunt–Crossley (Haddadi & Hashtrudi-Zaad 2012).
+    HuntCrossleyLogLinear = 9,
     /// Recursive least squares on Zener as ARX (18).
     ZenerArx = 3,
     /// Two recursive least squares in cascade on the quasi-linear law, one mode (39)–(42).
@@ -147,7 +149,9 @@ impl Method {
     pub const fn law(self) -> LawKind {
         match self {
             Method::KelvinVoigt | Method::KelvinVoigtSurface => LawKind::KelvinVoigt,
-            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
+            Method::HuntCrossleyTwoStage
+            | Method::HuntCrossleyBank
+            | Method::HuntCrossleyLogLinear => LawKind::HuntCrossley,
             Method::HuntCrossleyBankSkew => LawKind::HuntCrossleySkew,
             Method::ZenerArx => LawKind::Zener,
             Method::HammersteinCascade => LawKind::QuasiLinear,

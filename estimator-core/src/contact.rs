@@ -16,9 +16,8 @@ const PRE_TRIGGER: usize = 64;
 const TOUCH_RUN: u32 = 2;
 /// Samples in a row that make a lift-off.
 const RELEASE_RUN: u32 = 3;
-/// The resting force follows the free-air force with this time constant (s): the mean of so much
-/// free air is uncertain by 0.2 mN at 20 mN of noise, which is 0.3 µm of surface on gel.
-const REST_TIME_S: f64 = 4.0;
+/// The resting force follows the free-air force with this time constant (s).
+const REST_TIME_S: f64 = 1.0;
 /// Samples next to a contact, on either side, that the resting force is not taken from: what is
 /// pushed by less than the noise is no free air. (Taken up to the touch, gel at 1.2 Hz raised the
 /// resting force by 2 mN and put the surface 1.2 µm too deep.)
@@ -255,6 +254,7 @@ impl<T: Real> ContactState<T> {
                 None => self.sigma_n.max_of(self.noise.spread_n()),
             };
             self.phase = Phase::Free;
+            self.free = REST_APART;
         }
         self.ring = [(sample.position_m, T::nil()); PRE_TRIGGER];
     }

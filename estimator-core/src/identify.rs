@@ -8,6 +8,7 @@ mod equation_error;
 mod hammerstein;
 mod hunt_crossley;
 mod kelvin_voigt;
+mod log_linear;
 mod modes;
 mod pool;
 mod refiner;
@@ -20,6 +21,7 @@ pub use confidence::Confidence;
 pub use hammerstein::{Cascade, Cascade1, Cascade2};
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
+pub use log_linear::LogLinear;
 pub use modes::hammerstein_coefficients;
 pub use pool::{Memory, Pool, Pooled};
 pub use refiner::{Prior, Refiner};
@@ -184,6 +186,8 @@ pub enum Identifier<T: Real> {
     Linear(Linear<T>),
     /// See [`TwoStage`].
     TwoStage(TwoStage<T>),
+    /// See [`LogLinear`].
+    LogLinear(LogLinear<T>),
     /// See [`ZenerArx`].
     ZenerArx(ZenerArx<T>),
     /// See [`Cascade`].
@@ -202,6 +206,7 @@ impl<T: Real> Identifier<T> {
         match params.method {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+            Method::HuntCrossleyLogLinear => Self::LogLinear(LogLinear::new(params)),
             Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
             Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
             Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
@@ -236,6 +241,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
+            Self::LogLinear(own) => own.predict(at, noise, surface_error),
             Self::ZenerArx(own) => own.predict(at, noise, surface_error),
             Self::Cascade1(own) => own.predict(at, noise, surface_error),
             Self::Cascade2(own) => own.predict(at, noise, surface_error),
@@ -255,6 +261,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+            Self::LogLinear(own) => own.learn(params, at, noise, beta),
             Self::ZenerArx(own) => own.learn(params, at, noise, beta),
             Self::Cascade1(own) => own.learn(params, at, noise, beta),
             Self::Cascade2(own) => own.learn(params, at, noise, beta),
@@ -279,6 +286,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
+            Self::LogLinear(own) => own.reopen(params),
             Self::ZenerArx(own) => own.reopen(params),
             Self::Cascade1(own) => own.reopen(params),
             Self::Cascade2(own) => own.reopen(params),
@@ -292,6 +300,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
+            Self::LogLinear(own) => own.judged(noise, surface_error),
             Self::ZenerArx(own) => own.judged(noise, surface_error),
             Self::Cascade1(own) => own.judged(noise, surface_error),
             Self::Cascade2(own) => own.judged(noise, surface_error),

@@ -126,6 +126,8 @@ pub enum MethodChoice {
     RlsSurface,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
+    /// Recursive least squares on the logarithm of the force (hunt_crossley)
+    LogLinear,
     /// Recursive least squares on force and depth of two samples (zener)
     Arx,
     /// Elastic response while loading, then its relaxation in one mode (quasi_linear)
@@ -147,6 +149,7 @@ impl MethodChoice {
             Method::KelvinVoigt => MethodChoice::Rls,
             Method::KelvinVoigtSurface => MethodChoice::RlsSurface,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+            Method::HuntCrossleyLogLinear => MethodChoice::LogLinear,
             Method::ZenerArx => MethodChoice::Arx,
             Method::HammersteinCascade => MethodChoice::Cascade,
             Method::HammersteinCascade2 => MethodChoice::Cascade2,
@@ -160,6 +163,7 @@ impl MethodChoice {
             MethodChoice::Rls => "rls",
             MethodChoice::RlsSurface => "rls_surface",
             MethodChoice::TwoStage => "two_stage",
+            MethodChoice::LogLinear => "log_linear",
             MethodChoice::Arx => "arx",
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
@@ -203,6 +207,7 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBankSkew, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyLogLinear, false),
         (LawChoice::Zener, Method::ZenerArx, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade2, true),
@@ -220,7 +225,7 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank, bank_skew and two_stage with \
+                "rls and rls_surface go with kelvin_voigt, bank, bank_skew, two_stage and log_linear with \
                  hunt_crossley, arx with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
                  out",
             ));

@@ -25,7 +25,9 @@ impl<T: Real> ForgettingParams<T> {
     pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
         let forgetting = config.forgetting;
         let alpha_1 = forgetting.alpha_1.unwrap_or(match config.method {
-            Method::KelvinVoigt | Method::KelvinVoigtSurface => 0.001,
+            Method::KelvinVoigt | Method::KelvinVoigtSurface | Method::HuntCrossleyLogLinear => {
+                0.001
+            }
             Method::HuntCrossleyTwoStage
             | Method::HuntCrossleyBank
             | Method::HuntCrossleyBankSkew => 0.03,
