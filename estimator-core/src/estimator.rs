@@ -19,6 +19,7 @@ pub struct State<T: Real = f32> {
     last_time_us: Option<u64>,
     /// Samples until the filter has forgotten something that must not be learned from.
     distrust: u32,
+    learning: bool,
     last: Estimate<T>,
 }
 
@@ -32,8 +33,23 @@ impl<T: Real> State<T> {
             judge: Judge::new(),
             last_time_us: None,
             distrust: 0,
+            learning: true,
             last: Estimate::nothing(params),
         }
+    }
+
+    /// Whether samples teach: on at the start. Off, the estimates stay as they are, and prediction,
+    /// innovation and contact go on.
+    pub fn enable_learning(&mut self, on: bool) {
+        self.learning = on;
+    }
+
+    /// Forgets the material, values and covariance, as if nothing had been touched: they start again
+    /// from [`crate::config::Initial`]. Filter, resting force, noise and contact go on.
+    pub fn reset_estimates(&mut self, params: &Params<T>) {
+        self.identifier = Identifier::new(params);
+        self.judge = Judge::new();
+        self.last.parameters = Estimate::nothing(params).parameters;
     }
 
     /// What the force reads in free air (N), as it is taken off now; 0 while settling.
@@ -197,7 +213,7 @@ impl<T: Real> State<T> {
         let above = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.magnitude() < widest && at.speed.magnitude() < widest;
-        let usable = inside && above && plausible;
+        let usable = self.learning && inside && above && plausible;
         self.identifier.admit(usable);
         if !usable {
             return None;
@@ -375,6 +391,24 @@ mod tests {
         assert!((value(0) / 1350.0 - 1.0).abs() < 0.02, "{}", value(0));
         assert!((value(1) / 36.0 - 1.0).abs() < 0.02, "{}", value(1));
         assert!((value(2) / 1.35 - 1.0).abs() < 0.02, "{}", value(2));
+    }
+
+    #[test]
+    fn learning_can_be_switched_off_and_the_estimates_cleared() {
+        let params = params();
+        let mut state = State::new(&params);
+        let learned = run(&mut state, 0..3000);
+        state.enable_learning(false);
+        let held = run(&mut state, 3000..4000);
+        assert_eq!(held.parameters, learned.parameters);
+        assert!(held.innovation.variance_n2 > 0.0 || held.phase != Phase::Contact);
+        state.enable_learning(true);
+        assert_ne!(run(&mut state, 4000..4500).parameters, learned.parameters);
+        state.reset_estimates(&params);
+        assert_eq!(run(&mut state, 4500..4501).parameters[0], None);
+        let anew = run(&mut state, 4501..7000).parameters[0].unwrap().value;
+        // What gel_is_found_from_nothing allows.
+        assert!((anew / 1350.0 - 1.0).abs() < 0.02, "{anew}");
     }
 
     #[test]
