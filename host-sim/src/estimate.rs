@@ -138,6 +138,7 @@ pub enum MethodChoice {
     /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
     Bank,
     /// The same with the skew of the sensors, by how much the force is read later (hunt_crossley)
+    #[value(name = "skew")]
     BankSkew,
     /// The whole log at once (every law)
     Batch,
@@ -168,7 +169,7 @@ impl MethodChoice {
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
-            MethodChoice::BankSkew => "bank_skew",
+            MethodChoice::BankSkew => "skew",
             MethodChoice::Batch => "batch",
         }
     }
@@ -207,7 +208,11 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBankSkew, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
-        (LawChoice::HuntCrossley, Method::HuntCrossleyLogLinear, false),
+        (
+            LawChoice::HuntCrossley,
+            Method::HuntCrossleyLogLinear,
+            false,
+        ),
         (LawChoice::Zener, Method::ZenerArx, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade2, true),
@@ -225,7 +230,7 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank, bank_skew, two_stage and log_linear with \
+                "rls and rls_surface go with kelvin_voigt, bank, skew, two_stage and log_linear with \
                  hunt_crossley, arx with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
                  out",
             ));

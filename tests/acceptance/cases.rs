@@ -67,6 +67,8 @@ pub(crate) struct Case {
     pub(crate) log: UniformLog,
     /// What really happened.
     pub(crate) run: Truth,
+    /// Noise of the force (N).
+    pub(crate) force_noise_n: f64,
     /// When the probe first touched (s).
     pub(crate) touched_s: f64,
 }
@@ -101,6 +103,7 @@ impl Case {
             log: run.log.uniform().expect("the rig samples evenly"),
             touched_s: touch.map_or(SECONDS, |index| run.truth.time_s[index]),
             run: run.truth,
+            force_noise_n: rig.sensors.force_noise_n,
         }
     }
 }

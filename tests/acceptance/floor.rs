@@ -5,12 +5,11 @@
 //! force is unknown too; each instant in free air tells it. A told surface is known to a count of
 //! the encoder, q_x/√12.
 
-use nalgebra::{Matrix5, Vector5};
+use nalgebra::{Matrix6, Vector6};
 
 use super::cases::{Case, SECONDS};
 
-/// Steps and noise of the default sensors: N, N, m.
-const FORCE_NOISE_N: f64 = 0.02;
+/// Steps of the default sensors: N, m.
 const FORCE_STEP_N: f64 = 0.005;
 const COUNT_M: f64 = 1e-6;
 /// Samples between two looks at how much is known.
@@ -30,15 +29,20 @@ pub(crate) struct Floor {
 impl Floor {
     /// Of a case, its surface told if `known`.
     pub(crate) fn of(case: &Case, known: bool) -> Floor {
-        let white = FORCE_NOISE_N.powi(2) + FORCE_STEP_N.powi(2) / 12.0;
+        Floor::skewed(case, known, 0.0)
+    }
+
+    /// The same where the skew of the sensors is one more thing that is not known (`asked` 1).
+    pub(crate) fn skewed(case: &Case, known: bool, asked: f64) -> Floor {
+        let white = case.force_noise_n.powi(2) + FORCE_STEP_N.powi(2) / 12.0;
         let count_m2 = COUNT_M.powi(2) / 12.0;
-        let mut information = Matrix5::zeros();
+        let mut information = Matrix6::zeros();
         if known {
             information[(3, 3)] = 1.0 / count_m2;
         }
         let mut settles_s = SECONDS;
         for index in 0..case.run.time_s.len() {
-            match gradient(case, index) {
+            match gradient(case, index, asked) {
                 None => information[(4, 4)] += 1.0 / white,
                 Some(by) => information += by * by.transpose() / (white + by[3].powi(2) * count_m2),
             }
@@ -63,8 +67,8 @@ impl Floor {
     }
 }
 
-/// ∂F by ln K, ln λ, ln n, x₀ and the resting force; `None` in free air.
-fn gradient(case: &Case, index: usize) -> Option<Vector5<f64>> {
+/// ∂F by ln K, ln λ, ln n, x₀, the resting force and, if `asked`, the skew (ms); `None` in free air.
+fn gradient(case: &Case, index: usize, asked: f64) -> Option<Vector6<f64>> {
     let [stiffness, damping, exponent, surface_m] = case.truth;
     let depth = (case.run.position_m[index] - surface_m) / 1e-3;
     if depth <= 0.0 || case.run.force_n[index] <= 0.0 {
@@ -75,21 +79,27 @@ fn gradient(case: &Case, index: usize) -> Option<Vector5<f64>> {
     let damper = damping * case.run.velocity_mps[index] * shape;
     let force = spring + damper;
     let by_surface = -(exponent * force / depth / 1e-3);
-    Some(Vector5::new(
+    let next = (index + 1).min(case.run.force_n.len() - 1);
+    let by_skew = -0.5 * asked * (case.run.force_n[next] - case.run.force_n[index.max(1) - 1]);
+    Some(Vector6::new(
         spring,
         damper,
         force * depth.ln() * exponent,
         by_surface,
         1.0,
+        by_skew,
     ))
 }
 
-fn bound(information: Matrix5<f64>) -> [f64; 4] {
+fn bound(information: Matrix6<f64>) -> [f64; 4] {
     // Scaled to a unit diagonal: metres and logarithms differ by 10⁷.
     let scale = information
         .diagonal()
         .map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
-    let scaled = Matrix5::from_fn(|i, j| information[(i, j)] / (scale[i] * scale[j]));
+    let scaled = Matrix6::from_fn(|i, j| match i == j {
+        true => 1.0,
+        false => information[(i, j)] / (scale[i] * scale[j]),
+    });
     match scaled.try_inverse() {
         Some(inverse) => std::array::from_fn(|i| inverse[(i, i)].abs().sqrt() / scale[i]),
         None => [f64::INFINITY; 4],

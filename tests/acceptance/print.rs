@@ -80,14 +80,15 @@ fn main() {
     for touched in [Touched::Gel, Touched::Plastic] {
         let apart = rows::single_against_double(touched, TEN_MINUTES, 1);
         println!(
-            "f32 against f64 after ten minutes, {touched:?}: {:.4} %",
+            "f32 against f64 after ten minutes, {touched:?}: {:.1e} %",
             100.0 * apart
         );
     }
-    let within = rows::within_5_at_noise(0.1, seeds);
+    let row = rows::at_noise(0.1, seeds);
     println!(
-        "noise 0.1 N, all settings, surface found: {:.1} % within 5 %",
-        100.0 * within
+        "noise 0.1 N, all settings, surface found: {:.1} ({:.1}) % within 5 %",
+        100.0 * row.within(0.05),
+        100.0 * row.floor_within(0.05)
     );
     for (name, method) in BLIND {
         let runs: Vec<[f64; 3]> = (1..=seeds).map(|seed| rows::armcmc(method, seed)).collect();
@@ -149,10 +150,11 @@ fn skews(seeds: u64) {
         let skew = Skew::of(method, seeds);
         let ((median, _), (damping, skew_s)) = (skew.errors(0.5), skew.errors(0.95));
         println!(
-            "skew of ±2 ms on plastic, {name}: λ {:.2} / {:.2} %, skew {:.0} µs (median / 95 %, 95 %)",
+            "skew of ±2 ms on plastic, {name}: λ {:.2} / {:.2} %, skew {:.0} µs (median / 95 %, 95 %), rms error of λ {:.1} bounds",
             100.0 * median,
             100.0 * damping,
-            1e6 * skew_s
+            1e6 * skew_s,
+            skew.over_floor()
         );
     }
 }
