@@ -120,15 +120,16 @@ pub struct Memory<T> {
     pushed: u32,
 }
 
-impl<T: Real> Memory<T> {
-    /// Nothing.
-    pub fn new() -> Self {
+impl<T: Real> Default for Memory<T> {
+    fn default() -> Self {
         Memory {
             pools: [Pooled::default(); MEMORY],
             pushed: 0,
         }
     }
+}
 
+impl<T: Real> Memory<T> {
     /// Keeps a pool, in place of the oldest if there is no room.
     pub fn push(&mut self, pooled: Pooled<T>) {
         if let Some(slot) = self.pools.get_mut(self.pushed as usize % MEMORY) {
@@ -197,7 +198,7 @@ mod tests {
 
     #[test]
     fn memory_holds_the_newest_pools_under_their_numbers() {
-        let mut memory = Memory::<f64>::new();
+        let mut memory = Memory::<f64>::default();
         for number in 0..MEMORY as u32 + 10 {
             memory.push(Pooled {
                 force: f64::from(number),

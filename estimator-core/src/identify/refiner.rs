@@ -4,7 +4,7 @@
 //! linear least squares: the result does not depend on the order of the samples, and nothing that an
 //! early, wrong gradient taught is kept. (An extended Kalman filter, whose gradient follows the
 //! estimate, ended 1–2 % off on gel at a claimed 0.13 %.) How much the linearisation leaves out is
-//! measured on every sample; when it matters, a successor starts at a better reference.
+//! measured on every pool; when it matters, a successor learns from memory at a better reference.
 
 use nalgebra::Vector5;
 
