@@ -126,7 +126,9 @@ pub enum MethodChoice {
     RlsSurface,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
-    /// Recursive least squares on the logarithm of the force (hunt_crossley)
+    /// Recursive least squares on the logarithm of the force (hunt_crossley): a baseline, not listed
+    // Listed, it would make the refusal of another name wider than a terminal.
+    #[value(hide = true)]
     LogLinear,
     /// Recursive least squares on force and depth of two samples (zener)
     Arx,

@@ -143,14 +143,6 @@ impl<T: Real> BankRefiner<T> {
             self.std_errors = refiner.std_errors(at.rest_error, noise);
         }
         self.until_look = self.until_look.saturating_sub(1);
-        if self.until_look == 0 {
-            self.until_look = if self.refiner.is_some() {
-                LOOK_EVERY
-            } else {
-                1
-            };
-            self.supervise(noise);
-        }
         self.relinearise(noise);
     }
 
@@ -249,10 +241,16 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         if !self.excitation.admits(&phi, params.excitation_step) {
             return None;
         }
+        // One of the three a sample: together they would be the worst step by far.
         if let Some(pooled) = self.pool.take(at) {
             self.absorb(&pooled, at, noise);
+        } else if self.until_look == 0 {
+            let started = self.refiner.is_some();
+            self.until_look = if started { LOOK_EVERY } else { 1 };
+            self.supervise(noise);
+        } else {
+            self.catch_up(at, noise);
         }
-        self.catch_up(at, noise);
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }
 
