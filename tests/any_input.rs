@@ -55,6 +55,8 @@ fn configurations() -> Vec<Config> {
         Method::ZenerArx,
         Method::HammersteinCascade,
         Method::HammersteinCascade2,
+        Method::HuntCrossleyLogLinear,
+        Method::HuntCrossleyBankSkew,
     ];
     for method in methods {
         for filter in filters {

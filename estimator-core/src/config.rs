@@ -127,6 +127,8 @@ pub enum Method {
     KelvinVoigt = 1,
     /// Two recursive least squares in feedback on Hunt–Crossley (25)–(37).
     HuntCrossleyTwoStage = 2,
+    /// One recursive least squares on the logarithm of Hunt–Crossley (Haddadi & Hashtrudi-Zaad 2012).
+    HuntCrossleyLogLinear = 9,
     /// Recursive least squares on Zener as ARX (18).
     ZenerArx = 3,
     /// Two recursive least squares in cascade on the quasi-linear law, one mode (39)–(42).
@@ -136,6 +138,8 @@ pub enum Method {
     /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
     /// the parameters.
     HuntCrossleyBank = 5,
+    /// The same with the skew, by how much the force is read later than the position.
+    HuntCrossleyBankSkew = 8,
     /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
     KelvinVoigtSurface = 6,
 }
@@ -145,7 +149,10 @@ impl Method {
     pub const fn law(self) -> LawKind {
         match self {
             Method::KelvinVoigt | Method::KelvinVoigtSurface => LawKind::KelvinVoigt,
-            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
+            Method::HuntCrossleyTwoStage
+            | Method::HuntCrossleyBank
+            | Method::HuntCrossleyLogLinear => LawKind::HuntCrossley,
+            Method::HuntCrossleyBankSkew => LawKind::HuntCrossleySkew,
             Method::ZenerArx => LawKind::Zener,
             Method::HammersteinCascade => LawKind::QuasiLinear,
             Method::HammersteinCascade2 => LawKind::QuasiLinear2,
@@ -156,7 +163,10 @@ impl Method {
 impl Method {
     /// Whether the surface is among the parameters, rather than taken from the impact.
     pub const fn finds_surface(self) -> bool {
-        matches!(self, Method::HuntCrossleyBank | Method::KelvinVoigtSurface)
+        matches!(
+            self,
+            Method::HuntCrossleyBank | Method::HuntCrossleyBankSkew | Method::KelvinVoigtSurface
+        )
     }
 }
 
@@ -250,6 +260,7 @@ impl Default for Config {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params<T> {
     pub(crate) period_us: u64,
+    pub(crate) period_s: T,
     pub(crate) method: Method,
     pub(crate) scale: Scale<T>,
     pub(crate) filter: FilterParams<T>,
@@ -314,6 +325,7 @@ impl Config {
         let scale = Scale::new(self.reference);
         Ok(Params {
             period_us: libm::round(1e6 / f64::from(rate)) as u64,
+            period_s: T::from_f64(1.0 / f64::from(rate)),
             method: self.method,
             scale,
             filter: FilterParams::validate(self.filter, rate)?,

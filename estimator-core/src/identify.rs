@@ -8,7 +8,9 @@ mod equation_error;
 mod hammerstein;
 mod hunt_crossley;
 mod kelvin_voigt;
+mod log_linear;
 mod modes;
+mod pool;
 mod refiner;
 mod zener;
 
@@ -19,8 +21,10 @@ pub use confidence::Confidence;
 pub use hammerstein::{Cascade, Cascade1, Cascade2};
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
+pub use log_linear::LogLinear;
 pub use modes::hammerstein_coefficients;
-pub use refiner::Refiner;
+pub use pool::{Memory, Pool, Pooled};
+pub use refiner::{Prior, Refiner};
 pub use zener::{Solid, ZenerArx};
 
 use crate::config::{Initial, Method, Params, Reference};
@@ -72,6 +76,7 @@ impl<T: Real> Scale<T> {
             Unit::NewtonPerMetre => self.stiffness(),
             Unit::NewtonSecondPerMetre => self.damping(),
             Unit::Metre => self.depth_m,
+            Unit::Second => self.depth_m / self.speed_mps,
             // Rates and shares have no size to scale with.
             _ => T::unit(),
         }
@@ -114,12 +119,20 @@ pub struct Instant<T> {
     pub force: T,
     /// Surface that the depth is measured from, x₀/δ₀.
     pub surface: T,
-    /// Its standard error; 0 if the surface is known.
+    /// Its standard error.
     pub surface_error: T,
     /// Variance of the depth within the filter's window.
     pub spread: T,
     /// Covariance of depth and speed within it.
     pub coupling: T,
+    /// Rate of the force.
+    pub rate: T,
+    /// Variance that the steps of the position sensor give the depth: of one instant, as long as
+    /// steps follow each other; where the position rests, the error is the same for many instants
+    /// and this is that much larger.
+    pub jitter: T,
+    /// Standard error of the resting force.
+    pub rest_error: T,
 }
 
 impl<T: Real> Instant<T> {
@@ -174,6 +187,8 @@ pub enum Identifier<T: Real> {
     Linear(Linear<T>),
     /// See [`TwoStage`].
     TwoStage(TwoStage<T>),
+    /// See [`LogLinear`].
+    LogLinear(LogLinear<T>),
     /// See [`ZenerArx`].
     ZenerArx(ZenerArx<T>),
     /// See [`Cascade`].
@@ -192,10 +207,11 @@ impl<T: Real> Identifier<T> {
         match params.method {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+            Method::HuntCrossleyLogLinear => Self::LogLinear(LogLinear::new(params)),
             Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
             Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
             Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
-            Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
+            Method::HuntCrossleyBank | Method::HuntCrossleyBankSkew => Self::BankRefiner(BankRefiner::new(params)),
             Method::KelvinVoigtSurface if params.contact.surface_known() => {
                 Self::Linear(Linear::new(params))
             }
@@ -212,11 +228,21 @@ impl<T: Real> Identifier<T> {
         }
     }
 
+    /// Whether the whole window of the filter is in the material for sure, by a surface that is
+    /// better known than that of the impact.
+    pub fn is_inside(&self, at: &Instant<T>) -> bool {
+        match self {
+            Self::BankRefiner(own) => own.is_inside(at),
+            _ => false,
+        }
+    }
+
     /// See [`Identify::predict`].
     pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         match self {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
+            Self::LogLinear(own) => own.predict(at, noise, surface_error),
             Self::ZenerArx(own) => own.predict(at, noise, surface_error),
             Self::Cascade1(own) => own.predict(at, noise, surface_error),
             Self::Cascade2(own) => own.predict(at, noise, surface_error),
@@ -236,6 +262,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+            Self::LogLinear(own) => own.learn(params, at, noise, beta),
             Self::ZenerArx(own) => own.learn(params, at, noise, beta),
             Self::Cascade1(own) => own.learn(params, at, noise, beta),
             Self::Cascade2(own) => own.learn(params, at, noise, beta),
@@ -250,6 +277,7 @@ impl<T: Real> Identifier<T> {
             Self::ZenerArx(own) => own.admit(pushed),
             Self::Cascade1(own) => own.admit(pushed),
             Self::Cascade2(own) => own.admit(pushed),
+            Self::BankRefiner(own) => own.admit(pushed),
             _ => {}
         }
     }
@@ -259,6 +287,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
+            Self::LogLinear(own) => own.reopen(params),
             Self::ZenerArx(own) => own.reopen(params),
             Self::Cascade1(own) => own.reopen(params),
             Self::Cascade2(own) => own.reopen(params),
@@ -272,6 +301,7 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
+            Self::LogLinear(own) => own.judged(noise, surface_error),
             Self::ZenerArx(own) => own.judged(noise, surface_error),
             Self::Cascade1(own) => own.judged(noise, surface_error),
             Self::Cascade2(own) => own.judged(noise, surface_error),

@@ -142,6 +142,10 @@ pub enum MethodChoice {
     RlsSurface,
     /// Two recursive least squares in feedback (hunt_crossley)
     TwoStage,
+    /// Recursive least squares on the logarithm of the force (hunt_crossley): a baseline, not listed
+    // Listed, it would make the refusal of another name wider than a terminal.
+    #[value(hide = true)]
+    LogLinear,
     /// Recursive least squares on force and depth of two samples (zener)
     Arx,
     /// Elastic response while loading, then its relaxation in one mode (quasi_linear)
@@ -151,6 +155,9 @@ pub enum MethodChoice {
     Cascade2,
     /// Bank of exact fits and recursive refiner, surface included (hunt_crossley)
     Bank,
+    /// The same with the skew of the sensors, by how much the force is read later (hunt_crossley)
+    #[value(name = "skew")]
+    BankSkew,
     /// The whole log at once (every law)
     Batch,
 }
@@ -161,10 +168,12 @@ impl MethodChoice {
             Method::KelvinVoigt => MethodChoice::Rls,
             Method::KelvinVoigtSurface => MethodChoice::RlsSurface,
             Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
+            Method::HuntCrossleyLogLinear => MethodChoice::LogLinear,
             Method::ZenerArx => MethodChoice::Arx,
             Method::HammersteinCascade => MethodChoice::Cascade,
             Method::HammersteinCascade2 => MethodChoice::Cascade2,
             Method::HuntCrossleyBank => MethodChoice::Bank,
+            Method::HuntCrossleyBankSkew => MethodChoice::BankSkew,
         }
     }
 
@@ -173,10 +182,12 @@ impl MethodChoice {
             MethodChoice::Rls => "rls",
             MethodChoice::RlsSurface => "rls_surface",
             MethodChoice::TwoStage => "two_stage",
+            MethodChoice::LogLinear => "log_linear",
             MethodChoice::Arx => "arx",
             MethodChoice::Cascade => "cascade",
             MethodChoice::Cascade2 => "cascade_2",
             MethodChoice::Bank => "bank",
+            MethodChoice::BankSkew => "skew",
             MethodChoice::Batch => "batch",
         }
     }
@@ -213,7 +224,13 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         (LawChoice::KelvinVoigt, Method::KelvinVoigtSurface, true),
         (LawChoice::KelvinVoigt, Method::KelvinVoigt, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyBank, true),
+        (LawChoice::HuntCrossley, Method::HuntCrossleyBankSkew, false),
         (LawChoice::HuntCrossley, Method::HuntCrossleyTwoStage, false),
+        (
+            LawChoice::HuntCrossley,
+            Method::HuntCrossleyLogLinear,
+            false,
+        ),
         (LawChoice::Zener, Method::ZenerArx, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade, true),
         (LawChoice::QuasiLinear, Method::HammersteinCascade2, true),
@@ -231,8 +248,8 @@ fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, 
         return Err(Diagnostic::new("this method does not estimate this law")
             .value(method.map_or("", MethodChoice::name))
             .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank and two_stage with hunt_crossley, arx \
-                 with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
+                "rls and rls_surface go with kelvin_voigt, bank, skew, two_stage and log_linear with \
+                 hunt_crossley, arx with zener, cascade and cascade_2 with quasi_linear, batch with every law; or leave --method \
                  out",
             ));
     }
