@@ -58,6 +58,8 @@ fn configurations() -> Vec<Config> {
         Method::ZenerBank,
         Method::QuasiLinearBank,
         Method::QuasiLinearBank2,
+        Method::HuntCrossleyLogLinear,
+        Method::HuntCrossleyBankSkew,
     ];
     for method in methods {
         for filter in filters {

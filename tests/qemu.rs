@@ -3,7 +3,13 @@
 
 use estimator_core::estimate::PARAMETER_SLOTS;
 use estimator_core::frame::Frame;
+use estimator_core::link::{Answer, Command, Health, Identity, Name, Refusal};
+use estimator_core::sensing::{Codes, Watch};
+use estimator_core::settings::{Key, Settings};
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
+use palpate::link::Device;
+use palpate::link::port::Files;
+use palpate::link::record::{convert, record};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -56,25 +62,296 @@ fn every_frame_from_the_emulator_has_the_bits_of_the_host() {
     let params: Params<f32> = Config::default().validate().expect("the default is valid");
     let mut state = State::new(&params);
     let Replay { samples, run, .. } = &*REPLAY;
-    assert_eq!(run.frames.len(), 2 * samples.len());
-    for (index, (sample, frames)) in samples.iter().zip(run.frames.chunks(2)).enumerate() {
+    every_frame_is_numbered(&run.frames);
+    let frames = records(&run.frames);
+    assert_eq!(frames.len(), 2 * samples.len());
+    for (index, (sample, frames)) in samples.iter().zip(frames.chunks(2)).enumerate() {
         let estimate = step(&params, &mut state, *sample);
-        let [
-            (first, Frame::Sample(input)),
-            (second, Frame::Estimate(output)),
-        ] = frames
-        else {
+        let [Frame::Sample(input), Frame::Estimate(output)] = frames else {
             panic!("sample {index}: not a sample and its estimate: {frames:?}");
         };
-        // 16 bits of the number of frames.
-        assert_eq!(*first, (2 * index) as u16);
-        assert_eq!(*second, (2 * index + 1) as u16);
         if let Some(difference) = differs(&sample_fields(sample), &sample_fields(input))
             .or_else(|| differs(&estimate_fields(&estimate), &estimate_fields(output)))
         {
             panic!("sample {index}: {difference}\nhost: {estimate:?}\nQEMU: {output:?}");
         }
     }
+}
+
+/// 16 bits of the number of frames: nothing is missing and nothing comes twice.
+fn every_frame_is_numbered(frames: &[(u16, Frame)]) {
+    for (index, (sequence, frame)) in frames.iter().enumerate() {
+        assert_eq!(*sequence, index as u16, "{frame:?}");
+    }
+}
+
+/// Without what comes once a second and what answers a command.
+fn records(frames: &[(u16, Frame)]) -> Vec<Frame> {
+    let records = frames.iter().map(|(_, frame)| *frame);
+    records
+        .filter(|frame| !matches!(frame, Frame::Health(_) | Frame::Reply(_)))
+        .collect()
+}
+
+/// The same palpation as the converters of the reference wiring would give it.
+fn codes(samples: &[Sample<f32>]) -> Vec<Codes> {
+    let scale = |key: Key| f64::from(key.info().default);
+    let code = |value: f32, per_code: Key| (f64::from(value) / scale(per_code)).round() as i32;
+    let zero = scale(Key::ForceZeroCode) as i32;
+    samples
+        .iter()
+        .map(|sample| {
+            let force = zero + code(sample.force_n, Key::ForcePerCode);
+            Codes {
+                time_us: sample.time_us,
+                force,
+                force_low: force / 32 - 3,
+                force_high: force / 32 + 3,
+                position: code(sample.position_m, Key::PositionPerCode),
+                faults: Faults::NONE,
+            }
+        })
+        .collect()
+}
+
+/// The whole task path: codes, conversion, watch, step, queue, frames.
+static FROM_CODES: LazyLock<(Vec<Codes>, Run, Budget)> = LazyLock::new(|| {
+    let mut codes = codes(&palpation(SAMPLES, 2));
+    // A conversion at the end of its range, an encoder that jumps, one that stands still.
+    codes[40_000].force_high = 4095;
+    codes[50_000..]
+        .iter_mut()
+        .for_each(|c| c.position += 32 * 6000);
+    let held = codes[60_000].position;
+    codes[60_000..61_500]
+        .iter_mut()
+        .for_each(|c| c.position = held);
+    let held = codes[70_000].force;
+    codes[70_000..71_500]
+        .iter_mut()
+        .for_each(|c| c.force = held);
+    let frames: Vec<Frame> = codes.iter().copied().map(Frame::Codes).collect();
+    let emulator = Emulator::from_env("codes").expect("set-up");
+    let run = emulator.run_frames(&frames, |_| {}).expect("run");
+    let budget = Budget::from_log(&run.log).expect("budget");
+    println!("{budget:?}");
+    (codes, run, budget)
+});
+
+#[test]
+fn from_codes_to_frames_the_emulator_has_the_bits_of_the_host() {
+    let setup = Settings::default().setup().expect("the default is valid");
+    let (mut watch, mut state) = (Watch::default(), State::new(&setup.params));
+    let (codes, run, _) = &*FROM_CODES;
+    every_frame_is_numbered(&run.frames);
+    let frames = records(&run.frames);
+    assert_eq!(frames.len(), 3 * codes.len());
+    let mut seen = Faults::NONE;
+    for (index, (codes, frames)) in codes.iter().zip(frames.chunks(3)).enumerate() {
+        let sample = setup.conversion.sample(&mut watch, codes);
+        let estimate = step(&setup.params, &mut state, sample);
+        seen = seen | estimate.faults;
+        let [
+            Frame::Codes(given),
+            Frame::Sample(input),
+            Frame::Estimate(output),
+        ] = frames
+        else {
+            panic!("sample {index}: not codes, sample and estimate: {frames:?}");
+        };
+        assert_eq!(given, codes, "sample {index}");
+        if let Some(difference) = differs(&sample_fields(&sample), &sample_fields(input))
+            .or_else(|| differs(&estimate_fields(&estimate), &estimate_fields(output)))
+        {
+            panic!("sample {index}: {difference}\nhost: {estimate:?}\nQEMU: {output:?}");
+        }
+    }
+    for fault in [
+        Fault::NotCalibrated,
+        Fault::ForceSaturated,
+        Fault::PositionJump,
+        Fault::PositionStuck,
+        Fault::ForceStuck,
+    ] {
+        assert!(seen.has(fault), "{fault:?}");
+    }
+}
+
+#[test]
+fn health_comes_once_a_second_and_counts_what_happened() {
+    let (codes, run, budget) = &*FROM_CODES;
+    let healths: Vec<&Health> = run
+        .frames
+        .iter()
+        .filter_map(|(_, frame)| match frame {
+            Frame::Health(health) => Some(health),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(healths.len(), codes.len() / 1000);
+    let last = healths.last().expect("one");
+    assert_eq!(u64::from(last.samples), budget.samples);
+    assert_eq!(
+        (last.dropped, last.overruns, last.missed, last.garbled),
+        (0, 0, 0, 0)
+    );
+    assert!(last.faults.has(Fault::NotCalibrated));
+    // The counters grow, and the costs are those of the log.
+    assert!(
+        healths
+            .windows(2)
+            .all(|pair| pair[0].samples < pair[1].samples)
+    );
+    assert_eq!(u64::from(last.step.max), budget.step.max);
+}
+
+#[test]
+fn every_stage_costs_what_the_budget_says() {
+    let (_, _, budget) = &*FROM_CODES;
+    within("convert", &budget.convert);
+    within("queue", &budget.queue);
+    within("encode", &budget.encode);
+}
+
+#[test]
+fn the_stack_never_comes_near_its_end() {
+    // Painted before the program starts, read back at the end of the run.
+    let (_, _, budget) = &*FROM_CODES;
+    contains("stack_free", budget.stack_free);
+    contains("stack_free", REPLAY.budget.stack_free);
+}
+
+/// Commands as a host would send them; `quiet` zeros are an idle line, of which the emulator takes 64
+/// in 32 ms.
+fn with_pauses(commands: &[(usize, Command)]) -> Vec<u8> {
+    let frames: Vec<Frame> = commands.iter().map(|(_, c)| Frame::Command(*c)).collect();
+    let mut bytes = Vec::new();
+    for (sequence, ((quiet_ms, _), frame)) in commands.iter().zip(frames).enumerate() {
+        bytes.extend(std::iter::repeat_n(0, 2 * quiet_ms));
+        let mut out = [0; estimator_core::frame::MAX_ENCODED];
+        let length = estimator_core::frame::encode(&frame, sequence as u16, &mut out);
+        bytes.extend_from_slice(&out[..length]);
+    }
+    bytes
+}
+
+fn answers(emulator: &Emulator, commands: &[(usize, Command)], garbage: &[u8]) -> Vec<Answer> {
+    let bytes = [garbage, &with_pauses(commands)[..]].concat();
+    fs::write(emulator.directory.join("commands.frames"), bytes).expect("commands");
+    let run = emulator.run(&palpation(8_000, 3), |_| {}).expect("run");
+    every_frame_is_numbered(&run.frames);
+    let replies = run.frames.iter().filter_map(|(_, frame)| match frame {
+        Frame::Reply(reply) => Some(*reply),
+        _ => None,
+    });
+    let replies: Vec<_> = replies.collect();
+    for (index, reply) in replies.iter().enumerate() {
+        assert_eq!(usize::from(reply.to), index);
+    }
+    replies.into_iter().map(|reply| reply.answer).collect()
+}
+
+#[test]
+fn commands_are_answered_refused_with_a_reason_and_settings_outlive_the_run() {
+    let emulator = Emulator::from_env("commands").expect("set-up");
+    let _ = fs::remove_file(emulator.directory.join("settings.flash"));
+    let width = Key::EstimatorHalfWidth.id();
+    let identity = Identity {
+        board: Name::new("qemu"),
+        firmware: Name::new("0.1.0"),
+        layout: estimator_core::settings::store::LAYOUT,
+        rate_hz: 1000,
+        tick: 1_000_000,
+        unsaved: false,
+    };
+    let first = answers(
+        &emulator,
+        &[
+            (0, Command::Identify),
+            (0, Command::Get(width)),
+            (0, Command::Set(width, 12.0)),
+            (50, Command::Set(width, 99.0)),
+            (50, Command::Set(200, 1.0)),
+            (50, Command::Unknown(77)),
+            (50, Command::Save),
+            (50, Command::Set(width, 16.0)),
+            (1000, Command::Get(width)),
+            (0, Command::Identify),
+        ],
+        &[1, 2, 3, 0],
+    );
+    let value = |value| Answer::Value(width, value);
+    assert_eq!(
+        first[..8],
+        [
+            Answer::Identity(identity),
+            value(8.0),
+            value(12.0),
+            Answer::Refused(Refusal::Unusable, width),
+            Answer::Refused(Refusal::UnknownSetting, 200),
+            Answer::Refused(Refusal::UnknownCommand, 0),
+            Answer::Done,
+            value(16.0),
+        ]
+    );
+    let unsaved = Identity {
+        unsaved: true,
+        ..identity
+    };
+    assert_eq!(first[8..], [value(16.0), Answer::Identity(unsaved)]);
+    // The next run has what was saved, not what was changed after it.
+    let many: Vec<_> = (0..40).map(|_| (50, Command::Save)).collect();
+    let second = answers(
+        &emulator,
+        &[
+            &[(0, Command::Get(width)), (1500, Command::Identify)],
+            &many[..],
+        ]
+        .concat(),
+        &[],
+    );
+    assert_eq!(second[..2], [value(12.0), Answer::Identity(identity)]);
+    let count = |answer| second.iter().filter(|a| **a == answer).count();
+    let (done, refused) = (
+        count(Answer::Done),
+        count(Answer::Refused(Refusal::InContact, 0)),
+    );
+    assert_eq!(done + refused, 40, "{second:?}");
+    assert!(done > 0 && refused > 0, "{second:?}");
+}
+
+/// While it runs, over the files that it reads and writes.
+#[test]
+fn the_hosts_verbs_reach_the_emulator_while_it_runs() {
+    let emulator = Emulator::from_env("live").expect("set-up");
+    let directory = emulator.directory.clone();
+    for name in ["commands.frames", "telemetry.frames"] {
+        fs::write(directory.join(name), []).expect("empty files");
+    }
+    let _ = fs::remove_file(directory.join("settings.flash"));
+    let out = directory.join("recorded");
+    let _ = fs::remove_dir_all(&out);
+    let codes = codes(&palpation(SAMPLES, 4));
+    let frames: Vec<Frame> = codes.into_iter().map(Frame::Codes).collect();
+    let running = std::thread::spawn(move || emulator.run_frames(&frames, |_| {}));
+    let mut device = Device::new(Files::open(&directory).expect("the emulator's directory"));
+    // It takes a moment to start.
+    let identity = (0..20)
+        .find_map(|_| device.identity().ok())
+        .expect("an answer");
+    assert_eq!(identity.board.as_str(), "qemu");
+    assert_eq!(device.settings().expect("settings"), Settings::default());
+    let unusable = device.set(Key::TelemetryEvery, 0.0).expect_err("refused");
+    assert!(
+        unusable.to_string().contains("telemetry.every"),
+        "{unusable}"
+    );
+    let statistics = record(&mut device, &out, Some(2_000_000)).expect("a recording");
+    assert_eq!((statistics.lost, statistics.garbled), (0, 0));
+    let said = convert(&out).expect("a log");
+    assert!(said.contains("0 samples missing"), "{said}");
+    let run = running.join().expect("no panic").expect("run");
+    every_frame_is_numbered(&run.frames);
 }
 
 #[test]
@@ -86,7 +363,7 @@ fn the_run_is_about_contact_in_both_materials_and_every_fault_shows() {
             .iter()
             .filter_map(|(_, frame)| match frame {
                 Frame::Estimate(estimate) => Some(estimate),
-                Frame::Sample(_) => None,
+                _ => None,
             })
     };
     let contacts =
@@ -108,7 +385,9 @@ fn the_tick_is_one_kilohertz_and_nothing_is_dropped() {
     let budget = &REPLAY.budget;
     let samples = REPLAY.samples.len() as u64;
     assert_eq!((budget.samples, budget.ticks), (samples, samples));
-    assert_eq!(budget.dropped, 0);
+    assert_eq!((budget.dropped, budget.overruns), (0, 0));
+    // The 250 ms that the recording lacks, and the two instants whose time stands still.
+    assert_eq!(budget.missed, 252);
     // 1 instruction is 1 ns: a tick of 1 ms is 1 000 000 of them. QEMU rounds a period of SysTick
     // down to whole nanoseconds: 999 999.
     assert_eq!(budget.tick, 1_000_000);

@@ -127,6 +127,8 @@ pub enum Method {
     KelvinVoigt = 1,
     /// Two recursive least squares in feedback on Hunt–Crossley (25)–(37).
     HuntCrossleyTwoStage = 2,
+    /// One recursive least squares on the logarithm of Hunt–Crossley (Haddadi & Hashtrudi-Zaad 2012).
+    HuntCrossleyLogLinear = 9,
     /// Recursive least squares on Zener as ARX (18).
     ZenerArx = 3,
     /// Two recursive least squares in cascade on the quasi-linear law, one mode (39)–(42).
@@ -136,19 +138,21 @@ pub enum Method {
     /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
     /// the parameters.
     HuntCrossleyBank = 5,
+    /// The same with the skew, by how much the force is read later than the position.
+    HuntCrossleyBankSkew = 8,
     /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
     KelvinVoigtSurface = 6,
     /// Zener by a bank of exact fits over surface and rate, refined over a history; the surface
     /// among the parameters.
-    ZenerBank = 9,
+    ZenerBank = 10,
     /// The quasi-linear law with one mode by a bank over exponent, surface and rate, refined over a
     /// history; the surface among the parameters.
-    QuasiLinearBank = 10,
+    QuasiLinearBank = 11,
     /// The same with two modes, once the force speaks for the second.
-    QuasiLinearBank2 = 11,
+    QuasiLinearBank2 = 12,
     /// Kelvin–Voigt, Hunt–Crossley, Zener and quasi-linear with one mode side by side over the same
     /// history; the records say which law they are of.
-    Selection = 12,
+    Selection = 13,
 }
 
 impl Method {
@@ -159,7 +163,10 @@ impl Method {
             Method::KelvinVoigt | Method::KelvinVoigtSurface | Method::Selection => {
                 LawKind::KelvinVoigt
             }
-            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => LawKind::HuntCrossley,
+            Method::HuntCrossleyTwoStage
+            | Method::HuntCrossleyBank
+            | Method::HuntCrossleyLogLinear => LawKind::HuntCrossley,
+            Method::HuntCrossleyBankSkew => LawKind::HuntCrossleySkew,
             Method::ZenerArx | Method::ZenerBank => LawKind::Zener,
             Method::HammersteinCascade | Method::QuasiLinearBank => LawKind::QuasiLinear,
             Method::HammersteinCascade2 | Method::QuasiLinearBank2 => LawKind::QuasiLinear2,
@@ -168,11 +175,23 @@ impl Method {
 }
 
 impl Method {
+    /// Whether the method is one over a history, which a build for the board leaves out.
+    pub const fn has_history(self) -> bool {
+        matches!(
+            self,
+            Method::ZenerBank
+                | Method::QuasiLinearBank
+                | Method::QuasiLinearBank2
+                | Method::Selection
+        )
+    }
+
     /// Whether the surface is among the parameters, rather than taken from the impact.
     pub const fn finds_surface(self) -> bool {
         matches!(
             self,
             Method::HuntCrossleyBank
+                | Method::HuntCrossleyBankSkew
                 | Method::KelvinVoigtSurface
                 | Method::ZenerBank
                 | Method::QuasiLinearBank
@@ -272,6 +291,7 @@ impl Default for Config {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params<T> {
     pub(crate) period_us: u64,
+    pub(crate) period_s: T,
     pub(crate) method: Method,
     pub(crate) scale: Scale<T>,
     pub(crate) filter: FilterParams<T>,
@@ -324,6 +344,12 @@ impl Config {
             rate,
             "must lie between 1 Hz and 1 MHz",
         )?;
+        require(
+            cfg!(feature = "relaxing") || !self.method.has_history(),
+            "method",
+            f32::from(self.method as u8),
+            "must be below 10: this build has no method over a history",
+        )?;
         self.reference.check()?;
         self.initial.check()?;
         let step = self.forgetting.excitation_step;
@@ -336,6 +362,7 @@ impl Config {
         let scale = Scale::new(self.reference);
         Ok(Params {
             period_us: libm::round(1e6 / f64::from(rate)) as u64,
+            period_s: T::from_f64(1.0 / f64::from(rate)),
             method: self.method,
             scale,
             filter: FilterParams::validate(self.filter, rate)?,

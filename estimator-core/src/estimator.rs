@@ -19,6 +19,7 @@ pub struct State<T: Real = f32> {
     last_time_us: Option<u64>,
     /// Samples until the filter has forgotten something that must not be learned from.
     distrust: u32,
+    learning: bool,
     last: Estimate<T>,
 }
 
@@ -32,8 +33,23 @@ impl<T: Real> State<T> {
             judge: Judge::new(),
             last_time_us: None,
             distrust: 0,
+            learning: true,
             last: Estimate::nothing(params),
         }
+    }
+
+    /// Whether samples teach: on at the start. Off, the estimates stay as they are, and prediction,
+    /// innovation and contact go on.
+    pub fn enable_learning(&mut self, on: bool) {
+        self.learning = on;
+    }
+
+    /// Forgets the material, values and covariance, as if nothing had been touched: they start again
+    /// from [`crate::config::Initial`]. Filter, resting force, noise and contact go on.
+    pub fn reset_estimates(&mut self, params: &Params<T>) {
+        self.identifier = Identifier::new(params);
+        self.judge = Judge::new();
+        self.last.parameters = Estimate::nothing(params).parameters;
     }
 
     /// What the force reads in free air (N), as it is taken off now; 0 while settling.
@@ -43,6 +59,9 @@ impl<T: Real> State<T> {
 
     /// Position of the surface (m) that depths are measured from, once there is one.
     pub fn surface_m(&self, params: &Params<T>) -> Option<T> {
+        if params.contact.surface_known() {
+            return self.contact.surface_m();
+        }
         let found = self
             .identifier
             .surface(params, &ForceNoise::default())
@@ -64,8 +83,22 @@ const LEARN_SIGMAS: f64 = 6.0;
 /// An instant is learned from within this many reference depths and speeds: 1 m and 10 m/s at 1 mm.
 /// What an encoder that jumps makes of the motion would otherwise settle the estimates for good.
 const PLAUSIBLE: f64 = 1e3;
+/// Standard deviation of the error of a count, in counts: 1/√12.
+const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
+/// Most samples that a count of the encoder is taken to last: what a hold is worth.
+const LONGEST_COUNT: f64 = 256.0;
 /// Least standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
 const IMPACT_FLOOR: f64 = 5e-3;
+
+/// With one of these, a sample goes through filters and contact detection, but is not learned from,
+/// nor is anything that the filter still remembers of it.
+const NOT_LEARNED_FROM: [Fault; 5] = [
+    Fault::SampleMissed,
+    Fault::ForceSaturated,
+    Fault::ForceStuck,
+    Fault::PositionJump,
+    Fault::PositionStuck,
+];
 
 /// Takes one sample and says what is known after it. Never panics, never allocates; every number in
 /// the result is finite, whatever comes in.
@@ -142,9 +175,11 @@ impl<T: Real> State<T> {
         if elapsed.is_some_and(|elapsed| elapsed > params.period_us + params.period_us / 2) {
             faults = faults.with(Fault::SampleMissed);
             self.filter.restart(sample);
+        } else if faults.has(Fault::PositionJump) {
+            self.filter.restart(sample);
         }
         self.distrust = self.distrust.saturating_sub(1);
-        if faults.has(Fault::SampleMissed) || faults.has(Fault::ForceSaturated) {
+        if NOT_LEARNED_FROM.iter().any(|fault| faults.has(*fault)) {
             self.distrust = params.filter.memory_samples();
         }
         faults
@@ -152,6 +187,9 @@ impl<T: Real> State<T> {
 
     /// The surface as the estimator finds it, else as the contact detector does.
     fn surface(&self, params: &Params<T>, contact: &Contact<T>) -> Option<SurfacePosition<T>> {
+        if params.contact.surface_known() {
+            return contact.surface;
+        }
         let noise = force_noise(params, contact);
         self.identifier.surface(params, &noise).or(contact.surface)
     }
@@ -195,11 +233,13 @@ impl<T: Real> State<T> {
         noise: &ForceNoise<T>,
         innovation: &Innovation<T>,
     ) -> Option<T> {
-        let inside = contact.run >= params.filter.memory_samples() && self.distrust == 0;
+        let filled = contact.run >= params.filter.memory_samples();
+        let known = contact.fresh && contact.run > 0 && self.identifier.is_inside(at);
+        let inside = (filled || known) && self.distrust == 0;
         let above = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.magnitude() < widest && at.speed.magnitude() < widest;
-        let usable = inside && above && plausible;
+        let usable = self.learning && inside && above && plausible;
         let touching = contact.phase == Phase::Contact;
         self.identifier.follow(at, noise, usable, touching);
         if !usable {
@@ -277,11 +317,12 @@ fn is_dropped(faults: Faults) -> bool {
     .any(|fault| faults.has(fault))
 }
 
-/// Standard error of the surface position, scaled. An impact is never known better than this.
+/// Standard error of the surface position, scaled. An impact is never known better than its floor, a
+/// surface that is told no better than the encoder can place it: a count is 1/√12 uncertain.
 fn surface_error<T: Real>(params: &Params<T>, contact: &Contact<T>) -> T {
     let own = contact.surface.unwrap_or_default().std_error_m / params.scale.depth_m;
     if params.contact.surface_known() {
-        own
+        contact.position_step_m * T::from_f64(COUNT_ERROR) / params.scale.depth_m
     } else {
         own.max_of(T::from_f64(IMPACT_FLOOR))
     }
@@ -307,8 +348,21 @@ fn scaled<T: Real>(
         spread: aligned.spread_m2 / (scale.depth_m * scale.depth_m),
         coupling: aligned.coupling_m2ps / (scale.depth_m * scale.speed_mps),
         elapsed_s: T::nil(),
+        rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
+        jitter: jitter_m2(params, aligned, contact) / (scale.depth_m * scale.depth_m),
+        rest_error: contact.rest_error_n / scale.force_n,
     };
     (instant, force_noise(params, contact))
+}
+
+/// Variance that the counts of an encoder give an instant (m²): q²/12, times the samples that a count
+/// lasts, since they all err alike.
+fn jitter_m2<T: Real>(params: &Params<T>, aligned: &Aligned<T>, contact: &Contact<T>) -> T {
+    let step_m = contact.position_step_m;
+    let moved_m = aligned.speed_mps.magnitude() * params.period_s;
+    let error_m = step_m * T::from_f64(COUNT_ERROR);
+    let lasts = T::unit().max_of(step_m / (moved_m + step_m * T::from_f64(1.0 / LONGEST_COUNT)));
+    error_m * error_m * lasts
 }
 
 /// What the force channel is worth, scaled.
@@ -367,6 +421,24 @@ mod tests {
         assert!((value(0) / 1350.0 - 1.0).abs() < 0.02, "{}", value(0));
         assert!((value(1) / 36.0 - 1.0).abs() < 0.02, "{}", value(1));
         assert!((value(2) / 1.35 - 1.0).abs() < 0.02, "{}", value(2));
+    }
+
+    #[test]
+    fn learning_can_be_switched_off_and_the_estimates_cleared() {
+        let params = params();
+        let mut state = State::new(&params);
+        let learned = run(&mut state, 0..3000);
+        state.enable_learning(false);
+        let held = run(&mut state, 3000..4000);
+        assert_eq!(held.parameters, learned.parameters);
+        assert!(held.innovation.variance_n2 > 0.0 || held.phase != Phase::Contact);
+        state.enable_learning(true);
+        assert_ne!(run(&mut state, 4000..4500).parameters, learned.parameters);
+        state.reset_estimates(&params);
+        assert_eq!(run(&mut state, 4500..4501).parameters[0], None);
+        let anew = run(&mut state, 4501..7000).parameters[0].unwrap().value;
+        // What gel_is_found_from_nothing allows.
+        assert!((anew / 1350.0 - 1.0).abs() < 0.02, "{anew}");
     }
 
     #[test]
@@ -446,5 +518,50 @@ mod tests {
             },
         );
         assert_eq!(out.faults, faults);
+    }
+
+    /// Fault × what the estimate does with a sample that a board reports it for, in the middle of a
+    /// stroke: dropped, learned from, and for how many samples nothing is learned.
+    #[test]
+    fn what_an_estimate_does_with_each_reported_fault() {
+        let memory = 17;
+        let table = [
+            (Fault::ForceUnusable, true, 0),
+            (Fault::PositionUnusable, true, 0),
+            (Fault::TimeNotAdvancing, true, 0),
+            (Fault::SampleMissed, false, memory),
+            (Fault::ForceSaturated, false, memory),
+            (Fault::Overrun, false, 0),
+            (Fault::NotFinite, false, 0),
+            (Fault::ForceStuck, false, memory),
+            (Fault::PositionJump, false, memory),
+            (Fault::PositionStuck, false, memory),
+            (Fault::SettingsInvalid, false, 0),
+            (Fault::NotCalibrated, false, 0),
+            (Fault::EstimatorSuspect, false, 0),
+        ];
+        assert_eq!(table.map(|(fault, ..)| fault), Fault::ALL);
+        let params = params();
+        for (fault, dropped, unlearned) in table {
+            let mut state = State::new(&params);
+            // On the way down into the gel, where every sample is learned from.
+            let before = run(&mut state, 0..800);
+            assert!(before.phase == Phase::Contact && before.forgetting < 1.0);
+            let faults = Faults::NONE.with(fault);
+            let bad = Sample {
+                faults,
+                ..stroke(800)
+            };
+            let out = step(&params, &mut state, bad);
+            assert!(out.faults.has(fault) && out.is_finite());
+            assert_eq!(out.time_us == before.time_us, dropped, "{fault:?}");
+            // A dropped sample leaves a hole of one period: the next one counts as missed after 1.5.
+            let last = (0..60)
+                .filter(|i| step(&params, &mut state, stroke(801 + i)).forgetting == 1.0)
+                .last();
+            let quiet = last.map_or(0, |i| i + 2);
+            let expected = if dropped { memory + 1 } else { unlearned };
+            assert_eq!(quiet, expected, "{fault:?}");
+        }
     }
 }

@@ -23,6 +23,8 @@ pub struct Aligned<T> {
     pub speed_mps: T,
     /// Force (N).
     pub force_n: T,
+    /// Rate of the force (N/s).
+    pub force_rate_nps: T,
     /// Variance of the position within the window (m²); 0 from a filter that does not measure it.
     pub spread_m2: T,
     /// Covariance of position and speed within the window (m²/s); 0 likewise.

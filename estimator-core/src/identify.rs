@@ -6,10 +6,13 @@ mod bank_refiner;
 mod confidence;
 mod equation_error;
 mod hammerstein;
+#[cfg(feature = "relaxing")]
 mod history;
 mod hunt_crossley;
 mod kelvin_voigt;
+mod log_linear;
 mod modes;
+mod pool;
 mod refiner;
 mod zener;
 
@@ -18,11 +21,14 @@ pub use bank::{Bank, Candidate};
 pub use bank_refiner::BankRefiner;
 pub use confidence::Confidence;
 pub use hammerstein::{Cascade, Cascade1, Cascade2};
+#[cfg(feature = "relaxing")]
 pub use history::HistoryFit;
 pub use hunt_crossley::TwoStage;
 pub use kelvin_voigt::Linear;
+pub use log_linear::LogLinear;
 pub use modes::hammerstein_coefficients;
-pub use refiner::Refiner;
+pub use pool::{Memory, Pool, Pooled};
+pub use refiner::{Prior, Refiner};
 pub use zener::{Solid, ZenerArx};
 
 use crate::config::{Initial, Method, Params, Reference};
@@ -75,7 +81,9 @@ impl<T: Real> Scale<T> {
             Unit::NewtonPerMetre => self.stiffness(),
             Unit::NewtonSecondPerMetre => self.damping(),
             Unit::Metre => self.depth_m,
-            Unit::One | Unit::PerSecond => T::unit(),
+            Unit::Second => self.depth_m / self.speed_mps,
+            // Rates and shares have no size to scale with.
+            _ => T::unit(),
         }
     }
 }
@@ -116,7 +124,7 @@ pub struct Instant<T> {
     pub force: T,
     /// Surface that the depth is measured from, x₀/δ₀.
     pub surface: T,
-    /// Its standard error; 0 if the surface is known.
+    /// Its standard error.
     pub surface_error: T,
     /// Variance of the depth within the filter's window.
     pub spread: T,
@@ -124,6 +132,14 @@ pub struct Instant<T> {
     pub coupling: T,
     /// Since the instant before (s).
     pub elapsed_s: T,
+    /// Rate of the force.
+    pub rate: T,
+    /// Variance that the steps of the position sensor give the depth: of one instant, as long as
+    /// steps follow each other; where the position rests, the error is the same for many instants
+    /// and this is that much larger.
+    pub jitter: T,
+    /// Standard error of the resting force.
+    pub rest_error: T,
 }
 
 impl<T: Real> Instant<T> {
@@ -178,6 +194,8 @@ pub enum Identifier<T: Real> {
     Linear(Linear<T>),
     /// See [`TwoStage`].
     TwoStage(TwoStage<T>),
+    /// See [`LogLinear`].
+    LogLinear(LogLinear<T>),
     /// See [`ZenerArx`].
     ZenerArx(ZenerArx<T>),
     /// See [`Cascade`].
@@ -189,6 +207,7 @@ pub enum Identifier<T: Real> {
     /// See [`Affine`].
     Affine(Affine<T>),
     /// See [`HistoryFit`].
+    #[cfg(feature = "relaxing")]
     History(HistoryFit<T>),
 }
 
@@ -198,24 +217,35 @@ impl<T: Real> Identifier<T> {
         match params.method {
             Method::KelvinVoigt => Self::Linear(Linear::new(params)),
             Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
+            Method::HuntCrossleyLogLinear => Self::LogLinear(LogLinear::new(params)),
             Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
             Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
             Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
-            Method::HuntCrossleyBank => Self::BankRefiner(BankRefiner::new()),
+            Method::HuntCrossleyBank | Method::HuntCrossleyBankSkew => {
+                Self::BankRefiner(BankRefiner::new(params))
+            }
             Method::KelvinVoigtSurface if params.contact.surface_known() => {
                 Self::Linear(Linear::new(params))
             }
             Method::KelvinVoigtSurface => Self::Affine(Affine::new(params)),
+            #[cfg(feature = "relaxing")]
             Method::ZenerBank
             | Method::QuasiLinearBank
             | Method::QuasiLinearBank2
             | Method::Selection => Self::History(HistoryFit::new(params)),
+            // Refused by `Config::validate`.
+            #[cfg(not(feature = "relaxing"))]
+            Method::ZenerBank
+            | Method::QuasiLinearBank
+            | Method::QuasiLinearBank2
+            | Method::Selection => Self::Linear(Linear::new(params)),
         }
     }
 
     /// The law that it holds to be the right one now.
     pub fn law(&self, params: &Params<T>) -> LawKind {
         match self {
+            #[cfg(feature = "relaxing")]
             Self::History(own) => own.law().unwrap_or(params.law()),
             _ => params.law(),
         }
@@ -226,8 +256,18 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::BankRefiner(own) => own.surface(params),
             Self::Affine(own) => own.surface(params, noise),
+            #[cfg(feature = "relaxing")]
             Self::History(own) => own.surface(params),
             _ => None,
+        }
+    }
+
+    /// Whether the whole window of the filter is in the material for sure, by a surface that is
+    /// better known than that of the impact.
+    pub fn is_inside(&self, at: &Instant<T>) -> bool {
+        match self {
+            Self::BankRefiner(own) => own.is_inside(at),
+            _ => false,
         }
     }
 
@@ -236,11 +276,13 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.predict(at, noise, surface_error),
             Self::TwoStage(own) => own.predict(at, noise, surface_error),
+            Self::LogLinear(own) => own.predict(at, noise, surface_error),
             Self::ZenerArx(own) => own.predict(at, noise, surface_error),
             Self::Cascade1(own) => own.predict(at, noise, surface_error),
             Self::Cascade2(own) => own.predict(at, noise, surface_error),
             Self::BankRefiner(own) => own.predict(at, noise, surface_error),
             Self::Affine(own) => own.predict(at, noise, surface_error),
+            #[cfg(feature = "relaxing")]
             Self::History(own) => own.predict(at, noise, surface_error),
         }
     }
@@ -256,26 +298,24 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.learn(params, at, noise, beta),
             Self::TwoStage(own) => own.learn(params, at, noise, beta),
+            Self::LogLinear(own) => own.learn(params, at, noise, beta),
             Self::ZenerArx(own) => own.learn(params, at, noise, beta),
             Self::Cascade1(own) => own.learn(params, at, noise, beta),
             Self::Cascade2(own) => own.learn(params, at, noise, beta),
             Self::BankRefiner(own) => own.learn(params, at, noise, beta),
             Self::Affine(own) => own.learn(params, at, noise, beta),
+            #[cfg(feature = "relaxing")]
             Self::History(own) => own.learn(params, at, noise, beta),
         }
     }
 
     /// Sees every instant before it may be learned from, in contact (`touching`) or not: a material
     /// that relaxes recovers in free air. `usable` and [`Identify::admit`]'s `pushed` are the same.
-    pub fn follow(
-        &mut self,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        usable: bool,
-        touching: bool,
-    ) {
-        if let Self::History(own) = self {
-            own.follow(at, noise, usable, touching);
+    pub fn follow(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, usable: bool, touching: bool) {
+        match self {
+            #[cfg(feature = "relaxing")]
+            Self::History(own) => own.follow(at, noise, usable, touching),
+            _ => _ = (at, noise, touching),
         }
         self.admit(usable);
     }
@@ -286,6 +326,7 @@ impl<T: Real> Identifier<T> {
             Self::ZenerArx(own) => own.admit(pushed),
             Self::Cascade1(own) => own.admit(pushed),
             Self::Cascade2(own) => own.admit(pushed),
+            Self::BankRefiner(own) => own.admit(pushed),
             _ => {}
         }
     }
@@ -295,11 +336,13 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.reopen(params),
             Self::TwoStage(own) => own.reopen(params),
+            Self::LogLinear(own) => own.reopen(params),
             Self::ZenerArx(own) => own.reopen(params),
             Self::Cascade1(own) => own.reopen(params),
             Self::Cascade2(own) => own.reopen(params),
             Self::BankRefiner(own) => own.reopen(params),
             Self::Affine(own) => own.reopen(params),
+            #[cfg(feature = "relaxing")]
             Self::History(own) => own.reopen(params),
         }
     }
@@ -309,11 +352,13 @@ impl<T: Real> Identifier<T> {
         match self {
             Self::Linear(own) => own.judged(noise, surface_error),
             Self::TwoStage(own) => own.judged(noise, surface_error),
+            Self::LogLinear(own) => own.judged(noise, surface_error),
             Self::ZenerArx(own) => own.judged(noise, surface_error),
             Self::Cascade1(own) => own.judged(noise, surface_error),
             Self::Cascade2(own) => own.judged(noise, surface_error),
             Self::BankRefiner(own) => own.judged(noise, surface_error),
             Self::Affine(own) => own.judged(noise, surface_error),
+            #[cfg(feature = "relaxing")]
             Self::History(own) => own.judged(noise, surface_error),
         }
     }

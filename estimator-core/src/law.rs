@@ -14,7 +14,7 @@ pub use hunt_crossley::HuntCrossley;
 pub use kelvin_voigt::KelvinVoigt;
 pub use quasi_linear::{Elastic, QuasiLinear, QuasiLinearState};
 pub use relaxation::RelaxationMode;
-pub(crate) use relaxation::growth;
+pub(crate) use relaxation::{growth, high_passed};
 pub use zener::{Zener, ZenerState};
 
 use crate::scalar::Scalar;
@@ -95,6 +95,8 @@ pub enum LawKind {
     QuasiLinear = 4,
     /// The same with two modes, r = 2; in files it has the same name.
     QuasiLinear2 = 5,
+    /// [`LawKind::HuntCrossley`] with the skew of the sensors; in files it has the same name.
+    HuntCrossleySkew = 6,
 }
 
 const STIFFNESS: ParameterInfo = ParameterInfo {
@@ -129,6 +131,10 @@ const RATE_2: ParameterInfo = ParameterInfo {
     name: "relaxation_rate_2",
     unit: Unit::PerSecond,
 };
+const SKEW: ParameterInfo = ParameterInfo {
+    name: "skew",
+    unit: Unit::Second,
+};
 const SURFACE: ParameterInfo = ParameterInfo {
     name: "surface",
     unit: Unit::Metre,
@@ -136,12 +142,13 @@ const SURFACE: ParameterInfo = ParameterInfo {
 
 impl LawKind {
     /// All laws.
-    pub const ALL: [LawKind; 5] = [
+    pub const ALL: [LawKind; 6] = [
         LawKind::KelvinVoigt,
         LawKind::HuntCrossley,
         LawKind::Zener,
         LawKind::QuasiLinear,
         LawKind::QuasiLinear2,
+        LawKind::HuntCrossleySkew,
     ];
 
     /// The stable number of frames.
@@ -158,7 +165,7 @@ impl LawKind {
     pub const fn name(self) -> &'static str {
         match self {
             LawKind::KelvinVoigt => "kelvin_voigt",
-            LawKind::HuntCrossley => "hunt_crossley",
+            LawKind::HuntCrossley | LawKind::HuntCrossleySkew => "hunt_crossley",
             LawKind::Zener => "zener",
             LawKind::QuasiLinear | LawKind::QuasiLinear2 => "quasi_linear",
         }
@@ -169,6 +176,7 @@ impl LawKind {
         match self {
             LawKind::KelvinVoigt => &[STIFFNESS, DAMPING, SURFACE],
             LawKind::HuntCrossley => &[STIFFNESS, DAMPING, EXPONENT, SURFACE],
+            LawKind::HuntCrossleySkew => &[STIFFNESS, DAMPING, EXPONENT, SKEW, SURFACE],
             LawKind::Zener => &[STIFFNESS, SECOND_STIFFNESS, DAMPING, SURFACE],
             LawKind::QuasiLinear => &[STIFFNESS, EXPONENT, FRACTION_1, RATE_1, SURFACE],
             LawKind::QuasiLinear2 => &[

@@ -22,19 +22,28 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod budget;
+pub mod calibration;
 pub mod config;
 pub mod contact;
+pub mod effect;
 pub mod error;
 pub mod estimate;
 pub mod estimator;
 pub mod filter;
 pub mod frame;
 pub mod identify;
+pub mod instants;
 pub mod law;
+pub mod link;
 pub mod noise;
+pub mod rig;
 pub mod rls;
 pub mod sample;
+pub mod sampling;
 pub mod scalar;
+pub mod sensing;
+pub mod settings;
 pub mod status;
 pub mod units;
 

@@ -1,6 +1,7 @@
 //! What goes in: one instant of both channels, and what may be wrong with it.
 
 use crate::scalar::Real;
+use crate::settings::Key;
 
 /// One instant of force and position, taken at the same tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,11 +47,25 @@ pub enum Fault {
     Overrun = 6,
     /// A calculation left the finite numbers; the estimator started anew.
     NotFinite = 7,
+    /// The force has had one code for too long: a converter that hangs, a cable that is off; the
+    /// sample is not learned from. Reported by [`crate::sensing`], as are the next four.
+    ForceStuck = 8,
+    /// The position moved faster than the probe can; the filters start anew.
+    PositionJump = 9,
+    /// The force rises while the position stands still; the sample is not learned from.
+    PositionStuck = 10,
+    /// The settings in the board's memory cannot be used, and the defaults took their place.
+    SettingsInvalid = 11,
+    /// Force or position has not been calibrated: numbers have the scale of the wiring's data sheet.
+    NotCalibrated = 12,
+    /// The law does not explain the force: the estimate's status is `model_suspect`. Reported by the
+    /// board in its [`crate::link::Health`]; an estimate says it by its status.
+    EstimatorSuspect = 13,
 }
 
 impl Fault {
     /// All faults in the order of their numbers.
-    pub const ALL: [Fault; 7] = [
+    pub const ALL: [Fault; 13] = [
         Fault::ForceUnusable,
         Fault::PositionUnusable,
         Fault::TimeNotAdvancing,
@@ -58,11 +73,30 @@ impl Fault {
         Fault::ForceSaturated,
         Fault::Overrun,
         Fault::NotFinite,
+        Fault::ForceStuck,
+        Fault::PositionJump,
+        Fault::PositionStuck,
+        Fault::SettingsInvalid,
+        Fault::NotCalibrated,
+        Fault::EstimatorSuspect,
     ];
 
     /// The stable number.
     pub const fn code(self) -> u8 {
         self as u8
+    }
+
+    /// The setting that decides about it, if one does.
+    pub const fn setting(self) -> Option<Key> {
+        match self {
+            Fault::ForceSaturated => Some(Key::ForceHighestCode),
+            Fault::ForceStuck => Some(Key::ForceStuckS),
+            Fault::PositionJump => Some(Key::PositionFastestMps),
+            Fault::PositionStuck => Some(Key::PositionStuckN),
+            Fault::NotCalibrated => Some(Key::ForceCalibrated),
+            Fault::EstimatorSuspect => Some(Key::EstimatorMethod),
+            _ => None,
+        }
     }
 
     /// A short sentence for people.
@@ -75,6 +109,14 @@ impl Fault {
             Fault::ForceSaturated => "force at the end of its range, sample not learned from",
             Fault::Overrun => "the sampling task was late",
             Fault::NotFinite => "calculation left the finite numbers, estimator restarted",
+            Fault::ForceStuck => "force does not change at all, sample not learned from",
+            Fault::PositionJump => "position jumped, filters restarted",
+            Fault::PositionStuck => {
+                "force rises but position stands still, sample not learned from"
+            }
+            Fault::SettingsInvalid => "stored settings cannot be used, running on defaults",
+            Fault::NotCalibrated => "sensors are not calibrated, scale is nominal",
+            Fault::EstimatorSuspect => "the law does not explain the force",
         }
     }
 }
@@ -126,8 +168,8 @@ mod tests {
 
     #[test]
     fn the_codes_are_stable_and_the_list_is_complete() {
-        let codes: [u8; 7] = Fault::ALL.map(Fault::code);
-        assert_eq!(codes, [1, 2, 3, 4, 5, 6, 7]);
+        let codes: [u8; 13] = Fault::ALL.map(Fault::code);
+        assert_eq!(codes, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13]);
     }
 
     #[test]

@@ -36,10 +36,37 @@ pub trait Scalar:
     /// `self` to the power of `exponent`, for `self` > 0; 0 for `self` ≤ 0, derivatives included:
     /// a depth that is not in the material has no power and no slope.
     fn pow_positive(self, exponent: Self) -> Self;
+    /// Sine of an angle in rad.
+    fn sin(self) -> Self;
+    /// Cosine of an angle in rad.
+    fn cos(self) -> Self;
 
     /// The larger of two numbers; the first of two that are equal.
     fn max_of(self, other: Self) -> Self {
         if other > self { other } else { self }
+    }
+
+    /// The smaller of two numbers; the first of two that are equal.
+    fn min_of(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    /// Magnitude.
+    fn absolute(self) -> Self {
+        if self < Self::nil() { -self } else { self }
+    }
+
+    /// Hyperbolic tangent; ±1 beyond ±20, where it rounds to that in f64 as well.
+    fn tanh(self) -> Self {
+        let (one, far) = (Self::unit(), Self::from_f64(20.0));
+        if self > far {
+            return one;
+        }
+        if self < -far {
+            return -one;
+        }
+        let square = (self + self).exp();
+        (square - one) / (square + one)
     }
 
     /// Zero.
@@ -81,7 +108,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($type:ty, $exp:ident, $log:ident, $sqrt:ident, $atan:ident, $tan:ident) => {
+    ($type:ty, $exp:ident, $log:ident, $sin:ident, $cos:ident, $sqrt:ident, $atan:ident, $tan:ident) => {
         impl Scalar for $type {
             #[inline]
             fn from_f64(value: f64) -> Self {
@@ -106,6 +133,14 @@ macro_rules! real {
                 } else {
                     0.0
                 }
+            }
+            #[inline]
+            fn sin(self) -> Self {
+                libm::$sin(self)
+            }
+            #[inline]
+            fn cos(self) -> Self {
+                libm::$cos(self)
             }
         }
 
@@ -136,8 +171,8 @@ macro_rules! real {
 
 // d^n as exp(n ln d): 114 instructions on the board where libm's powf takes 241. The relative error
 // is |n ln d| ulp at most, 1e-6 in f32 over the depths of a palpation.
-real!(f32, expf, logf, sqrtf, atanf, tanf);
-real!(f64, exp, log, sqrt, atan, tan);
+real!(f32, expf, logf, sinf, cosf, sqrtf, atanf, tanf);
+real!(f64, exp, log, sin, cos, sqrt, atan, tan);
 
 #[cfg(test)]
 mod tests {

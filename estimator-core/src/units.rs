@@ -15,6 +15,22 @@ pub enum Unit {
     NewtonSecondPerMetre,
     /// 1/s
     PerSecond,
+    /// 1/m
+    PerMetre,
+    /// m/s
+    MetrePerSecond,
+    /// N
+    Newton,
+    /// N/s
+    NewtonPerSecond,
+    /// kg
+    Kilogram,
+    /// s
+    Second,
+    /// Hz
+    Hertz,
+    /// rad
+    Radian,
 }
 
 impl Unit {
@@ -26,6 +42,14 @@ impl Unit {
             Unit::NewtonPerMetre => "N/m",
             Unit::NewtonSecondPerMetre => "N s/m",
             Unit::PerSecond => "1/s",
+            Unit::PerMetre => "1/m",
+            Unit::MetrePerSecond => "m/s",
+            Unit::Newton => "N",
+            Unit::NewtonPerSecond => "N/s",
+            Unit::Kilogram => "kg",
+            Unit::Second => "s",
+            Unit::Hertz => "Hz",
+            Unit::Radian => "rad",
         }
     }
 }

@@ -22,7 +22,10 @@ pub use f405::F405 as Selected;
 pub use qemu::Qemu as Selected;
 
 use embedded_hal::digital::OutputPin;
-use estimator_core::Faults;
+use embedded_storage::nor_flash::NorFlash;
+use estimator_core::Sample;
+use estimator_core::sensing::Codes;
+use estimator_core::settings::store::Store;
 use stm32f4xx_hal::pac;
 
 /// Samples per second: the tick of every board.
@@ -43,14 +46,15 @@ pub trait Board {
     type Link: Link + Send;
     /// The status light, of whatever kind.
     type Light: OutputPin + Send;
+    /// Where the settings are kept.
+    type Flash: NorFlash + Send;
+    /// Resets the board when it is not fed.
+    type Watchdog: Watchdog + Send;
 
     /// Brings the board up. The tick may be raised from here on; RTIC delivers it after `init`.
     ///
     /// Waits with a bound for whatever may be absent (a crystal), and logs what had to replace it.
-    fn start(
-        core: cortex_m::Peripherals,
-        device: pac::Peripherals,
-    ) -> (Self::Sensors, Self::Link, Self::Light);
+    fn start(core: cortex_m::Peripherals, device: pac::Peripherals) -> Parts<Self>;
 
     /// A free-running counter in [`Board::COST_UNIT`], wrapping at 2³². Differences are right up to
     /// 4 s (emulator) or 25 s (board). Takes no more than a load.
@@ -60,8 +64,25 @@ pub trait Board {
     fn idle();
 
     /// Ends the program; never called on a healthy board. The emulator exits with a status, a
-    /// board stops with interrupts off, its outputs as they are after reset.
+    /// board stops with interrupts off, its outputs as they are after reset; its watchdog then
+    /// starts it again.
     fn stop(outcome: Outcome) -> !;
+}
+
+/// What a board is made of.
+pub struct Parts<B: Board + ?Sized> {
+    /// To the sampling task.
+    pub sensors: B::Sensors,
+    /// To the telemetry task, like the rest.
+    pub link: B::Link,
+    /// The status light.
+    pub light: B::Light,
+    /// The sectors that are reserved for settings. An erase may stall the core for seconds.
+    pub store: Store<B::Flash>,
+    /// Not running before its first meal.
+    pub watchdog: B::Watchdog,
+    /// Whether the clock is a replacement: times are off by up to 1 %.
+    pub clock_fallback: bool,
 }
 
 /// Where the samples come from.
@@ -70,12 +91,12 @@ pub trait Sensors {
     ///
     /// Force and position are of the same instant; `time_us` grows strictly and advances with the
     /// instants that were missed, so that a gap in the data is a gap in time. Faults that only the
-    /// board can see (saturation, a late call) are set. Does not block and does not fail: without
-    /// an instant it answers [`Acquired::Nothing`].
+    /// board can see (a late call, a sensor's own error flag) are set. Does not block longer than
+    /// a tenth of a tick and does not fail: without an instant it answers [`Acquired::Nothing`].
     fn sample(&mut self) -> Acquired;
 }
 
-/// Where the frames go.
+/// Where the frames go, and where commands come from.
 pub trait Link {
     /// Bytes that [`Link::send`] takes now. Grows as the hardware sends; never shrinks by itself.
     fn room(&self) -> usize;
@@ -86,41 +107,30 @@ pub trait Link {
     /// Called after every batch: starts the hardware on what is queued. Does not block.
     fn poll(&mut self);
 
+    /// The next byte from the host, if there is one. Bytes that nobody fetches in time are lost.
+    fn receive(&mut self) -> Option<u8>;
+
     /// Called once before [`Board::stop`]: everything queued goes out. May block.
     fn finish(&mut self);
 }
 
+/// Resets the board when it is not fed.
+pub trait Watchdog {
+    /// Called while the sampling task meets its deadlines. A hunger of at least 8 s is survived:
+    /// an erase of the flash may take 4.
+    fn feed(&mut self);
+}
+
 /// The answer to [`Sensors::sample`].
 pub enum Acquired {
-    /// One instant.
-    Sample(RawSample),
+    /// One instant, as the converters have it.
+    Codes(Codes),
+    /// One instant of a recording that is in SI units already: the emulator only.
+    Sample(Sample<f32>),
     /// A spurious call.
     Nothing,
     /// The recording is used up: the emulator only.
     End,
-}
-
-/// One instant as the hardware gave it.
-#[derive(Clone, Copy)]
-pub struct RawSample {
-    /// Time since start (µs).
-    pub time_us: u64,
-    /// The encoder.
-    pub position: Reading,
-    /// The load cell.
-    pub force: Reading,
-    /// What the board knows to be wrong.
-    pub faults: Faults,
-}
-
-/// A number from a converter and what one of it is worth.
-#[derive(Clone, Copy)]
-pub struct Reading {
-    /// The converter's number, its zero already taken off.
-    pub code: i32,
-    /// SI units per code. A recording that is already in SI is code 1 of the recorded value: exact
-    /// for every f32, NaN included.
-    pub si_per_code: f32,
 }
 
 /// How a program ends.

@@ -8,19 +8,24 @@
 #![deny(missing_docs)]
 
 mod board;
-mod budget;
-mod convert;
+#[cfg(feature = "spi-sensors")]
+mod driver;
 mod halt;
+mod service;
+mod stack;
 mod telemetry;
 
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX])]
 mod app {
-    use crate::board::{Acquired, Board, Outcome, Selected, Sensors};
-    use crate::budget::{Budget, isolated_step};
-    use crate::convert;
-    use crate::telemetry::{QUEUE, Record, Telemetry};
-    use estimator_core::{Config, Params, State};
+    use crate::board::{Acquired, Board, Outcome, Parts, RATE_HZ, Selected, Sensors};
+    use crate::service::Service;
+    use crate::telemetry::{QUEUE, Telemetry};
+    use estimator_core::budget::{Budget, Stations};
+    use estimator_core::link::Change;
+    use estimator_core::sampling::{Record, Sampler};
     use heapless::spsc::{Consumer, Producer, Queue};
+
+    const PERIOD_US: u64 = 1_000_000 / RATE_HZ as u64;
 
     #[shared]
     struct Shared {
@@ -30,85 +35,116 @@ mod app {
     #[local]
     struct Local {
         sensors: <Selected as Board>::Sensors,
-        params: Params<f32>,
-        state: State<f32>,
+        sampler: Sampler,
         outbox: Producer<'static, Record>,
+        changes: Consumer<'static, Change>,
         inbox: Consumer<'static, Record>,
         telemetry: Telemetry<<Selected as Board>::Link, <Selected as Board>::Light>,
+        service: Service<Selected>,
     }
 
-    #[init(local = [queue: Queue<Record, QUEUE> = Queue::new()])]
+    #[init(local = [
+        records: Queue<Record, QUEUE> = Queue::new(),
+        setups: Queue<Change, 2> = Queue::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         defmt::info!(
             "palpate {=str} on {=str}",
             env!("CARGO_PKG_VERSION"),
             Selected::NAME
         );
-        let params = match Config::default().validate::<f32>() {
-            Ok(params) => params,
-            Err(error) => defmt::panic!("configuration: {}", defmt::Display2Format(&error)),
+        let Parts {
+            sensors,
+            link,
+            light,
+            store,
+            watchdog,
+            clock_fallback,
+        } = Selected::start(cx.core, cx.device);
+        let (outbox, inbox) = cx.local.records.split();
+        let (to_sampler, changes) = cx.local.setups.split();
+        let service = Service::new(store, watchdog, to_sampler, clock_fallback);
+        let Some(setup) = service.setup() else {
+            defmt::panic!("the default settings are not valid");
         };
-        let state = State::new(&params);
-        let (sensors, link, light) = Selected::start(cx.core, cx.device);
-        let (outbox, inbox) = cx.local.queue.split();
         (
             Shared {
                 budget: Budget::new(),
             },
             Local {
                 sensors,
-                params,
-                state,
+                sampler: Sampler::new(setup),
                 outbox,
+                changes,
                 inbox,
                 telemetry: Telemetry::new(link, light),
+                service,
             },
         )
     }
 
     /// 1 kHz, above everything else: read, convert, step, push.
-    #[task(binds = DMA2_STREAM0, priority = 3, local = [sensors, params, state, outbox], shared = [budget])]
+    #[task(binds = DMA2_STREAM0, priority = 3, local = [sensors, sampler, outbox, changes], shared = [budget])]
     fn sample(mut cx: sample::Context) {
         let start = Selected::now();
-        let acquired = cx.local.sensors.sample();
-        cx.shared.budget.lock(|budget| match acquired {
-            Acquired::Sample(raw) => {
-                budget.tick(start);
-                let sample = convert::sample(&raw);
-                let before = Selected::now();
-                let estimate = isolated_step(cx.local.params, cx.local.state, sample);
-                let after = Selected::now();
-                let queued = cx.local.outbox.enqueue(Record { sample, estimate }).is_ok();
-                budget.sample(before, after, queued);
-                budget.end(start, Selected::now());
+        let sampler = cx.local.sampler;
+        let (codes, sample, acquired) = match cx.local.sensors.sample() {
+            Acquired::Codes(codes) => {
+                let acquired = Selected::now();
+                (Some(codes), sampler.convert(&codes), acquired)
             }
-            Acquired::Nothing => {}
-            Acquired::End => budget.finished = true,
-        });
+            Acquired::Sample(sample) => (None, sample, Selected::now()),
+            Acquired::Nothing => return,
+            Acquired::End => {
+                cx.shared.budget.lock(|budget| budget.finished = true);
+                let _ = telemetry::spawn();
+                return;
+            }
+        };
+        let converted = Selected::now();
+        let estimate = sampler.step(sample);
+        let stepped = Selected::now();
+        let record = Record {
+            codes,
+            sample,
+            estimate,
+        };
+        let dropped = sampler.is_sent(&estimate) && cx.local.outbox.enqueue(record).is_err();
+        let at = Stations {
+            start,
+            acquired,
+            converted,
+            stepped,
+            queued: Selected::now(),
+        };
+        cx.shared
+            .budget
+            .lock(|budget| budget.sample(&at, &sample, dropped, PERIOD_US, Selected::TICK));
+        // After the sample, and after the stopwatch: a change comes once in a while.
+        if let Some(change) = cx.local.changes.dequeue() {
+            sampler.apply(&change);
+        }
         // Already spawned is as good: it drains everything that it finds.
         let _ = telemetry::spawn();
     }
 
-    /// Sends what has been queued; logs the budget every 10 s.
-    #[task(priority = 1, local = [inbox, telemetry, since_report: u32 = 0], shared = [budget])]
+    /// Sends what has been queued and answers commands; says once a second how the board is.
+    #[task(priority = 1, local = [inbox, telemetry, service], shared = [budget])]
     async fn telemetry(mut cx: telemetry::Context) {
+        let (telemetry, service) = (cx.local.telemetry, cx.local.service);
         // Before draining: whatever was queued before the end is then still sent.
-        let finished = cx.shared.budget.lock(|budget| budget.finished);
-        while cx.local.telemetry.has_room()
+        let budget = cx.shared.budget.lock(|budget| *budget);
+        while telemetry.has_room()
             && let Some(record) = cx.local.inbox.dequeue()
         {
-            cx.local.telemetry.send(&record);
-            *cx.local.since_report += 1;
+            telemetry.send(&record);
         }
-        cx.local.telemetry.poll();
-        if finished {
-            cx.local.telemetry.finish();
-        }
-        if finished || *cx.local.since_report >= 10_000 {
-            *cx.local.since_report = 0;
-            cx.shared.budget.lock(|budget| *budget).log();
-        }
-        if finished {
+        service.answer(telemetry);
+        service.report(telemetry, &budget);
+        telemetry.poll();
+        if budget.finished {
+            telemetry.finish();
+            Service::<Selected>::log(&budget, &telemetry.encode);
             Selected::stop(Outcome::Done);
         }
     }

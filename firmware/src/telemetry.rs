@@ -1,29 +1,25 @@
 //! Frames out, and a log line for whatever a person would want to see. Low priority: may be late,
 //! may not be wrong.
 
-use crate::board::Link;
+use crate::board::{Board, Link, Selected};
 use embedded_hal::digital::OutputPin;
+use estimator_core::budget::Meter;
 use estimator_core::estimate::{Event, Phase};
-use estimator_core::frame::{self, Frame, MAX_ENCODED, SAMPLE_ENCODED};
-use estimator_core::{Estimate, Sample, Status};
+use estimator_core::frame::{self, CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED};
+use estimator_core::sampling::Record;
+use estimator_core::{Estimate, Fault, Faults, Status};
 
-/// Records that wait for the link: 64 ms of it. An estimate with its sample is at most 200 bytes.
+/// Records that wait for the link: 64 ms of it. Codes, sample and estimate are at most 180 bytes
+/// together (frame.rs), of the 200 that 2 Mbaud carry in a millisecond.
 pub const QUEUE: usize = 64;
-
-/// What the sampling task leaves behind at every tick.
-#[derive(Clone, Copy)]
-pub struct Record {
-    /// What went in: recorded, it can be replayed with other settings.
-    pub sample: Sample<f32>,
-    /// What came out.
-    pub estimate: Estimate<f32>,
-}
 
 /// Telemetry over a link, with a light.
 pub struct Telemetry<L, P> {
     link: L,
     light: P,
     sequence: u16,
+    /// What a record costs to encode and queue, in the board's unit.
+    pub encode: Meter,
     last: Option<Estimate<f32>>,
     last_in_contact: Option<Estimate<f32>>,
 }
@@ -35,6 +31,7 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
             link,
             light,
             sequence: 0,
+            encode: Meter::new(),
             last: None,
             last_in_contact: None,
         }
@@ -43,13 +40,18 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
     /// Whether the frames of one record fit into the link. Where they do not, the queue fills and
     /// the sampling task counts the drops: they are counted in one place.
     pub fn has_room(&self) -> bool {
-        self.link.room() >= MAX_ENCODED + SAMPLE_ENCODED
+        self.link.room() >= MAX_ENCODED + SAMPLE_ENCODED + CODES_ENCODED
     }
 
-    /// Sends both frames of a record and logs what happened in it.
+    /// Sends the frames of a record and logs what happened in it.
     pub fn send(&mut self, record: &Record) {
+        let start = Selected::now();
+        if let Some(codes) = record.codes {
+            self.send_frame(&Frame::Codes(codes));
+        }
         self.send_frame(&Frame::Sample(record.sample));
         self.send_frame(&Frame::Estimate(record.estimate));
+        self.encode.record(Selected::now().wrapping_sub(start));
         self.log_changes(&record.estimate);
         self.show(&record.estimate);
         self.last = Some(record.estimate);
@@ -72,7 +74,34 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
         self.link.finish();
     }
 
-    fn send_frame(&mut self, frame: &Frame) {
+    /// The next byte from the host.
+    pub fn receive(&mut self) -> Option<u8> {
+        self.link.receive()
+    }
+
+    /// Where the probe is; before the first sample, as if it were in free air.
+    pub fn phase(&self) -> Phase {
+        self.last.map_or(Phase::Settling, |last| last.phase)
+    }
+
+    /// Time of the last estimate (µs).
+    pub fn time_us(&self) -> u64 {
+        self.last.map_or(0, |last| last.time_us)
+    }
+
+    /// What is wrong now, the estimator's own doubts included.
+    pub fn faults(&self) -> Faults {
+        let Some(last) = self.last else {
+            return Faults::NONE;
+        };
+        match last.status {
+            Status::ModelSuspect => last.faults.with(Fault::EstimatorSuspect),
+            _ => last.faults,
+        }
+    }
+
+    /// Sends a frame; there must be room for it.
+    pub fn send_frame(&mut self, frame: &Frame) {
         let mut bytes = [0; MAX_ENCODED];
         let length = frame::encode(frame, self.sequence, &mut bytes);
         self.link.send(&bytes[..length]);

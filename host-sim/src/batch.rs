@@ -11,12 +11,10 @@
 
 mod assemble;
 mod course;
-mod dense;
-mod error;
+pub(crate) mod error;
 mod family;
 mod files;
 mod fit;
-mod kinematics;
 mod modulus;
 mod note;
 mod print;
@@ -37,7 +35,7 @@ pub use result::{Batch, Columns, Modulus, Parameter, TouchFit, Tried};
 
 use assemble::Given;
 use course::Course;
-use kinematics::kinematics;
+use crate::kinematics::kinematics;
 use select::{Fixed, candidates};
 
 use crate::diagnostic::Diagnostic;

@@ -2,10 +2,16 @@
 
 pub mod batch;
 pub mod check;
+mod dense;
+pub mod compensate;
 pub mod demo;
 pub mod diagnostic;
+pub mod effects;
 pub mod estimate;
+pub mod gap;
 pub mod inspect;
+mod kinematics;
+pub mod link;
 pub mod log;
 pub mod model;
 pub mod motion;

@@ -14,7 +14,7 @@ mod timing;
 mod write;
 
 pub use columns::{Channel, ColumnMap};
-pub use resample::UniformLog;
+pub use resample::{Compensated, UniformLog};
 pub use timing::{Gap, Timing};
 
 use std::path::{Path, PathBuf};

@@ -6,8 +6,9 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use palpate::diagnostic::Diagnostic;
+use palpate::link::{config, monitor, record};
 use palpate::wrap::wrapped;
-use palpate::{check, demo, estimate, simulate};
+use palpate::{check, demo, effects, estimate, gap, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
 ///
@@ -24,10 +25,20 @@ struct Command {
 enum Verb {
     /// Run the board's estimator over logs and report what was touched
     Estimate(estimate::EstimateArgs),
+    /// Find where a model and a log disagree, name the missing effect, add it, show the gap shrink
+    Gap(gap::GapArgs),
     /// Run a model on the simulated rig and write what its sensors read
     Simulate(simulate::SimulateArgs),
     /// Say what is in a log: rate, gaps, units, noise, contacts, and what it is good for
     Check(check::CheckArgs),
+    /// The catalogue of effects that a rig can hide, and what each does to an estimate
+    Effects(effects::EffectsArgs),
+    /// Record a board's samples into a file that survives a crash, and write them as a log
+    Record(record::RecordArgs),
+    /// Watch a board: what it touches, what is wrong, whether it keeps its deadlines
+    Monitor(monitor::MonitorArgs),
+    /// Read, change, save, back up and restore a board's settings; calibrate its sensors
+    Config(config::ConfigArgs),
     /// Palpate gel and plastic on the simulated rig; also what `palpate` alone does
     Demo(demo::DemoArgs),
 }
@@ -36,8 +47,13 @@ fn main() -> ExitCode {
     let command = Command::parse();
     let done = match &command.verb {
         Some(Verb::Estimate(args)) => estimate::run(args),
+        Some(Verb::Gap(args)) => gap::run(args),
         Some(Verb::Check(args)) => check::run(args),
         Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
+        Some(Verb::Effects(args)) => effects::run(args),
+        Some(Verb::Record(args)) => record::run(args),
+        Some(Verb::Monitor(args)) => monitor::run(args),
+        Some(Verb::Config(args)) => config::run(args),
         Some(Verb::Demo(args)) => demo::run(args),
         None => demo::run(&demo::DemoArgs::default()),
     };

@@ -5,6 +5,7 @@
 
 mod effect;
 mod environment;
+mod rig;
 mod write;
 
 pub use effect::Effect;

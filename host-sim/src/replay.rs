@@ -3,7 +3,7 @@
 use estimator_core::config::Params;
 use estimator_core::estimate::Phase;
 use estimator_core::law::LawKind;
-use estimator_core::{Config, ConfigError, Estimate, Faults, Sample, State, step};
+use estimator_core::{Config, ConfigError, Estimate, Fault, Faults, Sample, State, step};
 
 use crate::log::UniformLog;
 
@@ -62,13 +62,19 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
 pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {
     let period_us = 1e6 / log.rate_hz;
     let channels = log.position_m.iter().zip(&log.force_n);
+    let saturated = log.compensated.saturated.iter().copied();
+    let saturated = saturated.chain(std::iter::repeat(false));
     channels
         .zip(1u64..)
-        .map(move |((position, force), count)| Sample {
+        .zip(saturated)
+        .map(move |(((position, force), count), saturated)| Sample {
             time_us: (count as f64 * period_us).round() as u64,
             position_m: *position as f32,
             force_n: *force as f32,
-            faults: Faults::NONE,
+            faults: match saturated {
+                true => Faults::NONE.with(Fault::ForceSaturated),
+                false => Faults::NONE,
+            },
         })
 }
 

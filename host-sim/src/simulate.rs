@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::diagnostic::{Diagnostic, listed};
+use crate::diagnostic::Diagnostic;
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::output::say;
-use crate::plant::{Contact, MODES, Rig, Run, Stage};
+use crate::plant::{Contact, Effects, Rig, Run, Stage, depth_at_m};
 
 /// Force at the deepest point of the built-in motion (N): the chapter's touches reach 10 to 14 N.
 const PALPATION_FORCE_N: f64 = 10.0;
@@ -27,7 +27,9 @@ const FREE_DEPTH_M: f64 = 4.2e-3;
     after_help = "Example:\n  palpate simulate --model gel.toml --motion palpation --seed 7 --out run1\n\n\
                   A model, in SI units:\n  [environment]\n  law = \"hunt_crossley\"\n  \
                   stiffness = 1350.0   # N/m at 1 mm\n  damping = 36.0       # N s/m at 1 mm\n  \
-                  exponent = 1.35\n  surface = 0.0        # m"
+                  exponent = 1.35\n  surface = 0.0        # m\n\n  \
+                  [[effect]]           # zero or more; `palpate effects` lists them\n  \
+                  id = \"coulomb_friction\"\n  force = 0.41         # N"
 )]
 pub struct SimulateArgs {
     /// Model file (TOML): environment, effects, sensors.
@@ -58,10 +60,11 @@ pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
 /// Simulates, writes `log.csv`, and gives what to say about it.
 fn record(args: &SimulateArgs) -> Result<String, Box<dyn Error + Send + Sync>> {
     let model = Model::read(&args.model)?;
-    let contact = simulated(&model)?;
-    let motion = read_motion(args, &contact)?;
+    let (contact, effects) = simulated(&model)?;
+    let motion = read_motion(args, &contact, &effects)?;
     let rig = Rig {
         sensors: model.sensors,
+        effects,
         ..Rig::default()
     };
     let run = rig.run(&Stage::throughout(contact), &motion, args.seed)?;
@@ -71,44 +74,28 @@ fn record(args: &SimulateArgs) -> Result<String, Box<dyn Error + Send + Sync>> {
     Ok(format!("{summary}\n  log         {}\n", path.display()))
 }
 
-/// The model as this version's rig can have it.
+/// The model as the simulated rig has it: what is touched, and what the rig adds.
 ///
 /// # Errors
-/// An effect, or more relaxation modes than the rig simulates: it must not pretend.
-pub fn simulated(model: &Model) -> Result<Contact, Diagnostic> {
-    if let Some(effect) = model.effects.first() {
-        let ids = model.effects.iter().map(|effect| effect.id.as_str());
-        let mut diagnostic = Diagnostic::new(format!(
-            "this version does not simulate the effect `{}`",
-            effect.id
-        ))
-        .in_file(&model.path)
-        .at_key("effect")
-        .value(&effect.id)
-        .note(format!(
-            "the model holds {}; this version simulates laws alone",
-            listed(ids)
-        ))
-        .remedy("remove the [[effect]] tables, knowing that the log will lack them");
-        diagnostic.line = effect.line;
-        return Err(diagnostic);
-    }
-    model.environment.contact().ok_or_else(|| {
-        Diagnostic::new(format!("more than {MODES} relaxation modes"))
-            .in_file(&model.path)
-            .at_key("environment.relaxation")
-            .note(format!("this version simulates up to {MODES} of them"))
-            .remedy("describe the relaxation by fewer modes")
-    })
+/// As [`Model::rig`].
+pub fn simulated(model: &Model) -> Result<(Contact, Effects), Diagnostic> {
+    let effects = model.rig()?.effects;
+    // Model::rig has refused what has no contact.
+    Ok((
+        model.environment.contact().unwrap_or(Contact::FREE),
+        effects,
+    ))
 }
 
-fn read_motion(args: &SimulateArgs, contact: &Contact) -> Result<Motion, Diagnostic> {
+fn read_motion(
+    args: &SimulateArgs,
+    contact: &Contact,
+    effects: &Effects,
+) -> Result<Motion, Diagnostic> {
     if args.motion.as_os_str() != "palpation" {
         return Motion::read(&args.motion);
     }
-    let depth_m = contact
-        .depth_at_m(PALPATION_FORCE_N)
-        .unwrap_or(FREE_DEPTH_M);
+    let depth_m = depth_at_m(contact, effects, PALPATION_FORCE_N).unwrap_or(FREE_DEPTH_M);
     Ok(Motion::palpation(depth_m).shifted(contact.surface_m))
 }
 
@@ -127,6 +114,17 @@ fn summary(run: &Run, model: &Model, args: &SimulateArgs) -> String {
         deepest_m * 1e3,
         args.seed,
     );
+    for effect in &model.effects {
+        let numbers = effect.parameters.iter();
+        let numbers: Vec<String> = numbers
+            .map(|(key, value)| format!("{key} {value}"))
+            .collect();
+        text.push_str(&format!(
+            "\n  effect      {}: {}",
+            effect.id,
+            numbers.join(", ")
+        ));
+    }
     for note in &run.log.notes {
         text.push_str(&format!("\n  note        {note}"));
     }
@@ -199,7 +197,7 @@ mod tests {
 
     #[test]
     fn what_the_rig_cannot_simulate_is_refused_not_left_out() {
-        let effect = format!("{GEL}\n[[effect]]\nid = \"coulomb_friction\"\nforce = 0.4\n");
+        let effect = format!("{GEL}\n[[effect]]\nid = \"coulomb_frictoin\"\nforce = 0.4\n");
         let modes = "{ fraction = 0.1, rate = 1 },".repeat(5);
         let five = format!(
             "[environment]\nlaw = \"quasi_linear\"\nstiffness = 3000\nexponent = 1.2\n\
@@ -209,7 +207,7 @@ mod tests {
             (
                 "effect",
                 effect.as_str(),
-                "the effect `coulomb_friction`",
+                "unknown effect `coulomb_frictoin`",
                 Some(8),
             ),
             ("modes", five.as_str(), "more than 4 relaxation modes", None),

@@ -5,19 +5,15 @@
 //! cycle, or of ramp–hold–ramp at 2, 4 or 8 depths a second; the surface within ±0.5 mm. The rig adds
 //! its motor, 20 mN of noise in 5 mN steps and an encoder of 1 µm.
 
-use estimator_core::config::{Config, Method, Surface};
-use estimator_core::estimate::{Estimate, Event};
 use estimator_core::law::{ContactLaw, HuntCrossley};
-use estimator_core::{State, step};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
-use palpate::plant::{Contact, GEL, Law, PLASTIC, Rig, Stage};
-use palpate::replay::samples;
+use palpate::plant::{Contact, GEL, Law, LoadCell, PLASTIC, Rig, Sensors, Stage, Truth};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 /// Length of a case (s).
-const SECONDS: f64 = 8.0;
+pub(crate) const SECONDS: f64 = 8.0;
 /// Rest in free air at the start (s).
 const REST_S: f64 = 0.3;
 
@@ -30,6 +26,17 @@ pub(crate) enum Touched {
     Plastic,
     /// A material drawn from the seed.
     Drawn,
+}
+
+impl Touched {
+    /// Its law.
+    pub(crate) fn law(self, rng: &mut Pcg64) -> HuntCrossley<f64> {
+        match self {
+            Touched::Gel => GEL.law,
+            Touched::Plastic => PLASTIC.law,
+            Touched::Drawn => drawn(rng),
+        }
+    }
 }
 
 /// How it is touched.
@@ -58,6 +65,10 @@ pub(crate) struct Case {
     pub(crate) truth: [f64; 4],
     /// What the sensors read.
     pub(crate) log: UniformLog,
+    /// What really happened.
+    pub(crate) run: Truth,
+    /// Noise of the force (N).
+    pub(crate) force_noise_n: f64,
     /// When the probe first touched (s).
     pub(crate) touched_s: f64,
 }
@@ -65,12 +76,13 @@ pub(crate) struct Case {
 impl Case {
     /// Draws and simulates a case.
     pub(crate) fn new(touched: Touched, stroke: Stroke, seed: u64) -> Case {
+        Case::on(&Rig::default(), touched, stroke, seed)
+    }
+
+    /// The same on another rig.
+    pub(crate) fn on(rig: &Rig, touched: Touched, stroke: Stroke, seed: u64) -> Case {
         let mut rng = Pcg64::seed_from_u64(seed);
-        let law = match touched {
-            Touched::Gel => GEL.law,
-            Touched::Plastic => PLASTIC.law,
-            Touched::Drawn => drawn(&mut rng),
-        };
+        let law = touched.law(&mut rng);
         let surface_m = rng.random_range(-5e-4..5e-4);
         let contact = Contact {
             law: Law::HuntCrossley(law),
@@ -78,7 +90,7 @@ impl Case {
         };
         let peak_n = rng.random_range(5.0..14.0);
         let motion = motion(&mut rng, stroke, &law, peak_n).shifted(surface_m);
-        let run = Rig::default().run(&Stage::throughout(contact), &motion, seed);
+        let run = rig.run(&Stage::throughout(contact), &motion, seed);
         let run = run.expect("the rig follows every material of the table");
         let touch = run.truth.position_m.iter().position(|x| *x > surface_m);
         Case {
@@ -90,7 +102,29 @@ impl Case {
             ],
             log: run.log.uniform().expect("the rig samples evenly"),
             touched_s: touch.map_or(SECONDS, |index| run.truth.time_s[index]),
+            run: run.truth,
+            force_noise_n: rig.sensors.force_noise_n,
         }
+    }
+}
+
+impl Case {
+    /// The same, its force read `skew_s` later than its position.
+    pub(crate) fn skewed(mut self, skew_s: f64, seed: u64) -> Case {
+        let sensors = Sensors::default();
+        let mut cell = LoadCell::new(sensors, seed);
+        let force_n = &self.run.force_n;
+        let at = |place: f64| {
+            let place = place.clamp(0.0, (force_n.len() - 1) as f64);
+            let (before, share) = (place.floor() as usize, place.fract());
+            let after = (before + 1).min(force_n.len() - 1);
+            (1.0 - share) * force_n[before] + share * force_n[after]
+        };
+        let late = skew_s * sensors.rate_hz;
+        self.log.force_n = (0..force_n.len())
+            .map(|index| cell.read_n(at(index as f64 - late)))
+            .collect();
+        self
     }
 }
 
@@ -102,20 +136,20 @@ fn drawn(rng: &mut Pcg64) -> HuntCrossley<f64> {
 }
 
 /// The stroke whose fastest way in reaches `peak_n` at its deepest, or would: the cell ends at 15.4 N.
-fn motion(rng: &mut Pcg64, stroke: Stroke, law: &HuntCrossley<f64>, peak_n: f64) -> Motion {
+pub(crate) fn motion(
+    rng: &mut Pcg64,
+    stroke: Stroke,
+    law: &HuntCrossley<f64>,
+    peak_n: f64,
+) -> Motion {
     let frequency_hz = rng.random_range(0.9..1.6);
     // Largest speed over the way.
     let quickness = match stroke {
         Stroke::Sine => std::f64::consts::PI * frequency_hz,
         Stroke::Ramp => [2.0, 4.0, 8.0][rng.random_range(0..3)],
     };
-    let gap_m = |depth_m: f64| (0.4 * depth_m).clamp(1e-4, 5e-4);
-    let way_m = |depth_m: f64| depth_m + gap_m(depth_m);
-    let mut depth_m = 0.05;
-    while law.force_n(depth_m, quickness * way_m(depth_m)) > peak_n {
-        depth_m *= 0.99;
-    }
-    let (gap_m, way_m) = (gap_m(depth_m), way_m(depth_m));
+    let (depth_m, gap_m) = reach(law, quickness, peak_n);
+    let way_m = depth_m + gap_m;
     let mut segments = vec![Segment::Hold { seconds: REST_S }];
     match stroke {
         Stroke::Sine => segments.push(Segment::Sine {
@@ -143,120 +177,13 @@ fn motion(rng: &mut Pcg64, stroke: Stroke, law: &HuntCrossley<f64>, peak_n: f64)
     Motion::new(-gap_m, segments).expect("the motions of the table are valid")
 }
 
-/// What one method made of one case.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Score {
-    /// Largest relative error of K, λ, n at the end; infinite if one is not observable.
-    pub(crate) worst: f64,
-    /// From first touch until K, λ, n stay within 5 % of the truth (s).
-    pub(crate) settles_s: f64,
-    /// Error of the surface (m), if the method gives one.
-    pub(crate) surface_m: Option<f64>,
-    /// Which of K, λ, n lie within 1.96 standard errors of the truth.
-    pub(crate) covered: [bool; 3],
-    /// False material changes.
-    pub(crate) changes: u32,
-}
-
-/// Runs a method over a case, its surface told if `known`.
-pub(crate) fn score(case: &Case, method: Method, known: bool) -> Score {
-    let mut config = Config {
-        method,
-        ..Config::default()
-    };
-    if known {
-        config.contact.surface = Surface::Known {
-            position_m: case.truth[3] as f32,
-        };
+/// Depth of a stroke (m) whose fastest way in, `quickness` ways a second, reaches `peak_n` at its
+/// deepest, and how far it leaves the surface (m).
+pub(crate) fn reach(law: &HuntCrossley<f64>, quickness: f64, peak_n: f64) -> (f64, f64) {
+    let gap_m = |depth_m: f64| (0.4 * depth_m).clamp(1e-4, 5e-4);
+    let mut depth_m = 0.05;
+    while law.force_n(depth_m, quickness * (depth_m + gap_m(depth_m))) > peak_n {
+        depth_m *= 0.99;
     }
-    let params = config.validate::<f32>().expect("the defaults are valid");
-    let mut state = State::new(&params);
-    let mut unsettled_s = case.touched_s;
-    let mut changes = 0;
-    let mut end = None;
-    for (time_s, sample) in case.log.time_s.iter().zip(samples(&case.log)) {
-        let estimate = step(&params, &mut state, sample);
-        changes += u32::from(estimate.event == Some(Event::MaterialChange));
-        if errors(&estimate, &case.truth)
-            .into_iter()
-            .any(|error| error > 0.05)
-        {
-            unsettled_s = *time_s;
-        }
-        end = Some(estimate);
-    }
-    let end = end.expect("the log is not empty");
-    let surface = end.parameters[3].map(|p| (f64::from(p.value) - case.truth[3]).abs());
-    Score {
-        worst: errors(&end, &case.truth).into_iter().fold(0.0, f64::max),
-        settles_s: unsettled_s - case.touched_s,
-        surface_m: surface,
-        covered: std::array::from_fn(|slot| {
-            end.parameters[slot].is_some_and(|p| {
-                let off = (f64::from(p.value) - case.truth[slot]).abs();
-                off < 1.96 * f64::from(p.std_error)
-            })
-        }),
-        changes,
-    }
-}
-
-fn errors(estimate: &Estimate<f32>, truth: &[f64; 4]) -> [f64; 3] {
-    std::array::from_fn(|slot| {
-        let value = estimate.parameters[slot].map(|p| f64::from(p.value));
-        value.map_or(f64::INFINITY, |value| (value / truth[slot] - 1.0).abs())
-    })
-}
-
-/// A row of the table: the scores of one method in one setting.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Row {
-    scores: Vec<Score>,
-}
-
-impl Row {
-    /// Adds a score.
-    pub(crate) fn push(&mut self, score: Score) {
-        self.scores.push(score);
-    }
-
-    /// Share of the runs whose K, λ and n all end within `bound` of the truth.
-    pub(crate) fn within(&self, bound: f64) -> f64 {
-        self.share(|score| score.worst < bound)
-    }
-
-    /// Share of the runs that flagged a change where there was none.
-    pub(crate) fn changed(&self) -> f64 {
-        self.share(|score| score.changes > 0)
-    }
-
-    fn share(&self, is: impl Fn(&Score) -> bool) -> f64 {
-        self.scores.iter().filter(|score| is(score)).count() as f64 / self.scores.len() as f64
-    }
-
-    /// The `share`-quantile of the settling times (s).
-    pub(crate) fn settles_s(&self, share: f64) -> f64 {
-        quantile(self.scores.iter().map(|score| score.settles_s), share)
-    }
-
-    /// The `share`-quantile of the surface's error (m).
-    pub(crate) fn surface_m(&self, share: f64) -> f64 {
-        quantile(
-            self.scores.iter().filter_map(|score| score.surface_m),
-            share,
-        )
-    }
-
-    /// Share of K, λ and n within 1.96 of their standard errors.
-    pub(crate) fn coverage(&self) -> [f64; 3] {
-        std::array::from_fn(|slot| self.share(|score| score.covered[slot]))
-    }
-}
-
-/// The `share`-quantile of some values.
-pub(crate) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    let at = ((values.len().max(1) - 1) as f64 * share).round() as usize;
-    values.get(at).copied().unwrap_or(f64::NAN)
+    (depth_m, gap_m(depth_m))
 }

@@ -1,16 +1,24 @@
 //! Prints the acceptance table: `cargo run --release -p tests --example acceptance -- 1000`.
 
-// The table and its small version each use a part of it.
+// The table and its small version each use a part of these.
 #[allow(dead_code)]
 mod cases;
 #[allow(dead_code)]
+mod floor;
+#[allow(dead_code)]
 mod relaxing;
+#[allow(dead_code)]
+mod rows;
+#[allow(dead_code)]
+mod score;
 
-use cases::{Case, Row, SETTINGS, score};
+use cases::{Case, SETTINGS, Touched};
 use estimator_core::config::Method;
+use rows::{Skew, Swap};
+use score::{Row, quantile, score};
 
 /// The methods side by side: name, method, whether the surface is told.
-const METHODS: [(&str, Method, bool); 4] = [
+const METHODS: [(&str, Method, bool); 6] = [
     (
         "two stages, surface known",
         Method::HuntCrossleyTwoStage,
@@ -19,6 +27,16 @@ const METHODS: [(&str, Method, bool); 4] = [
     (
         "two stages, surface from impact",
         Method::HuntCrossleyTwoStage,
+        false,
+    ),
+    (
+        "log-linear, surface known",
+        Method::HuntCrossleyLogLinear,
+        true,
+    ),
+    (
+        "log-linear, surface from impact",
+        Method::HuntCrossleyLogLinear,
         false,
     ),
     (
@@ -33,15 +51,63 @@ const METHODS: [(&str, Method, bool); 4] = [
     ),
 ];
 
+/// The methods without a known surface.
+const BLIND: [(&str, Method); 3] = [
+    ("two stages", Method::HuntCrossleyTwoStage),
+    ("log-linear", Method::HuntCrossleyLogLinear),
+    ("bank + refiner", Method::HuntCrossleyBank),
+];
+
+/// Seconds.
+const TEN_MINUTES: f64 = 600.0;
+const AN_HOUR: f64 = 3600.0;
+
 fn main() {
     let argument = std::env::args().nth(1);
     let seeds: u64 = argument.and_then(|text| text.parse().ok()).unwrap_or(100);
     if std::env::args().nth(2).as_deref() == Some("relaxing") {
         return print_relaxing(seeds);
     }
+    palpations(seeds);
+    skews(seeds);
+    swaps(seeds);
+    for touched in [Touched::Gel, Touched::Plastic] {
+        let flags = rows::false_flags(touched, AN_HOUR, 1);
+        println!("an hour of palpation, {touched:?}: {flags} false flags");
+    }
+    for touched in [Touched::Gel, Touched::Plastic] {
+        let (moved, grew) = rows::hold(touched, TEN_MINUTES, 1);
+        println!(
+            "ten-minute hold, {touched:?}: K, λ, n move {:.3} %, standard errors grow {grew:.2} times",
+            100.0 * moved
+        );
+    }
+    for touched in [Touched::Gel, Touched::Plastic] {
+        let apart = rows::single_against_double(touched, TEN_MINUTES, 1);
+        println!(
+            "f32 against f64 after ten minutes, {touched:?}: {:.1e} %",
+            100.0 * apart
+        );
+    }
+    let row = rows::at_noise(0.1, seeds);
     println!(
-        "{seeds} seeds a setting\n{:<32} {:>6} {:>6} {:>13} {:>9} {:>16} {:>7}",
-        "", "<1 %", "<5 %", "settles (s)", "surface", "coverage (%)", "false"
+        "noise 0.1 N, all settings, surface found: {:.1} ({:.1}) % within 5 %",
+        100.0 * row.within(0.05),
+        100.0 * row.floor_within(0.05)
+    );
+    for (name, method) in BLIND {
+        let runs: Vec<[f64; 3]> = (1..=seeds).map(|seed| rows::armcmc(method, seed)).collect();
+        let [k, b, n] = [0, 1, 2].map(|slot| 100.0 * quantile(runs.iter().map(|e| e[slot]), 0.5));
+        println!(
+            "ARMCMC's setting, {name:<15} K {k:.2} B {b:.2} n {n:.2} % (median; published 11.9, 12.5, 10.8)"
+        );
+    }
+}
+
+fn palpations(seeds: u64) {
+    println!(
+        "{seeds} seeds a setting; (…): an estimator at the Cramér–Rao bound\n{:<32} {:>13} {:>6} {:>25} {:>9} {:>16} {:>21} {:>6}",
+        "", "<1 %", "<5 %", "settles (s)", "surface", "coverage (%)", "rms error / bound", "false"
     );
     for (touched, stroke) in SETTINGS {
         println!("{touched:?}, {stroke:?}");
@@ -82,13 +148,54 @@ fn print_relaxing(seeds: u64) {
 
 fn print(name: &str, row: &Row) {
     let [stiffness, damping, exponent] = row.coverage().map(|share| 100.0 * share);
+    let ratios: Vec<String> = row
+        .over_floor()
+        .iter()
+        .map(|r| format!("{r:>4.1}"))
+        .collect();
     println!(
-        "  {name:<32} {:>5.1} {:>6.1} {:>6.2} / {:<5.2} {:>6.1} µm {stiffness:>5.0} {damping:>4.0} {exponent:>4.0} {:>7.3}",
+        "  {name:<32} {:>5.1} ({:>5.1}) {:>6.1} {:>5.2} / {:<5.2}({:.2} / {:.2}) {:>6.1} µm {stiffness:>5.0} {damping:>4.0} {exponent:>4.0} {:>21} {:>7.3}",
         100.0 * row.within(0.01),
+        100.0 * row.floor_within(0.01),
         100.0 * row.within(0.05),
         row.settles_s(0.5),
         row.settles_s(0.95),
+        row.floor_settles_s(0.5),
+        row.floor_settles_s(0.95),
         1e6 * row.surface_m(0.95),
+        ratios.join(" "),
         row.changed(),
     );
+}
+
+fn skews(seeds: u64) {
+    let methods = [
+        ("skew not asked for", Method::HuntCrossleyBank),
+        ("skew estimated", Method::HuntCrossleyBankSkew),
+    ];
+    for (name, method) in methods {
+        let skew = Skew::of(method, seeds);
+        let ((median, _), (damping, skew_s)) = (skew.errors(0.5), skew.errors(0.95));
+        println!(
+            "skew of ±2 ms on plastic, {name}: λ {:.2} / {:.2} %, skew {:.0} µs (median / 95 %, 95 %), rms error of λ {:.1} bounds",
+            100.0 * median,
+            100.0 * damping,
+            1e6 * skew_s,
+            skew.over_floor()
+        );
+    }
+}
+
+fn swaps(seeds: u64) {
+    for (name, method) in BLIND {
+        let swaps: Vec<Swap> = (1..=seeds).map(|seed| Swap::of(method, seed)).collect();
+        let settles = |share| quantile(swaps.iter().map(|swap| swap.settles_s), share);
+        let once = swaps.iter().filter(|swap| swap.flags == [0, 1]).count();
+        println!(
+            "material swap, {name}: settles {:.2} / {:.2} s, flagged once and only then {:.1} %",
+            settles(0.5),
+            settles(0.95),
+            100.0 * once as f64 / swaps.len() as f64
+        );
+    }
 }

@@ -18,7 +18,8 @@ use palpate::replay::samples;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::cases::{Stroke, quantile};
+use crate::cases::Stroke;
+use crate::score::quantile;
 
 /// Length of a case (s).
 const SECONDS: f64 = 8.0;

@@ -47,9 +47,15 @@ impl Emulator {
 
     /// Runs the firmware over the samples. Every log line also goes to `watch` as it comes.
     pub fn run(&self, samples: &[Sample<f32>], watch: impl FnMut(&str)) -> Result<Run, String> {
+        let frames: Vec<Frame> = samples.iter().copied().map(Frame::Sample).collect();
+        self.run_frames(&frames, watch)
+    }
+
+    /// The same over samples or codes.
+    pub fn run_frames(&self, frames: &[Frame], watch: impl FnMut(&str)) -> Result<Run, String> {
         let recording = self.directory.join("samples.frames");
         let telemetry = self.directory.join("telemetry.frames");
-        fs::write(&recording, recorded(samples))
+        fs::write(&recording, encoded(frames))
             .map_err(|e| format!("{}: {e}", recording.display()))?;
         let log = self.log_of_a_run(watch)?;
         let bytes = fs::read(&telemetry).map_err(|e| format!("{}: {e}", telemetry.display()))?;
@@ -124,12 +130,13 @@ fn path_from_env(name: &str) -> Result<PathBuf, String> {
         .ok_or_else(|| format!("{name} is not set: run `cargo xtask test`, which sets it"))
 }
 
-fn recorded(samples: &[Sample<f32>]) -> Vec<u8> {
+/// Frames one after another, numbered from 0.
+pub fn encoded(frames: &[Frame]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut encoded = [0; MAX_ENCODED];
-    for (sequence, sample) in samples.iter().enumerate() {
-        let length = encode(&Frame::Sample(*sample), sequence as u16, &mut encoded);
-        bytes.extend_from_slice(&encoded[..length]);
+    let mut out = [0; MAX_ENCODED];
+    for (sequence, frame) in frames.iter().enumerate() {
+        let length = encode(frame, sequence as u16, &mut out);
+        bytes.extend_from_slice(&out[..length]);
     }
     bytes
 }
@@ -152,14 +159,26 @@ pub struct Budget {
     pub ticks: u64,
     /// Records that found the queue full.
     pub dropped: u64,
+    /// Times that the task took longer than a tick.
+    pub overruns: u64,
+    /// Instants that no sample was taken of.
+    pub missed: u64,
+    /// Bytes of stack that were never used.
+    pub stack_free: u64,
     /// What a tick should take, in the board's unit.
     pub tick: u64,
     /// Between two starts of the task.
     pub period: Meter,
+    /// From the codes to SI units.
+    pub convert: Meter,
     /// `step`.
     pub step: Meter,
+    /// From the estimate to the queue.
+    pub queue: Meter,
     /// The whole task.
     pub task: Meter,
+    /// Encoding a record, at low priority.
+    pub encode: Meter,
 }
 
 /// Smallest, mean and largest of a series.
@@ -182,10 +201,16 @@ impl Budget {
             samples: number(field(line, "samples")?)?,
             ticks: number(field(line, "ticks")?)?,
             dropped: number(field(line, "dropped")?)?,
+            overruns: number(field(line, "overruns")?)?,
+            missed: number(field(line, "missed")?)?,
+            stack_free: number(field(line, "stack_free")?)?,
             tick: number(field(line, "tick")?)?,
             period: meter(field(line, "period")?)?,
+            convert: meter(field(line, "convert")?)?,
             step: meter(field(line, "step")?)?,
+            queue: meter(field(line, "queue")?)?,
             task: meter(field(line, "task")?)?,
+            encode: meter(field(line, "encode")?)?,
         })
     }
 }

@@ -47,6 +47,11 @@ impl<T: Real> SavitzkyGolayParams<T> {
         }
     }
 
+    /// (hₖ, slope weight) for k = 1…m.
+    pub(crate) fn sides(&self) -> &[(T, T)] {
+        self.sides.get(..self.half_width).unwrap_or(&[])
+    }
+
     pub(crate) fn delay_us(&self) -> u64 {
         self.delay_us
     }
@@ -83,17 +88,18 @@ impl<T: Real> History<T> {
         Some((window.get(..m)?, *window.get(m)?, window.get(m + 1..)?))
     }
 
-    /// The average alone.
-    fn average(&self, params: &SavitzkyGolayParams<T>, newest: usize) -> T {
+    /// Average and slope alone.
+    fn average(&self, params: &SavitzkyGolayParams<T>, newest: usize) -> (T, T) {
         let Some((before, centre, after)) = self.window(params.half_width, newest) else {
-            return T::nil();
+            return (T::nil(), T::nil());
         };
         // Differences to the centre: Σhₖ = 1, and a position of 0.2 m keeps its micrometres in f32.
-        let mut offset = T::nil();
-        for ((&past, &future), &(h, _)) in before.iter().rev().zip(after).zip(&params.sides) {
+        let (mut offset, mut slope) = (T::nil(), T::nil());
+        for ((&past, &future), &(h, d)) in before.iter().rev().zip(after).zip(&params.sides) {
             offset += h * ((past - centre) + (future - centre));
+            slope += d * (future - past);
         }
-        centre + offset
+        (centre + offset, slope)
     }
 
     /// Average and slope, and how the signal moves about them within the window.
@@ -177,10 +183,12 @@ impl<T: Real> SavitzkyGolay<T> {
         self.position.put(self.newest, width, sample.position_m);
         self.force.put(self.newest, width, sample.force_n);
         let position = self.position.moments(params, self.newest);
+        let (force_n, force_rate_nps) = self.force.average(params, self.newest);
         Aligned {
             position_m: position.value,
             speed_mps: position.slope,
-            force_n: self.force.average(params, self.newest),
+            force_n,
+            force_rate_nps,
             spread_m2: position.spread,
             coupling_m2ps: position.coupling,
         }

@@ -102,11 +102,12 @@ impl<T: Real> StateVariable<T> {
             self.restart(sample);
         }
         let (position_m, speed_mps) = self.position.update(params, sample.position_m);
-        let (force_n, _) = self.force.update(params, sample.force_n);
+        let (force_n, force_rate_nps) = self.force.update(params, sample.force_n);
         Aligned {
             position_m,
             speed_mps,
             force_n,
+            force_rate_nps,
             ..Aligned::default()
         }
     }

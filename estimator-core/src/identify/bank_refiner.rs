@@ -1,11 +1,17 @@
 //! Hunt–Crossley with an unknown surface: a bank to start from, a refiner to be exact, the bank again
 //! as its supervisor.
+//!
+//! All of them learn from pools of eight instants, and a second of contact stays in memory. A refiner
+//! whose linearisation is not good enough is succeeded by one that learns from that memory at a
+//! better place, three pools a sample, and takes over when it has caught up: nothing that was
+//! measured is lost. (Successors that began with an empty head needed 0.5–2.6 s to settle instead of
+//! 0.2–0.7 s, and ended 1.5–3 times above the Cramér–Rao bound instead of 1.0–1.3 times.)
 
 use nalgebra::Vector2;
 
 use super::kelvin_voigt::{damper, judged, spring};
-use super::{Bank, ForceNoise, Identify, Instant, Refiner};
-use crate::config::Params;
+use super::{Bank, ForceNoise, Identify, Instant, Memory, Pool, Pooled, Prior, Refiner};
+use crate::config::{Method, Params};
 use crate::contact::SurfacePosition;
 use crate::estimate::PARAMETER_SLOTS;
 use crate::rls::Excitation;
@@ -15,45 +21,80 @@ use crate::status::Judged;
 /// The grid of surfaces begins this many uncertainties of the impact before it, and reaches two
 /// beyond: a force threshold is late, never early.
 const SURFACES_BEFORE: f64 = 4.0;
-/// Samples between two looks at the bank: solving all its cells costs as much as updating them.
-const LOOK_EVERY: u32 = 8;
-/// Samples before the refiner starts, and the range of force that they must cover.
-const START_SAMPLES: f64 = 24.0;
+/// Pools between two looks at the bank: solving all its cells costs as much as updating them.
+const LOOK_EVERY: u32 = 4;
+/// Pools before the refiner starts, and the range of force that they must cover.
+const START_POOLS: f64 = 3.0;
 const START_RANGE: f64 = 2.0;
-/// When the error energy of a refiner that has had this many samples is this many times the bank's,
-/// the bank starts another: in its place while it is young, as its successor once it has settled.
+/// When the error energy of the refiner is this many times the bank's, the bank starts another.
 const WORSE: f64 = 8.0;
-const PATIENCE: u32 = 128;
-const SETTLED: u32 = 300;
 /// A successor is started when the linearisation leaves out more than this share of the variance of
-/// the filtered noise, from this many samples on; it takes over when its standard errors are within
-/// this factor of its predecessor's, or three quarters of the samples are its own.
+/// the filtered noise. Where it cannot learn from all that its predecessor knew, it takes over when
+/// its standard errors are within this factor, or three quarters of the samples are its own.
 const BEND: f64 = 0.02;
-const FIRST_SUCCESSOR: u32 = 32;
 const LIKE: f64 = 1.5;
-/// Forgetting of the bank (2000 samples) and of the refiner (50 000): the estimates of one material
-/// shall only get better; another material clears both.
-const BANK_BETA: f64 = 0.9995;
-const REFINER_BETA: f64 = 0.99998;
+/// Pools that a successor catches up with at every sample.
+const CATCH_UP: u32 = 3;
+/// Forgetting of the bank (2000 samples) and of the refiner (50 000), a pool of 8: the estimates of
+/// one material shall only get better; another material clears both.
+const BANK_BETA: f64 = 0.996;
+const REFINER_BETA: f64 = 0.99984;
+/// A window is inside when the depth, less this many standard errors of the surface, squared, is
+/// this many times its spread: 2.2² = 1/0.2.
+const SURELY: f64 = 3.0;
+const INSIDE: f64 = 0.2;
+/// Prior standard deviation of the skew (s).
+const SKEW_S: f64 = 3e-3;
+/// The size that an error of the skew is compared with (s).
+const SKEW_SIZE_S: f64 = 1e-3;
 
-/// Bank and refiner, scaled: θ = (K, λ, n, x₀).
+/// Bank and refiner, scaled: θ = (K, λ, n, x₀) and, if asked for, the skew τ.
 #[derive(Clone, Debug)]
 pub struct BankRefiner<T: Real> {
     bank: Option<Bank<T>>,
     refiner: Option<Refiner<T>>,
-    successor: Option<Refiner<T>>,
+    successor: Option<Successor<T>>,
+    std_errors: [T; 5],
+    prior: Prior<T>,
+    skew_size: T,
+    surface_known: bool,
+    pool: Pool<T>,
+    memory: Memory<T>,
     until_look: u32,
     excitation: Excitation<T, 2>,
 }
 
+/// A refiner that learns from memory what its predecessor learned live.
+#[derive(Clone, Debug)]
+struct Successor<T: Real> {
+    refiner: Refiner<T>,
+    next: u32,
+    /// The memory reaches back to the first contact.
+    complete: bool,
+}
+
 impl<T: Real> BankRefiner<T> {
     /// Before the first contact.
-    pub fn new() -> Self {
+    pub fn new(params: &Params<T>) -> Self {
+        let skew = match params.method {
+            Method::HuntCrossleyBankSkew => SKEW_S,
+            _ => 0.0,
+        };
+        let per_second = params.scale.speed_mps / params.scale.depth_m;
         BankRefiner {
             bank: None,
             refiner: None,
             successor: None,
-            until_look: LOOK_EVERY,
+            std_errors: [T::nil(); 5],
+            prior: Prior {
+                surface: T::nil(),
+                skew: T::from_f64(skew) * per_second,
+            },
+            skew_size: T::from_f64(SKEW_SIZE_S) * per_second,
+            surface_known: params.contact.surface_known(),
+            pool: Pool::default(),
+            memory: Memory::default(),
+            until_look: 1,
             excitation: Excitation::default(),
         }
     }
@@ -61,76 +102,130 @@ impl<T: Real> BankRefiner<T> {
     /// The surface (m) with its standard error, once the refiner runs.
     pub fn surface(&self, params: &Params<T>) -> Option<SurfacePosition<T>> {
         let refiner = self.refiner.as_ref()?;
-        let ([_, _, _, value], [_, _, _, error]) = (refiner.values(), refiner.std_errors());
+        let ([_, _, _, value, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
         Some(SurfacePosition {
             position_m: value * params.scale.depth_m,
             std_error_m: error * params.scale.depth_m,
         })
     }
 
+    /// Whether the whole window of the filter is in the material: of a steady motion it reaches 2.1
+    /// standard deviations of the position to either side.
+    pub fn is_inside(&self, at: &Instant<T>) -> bool {
+        let Some(refiner) = &self.refiner else {
+            return false;
+        };
+        let ([_, _, _, surface, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
+        let depth = at.position() - surface - T::from_f64(SURELY) * error;
+        depth > T::nil() && at.spread > T::nil() && at.spread < T::from_f64(INSIDE) * depth * depth
+    }
+
+    /// Everything learns from a pool.
+    fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
+        let bank = self.bank.get_or_insert_with(|| {
+            let step = if self.surface_known {
+                T::nil()
+            } else {
+                at.surface_error
+            };
+            Bank::new(at.surface - T::from_f64(SURFACES_BEFORE) * step, step)
+        });
+        bank.update(
+            pooled.position,
+            pooled.speed,
+            pooled.force,
+            T::from_f64(BANK_BETA),
+        );
+        self.prior.surface = at.surface_error.max_of(bank.surface_step());
+        self.memory.push(*pooled);
+        if let Some(refiner) = &mut self.refiner {
+            refiner.learn(pooled, noise, T::from_f64(REFINER_BETA));
+            self.std_errors = refiner.std_errors(at.rest_error, noise);
+        }
+        self.until_look = self.until_look.saturating_sub(1);
+        self.relinearise(noise);
+    }
+
+    /// Starts from the bank: the first refiner, or one in the place of another that has gone astray.
     fn supervise(&mut self, noise: &ForceNoise<T>) {
         let Some(bank) = &self.bank else { return };
         let (low, high) = bank.span();
         let ready =
-            bank.weight() >= T::from_f64(START_SAMPLES) && high > T::from_f64(START_RANGE) * low;
-        if !ready {
+            bank.weight() >= T::from_f64(START_POOLS) && high > T::from_f64(START_RANGE) * low;
+        if !ready || self.successor.is_some() {
             return;
         }
         let Some(candidate) = bank.best() else { return };
-        let started = || Some(Refiner::new(&candidate, bank.surface_step()));
-        let settled = match &self.refiner {
-            Some(refiner) if refiner.is_sound() => {
-                let floor = candidate.residual + noise.filtered * noise.filtered;
-                let worse = refiner.energy() > T::from_f64(WORSE) * floor;
-                if !worse || refiner.learned() <= PATIENCE {
-                    return;
-                }
-                refiner.learned() >= SETTLED
+        if let Some(refiner) = self.refiner.as_ref().filter(|refiner| refiner.is_sound()) {
+            let floor = candidate.residual + noise.filtered * noise.filtered;
+            if refiner.energy() <= T::from_f64(WORSE) * floor {
+                return;
             }
-            _ => false,
-        };
-        if !settled {
-            self.refiner = started();
-            self.successor = None;
-        } else if self.successor.is_none() {
-            self.successor = started();
+        }
+        self.begin(Refiner::new(&candidate, T::nil(), &self.prior));
+    }
+
+    /// Starts a refiner at a better place when the present one's linearisation matters.
+    fn relinearise(&mut self, noise: &ForceNoise<T>) {
+        let Some(refiner) = &self.refiner else { return };
+        let tolerated = T::from_f64(BEND) * noise.filtered * noise.filtered;
+        if self.successor.is_none() && refiner.is_sound() && refiner.bend() > tolerated {
+            self.begin(refiner.successor(&self.prior));
         }
     }
 
-    /// Starts a refiner at a better place when the present one's linearisation matters, and lets it
-    /// take over once it knows enough.
-    fn succeed(&mut self, noise: &ForceNoise<T>, surface_error: T) {
-        let Some(refiner) = &self.refiner else { return };
-        match &self.successor {
-            Some(successor) if takes_over(successor, refiner) => {
-                self.refiner = self.successor.take();
+    fn begin(&mut self, refiner: Refiner<T>) {
+        let next = self.memory.oldest();
+        let complete = next == 0;
+        self.successor = Some(Successor {
+            refiner,
+            next,
+            complete,
+        });
+    }
+
+    /// The successor learns from memory, and takes over once it knows what its predecessor does.
+    fn catch_up(&mut self, at: &Instant<T>, noise: &ForceNoise<T>) {
+        let Some(successor) = &mut self.successor else {
+            return;
+        };
+        for _ in 0..CATCH_UP {
+            if let Some(pooled) = self.memory.get(successor.next) {
+                successor
+                    .refiner
+                    .learn(pooled, noise, T::from_f64(REFINER_BETA));
+                successor.next += 1;
             }
-            Some(_) => {}
-            None => {
-                let tolerated = T::from_f64(BEND) * noise.filtered * noise.filtered;
-                if refiner.learned() >= FIRST_SUCCESSOR && refiner.bend() > tolerated {
-                    self.successor = Some(refiner.successor(surface_error));
-                }
+        }
+        if successor.next < self.memory.pushed() {
+            return;
+        }
+        let knows = match &self.refiner {
+            Some(refiner) if refiner.is_sound() && !successor.complete => {
+                takes_over(&successor.refiner, refiner)
+            }
+            _ => true,
+        };
+        if !successor.refiner.is_sound() {
+            self.successor = None;
+        } else if knows {
+            self.refiner = self.successor.take().map(|successor| successor.refiner);
+            if let Some(refiner) = &self.refiner {
+                self.std_errors = refiner.std_errors(at.rest_error, noise);
             }
         }
     }
 }
 
 fn takes_over<T: Real>(successor: &Refiner<T>, refiner: &Refiner<T>) -> bool {
-    let most = successor.learned() / 3 >= refiner.learned() / 4;
-    successor.is_sound() && (most || successor.knows_like(refiner, T::from_f64(LIKE)))
-}
-
-impl<T: Real> Default for BankRefiner<T> {
-    fn default() -> Self {
-        BankRefiner::new()
-    }
+    let most = successor.learned() > T::from_f64(0.75) * refiner.learned();
+    most || successor.knows_like(refiner, T::from_f64(LIKE))
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
     fn predict(&self, at: &Instant<T>, _noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
         match &self.refiner {
-            Some(refiner) => refiner.predict(at),
+            Some(refiner) => refiner.predict(&Pooled::of(at)),
             None => (at.force, T::nil()),
         }
     }
@@ -146,35 +241,49 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         if !self.excitation.admits(&phi, params.excitation_step) {
             return None;
         }
-        let bank = self.bank.get_or_insert_with(|| {
-            let step = at.surface_error;
-            Bank::new(at.surface - T::from_f64(SURFACES_BEFORE) * step, step)
-        });
-        bank.update(at.position(), at.speed, at.force, T::from_f64(BANK_BETA));
-        let surface_step = bank.surface_step();
-        self.until_look = self.until_look.saturating_sub(1);
-        if self.until_look == 0 {
-            self.until_look = LOOK_EVERY;
+        // One of the three a sample: together they would be the worst step by far.
+        if let Some(pooled) = self.pool.take(at) {
+            self.absorb(&pooled, at, noise);
+        } else if self.until_look == 0 {
+            let started = self.refiner.is_some();
+            self.until_look = if started { LOOK_EVERY } else { 1 };
             self.supervise(noise);
+        } else {
+            self.catch_up(at, noise);
         }
-        for refiner in self.refiner.iter_mut().chain(self.successor.iter_mut()) {
-            refiner.learn(at, noise, T::from_f64(REFINER_BETA));
-        }
-        self.succeed(noise, surface_step);
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }
 
-    fn reopen(&mut self, _params: &Params<T>) {
-        *self = BankRefiner::new();
+    fn admit(&mut self, pushed: bool) {
+        if !pushed {
+            self.pool.close();
+        }
+    }
+
+    fn reopen(&mut self, params: &Params<T>) {
+        *self = BankRefiner::new(params);
     }
 
     fn judged(&self, _noise: &ForceNoise<T>, _surface_error: T) -> [Judged<T>; PARAMETER_SLOTS] {
         let Some(refiner) = &self.refiner else {
             return [Judged::default(); PARAMETER_SLOTS];
         };
-        let [stiffness, damping, exponent, _] = refiner.values();
+        let [stiffness, damping, exponent, _, skew] = refiner.values();
         let exponent = (exponent, T::unit());
-        let values = [spring(stiffness), damper(damping, stiffness), exponent];
-        judged(&values, refiner.std_errors().iter())
+        let [
+            stiffness_error,
+            damping_error,
+            exponent_error,
+            _,
+            skew_error,
+        ] = self.std_errors;
+        let values = [
+            spring(stiffness),
+            damper(damping, stiffness),
+            exponent,
+            (skew, self.skew_size),
+        ];
+        let errors = [stiffness_error, damping_error, exponent_error, skew_error];
+        judged(&values, errors.iter())
     }
 }

@@ -25,8 +25,12 @@ impl<T: Real> ForgettingParams<T> {
     pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
         let forgetting = config.forgetting;
         let alpha_1 = forgetting.alpha_1.unwrap_or(match config.method {
-            Method::KelvinVoigt | Method::KelvinVoigtSurface => 0.001,
-            Method::HuntCrossleyTwoStage | Method::HuntCrossleyBank => 0.03,
+            Method::KelvinVoigt | Method::KelvinVoigtSurface | Method::HuntCrossleyLogLinear => {
+                0.001
+            }
+            Method::HuntCrossleyTwoStage
+            | Method::HuntCrossleyBank
+            | Method::HuntCrossleyBankSkew => 0.03,
             Method::ZenerArx | Method::HammersteinCascade | Method::HammersteinCascade2 => 0.001,
             // They forget by no error: what is another material starts them anew.
             Method::ZenerBank

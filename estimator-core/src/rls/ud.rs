@@ -54,6 +54,19 @@ impl<T: Real, const N: usize> Ud<T, N> {
         sum
     }
 
+    /// Pφ
+    pub fn times(&self, phi: &SVector<T, N>) -> SVector<T, N> {
+        let mut out = SVector::repeat(T::nil());
+        for j in 0..N {
+            let scaled = self.diagonal[j] * self.project(phi, j);
+            for i in 0..j {
+                out[i] += self.upper[(i, j)] * scaled;
+            }
+            out[j] += scaled;
+        }
+        out
+    }
+
     /// Component j of Uᵀφ.
     fn project(&self, phi: &SVector<T, N>, j: usize) -> T {
         let mut f = phi[j];
@@ -150,6 +163,7 @@ mod tests {
         let phi = Vector3::new(0.3, -2.0, 0.9);
         let direct = (phi.transpose() * ud.matrix() * phi)[0];
         assert!((ud.variance(&phi) - direct).abs() < 1e-12 * direct);
+        assert!((ud.times(&phi) - ud.matrix() * phi).norm() < 1e-12);
     }
 
     #[test]

@@ -143,6 +143,14 @@ impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
             gradient: self.combine(by_base, exponent, by_exponent),
         }
     }
+
+    fn sin(self) -> Self {
+        self.chain(self.value.sin(), self.value.cos())
+    }
+
+    fn cos(self) -> Self {
+        self.chain(self.value.cos(), -self.value.sin())
+    }
 }
 
 #[cfg(test)]
@@ -153,7 +161,7 @@ mod tests {
 
     /// d^n·e^d / (d + n) at (d, n), by hand and by central differences.
     fn function<S: Scalar>(d: S, n: S) -> S {
-        d.pow_positive(n) * d.exp() / (d + n) - d.ln() * n
+        d.pow_positive(n) * d.exp() / (d + n) - d.ln() * n + (d * n).sin() * d.cos() + d.tanh()
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! A proof by linking: the panic handler calls a function that does not exist, so this program
-//! links only if the optimiser has shown that no panic can be reached from `step`, from building
-//! its state, and from encoding what it returns. With the feature `panic-control` there is one,
-//! and the link must fail; `cargo xtask test` does both. Release profile only.
+//! links only if the optimiser has shown that no panic can be reached from the sampling task
+//! (the core's `sampling` and `budget`: convert, step, take over other settings, count, queue), from
+//! building its state, from a compensation before the step, from encoding what it returns, and from
+//! taking commands apart. With the feature `panic-control` there is one, and the link must fail;
+//! `cargo xtask test` does both. Release profile only.
 #![no_std]
 #![no_main]
 #![deny(missing_docs)]
@@ -9,8 +11,14 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
-use estimator_core::frame::{Frame, MAX_ENCODED, encode};
-use estimator_core::{Config, Params, Sample, State, step};
+use estimator_core::budget::{Budget, Stations};
+use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
+use estimator_core::link::{Change, Health};
+use estimator_core::rig::{Compensation, MOST_EFFECTS};
+use estimator_core::sampling::{Record, Sampler};
+use estimator_core::sensing::Codes;
+use estimator_core::settings::{Settings, Setup};
+use heapless::spsc::Queue;
 // For the interrupt vectors.
 use stm32f4xx_hal as _;
 
@@ -24,25 +32,78 @@ fn panic(_: &PanicInfo) -> ! {
     unsafe { a_panic_path_is_left() }
 }
 
-/// Samples and settings that the optimiser knows nothing about.
+/// Codes and settings that the optimiser knows nothing about.
 #[entry]
 fn main() -> ! {
-    if let Ok(params) = black_box(Config::default()).validate::<f32>() {
-        forever(&params);
+    let effects = black_box([None; MOST_EFFECTS]);
+    let compensation = Compensation::new(&effects, black_box(1000.0), black_box(1e-6));
+    if let (Ok(setup), Ok(compensation)) = (black_box(Settings::default()).setup(), compensation) {
+        forever(setup, &compensation);
     }
     stop()
 }
 
-fn forever(params: &Params<f32>) -> ! {
-    let mut state = State::new(params);
+fn forever(setup: Setup, compensation: &Compensation<f32>) -> ! {
+    let mut sampler = Sampler::new(setup);
+    let mut memory = compensation.at_rest();
+    let mut budget = Budget::new();
+    let mut queue: Queue<Record, 4> = Queue::new();
+    let (mut outbox, mut inbox) = queue.split();
+    let mut decoder = Decoder::new();
     loop {
-        let estimate = step(params, &mut state, black_box(Sample::default()));
-        let mut bytes = [0; MAX_ENCODED];
-        let length = encode(&Frame::Estimate(estimate), black_box(0), &mut bytes);
-        black_box((length, bytes));
-        #[cfg(feature = "panic-control")]
-        black_box(bytes[black_box(length)]);
+        let codes = black_box(Codes::default());
+        let sample = compensation.step(&mut memory, sampler.convert(&codes));
+        let estimate = sampler.step(sample);
+        let record = Record {
+            codes: Some(codes),
+            sample,
+            estimate,
+        };
+        let dropped = sampler.is_sent(&estimate) && outbox.enqueue(record).is_err();
+        let [start, acquired, converted, stepped, queued] = black_box([0; 5]);
+        let at = Stations {
+            start,
+            acquired,
+            converted,
+            stepped,
+            queued,
+        };
+        budget.sample(&at, &sample, dropped, black_box(1000), black_box(1));
+        if black_box(false) {
+            let restart = black_box(true);
+            sampler.apply(&Change { setup, restart });
+        }
+        let health = Health {
+            samples: budget.samples,
+            dropped: budget.dropped,
+            overruns: budget.overruns,
+            missed: budget.missed,
+            period: budget.period.range(),
+            task: budget.task.range(),
+            ..Health::default()
+        };
+        black_box((budget.ticks, budget.finished));
+        black_box((
+            budget.convert.range(),
+            budget.step.range(),
+            budget.queue.range(),
+        ));
+        send(&Frame::Health(health));
+        if let Some(record) = inbox.dequeue() {
+            send(&Frame::Sample(record.sample));
+            send(&Frame::Estimate(record.estimate));
+            send(&Frame::Codes(record.codes.unwrap_or_default()));
+        }
+        black_box(decoder.push(black_box(0)));
     }
+}
+
+fn send(frame: &Frame) {
+    let mut bytes = [0; MAX_ENCODED];
+    let length = encode(frame, black_box(0), &mut bytes);
+    black_box((length, bytes));
+    #[cfg(feature = "panic-control")]
+    black_box(bytes[black_box(length)]);
 }
 
 fn stop() -> ! {

@@ -1,26 +1,34 @@
 //! The emulator: QEMU's `netduinoplus2`, an STM32F405 of which the core, the FPU, the NVIC and
 //! SysTick work and the peripherals read 0 (README, "What the emulator cannot show").
 //!
-//! Samples come from the file [`SAMPLES`], frames go into [`TELEMETRY`], both in QEMU's working
-//! directory. Run with `-icount shift=0,sleep=off`: 1 instruction is then 1 ns of virtual time.
+//! Samples come from the file [`SAMPLES`], frames go into [`TELEMETRY`], commands come from
+//! [`COMMANDS`] and settings are kept in `settings.flash`, all in QEMU's working directory. Run with `-icount shift=0,sleep=off`: 1 instruction is then 1 ns of virtual time.
 
-use super::{Acquired, Board, Link, Outcome, RATE_HZ, RawSample, Reading, Sensors};
+mod flash;
+
+use super::{Acquired, Board, Link, Outcome, Parts, RATE_HZ, Sensors, Watchdog};
 use core::convert::Infallible;
 use core::ffi::CStr;
 use cortex_m::peripheral::{NVIC, syst::SystClkSource};
 use cortex_m_rt::exception;
 use defmt_semihosting as _;
 use embedded_hal::digital::{ErrorType, OutputPin};
-use estimator_core::frame::{Decoder, Frame, MAX_ENCODED};
+use estimator_core::frame::{CODES_ENCODED, Decoder, Frame, MAX_ENCODED, SAMPLE_ENCODED};
+use estimator_core::settings::store::Store;
+use flash::{FlashFile, SECTOR};
 use semihosting::fs::File;
 use semihosting::io::{Read, Write};
 use stm32f4xx_hal::pac;
 
-/// Where the samples come from: frames, of which [`Frame::Sample`] are used and others skipped, so
-/// that a recording of a board replays as it is.
+/// Where the samples come from: frames, of which [`Frame::Sample`] and [`Frame::Codes`] are used and
+/// others skipped.
 const SAMPLES: &CStr = c"samples.frames";
 /// Where the frames go.
 const TELEMETRY: &CStr = c"telemetry.frames";
+/// Where commands come from, if it is there at the start; may grow while the emulator runs.
+const COMMANDS: &CStr = c"commands.frames";
+/// Ticks between two looks into it: a look costs the host microseconds.
+const LOOK_EVERY: u32 = 32;
 
 /// A semihosting call stops the emulator for microseconds of real time: one per 100 samples.
 const BLOCK: usize = 4096;
@@ -39,9 +47,18 @@ impl Board for Qemu {
     type Sensors = Recording;
     type Link = Output;
     type Light = NoLight;
+    type Flash = FlashFile;
+    type Watchdog = NoWatchdog;
 
-    fn start(mut core: cortex_m::Peripherals, _: pac::Peripherals) -> (Recording, Output, NoLight) {
-        let parts = (Recording::open(), Output::create(), NoLight);
+    fn start(mut core: cortex_m::Peripherals, _: pac::Peripherals) -> Parts<Qemu> {
+        let parts = Parts {
+            sensors: Recording::open(),
+            link: Output::create(),
+            light: NoLight,
+            store: Store::new(FlashFile::open(), 0, SECTOR),
+            watchdog: NoWatchdog,
+            clock_fallback: false,
+        };
         core.SYST.set_clock_source(SystClkSource::Core);
         core.SYST.set_reload(CORE_HZ / RATE_HZ - 1);
         core.SYST.clear_current();
@@ -120,14 +137,8 @@ impl Sensors for Recording {
     fn sample(&mut self) -> Acquired {
         while let Some(byte) = self.next_byte() {
             match self.decoder.push(byte) {
-                Some(Ok((_, Frame::Sample(sample)))) => {
-                    return Acquired::Sample(RawSample {
-                        time_us: sample.time_us,
-                        position: recorded(sample.position_m),
-                        force: recorded(sample.force_n),
-                        faults: sample.faults,
-                    });
-                }
+                Some(Ok((_, Frame::Sample(sample)))) => return Acquired::Sample(sample),
+                Some(Ok((_, Frame::Codes(codes)))) => return Acquired::Codes(codes),
                 Some(Ok(_)) | None => {}
                 Some(Err(error)) => {
                     defmt::panic!("samples.frames: {}", defmt::Debug2Format(&error))
@@ -138,18 +149,13 @@ impl Sensors for Recording {
     }
 }
 
-/// A value that is in SI already.
-fn recorded(value: f32) -> Reading {
-    Reading {
-        code: 1,
-        si_per_code: value,
-    }
-}
-
 /// A link that writes a file.
 pub struct Output {
     file: File,
     block: heapless::Vec<u8, BLOCK>,
+    commands: Option<File>,
+    received: heapless::Deque<u8, 64>,
+    looks: u32,
 }
 
 impl Output {
@@ -160,6 +166,22 @@ impl Output {
         Output {
             file,
             block: heapless::Vec::new(),
+            commands: File::open(COMMANDS).ok(),
+            received: heapless::Deque::new(),
+            looks: 0,
+        }
+    }
+
+    /// At the end of the file there is nothing, until there is more.
+    fn look_for_commands(&mut self) {
+        let mut bytes = [0; 64];
+        let count = match &mut self.commands {
+            Some(file) => file.read(&mut bytes).unwrap_or(0),
+            None => 0,
+        };
+        for byte in bytes.iter().take(count) {
+            // As many as fit: it is empty here.
+            let _ = self.received.push_back(*byte);
         }
     }
 }
@@ -176,9 +198,20 @@ impl Link for Output {
     }
 
     fn poll(&mut self) {
-        if self.room() < 4 * MAX_ENCODED {
+        if self.room() < MAX_ENCODED + 2 * (MAX_ENCODED + SAMPLE_ENCODED + CODES_ENCODED) {
             self.finish();
         }
+    }
+
+    fn receive(&mut self) -> Option<u8> {
+        if self.received.is_empty() {
+            self.looks += 1;
+            if self.looks >= LOOK_EVERY {
+                self.looks = 0;
+                self.look_for_commands();
+            }
+        }
+        self.received.pop_front()
     }
 
     fn finish(&mut self) {
@@ -187,6 +220,13 @@ impl Link for Output {
         }
         self.block.clear();
     }
+}
+
+/// The machine's watchdog does nothing.
+pub struct NoWatchdog;
+
+impl Watchdog for NoWatchdog {
+    fn feed(&mut self) {}
 }
 
 /// The machine has no light.

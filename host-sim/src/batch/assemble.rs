@@ -6,7 +6,7 @@ use estimator_core::estimate::Estimated;
 use super::course::{Course, Node, Use};
 use super::family::{Family, natural};
 use super::fit::{Fit, Problem};
-use super::kinematics::Kinematics;
+use crate::kinematics::Kinematics;
 use super::modulus::Indenter;
 use super::result::{Batch, Columns, Modulus, Parameter, Tried};
 use super::select::{Candidate, Fixed, candidates};

@@ -20,7 +20,7 @@
 
 use std::ops::Range;
 
-use super::kinematics::Kinematics;
+use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::replay::Replay;
 use crate::signal;
@@ -352,7 +352,7 @@ impl Block {
 
 #[cfg(test)]
 mod tests {
-    use super::super::kinematics::kinematics;
+    use crate::kinematics::kinematics;
     use super::*;
     use crate::estimate::{Choices, setup};
     use crate::log::Log;

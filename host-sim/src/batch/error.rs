@@ -9,7 +9,7 @@
 use estimator_core::estimate::Estimated;
 use estimator_core::scalar::Dual;
 
-use super::dense;
+use crate::dense;
 use super::family::natural;
 use super::fit::Problem;
 
@@ -29,7 +29,7 @@ pub(super) struct Covariance {
 }
 
 /// Integrated autocorrelation 1 + 2Σρ(l), up to the first lag that is below its own noise 2/√N.
-pub(super) fn correlation(residuals: &[f64]) -> f64 {
+pub(crate) fn correlation(residuals: &[f64]) -> f64 {
     let count = residuals.len();
     let square: f64 = residuals.iter().map(|r| r * r).sum();
     if count < 10 || square <= 0.0 {

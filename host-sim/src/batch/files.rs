@@ -28,7 +28,9 @@ pub fn write(
     batch: &Batch,
     every: usize,
 ) -> Result<(), Box<dyn Error>> {
-    write_json(&folder.join("estimate.json"), &json(batch))?;
+    let mut numbers = json(batch);
+    numbers["compensated"] = json!(log.compensated.effects);
+    write_json(&folder.join("estimate.json"), &numbers)?;
     write_csv(&folder.join("estimate.csv"), log, batch, every)?;
     show::document(log, batch, path)?.write(&folder.join("report.html"))?;
     Ok(())

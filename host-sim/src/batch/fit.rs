@@ -7,7 +7,7 @@
 use estimator_core::scalar::Dual;
 
 use super::course::{Node, Scales};
-use super::dense;
+use crate::dense;
 use super::family::{Family, natural};
 
 /// Most steps. Typical are 6 to 15 from a start of `start`.

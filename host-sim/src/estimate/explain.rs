@@ -115,7 +115,10 @@ fn surface_misfit(replay: &Replay, outcome: &Outcome) -> Option<f64> {
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
-    if !matches!(outcome.law, LawKind::KelvinVoigt | LawKind::HuntCrossley) {
+    if !matches!(
+        outcome.law,
+        LawKind::KelvinVoigt | LawKind::HuntCrossley | LawKind::HuntCrossleySkew
+    ) {
         return None;
     }
     let hold = inspection
@@ -158,7 +161,9 @@ fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
     };
     let bent = match outcome.law {
         LawKind::KelvinVoigt => "stiffness and damping",
-        LawKind::HuntCrossley => "stiffness, damping and exponent together",
+        LawKind::HuntCrossley | LawKind::HuntCrossleySkew => {
+            "stiffness, damping and exponent together"
+        }
         LawKind::Zener => "the resting stiffness",
         LawKind::QuasiLinear | LawKind::QuasiLinear2 => "stiffness and exponent together",
     };

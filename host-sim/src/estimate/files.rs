@@ -21,6 +21,8 @@ pub(super) struct Context<'a> {
     pub(super) noise_n: f64,
     /// The laws that were compared, each with its RMSE (N), if the law was to be chosen.
     pub(super) selection: &'a [(&'a str, Option<f64>)],
+    /// The effects that were taken off the log.
+    pub(super) compensated: &'a [String],
     /// What a reader must know, a sentence each.
     pub(super) notes: &'a [String],
 }
@@ -93,6 +95,7 @@ pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
         "touches": touches.collect::<Vec<_>>(),
         "events": events.collect::<Vec<_>>(),
         "selection": selection.collect::<Vec<_>>(),
+        "compensated": context.compensated,
         "notes": context.notes,
     })
 }

@@ -101,7 +101,7 @@ pub fn law_with(law: LawKind, parameters: &Parameters<f32>, reference_depth_m: f
             stiffness_n_per_m: value(0)?,
             damping_ns_per_m: value(1)?,
         }),
-        LawKind::HuntCrossley => Law::HuntCrossley(HuntCrossley::new(
+        LawKind::HuntCrossley | LawKind::HuntCrossleySkew => Law::HuntCrossley(HuntCrossley::new(
             value(0)?,
             value(1)?,
             value(2)?,

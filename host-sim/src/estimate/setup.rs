@@ -57,6 +57,9 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
             position_m: position_m as f32,
         };
     }
+    if let Some(noise_n) = log.compensated.noise_n {
+        config.contact.force_noise_n.get_or_insert(noise_n as f32);
+    }
     set_scales(&mut config, &mut notes, log, choices.reference_depth_m);
     set_free_air(&mut config, &mut notes, log);
     set_touch(&mut config, &mut notes, log);

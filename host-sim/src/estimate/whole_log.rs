@@ -83,7 +83,7 @@ pub(super) fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
         poisson: args.batch.poisson.unwrap_or(Options::default().poisson),
     };
     for (path, name) in args.logs.iter().zip(names(&args.logs)) {
-        let log = args.reading.read(path)?;
+        let log = args.read(path)?;
         let fitted = batch(&log, base, &options)?;
         say(summary(path, &log, &fitted))?;
         if let Some(out) = &args.out {

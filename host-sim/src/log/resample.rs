@@ -14,8 +14,19 @@ const EVEN_PERIODS: f64 = 0.01;
 /// Largest grid (samples): 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
 const LARGEST_GRID: f64 = 5e7;
 
+/// What was taken off a log, see [`crate::compensate`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Compensated {
+    /// Ids of the effects.
+    pub effects: Vec<String>,
+    /// Noise of the force (N) before a window made it smoother than it is.
+    pub noise_n: Option<f64>,
+    /// Samples that the load cell's limit has touched; empty if none can.
+    pub saturated: Vec<bool>,
+}
+
 /// A log with even spacing in time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct UniformLog {
     /// Where it came from; empty for a log that is in memory only.
     pub path: PathBuf,
@@ -31,6 +42,8 @@ pub struct UniformLog {
     pub in_gap: Vec<bool>,
     /// Whether the channels are the log's own, bit for bit.
     pub untouched: bool,
+    /// What was taken off its channels.
+    pub compensated: Compensated,
     /// The log's notes, and what was done to its samples.
     pub notes: Vec<String>,
 }
@@ -48,6 +61,9 @@ impl UniformLog {
 
     /// Standard deviation of the force noise (N), from the samples that were not invented.
     pub fn force_noise_n(&self) -> f64 {
+        if let Some(noise_n) = self.compensated.noise_n {
+            return noise_n;
+        }
         let measured = self.in_gap.chunk_by(|a, b| a == b).scan(0, |start, run| {
             let from = *start;
             *start += run.len();
@@ -127,6 +143,7 @@ impl Log {
             force_n: self.force_n.clone(),
             in_gap: vec![false; self.len()],
             untouched: true,
+            compensated: Compensated::default(),
             notes: self.notes.clone(),
         }
     }
@@ -142,6 +159,7 @@ impl Log {
             force_n: Vec::with_capacity(count),
             in_gap: Vec::with_capacity(count),
             untouched: false,
+            compensated: Compensated::default(),
             notes: self.notes.clone(),
         };
         let mut left = 0;

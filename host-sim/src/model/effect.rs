@@ -1,17 +1,20 @@
-//! Effects of a rig as a model file names them.
+//! Effects of a rig as a model file names them, and as the core computes them.
+
+use estimator_core::effect::{self, Bounds as CoreBounds, EffectId, MOST_PARAMETERS};
 
 use super::Fit;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::toml_reader::{Bounds, Table};
 
 /// Something that the rig adds: an id of the catalogue with its parameters.
 ///
-/// Any id with any numbers reads; whoever uses an effect checks that it knows it.
+/// The parameters of an effect of the catalogue are checked as it is read. An unknown id reads, so
+/// that a file of a later version can be shown; [`Effect::core`] refuses it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Effect {
     /// Id in the catalogue, such as `coulomb_friction`.
     pub id: String,
-    /// Its parameters in SI units, in the order of the file.
+    /// Its parameters in SI units.
     pub parameters: Vec<(String, f64)>,
     /// What a fit must not move and what it found.
     pub fit: Fit,
@@ -24,15 +27,10 @@ impl Effect {
         let id = table
             .required_text("id", &["coulomb_friction", "tool_inertia"])?
             .to_string();
-        let names: Vec<String> = table
-            .remaining_keys()
-            .into_iter()
-            .filter(|key| key != "fixed" && key != "std_error")
-            .collect();
-        let value = |name: &String| -> Result<(String, f64), Diagnostic> {
-            Ok((name.clone(), table.required_number(name, Bounds::Any)?))
+        let (names, parameters) = match EffectId::from_name(&id) {
+            Some(known) => of_the_catalogue(known, table)?,
+            None => whatever(table)?,
         };
-        let parameters = names.iter().map(value).collect::<Result<_, _>>()?;
         let fit = Fit::from_table(table, &names)?;
         table.finish()?;
         Ok(Effect {
@@ -48,4 +46,130 @@ impl Effect {
         let found = self.parameters.iter().find(|(key, _)| key == name)?;
         Some(found.1)
     }
+
+    /// The effect as the core computes it; parameters that are not given are the usual ones.
+    ///
+    /// # Errors
+    /// An id or a parameter that the catalogue does not have, a parameter that is missing or cannot
+    /// have its value. The line is that of the effect.
+    pub fn core(&self) -> Result<effect::Effect<f64>, Diagnostic> {
+        let id = EffectId::from_name(&self.id).ok_or_else(|| self.unknown())?;
+        let known = id.info().parameters;
+        if let Some((name, _)) = self
+            .parameters
+            .iter()
+            .find(|(name, _)| known.iter().all(|info| info.name != name))
+        {
+            let names: Vec<String> = known.iter().map(|info| info.name.to_string()).collect();
+            let here = self.wrong("").at_key(&format!("effect.{name}"));
+            return Err(super::unknown_parameter(here, name, &names));
+        }
+        let mut row = [0.0; MOST_PARAMETERS];
+        for (own, info) in row.iter_mut().zip(known) {
+            let value = self.parameter(info.name).or(info.usual);
+            *own = value.ok_or_else(|| self.wrong_value(info, None))?;
+            if !info.bounds.allow(*own) {
+                return Err(self.wrong_value(info, Some(*own)));
+            }
+        }
+        Ok(effect::Effect::new(id, &row))
+    }
+
+    fn unknown(&self) -> Diagnostic {
+        let names = || EffectId::ALL.iter().map(|id| id.name());
+        let diagnostic = self
+            .wrong(format!("unknown effect `{}`", self.id))
+            .at_key("effect.id")
+            .value(&self.id)
+            .note(format!("the effects are {}", listed(names())));
+        match nearest(&self.id, names()) {
+            Some(near) => diagnostic.remedy(format!("write \"{near}\"")),
+            None => diagnostic.remedy("`palpate effects` says what each of them is"),
+        }
+    }
+
+    fn wrong_value(&self, info: &effect::ParameterInfo, value: Option<f64>) -> Diagnostic {
+        let what = match value {
+            None => format!("`{}` is missing", info.name),
+            Some(_) => "a number outside its bounds".to_string(),
+        };
+        let mut diagnostic = self
+            .wrong(what)
+            .at_key(&format!("effect.{}", info.name))
+            .remedy(format!(
+                "`{}` of {} is {}, in {}",
+                info.name,
+                self.id,
+                info.bounds.name(),
+                info.unit
+            ));
+        diagnostic.value = value.map(|value| value.to_string());
+        diagnostic
+    }
+
+    /// An error about this effect.
+    pub(super) fn wrong(&self, what: impl Into<String>) -> Diagnostic {
+        let mut diagnostic = Diagnostic::new(what);
+        diagnostic.line = self.line;
+        diagnostic
+    }
 }
+
+/// The parameters of an effect with their values, named as in files; those that are at their usual
+/// value because nobody wrote them are named too.
+impl From<effect::Effect<f64>> for Effect {
+    fn from(core: effect::Effect<f64>) -> Effect {
+        let parameters = core.id().info().parameters.iter().zip(core.row());
+        Effect {
+            id: core.id().name().to_string(),
+            parameters: parameters
+                .map(|(info, value)| (info.name.to_string(), value))
+                .collect(),
+            ..Effect::default()
+        }
+    }
+}
+
+type Parameters = (Vec<String>, Vec<(String, f64)>);
+
+/// The parameters of an effect of the catalogue: names that a fit may use, values that are given.
+fn of_the_catalogue(id: EffectId, table: &Table<'_>) -> Result<Parameters, Diagnostic> {
+    let known = id.info().parameters;
+    let names: Vec<&str> = known.iter().map(|info| info.name).collect();
+    table.understand(&names);
+    table.understand(&["fixed", "std_error"]);
+    let mut given = Vec::new();
+    for info in known {
+        let bounds = bounds(info.bounds);
+        let value = match info.usual {
+            None => Some(table.required_number(info.name, bounds)?),
+            Some(_) => table.number(info.name, bounds)?,
+        };
+        given.extend(value.map(|value| (info.name.to_string(), value)));
+    }
+    Ok((names.into_iter().map(str::to_string).collect(), given))
+}
+
+/// Whatever an unknown effect has.
+fn whatever(table: &Table<'_>) -> Result<Parameters, Diagnostic> {
+    let mut names = table.remaining_keys();
+    names.retain(|key| key != "fixed" && key != "std_error");
+    let value = |name: &String| -> Result<(String, f64), Diagnostic> {
+        Ok((name.clone(), table.required_number(name, Bounds::Any)?))
+    };
+    let parameters = names.iter().map(value).collect::<Result<_, _>>()?;
+    Ok((names, parameters))
+}
+
+fn bounds(core: CoreBounds) -> Bounds {
+    match core {
+        CoreBounds::Any | CoreBounds::Angle => Bounds::Any,
+        CoreBounds::NotNegative => Bounds::NotNegative,
+        CoreBounds::Positive => Bounds::Positive,
+        CoreBounds::Fraction => Bounds::Fraction,
+    }
+}
+
+#[cfg(test)]
+#[path = "effect_tests.rs"]
+mod tests;

@@ -164,6 +164,59 @@ impl Environment {
         parameters
     }
 
+    /// The same law with other values, in the order of [`Environment::parameters`]; what is missing
+    /// stays.
+    #[must_use]
+    pub fn with_values(&self, values: &[f64]) -> Environment {
+        let mut environment = self.clone();
+        let mut values = values.iter().copied();
+        let mut set = |own: &mut f64| *own = values.next().unwrap_or(*own);
+        match &mut environment.law {
+            EnvironmentLaw::Free => return environment,
+            EnvironmentLaw::KelvinVoigt { stiffness, damping } => {
+                set(stiffness);
+                set(damping);
+            }
+            EnvironmentLaw::HuntCrossley {
+                stiffness,
+                damping,
+                exponent,
+                damping_exponent,
+            } => {
+                set(stiffness);
+                set(damping);
+                set(exponent);
+                damping_exponent.iter_mut().for_each(&mut set);
+            }
+            EnvironmentLaw::Zener {
+                stiffness,
+                second_stiffness,
+                damping,
+            } => {
+                set(stiffness);
+                set(second_stiffness);
+                set(damping);
+            }
+            EnvironmentLaw::QuasiLinear {
+                stiffness,
+                elastic,
+                relaxation,
+            } => {
+                set(stiffness);
+                match elastic {
+                    Elastic::Power { exponent } => set(exponent),
+                    Elastic::Exponential { stiffening_rate } => set(stiffening_rate),
+                }
+                for mode in relaxation {
+                    set(&mut mode.fraction);
+                    set(&mut mode.rate);
+                }
+            }
+        }
+        set(&mut environment.surface_m);
+        environment
+    }
+
     /// The environment as the simulated rig can have it; `None` if it has more than [`MODES`]
     /// relaxation modes.
     pub fn contact(&self) -> Option<Contact> {

@@ -4,9 +4,10 @@ use estimator_core::law::{
     HuntCrossley, KelvinVoigt, QuasiLinear, QuasiLinearState, RelaxingLaw, Zener, ZenerState,
     unilateral,
 };
+use estimator_core::rig::{Environment, MOST_MODES};
 
 /// Most relaxation modes of a quasi-linear material; modes that are not used have fraction 0.
-pub const MODES: usize = 4;
+pub const MODES: usize = MOST_MODES;
 
 /// The laws that the rig simulates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,42 +98,27 @@ impl Contact {
         surface_m: 0.0,
     };
 
+    /// The same in the parts that effects act on.
+    pub fn environment(&self) -> Environment<f64> {
+        let environment = match self.law {
+            Law::Free => Environment::free(),
+            Law::KelvinVoigt(law) => law.into(),
+            Law::HuntCrossley(law) => law.into(),
+            Law::Zener(law) => law.into(),
+            Law::QuasiLinear(law) => law.into(),
+        };
+        environment.at(self.surface_m)
+    }
+
     /// Force on the probe (N) at `position_m` (m), moving at `speed_mps` (m/s), of a material that
     /// was at rest until now: max(law, 0), for a surface that does not stick.
     pub fn force_n(&self, position_m: f64, speed_mps: f64) -> f64 {
-        self.step(&mut self.law.at_rest(), position_m, speed_mps, 0.0)
-    }
-
-    /// Force on the probe (N) one period (s) after the last step: max(law, 0). The saturation does
-    /// not reach the memory.
-    pub fn step(&self, memory: &mut Memory, position_m: f64, speed_mps: f64, period_s: f64) -> f64 {
-        let depth_m = position_m - self.surface_m;
-        unilateral(self.law.step(memory, depth_m, speed_mps, period_s))
+        unilateral(self.law.force_n(position_m - self.surface_m, speed_mps))
     }
 
     /// Whether a probe at `position_m` (m) is in the material.
     pub fn touches(&self, position_m: f64) -> bool {
         self.law != Law::Free && position_m > self.surface_m
-    }
-
-    /// Depth (m) at which the material at rest pushes with `force_n` (N); `None` in free air or if
-    /// it never does within a metre.
-    pub fn depth_at_m(&self, force_n: f64) -> Option<f64> {
-        let pushes = |depth_m: f64| self.force_n(self.surface_m + depth_m, 0.0) >= force_n;
-        let (mut low, mut high) = (0.0, 1.0);
-        if !pushes(high) {
-            return None;
-        }
-        // 60 halvings of a metre: to the last bit of any depth above a picometre.
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if pushes(middle) {
-                high = middle
-            } else {
-                low = middle
-            }
-        }
-        Some(high)
     }
 }
 
@@ -175,16 +161,6 @@ mod tests {
         assert_eq!(GEL.at(0.0).force_n(1e-3, -1.0), 0.0);
         assert_eq!(Contact::FREE.force_n(1.0, 1.0), 0.0);
         assert!(!Contact::FREE.touches(1.0));
-    }
-
-    #[test]
-    fn the_depth_of_a_force_is_where_the_law_has_it() {
-        // (F/Kδ₀)^(1/n)·δ₀
-        let exact = (10.0_f64 / 1.35).powf(1.0 / 1.35) * 1e-3;
-        let depth = GEL.at(2e-3).depth_at_m(10.0).unwrap();
-        // The surface of 2 mm is added and taken away again.
-        assert!((depth - exact).abs() < 1e-17, "{depth}");
-        assert!(Contact::FREE.depth_at_m(1.0).is_none());
     }
 
     #[test]

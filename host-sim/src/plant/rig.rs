@@ -1,6 +1,10 @@
 //! Motor, material and sensors together: a motion in, a log and the truth out.
 
-use super::contact::{Contact, Memory};
+use estimator_core::effect::Motion as Moved;
+use estimator_core::rig::{MOST_EFFECTS, Reading, RigState};
+
+use super::chain::{Chain, Channels, Effects, motion as moved};
+use super::contact::Contact;
 use super::motor::{Motor, MotorState};
 use super::sensors::{Encoder, LoadCell, Sensors};
 use crate::diagnostic::Diagnostic;
@@ -14,6 +18,8 @@ pub struct Rig {
     pub motor: Motor,
     /// What is seen of it.
     pub sensors: Sensors,
+    /// What it adds to a contact.
+    pub effects: Effects,
     /// Integration steps per sample.
     pub substeps: u32,
 }
@@ -25,6 +31,7 @@ impl Default for Rig {
         Rig {
             motor: Motor::default(),
             sensors: Sensors::default(),
+            effects: [None; MOST_EFFECTS],
             substeps: 20,
         }
     }
@@ -86,41 +93,41 @@ impl Rig {
         for stage in schedule {
             self.check_followable(&stage.contact, highest_m)?;
         }
-        let period_s = 1.0 / self.sensors.rate_hz;
         let samples = (motion.duration_s() * self.sensors.rate_hz).round() as usize + 1;
         let mut cell = LoadCell::new(self.sensors, seed);
         let encoder = Encoder::new(self.sensors.position_step_m, seed);
         let mut recorder = Recorder::with_capacity(samples);
-        let mut state = MotorState::at_rest(motion.position(0.0).0);
         let mut stage = 0;
-        let mut memory = schedule[0].contact.law.at_rest();
+        let mut probe = Probe::at_rest(self, &schedule[0].contact, motion);
         for sample in 0..samples {
             let time_s = sample as f64 / self.sensors.rate_hz;
             while stage + 1 < schedule.len() && time_s >= schedule[stage].until_s {
-                swap(
-                    &schedule[stage].contact,
-                    &schedule[stage + 1].contact,
-                    time_s,
-                    state,
-                )?;
+                let (old, new) = (&schedule[stage].contact, &schedule[stage + 1].contact);
+                swap(old, new, time_s, probe.motor)?;
                 stage += 1;
-                memory = schedule[stage].contact.law.at_rest();
+                probe.meet(self, new);
             }
-            let contact = &schedule[stage].contact;
-            recorder.take(time_s, state, contact, memory, &encoder, &mut cell);
-            let from = (state, memory);
-            (state, memory) = self.advance_one_sample(from, time_s, period_s, motion, contact);
+            recorder.take(time_s, &probe, &encoder, &mut cell);
+            for step in 0..self.substeps {
+                probe.advance(self, time_s + f64::from(step) * self.step_s(), motion);
+            }
         }
         Ok(recorder.finish(cell.clipped()))
+    }
+
+    /// Length of a sub-step (s).
+    fn step_s(&self) -> f64 {
+        1.0 / self.sensors.rate_hz / f64::from(self.substeps)
     }
 
     /// Runge–Kutta diverges at 2.8 steps per time constant; up to 1 its error is that of the tests.
     fn check_followable(&self, contact: &Contact, highest_m: f64) -> Result<(), Diagnostic> {
         // Slopes of the force at the deepest point, over a step small against any contact.
-        let at_rest_n = contact.force_n(highest_m, 0.0);
-        let stiffness = (contact.force_n(highest_m + 1e-9, 0.0) - at_rest_n) / 1e-9;
-        let damping = contact.force_n(highest_m, 1e-3) - at_rest_n;
-        let step_s = 1.0 / (self.sensors.rate_hz * f64::from(self.substeps));
+        let chain = Chain::new(contact, &self.effects);
+        let at_rest_n = chain.pressed_n(highest_m, 0.0);
+        let stiffness = (chain.pressed_n(highest_m + 1e-9, 0.0) - at_rest_n) / 1e-9;
+        let damping = chain.pressed_n(highest_m, 1e-3) - at_rest_n;
+        let step_s = self.step_s();
         let motor = &self.motor;
         let decay = step_s * (motor.damping_ns_per_m + damping / 1e-3) / motor.mass_kg;
         let swing = step_s * ((motor.stiffness_n_per_m + stiffness) / motor.mass_kg).sqrt();
@@ -135,30 +142,80 @@ impl Rig {
             ))
             .remedy("check the units of stiffness (N/m) and damping (N s/m), press less deep, or raise the rate"))
     }
+}
 
-    fn advance_one_sample(
-        &self,
-        (mut state, mut memory): (MotorState, Memory),
-        time_s: f64,
-        period_s: f64,
-        motion: &Motion,
-        contact: &Contact,
-    ) -> (MotorState, Memory) {
-        let step_s = period_s / f64::from(self.substeps);
-        for step in 0..self.substeps {
-            let from_s = time_s + f64::from(step) * step_s;
-            state = self.motor.advance(
-                state,
-                from_s,
-                step_s,
-                |at_s| motion.position(at_s),
-                |elapsed_s, position_m, velocity_mps| {
-                    contact.step(&mut { memory }, position_m, velocity_mps, elapsed_s)
-                },
-            );
-            contact.step(&mut memory, state.position_m, state.velocity_mps, step_s);
+/// The motor, what it presses into, and what reaches the sensors of both.
+struct Probe {
+    motor: MotorState,
+    chain: Chain,
+    state: RigState<f64>,
+    /// The contact now.
+    reading: Reading<f64>,
+    channels: Channels,
+    /// Position (m) and force (N) at the sensors now.
+    arrived: (f64, f64),
+}
+
+impl Probe {
+    fn at_rest(rig: &Rig, contact: &Contact, motion: &Motion) -> Probe {
+        let chain = Chain::new(contact, &rig.effects);
+        let motor = MotorState::at_rest(motion.position(0.0).0);
+        let mut state = chain.at_rest();
+        let reading = chain.step(&mut state, moved(0.0, motor, 0.0), rig.step_s());
+        let mut channels = Channels::new(&rig.effects, rig.step_s());
+        let arrived = channels.push(motor.position_m, reading.force_n);
+        Probe {
+            motor,
+            chain,
+            state,
+            reading,
+            channels,
+            arrived,
         }
-        (state, memory)
+    }
+
+    /// Another material, while this one is not touched.
+    fn meet(&mut self, rig: &Rig, contact: &Contact) {
+        self.chain = Chain::new(contact, &rig.effects);
+        self.state = self.state.renewed();
+    }
+
+    /// One sub-step from `from_s` (s).
+    fn advance(&mut self, rig: &Rig, from_s: f64, motion: &Motion) {
+        let step_s = rig.step_s();
+        let (chain, before, at_start) = (&self.chain, &self.state, self.reading.touch.force_n);
+        let contact_n = |elapsed_s: f64, moved: Moved<f64>| match elapsed_s > 0.0 {
+            true => chain.trial_n(before, moved, elapsed_s),
+            false => at_start,
+        };
+        self.motor = rig.motor.advance(
+            self.motor,
+            from_s,
+            step_s,
+            |at_s| motion.position(at_s),
+            |elapsed_s, position_m, velocity_mps| {
+                let state = MotorState {
+                    position_m,
+                    velocity_mps,
+                };
+                contact_n(elapsed_s, moved(from_s + elapsed_s, state, 0.0))
+            },
+        );
+        let to_s = from_s + step_s;
+        // The contact knows no acceleration, so its force gives the acceleration that inertia takes.
+        let acceleration_mps2 = match chain.has_inertia() {
+            false => 0.0,
+            true => {
+                let force_n = contact_n(step_s, moved(to_s, self.motor, 0.0));
+                let drive_n = rig.motor.drive_n(self.motor, motion.position(to_s));
+                (drive_n - force_n) / rig.motor.mass_kg
+            }
+        };
+        let moved = moved(to_s, self.motor, acceleration_mps2);
+        self.reading = chain.step(&mut self.state, moved, step_s);
+        self.arrived = self
+            .channels
+            .push(self.motor.position_m, self.reading.force_n);
     }
 }
 
@@ -213,22 +270,14 @@ impl Recorder {
         }
     }
 
-    fn take(
-        &mut self,
-        time_s: f64,
-        state: MotorState,
-        contact: &Contact,
-        mut memory: Memory,
-        encoder: &Encoder,
-        cell: &mut LoadCell,
-    ) {
-        let force_n = contact.step(&mut memory, state.position_m, state.velocity_mps, 0.0);
-        self.position_m.push(encoder.read_m(state.position_m));
+    fn take(&mut self, time_s: f64, probe: &Probe, encoder: &Encoder, cell: &mut LoadCell) {
+        let (position_m, force_n) = probe.arrived;
+        self.position_m.push(encoder.read_m(position_m));
         self.force_n.push(cell.read_n(force_n));
         self.truth.time_s.push(time_s);
-        self.truth.position_m.push(state.position_m);
-        self.truth.velocity_mps.push(state.velocity_mps);
-        self.truth.force_n.push(force_n);
+        self.truth.position_m.push(probe.motor.position_m);
+        self.truth.velocity_mps.push(probe.motor.velocity_mps);
+        self.truth.force_n.push(probe.reading.touch.force_n);
     }
 
     fn finish(self, clipped: usize) -> Run {
@@ -250,3 +299,7 @@ impl Recorder {
 #[cfg(test)]
 #[path = "rig_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "effect_tests.rs"]
+mod effect_tests;

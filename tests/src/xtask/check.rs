@@ -40,6 +40,7 @@ fn firmware_steps(
     let firmware = Firmware::set_up()?;
     let emulated = firmware.build("qemu")?;
     let board = firmware.build("f405")?;
+    firmware.build("f405,spi-sensors")?;
     note(firmware.prove_panic_freedom());
     note(firmware.control_the_proof());
     match firmware.lint() {

@@ -6,10 +6,14 @@ use crate::toolchain::Toolchain;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use tests::emulator::footprint;
 
 /// The symbol that a panic would need: firmware/src/bin/panic_free.rs.
 const PROOF: &str = "a_panic_path_is_left";
 const APPLICATION: &str = "palpate-firmware";
+/// What an image may take at most: an eighth of the flash, three eighths of the RAM.
+const FLASH_LIMIT: u64 = 128 * 1024;
+const RAM_LIMIT: u64 = 48 * 1024;
 
 /// The firmware's sources with the compiler that builds them.
 pub(crate) struct Firmware {
@@ -42,6 +46,7 @@ impl Firmware {
         let elf = self.directory.join(self.toolchain.release(APPLICATION));
         let kept = elf.with_extension(board);
         fs::copy(&elf, &kept).map_err(|e| format!("{}: {e}", elf.display()))?;
+        within_limits(board, &kept)?;
         Ok(kept)
     }
 
@@ -69,7 +74,7 @@ impl Firmware {
     /// Lints for both boards; `None` where there is no clippy.
     pub(crate) fn lint(&self) -> Option<Result<(), String>> {
         self.toolchain.has_clippy(&self.directory).then(|| {
-            for features in ["qemu,panic-proof", "f405"] {
+            for features in ["qemu,panic-proof", "f405", "f405,spi-sensors"] {
                 let mut clippy = self.cargo("clippy");
                 clippy.args(["--locked", "--release", "--no-default-features"]);
                 clippy.args(["--features", features, "--", lint_level(), "warnings"]);
@@ -95,6 +100,20 @@ impl Firmware {
     fn cargo(&self, verb: &str) -> Command {
         self.toolchain.cargo(&self.directory, verb)
     }
+}
+
+/// An image that has outgrown the board's share of the part is no build.
+fn within_limits(board: &str, elf: &Path) -> Result<(), String> {
+    let (flash, ram) = footprint(elf)?;
+    println!("    {board}: {flash} bytes of flash, {ram} bytes of RAM without stack");
+    for (what, bytes, limit) in [("flash", flash, FLASH_LIMIT), ("RAM", ram, RAM_LIMIT)] {
+        if bytes > limit {
+            return Err(format!(
+                "{board}: {bytes} bytes of {what}, the limit is {limit}"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Builds the program that turns a log into lines.

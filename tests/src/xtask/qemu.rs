@@ -19,6 +19,9 @@ pub(crate) fn run(elf: Option<&Path>) -> Result<(), String> {
     };
     let directory = root().join("target/qemu");
     fs::create_dir_all(&directory).map_err(|e| format!("{}: {e}", directory.display()))?;
+    // There from the start, so that `palpate config --port target/qemu` reaches the firmware.
+    let commands = directory.join("commands.frames");
+    fs::write(&commands, []).map_err(|e| format!("{}: {e}", commands.display()))?;
     let emulator = Emulator {
         qemu,
         decoder: decoder()?,

@@ -253,7 +253,7 @@ pub(super) fn predict<T: Real>(
 /// Relaxation modes of a law.
 pub(super) fn modes(law: LawKind) -> usize {
     match law {
-        LawKind::KelvinVoigt | LawKind::HuntCrossley => 0,
+        LawKind::KelvinVoigt | LawKind::HuntCrossley | LawKind::HuntCrossleySkew => 0,
         LawKind::Zener | LawKind::QuasiLinear => 1,
         LawKind::QuasiLinear2 => 2,
     }
@@ -263,7 +263,8 @@ pub(super) fn modes(law: LawKind) -> usize {
 fn has(law: LawKind) -> (bool, bool) {
     match law {
         LawKind::KelvinVoigt => (true, false),
-        LawKind::HuntCrossley => (true, true),
+        // The skew is no parameter here: no method over a history has it.
+        LawKind::HuntCrossley | LawKind::HuntCrossleySkew => (true, true),
         LawKind::Zener => (false, false),
         LawKind::QuasiLinear | LawKind::QuasiLinear2 => (false, true),
     }

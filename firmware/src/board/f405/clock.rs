@@ -12,9 +12,11 @@ const CRYSTAL_HZ: u32 = 8_000_000;
 /// table 41), and with it speed, damping and the baud rate: logged as a warning.
 ///
 /// The HAL waits without a bound for a crystal and for the PLL. So the crystal is tried first, with
-/// a bound; the PLL then has an input that runs, and locks within 300 µs (DS table 43).
-pub fn start(rcc: RCC) -> Rcc {
-    let source = if crystal_runs(&rcc) {
+/// a bound; the PLL then has an input that runs, and locks within 300 µs (DS table 43). Should it
+/// not, the watchdog, which runs by now, resets the board. Gives whether the crystal is dead.
+pub fn start(rcc: RCC) -> (Rcc, bool) {
+    let crystal = crystal_runs(&rcc);
+    let source = if crystal {
         Config::hse(CRYSTAL_HZ.Hz())
     } else {
         defmt::warn!(
@@ -22,7 +24,8 @@ pub fn start(rcc: RCC) -> Rcc {
         );
         Config::hsi()
     };
-    rcc.freeze(source.sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz()))
+    let config = source.sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
+    (rcc.freeze(config), !crystal)
 }
 
 /// A crystal takes 2 ms (DS table 40); after 100 ms there is none.

@@ -3,7 +3,7 @@
 //! The HAL's `Transfer` wants a buffer handed over for every block; a call that comes late then
 //! stops the stream. Here a late call loses a block and nothing else.
 
-use crate::convert::wiring::OVERSAMPLING;
+use super::analog::OVERSAMPLING;
 use core::sync::atomic::{AtomicU16, Ordering};
 use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::{Stream, StreamISR};

@@ -1,22 +1,33 @@
-//! Telemetry on UART4, sent by DMA from two chunks: one goes out, the other fills.
+//! Telemetry and commands on UART4, both by DMA. Out: two chunks, of which one goes out while the
+//! other fills. In: a ring that the DMA fills for ever and [`Link::receive`] follows.
 
 use crate::board::Link;
+use core::sync::atomic::{AtomicU8, Ordering};
 use cortex_m::singleton;
 use embedded_dma::ReadBuffer;
 use stm32f4xx_hal::dma::config::DmaConfig;
-use stm32f4xx_hal::dma::{DmaFlag, MemoryToPeripheral, Stream4, Transfer};
-use stm32f4xx_hal::gpio::PA0;
+use stm32f4xx_hal::dma::traits::{PeriAddress, Stream};
+use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, DmaFlag, MemoryToPeripheral};
+use stm32f4xx_hal::dma::{Stream2, Stream4, Transfer};
+use stm32f4xx_hal::gpio::{PA0, PA1};
 use stm32f4xx_hal::pac::{DMA1, UART4};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::{Tx, config};
+use stm32f4xx_hal::serial::{Rx, Serial, Tx, config};
 
-/// 200 bytes per millisecond; a sample with its estimate is at most 182 (frame.rs).
+/// 200 bytes per millisecond; codes, sample and estimate are at most 180 (frame.rs).
 /// 42 MHz / 16 / 2 Mbaud = 1 5/16: exact.
 const BAUD: u32 = 2_000_000;
 
 /// 2.5 ms at full speed.
 const CHUNK: usize = 512;
+
+/// Bytes of commands that wait to be fetched: the longest is 15, and telemetry looks every
+/// millisecond, in which 200 can come. A host waits for the answer before its next command.
+const INBOX: usize = 256;
+
+/// Atomic, since the DMA writes behind the compiler's back.
+static RECEIVED: [AtomicU8; INBOX] = [const { AtomicU8::new(0) }; INBOX];
 
 /// Bytes that DMA may read: they stay where they are.
 pub struct Chunk {
@@ -39,17 +50,46 @@ pub struct Uart {
     transfer: Transfer<Stream4<DMA1>, 4, Tx<UART4>, MemoryToPeripheral, Chunk>,
     /// `None` only within [`Link::poll`].
     filling: Option<Chunk>,
+    received: Stream2<DMA1>,
+    /// Where in [`RECEIVED`] the next byte is to be fetched.
+    fetched: usize,
+}
+
+/// The inbox's stream: DMA1 stream 2 channel 4 (RM table 42), circular, a byte at a time.
+fn receive(rx: &Rx<UART4>, mut stream: Stream2<DMA1>) -> Stream2<DMA1> {
+    stream.set_channel(DmaChannel::Channel4);
+    stream.set_direction(DmaDirection::PeripheralToMemory);
+    stream.set_peripheral_address(rx.address());
+    stream.set_memory_address(RECEIVED.as_ptr() as u32);
+    stream.set_number_of_transfers(INBOX as u16);
+    stream.set_memory_increment(true);
+    stream.set_peripheral_increment(false);
+    stream.set_circular_mode(true);
+    stream.set_fifo_enable(false);
+    // SAFETY: the memory is static and as many bytes as transfers; nothing else uses the stream.
+    unsafe {
+        stream.set_memory_size(DmaDataSize::Byte);
+        stream.set_peripheral_size(DmaDataSize::Byte);
+        stream.enable();
+    }
+    stream
 }
 
 impl Uart {
-    /// UART4 transmits on PA0, DMA1 stream 4 channel 4 (RM table 42).
-    pub fn new(uart: UART4, pin: PA0, stream: Stream4<DMA1>, rcc: &mut Rcc) -> Self {
+    /// UART4 transmits on PA0 by DMA1 stream 4 channel 4 (RM table 42) and receives on PA1.
+    pub fn new(
+        uart: UART4,
+        pins: (PA0, PA1),
+        (out, inbox): (Stream4<DMA1>, Stream2<DMA1>),
+        rcc: &mut Rcc,
+    ) -> Self {
         let config = config::Config::default()
             .baudrate(BAUD.bps())
-            .dma(config::DmaConfig::Tx);
-        let Ok(tx) = uart.tx(pin, config, rcc) else {
+            .dma(config::DmaConfig::TxRx);
+        let Ok(serial) = Serial::<UART4, u8>::new(uart, pins, config, rcc) else {
             defmt::panic!("UART4 cannot run at {=u32} baud", BAUD);
         };
+        let (tx, rx) = serial.split();
         let (Some(first), Some(second)) = (
             singleton!(: [u8; CHUNK] = [0; CHUNK]),
             singleton!(: [u8; CHUNK] = [0; CHUNK]),
@@ -62,7 +102,7 @@ impl Uart {
             length: 1,
         };
         let config = DmaConfig::default().memory_increment(true);
-        let mut transfer = Transfer::init_memory_to_peripheral(stream, tx, opening, None, config);
+        let mut transfer = Transfer::init_memory_to_peripheral(out, tx, opening, None, config);
         transfer.start(|_| {});
         Uart {
             transfer,
@@ -70,6 +110,8 @@ impl Uart {
                 bytes: second,
                 length: 0,
             }),
+            received: receive(&rx, inbox),
+            fetched: 0,
         }
     }
 }
@@ -107,6 +149,17 @@ impl Link for Uart {
                 ..chunk_of(error)
             },
         });
+    }
+
+    fn receive(&mut self) -> Option<u8> {
+        // The stream counts down to 1 and starts again at INBOX.
+        let filled = INBOX - usize::from(self.received.number_of_transfers());
+        if self.fetched == filled % INBOX {
+            return None;
+        }
+        let byte = RECEIVED[self.fetched].load(Ordering::Relaxed);
+        self.fetched = (self.fetched + 1) % INBOX;
+        Some(byte)
     }
 
     fn finish(&mut self) {

@@ -17,18 +17,21 @@ const WITHIN: f64 = 1.25;
 
 /// Position and speed at every sample of a log.
 #[derive(Clone, Debug)]
-pub(super) struct Kinematics {
+pub(crate) struct Kinematics {
     /// Smoothed position (m).
-    pub(super) position_m: Vec<f64>,
+    pub(crate) position_m: Vec<f64>,
     /// Its rate (m/s).
-    pub(super) speed_mps: Vec<f64>,
+    pub(crate) speed_mps: Vec<f64>,
     /// And the rate of that (m/s²), noisier: for corrections of small delays only.
-    pub(super) acceleration_mps2: Vec<f64>,
+    pub(crate) acceleration_mps2: Vec<f64>,
+    /// Standard deviations of the noise of the speed (m/s) and of the acceleration (m/s²).
+    pub(crate) speed_noise_mps: Vec<f64>,
+    pub(crate) acceleration_noise_mps2: Vec<f64>,
     /// Standard deviation of the raw position's noise (m).
-    pub(super) noise_m: f64,
+    pub(crate) noise_m: f64,
     /// Samples around each over which the error of the position stays the same: those that read the
     /// same code of an encoder; 1 if the position has no steps.
-    pub(super) held: Vec<f64>,
+    pub(crate) held: Vec<f64>,
 }
 
 /// Sums of even powers of −m..m.
@@ -48,6 +51,17 @@ impl Window {
         }
         even[0] += 1.0;
         Window { half_width, even }
+    }
+
+    /// Standard deviations of slope and bend per sample, for a white noise of 1.
+    fn noise(&self) -> [f64; 2] {
+        let [s0, s2, s4, s6] = self.even;
+        let slope = if self.half_width == 1 {
+            1.0 / s2
+        } else {
+            s6 / (s2 * s6 - s4 * s4)
+        };
+        [slope.sqrt(), 2.0 * (s0 / (s0 * s4 - s2 * s2)).sqrt()]
     }
 
     /// Value, slope and bend per sample, and rms of what the cubic leaves.
@@ -83,30 +97,43 @@ impl Window {
 }
 
 /// Smooths the position of a log.
-pub(super) fn kinematics(log: &UniformLog) -> Kinematics {
+pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let noise_m = signal::noise(&log.position_m);
     let windows: Vec<Window> = HALF_WIDTHS.into_iter().map(Window::new).collect();
     let channel = &log.position_m;
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
+    let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
         let room = at.min(channel.len() - 1 - at);
         let fitting = windows.iter().filter(|window| window.half_width <= room);
         let smoothed = fitting
-            .map(|window| window.cubic(channel, at))
-            .find(|(_, left)| *left <= WITHIN * noise_m);
-        let edge = [channel[at], edge_slope(channel, at), 0.0];
-        let [position, slope, bend] = smoothed.map_or(edge, |(cubic, _)| cubic);
+            .map(|window| (window.cubic(channel, at), window.noise()))
+            .find(|((_, left), _)| *left <= WITHIN * noise_m);
+        let edge = ([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]);
+        let ([position, slope, bend], noise) =
+            smoothed.map_or(edge, |((cubic, _), noise)| (cubic, noise));
+        speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
+        acceleration_noise_mps2.push(noise[1] * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
+    }
+    let held = held(channel);
+    // A position that reads the same for a while moves by less than a count in that time.
+    for ((noise, run), speed) in speed_noise_mps.iter_mut().zip(&held).zip(&speed_mps) {
+        if speed.abs() <= *noise {
+            *noise = noise.min(2.0 * noise_m * log.rate_hz / run);
+        }
     }
     Kinematics {
         position_m,
         speed_mps,
         acceleration_mps2,
+        speed_noise_mps,
+        acceleration_noise_mps2,
         noise_m,
-        held: held(channel),
+        held,
     }
 }
 

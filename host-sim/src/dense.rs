@@ -2,7 +2,7 @@
 
 /// The lower Cholesky factor L of a symmetric positive matrix, LLᵀ = A; `None` if it is not positive
 /// to rounding.
-pub(super) fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
+pub(crate) fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut factor = vec![0.0; n * n];
     for row in 0..n {
         for column in 0..=row {
@@ -25,7 +25,7 @@ pub(super) fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
 }
 
 /// Solves LLᵀx = b.
-pub(super) fn solve(factor: &[f64], n: usize, right: &[f64]) -> Vec<f64> {
+pub(crate) fn solve(factor: &[f64], n: usize, right: &[f64]) -> Vec<f64> {
     let mut x = right.to_vec();
     for row in 0..n {
         let known: f64 = (0..row).map(|k| factor[row * n + k] * x[k]).sum();
@@ -39,7 +39,7 @@ pub(super) fn solve(factor: &[f64], n: usize, right: &[f64]) -> Vec<f64> {
 }
 
 /// The inverse from a Cholesky factor.
-pub(super) fn inverse(factor: &[f64], n: usize) -> Vec<f64> {
+pub(crate) fn inverse(factor: &[f64], n: usize) -> Vec<f64> {
     let mut inverse = vec![0.0; n * n];
     for column in 0..n {
         let mut unit = vec![0.0; n];
@@ -52,7 +52,7 @@ pub(super) fn inverse(factor: &[f64], n: usize) -> Vec<f64> {
 }
 
 /// A·B.
-pub(super) fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
+pub(crate) fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
     for row in 0..n {
         for k in 0..n {
@@ -65,7 +65,7 @@ pub(super) fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
 }
 
 /// gᵀCg.
-pub(super) fn quadratic(matrix: &[f64], gradient: &[f64]) -> f64 {
+pub(crate) fn quadratic(matrix: &[f64], gradient: &[f64]) -> f64 {
     let n = gradient.len();
     (0..n)
         .map(|i| {

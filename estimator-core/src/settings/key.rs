@@ -1,0 +1,322 @@
+//! The table of settings: number, name, unit, bounds, default, and what each decides.
+
+use core::fmt;
+
+/// How many settings there are.
+pub const COUNT: usize = Key::ALL.len();
+
+/// A setting, by its stable number. 64…127 are reserved for the section `compensation`: the effect
+/// that was identified on the rig and is taken off on the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Key {
+    /// Newtons per code of the load cell's converter; negative if the code falls with the force.
+    ForcePerCode = 1,
+    /// The code that stands for 0 N.
+    ForceZeroCode = 2,
+    /// A single conversion below this is saturated.
+    ForceLowestCode = 3,
+    /// A single conversion above this is saturated.
+    ForceHighestCode = 4,
+    /// The same code for this long is a stuck converter; 0: never.
+    ForceStuckS = 5,
+    /// Whether the two values above came from known weights.
+    ForceCalibrated = 6,
+    /// Root mean square of what the calibration left over.
+    ForceResidualN = 7,
+    /// Metres per code of the encoder; negative if it counts down into the material.
+    PositionPerCode = 16,
+    /// A faster motion between two samples is a jump; 0: never.
+    PositionFastestMps = 17,
+    /// A force that rises by this much over a position that stands still is a stuck encoder; 0: never.
+    PositionStuckN = 18,
+    /// Whether the encoder's scale and sign were checked.
+    PositionCalibrated = 19,
+    /// Number of the [`Method`].
+    EstimatorMethod = 32,
+    /// δ₀: the depth that parameters are reported at.
+    EstimatorDepthM = 33,
+    /// A typical force.
+    EstimatorForceN = 34,
+    /// Samples on either side of the Savitzky–Golay filter's centre.
+    EstimatorHalfWidth = 35,
+    /// Touch at this many standard deviations of the filtered force.
+    EstimatorTouchSigma = 36,
+    /// Lift-off below this many.
+    EstimatorReleaseSigma = 37,
+    /// Free air at the start.
+    EstimatorSettleS = 38,
+    /// Every how many samples are sent.
+    TelemetryEvery = 48,
+}
+
+/// Which values a setting can have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bounds {
+    /// From the first to the second.
+    Within(f32, f32),
+    /// From the first to the second in magnitude, of either sign.
+    Signed(f32, f32),
+    /// Whole numbers from the first to the second.
+    Whole(f32, f32),
+}
+
+impl Bounds {
+    /// Whether a value is one of them; NaN never is.
+    pub fn hold(self, value: f32) -> bool {
+        match self {
+            Bounds::Within(low, high) => (low..=high).contains(&value),
+            Bounds::Signed(low, high) => (low..=high).contains(&value.abs()),
+            Bounds::Whole(low, high) => {
+                (low..=high).contains(&value) && libm::floorf(value) == value
+            }
+        }
+    }
+}
+
+impl fmt::Display for Bounds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Bounds::Within(low, high) => write!(f, "from {low} to {high}"),
+            Bounds::Signed(low, high) => write!(f, "from {low:e} to {high} or the negative of it"),
+            Bounds::Whole(low, high) => write!(f, "a whole number from {low} to {high}"),
+        }
+    }
+}
+
+/// What is known about a setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Info {
+    /// `section.name`, as it stands in the TOML backup.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Which values it can have.
+    pub bounds: Bounds,
+    /// Its value on a board that nobody has set: the reference wiring's data sheets.
+    pub default: f32,
+    /// What it decides, for people.
+    pub about: &'static str,
+}
+
+/// The largest whole number up to which f32 has them all.
+const EXACT: f32 = 16_777_216.0;
+
+impl Key {
+    /// All settings in the order of their numbers.
+    pub const ALL: [Key; 19] = [
+        Key::ForcePerCode,
+        Key::ForceZeroCode,
+        Key::ForceLowestCode,
+        Key::ForceHighestCode,
+        Key::ForceStuckS,
+        Key::ForceCalibrated,
+        Key::ForceResidualN,
+        Key::PositionPerCode,
+        Key::PositionFastestMps,
+        Key::PositionStuckN,
+        Key::PositionCalibrated,
+        Key::EstimatorMethod,
+        Key::EstimatorDepthM,
+        Key::EstimatorForceN,
+        Key::EstimatorHalfWidth,
+        Key::EstimatorTouchSigma,
+        Key::EstimatorReleaseSigma,
+        Key::EstimatorSettleS,
+        Key::TelemetryEvery,
+    ];
+
+    /// The stable number.
+    pub const fn id(self) -> u8 {
+        self as u8
+    }
+
+    /// The one with a number.
+    pub fn from_id(id: u8) -> Option<Key> {
+        Key::ALL.into_iter().find(|key| key.id() == id)
+    }
+
+    /// The one with a name.
+    pub fn from_name(name: &str) -> Option<Key> {
+        Key::ALL.into_iter().find(|key| key.info().name == name)
+    }
+
+    /// Name, unit, bounds and default.
+    pub const fn info(self) -> Info {
+        use Bounds::{Signed, Whole, Within};
+        let (name, unit, bounds, default, about) = match self {
+            Key::ForcePerCode => (
+                "force.n_per_code",
+                "N",
+                Signed(1e-9, 1e3),
+                // ±50 N over 12 bits, 32 conversions summed.
+                100.0 / 4096.0 / 32.0,
+                "force per code; negative if the code falls with the force",
+            ),
+            Key::ForceZeroCode => (
+                "force.zero_code",
+                "1",
+                Within(-EXACT, EXACT),
+                2048.0 * 32.0,
+                "the code that stands for 0 N",
+            ),
+            Key::ForceLowestCode => (
+                "force.lowest_code",
+                "1",
+                Whole(-EXACT, EXACT),
+                16.0,
+                "a single conversion below this is saturated",
+            ),
+            Key::ForceHighestCode => (
+                "force.highest_code",
+                "1",
+                Whole(-EXACT, EXACT),
+                4079.0,
+                "a single conversion above this is saturated",
+            ),
+            Key::ForceStuckS => (
+                "force.stuck_s",
+                "s",
+                Within(0.0, 60.0),
+                1.0,
+                "the same code for this long is a stuck converter; 0: never",
+            ),
+            Key::ForceCalibrated => (
+                "force.calibrated",
+                "1",
+                Whole(0.0, 1.0),
+                0.0,
+                "1: the scale comes from known weights",
+            ),
+            Key::ForceResidualN => (
+                "force.residual_n",
+                "N",
+                Within(0.0, 1e6),
+                0.0,
+                "what the calibration left over, rms",
+            ),
+            Key::PositionPerCode => (
+                "position.m_per_code",
+                "m",
+                Signed(1e-12, 1.0),
+                // A count of 1 µm, 32 latches summed.
+                1e-6 / 32.0,
+                "position per code; negative if it counts down into the material",
+            ),
+            Key::PositionFastestMps => (
+                "position.fastest_mps",
+                "m/s",
+                Within(0.0, 1e3),
+                5.0,
+                "a faster motion is a jump of the encoder; 0: never",
+            ),
+            Key::PositionStuckN => (
+                "position.stuck_n",
+                "N",
+                Within(0.0, 1e6),
+                5.0,
+                "a force that rises so far at a standing position is a stuck encoder; 0: never",
+            ),
+            Key::PositionCalibrated => (
+                "position.calibrated",
+                "1",
+                Whole(0.0, 1.0),
+                0.0,
+                "1: scale and sign of the encoder were checked",
+            ),
+            Key::EstimatorMethod => (
+                "estimator.method",
+                "1",
+                Whole(1.0, 7.0),
+                5.0,
+                "1 Kelvin-Voigt, 2 two-stage, 3 Zener, 4 cascade, 5 bank, 6 Kelvin-Voigt with surface, 7 cascade of two",
+            ),
+            Key::EstimatorDepthM => (
+                "estimator.depth_m",
+                "m",
+                Within(1e-10, 1.0),
+                1e-3,
+                "the depth that parameters are reported at",
+            ),
+            Key::EstimatorForceN => (
+                "estimator.force_n",
+                "N",
+                Within(1e-12, 1e6),
+                1.0,
+                "a typical force",
+            ),
+            Key::EstimatorHalfWidth => (
+                "estimator.half_width",
+                "1",
+                Whole(2.0, 32.0),
+                8.0,
+                "samples on either side of the filter's centre",
+            ),
+            Key::EstimatorTouchSigma => (
+                "estimator.touch_sigma",
+                "1",
+                Within(1.0, 1e3),
+                6.0,
+                "touch at this many standard deviations of the force",
+            ),
+            Key::EstimatorReleaseSigma => (
+                "estimator.release_sigma",
+                "1",
+                Within(1.0, 100.0),
+                3.0,
+                "lift-off below this many",
+            ),
+            Key::EstimatorSettleS => (
+                "estimator.settle_s",
+                "s",
+                Within(0.02, 10.0),
+                0.2,
+                "free air at the start",
+            ),
+            Key::TelemetryEvery => (
+                "telemetry.every",
+                "1",
+                Whole(1.0, 1000.0),
+                1.0,
+                "send every so many samples",
+            ),
+        };
+        Info {
+            name,
+            unit,
+            bounds,
+            default,
+            about,
+        }
+    }
+
+    /// Whether a change takes effect without the estimator starting anew.
+    pub const fn is_harmless(self) -> bool {
+        matches!(self, Key::TelemetryEvery | Key::ForceResidualN)
+    }
+
+    pub(super) fn slot(self) -> usize {
+        // Every key is in ALL.
+        Key::ALL.iter().position(|key| *key == self).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_numbers_are_stable_and_names_and_numbers_are_unique() {
+        let ids = Key::ALL.map(Key::id);
+        assert_eq!(
+            ids,
+            [
+                1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 32, 33, 34, 35, 36, 37, 38, 48
+            ]
+        );
+        for key in Key::ALL {
+            assert_eq!(Key::from_id(key.id()), Some(key));
+            assert_eq!(Key::from_name(key.info().name), Some(key));
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Settings in flash, such that a power cut at any instant leaves the old ones or the new ones.
+//!
+//! Two sectors, of which one is written at a time. A record fills a slot of [`SLOT`] bytes: magic,
+//! layout, number of values, sequence, the values as (number, f32) pairs, CRC-32. A save appends the
+//! next slot; the valid record with the highest sequence counts. When a sector is full, the other
+//! one is erased, always just before it is written to: whatever an erase that was cut short left
+//! there is older than what the full sector holds, or no record at all.
+//!
+//! A cut within a write leaves a slot that is neither blank nor valid; it is passed over. Nothing
+//! ever rewrites or erases the sector with the newest valid record.
+
+use super::{Invalid, Key, Settings};
+use embedded_storage::nor_flash::NorFlash;
+
+/// Bytes of a record's slot: 512 saves between two erases of a 128 KiB sector.
+pub const SLOT: usize = 256;
+/// Layout of a record, raised when a value changes its meaning. A record of an older firmware is taken
+/// over: what it lacks has its default, what is no longer a setting is left out. One of a newer
+/// layout is refused.
+pub const LAYOUT: u8 = 1;
+const MAGIC: [u8; 2] = [0x50, 0xa1];
+const HEAD: usize = 8;
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+/// What was found in flash.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Loaded {
+    /// Nothing: a new board.
+    Nothing,
+    /// Settings that can be used.
+    Good(Settings),
+    /// A value that cannot be used.
+    Bad(Invalid),
+    /// Written by a newer firmware, with this layout.
+    Newer(u8),
+}
+
+/// Why a save failed. The old settings are still there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoreError<E> {
+    /// What the flash says.
+    Flash(E),
+    /// What was read back is not what was written.
+    Verify,
+}
+
+impl<E> From<E> for StoreError<E> {
+    fn from(error: E) -> Self {
+        StoreError::Flash(error)
+    }
+}
+
+/// Where a record is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Found {
+    offset: u32,
+    sequence: u32,
+}
+
+/// Two sectors of a flash.
+#[derive(Debug)]
+pub struct Store<F> {
+    flash: F,
+    base: u32,
+    sector: u32,
+}
+
+impl<F: NorFlash> Store<F> {
+    /// The sectors at `base` and `base + sector`, of `sector` bytes each: a multiple of the flash's
+    /// erase size and of [`SLOT`].
+    pub const fn new(flash: F, base: u32, sector: u32) -> Self {
+        Store {
+            flash,
+            base,
+            sector,
+        }
+    }
+
+    /// Gives the flash back.
+    pub fn release(self) -> F {
+        self.flash
+    }
+
+    /// The settings that were saved last.
+    ///
+    /// # Errors
+    /// What the flash says.
+    pub fn load(&mut self) -> Result<Loaded, F::Error> {
+        let Some(found) = self.newest()? else {
+            return Ok(Loaded::Nothing);
+        };
+        Ok(decode(&self.read(found.offset)?))
+    }
+
+    /// Whether the next save must erase a sector first: seconds during which the core stands still.
+    ///
+    /// # Errors
+    /// What the flash says.
+    pub fn must_erase(&mut self) -> Result<bool, F::Error> {
+        let newest = self.newest()?;
+        Ok(self.free_after(newest)?.is_none())
+    }
+
+    /// Saves settings. A power cut at any instant leaves the old ones or these.
+    ///
+    /// # Errors
+    /// What the flash says, or that it reads other than what was written; the old ones stay.
+    pub fn save(&mut self, settings: &Settings) -> Result<(), StoreError<F::Error>> {
+        let newest = self.newest()?;
+        let offset = match self.free_after(newest)? {
+            Some(offset) => offset,
+            None => self.erase_other(newest)?,
+        };
+        let sequence = newest.map_or(0, |found| found.sequence.wrapping_add(1));
+        let record = encode(settings, sequence);
+        self.flash.write(offset, &record)?;
+        match self.read(offset)? == record {
+            true => Ok(()),
+            false => Err(StoreError::Verify),
+        }
+    }
+
+    /// The valid record with the highest sequence.
+    fn newest(&mut self) -> Result<Option<Found>, F::Error> {
+        let mut newest: Option<Found> = None;
+        let mut offset = self.base;
+        while offset < self.base + 2 * self.sector {
+            let record = self.read(offset)?;
+            if let Some(sequence) = sequence_of(&record)
+                && newest.is_none_or(|found| sequence > found.sequence)
+            {
+                newest = Some(Found { offset, sequence });
+            }
+            offset += SLOT as u32;
+        }
+        Ok(newest)
+    }
+
+    /// The first blank slot behind the newest record, in its sector.
+    fn free_after(&mut self, newest: Option<Found>) -> Result<Option<u32>, F::Error> {
+        let Some(newest) = newest else {
+            return Ok(None);
+        };
+        let end = self.sector_of(newest.offset) + self.sector;
+        let mut offset = newest.offset + SLOT as u32;
+        while offset < end {
+            if self.read(offset)?.iter().all(|byte| *byte == 0xff) {
+                return Ok(Some(offset));
+            }
+            offset += SLOT as u32;
+        }
+        Ok(None)
+    }
+
+    /// Erases the sector that does not hold the newest record, and gives its first slot.
+    fn erase_other(&mut self, newest: Option<Found>) -> Result<u32, F::Error> {
+        let second = self.base + self.sector;
+        let start = match newest {
+            Some(found) if found.offset < second => second,
+            _ => self.base,
+        };
+        self.flash.erase(start, start + self.sector)?;
+        Ok(start)
+    }
+
+    fn sector_of(&self, offset: u32) -> u32 {
+        let second = self.base + self.sector;
+        if offset < second { self.base } else { second }
+    }
+
+    fn read(&mut self, offset: u32) -> Result<[u8; SLOT], F::Error> {
+        let mut record = [0; SLOT];
+        self.flash.read(offset, &mut record)?;
+        Ok(record)
+    }
+}
+
+/// Bytes of a slot that the sum is over: all but the sum itself.
+fn split(record: &[u8; SLOT]) -> Option<(&[u8], u32)> {
+    let (content, sum) = record.split_last_chunk::<4>()?;
+    Some((content, u32::from_le_bytes(*sum)))
+}
+
+/// Of a valid record.
+fn sequence_of(record: &[u8; SLOT]) -> Option<u32> {
+    let (content, sum) = split(record)?;
+    let (head, _) = content.split_first_chunk::<HEAD>()?;
+    let [magic_1, magic_2, _, _, a, b, c, d] = *head;
+    ([magic_1, magic_2] == MAGIC && CRC.checksum(content) == sum)
+        .then_some(u32::from_le_bytes([a, b, c, d]))
+}
+
+fn encode(settings: &Settings, sequence: u32) -> [u8; SLOT] {
+    let mut record = [0; SLOT];
+    let [magic_1, magic_2] = MAGIC;
+    let [a, b, c, d] = sequence.to_le_bytes();
+    let head = [magic_1, magic_2, LAYOUT, super::COUNT as u8, a, b, c, d];
+    let pairs = Key::ALL.into_iter().flat_map(|key| {
+        let [a, b, c, d] = settings.get(key).to_le_bytes();
+        [key.id(), a, b, c, d]
+    });
+    for (slot, byte) in record.iter_mut().zip(head.into_iter().chain(pairs)) {
+        *slot = byte;
+    }
+    let sum = split(&record).map_or(0, |(content, _)| CRC.checksum(content));
+    if let Some(place) = record.last_chunk_mut::<4>() {
+        *place = sum.to_le_bytes();
+    }
+    record
+}
+
+/// The settings of a valid record.
+fn decode(record: &[u8; SLOT]) -> Loaded {
+    let Some((head, body)) = record.split_first_chunk::<HEAD>() else {
+        return Loaded::Nothing;
+    };
+    let [_, _, layout, count, ..] = *head;
+    if layout > LAYOUT {
+        return Loaded::Newer(layout);
+    }
+    let mut settings = Settings::default();
+    for pair in body.chunks_exact(5).take(usize::from(count)) {
+        if let [id, a, b, c, d] = *pair {
+            let value = f32::from_le_bytes([a, b, c, d]);
+            if let Some(key) = Key::from_id(id) {
+                settings.put(key, value);
+            }
+        }
+    }
+    match settings.check() {
+        Ok(()) => Loaded::Good(settings),
+        Err(invalid) => Loaded::Bad(invalid),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,324 @@
+use super::*;
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+extern crate std;
+use std::vec;
+use std::vec::Vec;
+
+/// Four slots: a sector fills, and the other is erased, every fourth save.
+const SECTOR: u32 = 4 * SLOT as u32;
+/// Bytes that an erase clears in a step: a cut leaves a part erased.
+const ERASE_STEP: usize = 64;
+
+/// Flash in memory that loses power after so many steps: a byte written, or [`ERASE_STEP`] bytes
+/// erased. Like the real one, a write only clears bits.
+#[derive(Clone)]
+struct Flash {
+    bytes: Vec<u8>,
+    steps_left: u64,
+    /// What the byte in work looks like after the cut.
+    torn: u8,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+struct PowerCut;
+
+impl NorFlashError for PowerCut {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl ErrorType for Flash {
+    type Error = PowerCut;
+}
+
+impl Flash {
+    fn new(fill: u8) -> Self {
+        Flash {
+            bytes: vec![fill; 2 * SECTOR as usize],
+            steps_left: u64::MAX,
+            torn: 0,
+        }
+    }
+
+    /// One step, unless the power is gone: `last` is then the step that it was cut in.
+    fn step(&mut self) -> Result<(), bool> {
+        match self.steps_left {
+            0 => Err(false),
+            1 => {
+                self.steps_left = 0;
+                Err(true)
+            }
+            _ => {
+                self.steps_left -= 1;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerCut> {
+        let start = offset as usize;
+        bytes.copy_from_slice(&self.bytes[start..start + bytes.len()]);
+        if self.steps_left == 0 {
+            Err(PowerCut)
+        } else {
+            Ok(())
+        }
+    }
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 1;
+    const ERASE_SIZE: usize = SECTOR as usize;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerCut> {
+        for start in (from as usize..to as usize).step_by(ERASE_STEP) {
+            match self.step() {
+                Ok(()) => self.bytes[start..start + ERASE_STEP].fill(0xff),
+                Err(in_work) => {
+                    if in_work {
+                        let torn = self.torn;
+                        let piece = &mut self.bytes[start..start + ERASE_STEP];
+                        piece.iter_mut().for_each(|byte| *byte |= torn);
+                    }
+                    return Err(PowerCut);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerCut> {
+        for (index, byte) in bytes.iter().enumerate() {
+            let at = offset as usize + index;
+            match self.step() {
+                Ok(()) => self.bytes[at] &= byte,
+                Err(in_work) => {
+                    if in_work {
+                        self.bytes[at] &= byte | self.torn;
+                    }
+                    return Err(PowerCut);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn store(flash: Flash) -> Store<Flash> {
+    Store::new(flash, 0, SECTOR)
+}
+
+/// The settings of save number `count`.
+fn settings(count: u16) -> Settings {
+    let mut settings = Settings::default();
+    settings.put(Key::ForceZeroCode, f32::from(count));
+    settings.put(Key::ForcePerCode, -1e-3 / f32::from(count + 1));
+    settings
+}
+
+fn good(count: u16) -> Loaded {
+    Loaded::Good(settings(count))
+}
+
+/// Saves 0, 1, … until the power is cut or `saves` are done; gives the number that were done.
+fn save_all(store: &mut Store<Flash>, saves: u16) -> u16 {
+    (0..saves)
+        .find(|count| store.save(&settings(*count)).is_err())
+        .unwrap_or(saves)
+}
+
+#[test]
+fn what_was_saved_last_is_loaded_through_many_changes_of_sector() {
+    let mut store = store(Flash::new(0xff));
+    assert_eq!(store.load(), Ok(Loaded::Nothing));
+    for count in 0..50 {
+        store.save(&settings(count)).unwrap();
+        assert_eq!(store.load(), Ok(good(count)));
+        // Four slots in a sector.
+        assert_eq!(store.must_erase(), Ok(count % 4 == 3));
+    }
+}
+
+#[test]
+fn a_power_cut_at_every_step_leaves_the_old_settings_or_the_new() {
+    const SAVES: u16 = 13;
+    for fill in [0xff, 0x00, 0x5a] {
+        let mut counting = Flash::new(fill);
+        counting.steps_left = u64::MAX / 2;
+        let mut whole = store(counting);
+        assert_eq!(save_all(&mut whole, SAVES), SAVES);
+        let steps = u64::MAX / 2 - whole.release().steps_left;
+        assert!(steps > u64::from(SAVES) * SLOT as u64);
+        for cut in 1..=steps {
+            for torn in [0x00, 0xff, 0xa5] {
+                let mut flash = Flash::new(fill);
+                (flash.steps_left, flash.torn) = (cut, torn);
+                let mut cut_store = store(flash);
+                let done = save_all(&mut cut_store, SAVES);
+                // Power returns.
+                let mut flash = cut_store.release();
+                flash.steps_left = u64::MAX;
+                let mut store = store(flash);
+                let found = store.load().unwrap();
+                let old = done.checked_sub(1).map_or(Loaded::Nothing, good);
+                assert!(
+                    found == old || found == good(done),
+                    "cut in step {cut} of {steps}, torn {torn:#x}: {found:?} after {done} saves"
+                );
+                // And the board can save again, at the latest at the second attempt: a slot that
+                // looks blank and is not shows when it is read back.
+                let again = store
+                    .save(&settings(99))
+                    .or_else(|_| store.save(&settings(99)));
+                assert_eq!(again, Ok(()), "cut in step {cut}");
+                assert_eq!(store.load(), Ok(good(99)));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_second_cut_while_the_first_is_being_repaired_does_no_harm() {
+    // Six saves, so that the last repair erases a sector.
+    for first in (1..2 * u64::from(SECTOR)).step_by(37) {
+        for second in (1..600).step_by(7) {
+            let mut flash = Flash::new(0xff);
+            (flash.steps_left, flash.torn) = (first, 0x3c);
+            let mut store_1 = store(flash);
+            let done = save_all(&mut store_1, 9);
+            let mut flash = store_1.release();
+            flash.steps_left = u64::MAX;
+            let mut store_2 = store(flash);
+            let before = store_2.load().unwrap();
+            let mut flash = store_2.release();
+            flash.steps_left = second;
+            let mut store_3 = store(flash);
+            let _ = store_3.save(&settings(77));
+            let mut flash = store_3.release();
+            flash.steps_left = u64::MAX;
+            let found = store(flash).load().unwrap();
+            assert!(
+                found == before || found == good(77),
+                "cuts {first}, {second}: {found:?} after {done} saves"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_slot_that_cannot_be_written_is_an_error_and_the_old_settings_stay() {
+    /// The second slot has a bit that is stuck low, unseen while it reads blank.
+    struct Worn(Flash);
+    impl ErrorType for Worn {
+        type Error = PowerCut;
+    }
+    impl ReadNorFlash for Worn {
+        const READ_SIZE: usize = 1;
+        fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerCut> {
+            self.0.read(offset, bytes)
+        }
+        fn capacity(&self) -> usize {
+            self.0.capacity()
+        }
+    }
+    impl NorFlash for Worn {
+        const WRITE_SIZE: usize = 1;
+        const ERASE_SIZE: usize = SECTOR as usize;
+        fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerCut> {
+            self.0.erase(from, to)
+        }
+        fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerCut> {
+            self.0.write(offset, bytes)?;
+            if offset == SLOT as u32 {
+                self.0.bytes[SLOT + 11] &= !1;
+                self.0.bytes[SLOT + 20] ^= 0x40;
+            }
+            Ok(())
+        }
+    }
+    let mut store = Store::new(Worn(Flash::new(0xff)), 0, SECTOR);
+    store.save(&settings(1)).unwrap();
+    assert_eq!(store.save(&settings(2)), Err(StoreError::Verify));
+    assert_eq!(store.load(), Ok(good(1)));
+    store.save(&settings(3)).unwrap();
+    assert_eq!(store.load(), Ok(good(3)));
+}
+
+/// A record with other values than this firmware's.
+fn record(layout: u8, pairs: &[(u8, f32)]) -> [u8; SLOT] {
+    let mut record = [0; SLOT];
+    record[..2].copy_from_slice(&MAGIC);
+    record[2] = layout;
+    record[3] = pairs.len() as u8;
+    for (place, (id, value)) in record[HEAD..].chunks_exact_mut(5).zip(pairs) {
+        place[0] = *id;
+        place[1..].copy_from_slice(&value.to_le_bytes());
+    }
+    let sum = CRC.checksum(&record[..SLOT - 4]);
+    record[SLOT - 4..].copy_from_slice(&sum.to_le_bytes());
+    record
+}
+
+fn loaded(record: [u8; SLOT]) -> Loaded {
+    let mut flash = Flash::new(0xff);
+    flash.bytes[..SLOT].copy_from_slice(&record);
+    store(flash).load().unwrap()
+}
+
+#[test]
+fn a_record_of_an_older_firmware_keeps_its_values_and_gets_defaults_for_the_rest() {
+    // GIVEN a record with two values of today and one that is no longer a setting
+    let older = record(LAYOUT, &[(1, 2.5e-4), (200, 7.0), (2, 777.0)]);
+    // WHEN today's firmware loads it
+    let Loaded::Good(settings) = loaded(older) else {
+        panic!("not loaded");
+    };
+    // THEN both are there, and all others have their defaults
+    let mut expected = Settings::default();
+    expected.put(Key::ForcePerCode, 2.5e-4);
+    expected.put(Key::ForceZeroCode, 777.0);
+    assert_eq!(settings, expected);
+}
+
+#[test]
+fn a_record_of_a_newer_layout_is_refused_by_its_number() {
+    let newer = record(LAYOUT + 1, &[(1, 2.5e-4)]);
+    assert_eq!(loaded(newer), Loaded::Newer(LAYOUT + 1));
+}
+
+#[test]
+fn a_value_out_of_bounds_is_named() {
+    let bad = record(LAYOUT, &[(Key::EstimatorHalfWidth.id(), 77.0)]);
+    let Loaded::Bad(invalid) = loaded(bad) else {
+        panic!("accepted");
+    };
+    assert_eq!(
+        (invalid.key, invalid.value),
+        (Key::EstimatorHalfWidth, 77.0)
+    );
+}
+
+#[test]
+fn every_value_of_every_setting_survives() {
+    let mut settings = Settings::default();
+    for key in Key::ALL {
+        let (super::super::Bounds::Within(_, high)
+        | super::super::Bounds::Signed(_, high)
+        | super::super::Bounds::Whole(_, high)) = key.info().bounds;
+        settings.put(key, high);
+    }
+    // Two pairs must be in order.
+    settings.put(Key::ForceLowestCode, -5.0);
+    let mut store = store(Flash::new(0xff));
+    store.save(&settings).unwrap();
+    assert_eq!(store.load(), Ok(Loaded::Good(settings)));
+}

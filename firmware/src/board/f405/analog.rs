@@ -1,0 +1,189 @@
+//! The first set of sensors: a load cell's amplifier on the ADC, an encoder on the quadrature timer.
+//!
+//! One timer event, 32 000 times a second, starts a conversion of the load cell and latches the
+//! encoder; DMA collects both. After 32 events the ADC's stream raises the 1 kHz interrupt, and
+//! the sums of both channels belong to the same 32 instants.
+
+use super::ring::{self, Memory, Ring};
+use super::{F405, tick};
+use crate::board::{Acquired, Board, RATE_HZ, Sensors};
+use estimator_core::instants::{Counter, Ticks, summed};
+use estimator_core::sensing::Codes;
+use estimator_core::settings::Key;
+use stm32f4xx_hal::adc::Adc;
+use stm32f4xx_hal::adc::config::{
+    AdcConfig, Clock, Dma, ExternalTrigger, SampleTime, Sequence, TriggerMode,
+};
+use stm32f4xx_hal::dma::config::Priority;
+use stm32f4xx_hal::dma::traits::PeriAddress;
+use stm32f4xx_hal::dma::{DmaChannel, Stream0, Stream7};
+use stm32f4xx_hal::gpio::{Alternate, Analog, PA2, PB4, PB5};
+use stm32f4xx_hal::pac::{self, ADC1, DMA1, DMA2, TIM2, TIM3};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::qei::Qei;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::timer::Timer;
+
+/// Conversions that are summed into one sample: 32 kHz down to 1 kHz. The sum is not divided: 12 bits
+/// become 17 codes' worth, and noise drops by √32. The encoder's latches are summed alike.
+pub const OVERSAMPLING: u16 = 32;
+// The defaults of the settings are those of this wiring: 0 N at half the range of the sum.
+const _: () = assert!(Key::ForceZeroCode.info().default == 2048.0 * OVERSAMPLING as f32);
+
+/// Conversions and latches per second.
+const EVENT_HZ: u32 = OVERSAMPLING as u32 * RATE_HZ;
+
+static FORCES: Memory = ring::memory();
+static POSITIONS: Memory = ring::memory();
+
+/// The timers, the converter, their streams and pins.
+pub struct Wires {
+    /// PA2
+    pub force: PA2,
+    /// PB4 and PB5
+    pub quadrature: (PB4<Alternate<2>>, PB5<Alternate<2>>),
+    /// Of the ADC.
+    pub force_stream: Stream0<DMA2>,
+    /// Of the encoder's latch.
+    pub position_stream: Stream7<DMA1>,
+    /// The converter.
+    pub adc: ADC1,
+    /// The event.
+    pub tim2: TIM2,
+    /// The counter.
+    pub tim3: TIM3,
+}
+
+/// Starts both channels, the event last: from the first one on, both streams count in step.
+pub fn start(wires: Wires, rcc: &mut Rcc) -> AnalogAndQuadrature {
+    let forces = load_cell(
+        wires.adc,
+        wires.force.into_analog(),
+        wires.force_stream,
+        rcc,
+    );
+    let positions = encoder(wires.tim3, wires.quadrature, wires.position_stream, rcc);
+    events(wires.tim2, rcc);
+    AnalogAndQuadrature::new(forces, positions)
+}
+
+/// TIM2 at 32 kHz, its update as trigger output: the trigger of the ADC and, through TIM3's
+/// ITR1 (RM table 98), of the encoder's latch. 84 MHz / 32 kHz = 2625 exactly.
+fn events(tim2: TIM2, rcc: &mut Rcc) {
+    let mut timer = Timer::new(tim2, rcc);
+    timer.set_master_mode(pac::tim2::cr2::MMS::Update);
+    let mut counter = timer.counter_hz();
+    // Fails only for rates that a 32-bit counter at 84 MHz cannot have.
+    if counter.start(EVENT_HZ.Hz()).is_err() {
+        defmt::panic!("TIM2 cannot run at {=u32} Hz", EVENT_HZ);
+    }
+}
+
+/// ADC1 on PA2, one conversion per event, result by DMA2 stream 0 channel 0 (RM table 43).
+///
+/// 21 MHz (DS: at most 36) and 480 cycles of sampling: 23.4 µs of the 31.25 µs between events, the
+/// longest that fits, so that the amplifier's filter may be as slow as 50 kΩ.
+fn load_cell(
+    adc: ADC1,
+    pin: PA2<Analog>,
+    stream: Stream0<DMA2>,
+    rcc: &mut Rcc,
+) -> Ring<Stream0<DMA2>> {
+    let config = AdcConfig::default()
+        .clock(Clock::Pclk2_div_4)
+        .external_trigger(TriggerMode::RisingEdge, ExternalTrigger::Tim_2_trgo)
+        .dma(Dma::Continuous);
+    let mut adc = Adc::new(adc, true, config, rcc);
+    adc.configure_channel(&pin, Sequence::One, SampleTime::Cycles_480);
+    let mut ring = Ring::new(
+        stream,
+        DmaChannel::Channel0,
+        adc.address(),
+        &FORCES,
+        Priority::VeryHigh,
+    );
+    ring.listen();
+    ring
+}
+
+/// TIM3 counts the quadrature edges on PB4/PB5 and copies its count into CCR3 at every event;
+/// DMA1 stream 7 channel 5 collects the copies (RM table 42).
+fn encoder(
+    tim3: TIM3,
+    pins: (PB4<Alternate<2>>, PB5<Alternate<2>>),
+    stream: Stream7<DMA1>,
+    rcc: &mut Rcc,
+) -> Ring<Stream7<DMA1>> {
+    let (tim3, _) = Qei::new(tim3, pins, rcc).release();
+    tim3.cr1().modify(|_, w| w.cen().clear_bit());
+    // Eight equal readings at 84 MHz make an edge: spikes below 95 ns do not count, 5 MHz do.
+    tim3.ccmr1_input()
+        .modify(|_, w| w.ic1f().fck_int_n8().ic2f().fck_int_n8());
+    // The trigger may be selected only while the slave mode is off (RM 18.4.3, TS).
+    tim3.smcr().modify(|_, w| w.sms().disabled());
+    tim3.smcr().modify(|_, w| w.ts().itr1());
+    tim3.smcr().modify(|_, w| w.sms().encoder_mode_3());
+    // Channel 3 captures on TRC, the selected internal trigger (RM 18.4.8, CC3S = 11).
+    tim3.ccmr2_input().modify(|_, w| w.cc3s().trc());
+    tim3.ccer().modify(|_, w| w.cc3e().set_bit());
+    tim3.dier().modify(|_, w| w.cc3de().set_bit());
+    tim3.cr1().modify(|_, w| w.cen().set_bit());
+    let latch = tim3.ccr3().as_ptr() as u32;
+    Ring::new(
+        stream,
+        DmaChannel::Channel5,
+        latch,
+        &POSITIONS,
+        Priority::High,
+    )
+}
+
+/// Both channels, and the time that their blocks belong to.
+pub struct AnalogAndQuadrature {
+    forces: Ring<Stream0<DMA2>>,
+    positions: Ring<Stream7<DMA1>>,
+    ticks: Ticks,
+    counter: Counter,
+}
+
+impl AnalogAndQuadrature {
+    fn new(forces: Ring<Stream0<DMA2>>, positions: Ring<Stream7<DMA1>>) -> Self {
+        AnalogAndQuadrature {
+            forces,
+            positions,
+            ticks: Ticks::new(F405::TICK),
+            counter: Counter::new(),
+        }
+    }
+
+    /// The sum of the last 32 latches, in position codes. Each 16-bit count is taken on from the
+    /// last: right as long as the probe moves less than 32 768 counts between two of them.
+    ///
+    /// The latest, not the last block: should the first event have reached only one of the two
+    /// channels, they are one event (31 µs) apart instead of a block.
+    fn position(&mut self) -> i32 {
+        let mut sum = 0_i32;
+        for count in self.positions.latest() {
+            sum = sum.wrapping_add(self.counter.follow(count));
+        }
+        sum
+    }
+}
+
+impl Sensors for AnalogAndQuadrature {
+    fn sample(&mut self) -> Acquired {
+        self.forces.acknowledge();
+        let Some((time_us, faults)) = tick(&mut self.ticks) else {
+            return Acquired::Nothing;
+        };
+        let (force, force_low, force_high) = summed(self.forces.finished());
+        Acquired::Codes(Codes {
+            time_us,
+            force,
+            force_low,
+            force_high,
+            position: self.position(),
+            faults,
+        })
+    }
+}

@@ -1,0 +1,108 @@
+//! What the registers must hold after start-up, from the reference manual and not from the code that
+//! sets them: what no emulator shows, the board checks for itself. A line of the log for each that
+//! differs; on a good board there is one that says so.
+
+/// A register, the bits of it that matter, and what they must be.
+struct Expected {
+    name: &'static str,
+    address: u32,
+    mask: u32,
+    value: u32,
+}
+
+const fn expected(name: &'static str, address: u32, mask: u32, value: u32) -> Expected {
+    Expected {
+        name,
+        address,
+        mask,
+        value,
+    }
+}
+
+const RCC: u32 = 0x4002_3800;
+const GPIOB: u32 = 0x4002_0400;
+const UART4: u32 = 0x4000_4c00;
+const DMA1: u32 = 0x4002_6000;
+#[cfg(not(feature = "spi-sensors"))]
+const TIM2: u32 = 0x4000_0000;
+#[cfg(not(feature = "spi-sensors"))]
+const TIM3: u32 = 0x4000_0400;
+#[cfg(not(feature = "spi-sensors"))]
+const ADC1: u32 = 0x4001_2000;
+#[cfg(not(feature = "spi-sensors"))]
+const DMA2: u32 = 0x4002_6400;
+#[cfg(feature = "spi-sensors")]
+const SPI3: u32 = 0x4000_3c00;
+
+/// For either set of sensors.
+const COMMON: [Expected; 5] = [
+    // 7.3.3: SWS (3:2) says that the PLL drives the core; PPRE1 (12:10) divides by 4, PPRE2 (15:13)
+    // by 2.
+    expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
+    // 8.4.1: PB12 an output; what it puts out is low (8.4.6).
+    expected("GPIOB_MODER", GPIOB, 0b11 << 24, 0b01 << 24),
+    expected("GPIOB_ODR", GPIOB + 0x14, 1 << 12, 0),
+    // 30.6.3: 42 MHz / 2 Mbaud = 16 · 1 5/16.
+    expected("UART4_BRR", UART4 + 0x08, 0xffff, 0x15),
+    // 10.5.5, stream 2: channel 4, circular, counting up the memory, on.
+    expected(
+        "DMA1_S2CR",
+        DMA1 + 0x10 + 0x18 * 2,
+        0x0e00_0501,
+        0x0800_0501,
+    ),
+];
+
+#[cfg(not(feature = "spi-sensors"))]
+const SENSORS: [Expected; 9] = [
+    // 18.4.2: the update is the trigger output.
+    expected("TIM2_CR2", TIM2 + 0x04, 0b111 << 4, 0b010 << 4),
+    // 18.4.12: 84 MHz / 2625 = 32 kHz, without a prescaler.
+    expected("TIM2_PSC", TIM2 + 0x28, 0xffff, 0),
+    expected("TIM2_ARR", TIM2 + 0x2c, u32::MAX, 2624),
+    // 18.4.3: both edges of both inputs count, ITR1 is the trigger.
+    expected("TIM3_SMCR", TIM3 + 0x08, 0x77, 0x13),
+    // 18.4.8 and 18.4.9: channel 3 captures on the trigger; 18.4.4: and asks for DMA.
+    expected("TIM3_CCMR2", TIM3 + 0x1c, 0b11, 0b11),
+    expected("TIM3_DIER", TIM3 + 0x0c, 1 << 11, 1 << 11),
+    // 13.13.3: rising edge of TIM2_TRGO, DMA for ever, on.
+    expected("ADC1_CR2", ADC1 + 0x08, 0x3f00_0301, 0x1600_0301),
+    // 10.5.5, stream 0: channel 0, double buffer, half words, interrupt when a block is full, on.
+    expected("DMA2_S0CR", DMA2 + 0x10, 0x0e04_7c11, 0x0004_2c11),
+    // Stream 7: channel 5, double buffer, half words, on.
+    expected(
+        "DMA1_S7CR",
+        DMA1 + 0x10 + 0x18 * 7,
+        0x0e04_7c01,
+        0x0a04_2c01,
+    ),
+];
+
+#[cfg(feature = "spi-sensors")]
+const SENSORS: [Expected; 1] = [
+    // 28.5.1: mode 1, master, 42 MHz / 8, the highest bit first; SPE is left open.
+    expected("SPI3_CR1", SPI3, 0x00ff & !(1 << 6), 0b0001_0101),
+];
+
+/// Compares, and logs what differs.
+pub fn check() {
+    let mut wrong = 0;
+    for register in COMMON.iter().chain(&SENSORS) {
+        // SAFETY: a load of a register of a peripheral whose clock is on; none of them changes by
+        // being read.
+        let read = unsafe { (register.address as *const u32).read_volatile() };
+        if read & register.mask != register.value {
+            wrong += 1;
+            defmt::warn!(
+                "register {=str} reads {=u32:#010x}, expected {=u32:#010x} under {=u32:#010x}",
+                register.name,
+                read,
+                register.value,
+                register.mask
+            );
+        }
+    }
+    if wrong == 0 {
+        defmt::info!("registers as expected");
+    }
+}

@@ -1,0 +1,161 @@
+//! The second set of sensors: AS5047P and ADS1220 on SPI3, read at every tick of SysTick.
+//!
+//! PC10 to PC12 are the bus (on the ODrive's header); both motor drivers' select lines (PC13, PC14)
+//! are held high, so that they stay out of it. 5.25 MHz, mode 1: within both data sheets.
+
+use super::clock::CORE_HZ;
+use super::{F405, tick};
+use crate::board::{Acquired, Board, RATE_HZ, Sensors};
+use crate::driver::pair::Pair;
+use crate::driver::{ads1220, as5047p};
+use core::cell::RefCell;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{NVIC, SYST};
+use cortex_m_rt::exception;
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::{ErrorType, MODE_1, Operation, SpiBus, SpiDevice};
+use estimator_core::instants::Ticks;
+use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PB2, PC10, PC11, PC12};
+use stm32f4xx_hal::pac::{self, SPI3};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::spi::Spi;
+
+/// The bus, the select lines, DRDY and the tick.
+pub struct Wires {
+    /// The bus.
+    pub spi3: SPI3,
+    /// SCK, MISO, MOSI.
+    pub bus: (PC10, PC11, PC12),
+    /// Selects the encoder.
+    pub encoder: PA2<Output>,
+    /// Selects the converter.
+    pub bridge: PA3<Output>,
+    /// The converter's DRDY, low when a conversion is done.
+    pub ready: PB2<Input>,
+    /// The tick.
+    pub tick: SYST,
+}
+
+/// Both sensors.
+pub struct SpiSensors {
+    bus: Spi<SPI3>,
+    encoder: PA2<Output>,
+    bridge: PA3<Output>,
+    ready: PB2<Input>,
+    pair: Pair,
+    ticks: Ticks,
+}
+
+/// Sets both sensors up, says in the log what is wrong with them, and starts the tick.
+pub fn start(wires: Wires, rcc: &mut Rcc) -> SpiSensors {
+    let (sck, miso, mosi) = wires.bus;
+    let pins = (Some(sck), Some(miso), Some(mosi));
+    // 42 MHz / 8.
+    let bus = wires.spi3.spi(pins, MODE_1, 5_250.kHz(), rcc);
+    let mut sensors = SpiSensors {
+        bus,
+        encoder: wires.encoder,
+        bridge: wires.bridge,
+        ready: wires.ready,
+        pair: Pair::default(),
+        ticks: Ticks::new(F405::TICK),
+    };
+    sensors.set_up();
+    let mut tick = wires.tick;
+    tick.set_clock_source(SystClkSource::Core);
+    tick.set_reload(CORE_HZ / RATE_HZ - 1);
+    tick.clear_current();
+    tick.enable_interrupt();
+    tick.enable_counter();
+    sensors
+}
+
+/// The tick.
+#[exception]
+fn SysTick() {
+    NVIC::pend(pac::Interrupt::DMA2_STREAM0);
+}
+
+impl SpiSensors {
+    /// A sensor that does not answer now may do so later: its samples are faulty until then.
+    fn set_up(&mut self) {
+        let bus = RefCell::new(&mut self.bus);
+        let mut bridge = Chip(&bus, &mut self.bridge);
+        if let Err(error) = ads1220::set_up(&mut bridge) {
+            defmt::warn!("ADS1220: {}", defmt::Debug2Format(&error));
+        }
+        let mut encoder = Chip(&bus, &mut self.encoder);
+        match as5047p::diagnose(&mut encoder) {
+            Ok(magnet) if magnet.too_strong || magnet.too_weak || magnet.overflow => {
+                defmt::warn!("AS5047P: {}", defmt::Debug2Format(&magnet));
+            }
+            Ok(_) => {}
+            Err(error) => defmt::warn!("AS5047P: {}", defmt::Debug2Format(&error)),
+        }
+    }
+}
+
+impl Sensors for SpiSensors {
+    fn sample(&mut self) -> Acquired {
+        let Some((time_us, faults)) = tick(&mut self.ticks) else {
+            return Acquired::Nothing;
+        };
+        let ready = self.ready.is_low();
+        let bus = RefCell::new(&mut self.bus);
+        let mut encoder = Chip(&bus, &mut self.encoder);
+        let mut bridge = Chip(&bus, &mut self.bridge);
+        match self.pair.sample(time_us, ready, &mut encoder, &mut bridge) {
+            Some(mut codes) => {
+                codes.faults = codes.faults | faults;
+                Acquired::Codes(codes)
+            }
+            None => Acquired::Nothing,
+        }
+    }
+}
+
+/// A chip on the bus that it shares: select line low, operations, high again.
+struct Chip<'a, 'b, B, P>(&'a RefCell<&'b mut B>, &'a mut P);
+
+impl<B: SpiBus, P> ErrorType for Chip<'_, '_, B, P> {
+    type Error = B::Error;
+}
+
+impl<B: SpiBus, P: OutputPin> SpiDevice for Chip<'_, '_, B, P> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), B::Error> {
+        // Never borrowed twice: a transaction ends before the next begins.
+        select(&mut **self.0.borrow_mut(), self.1, operations)
+    }
+}
+
+/// 60 cycles: 357 ns, of the 350 that the encoder wants between two frames and around each.
+const SELECT_CYCLES: u32 = 60;
+
+fn select<B: SpiBus, P: OutputPin>(
+    bus: &mut B,
+    pin: &mut P,
+    operations: &mut [Operation<'_, u8>],
+) -> Result<(), B::Error> {
+    // Pins of this part do not fail.
+    let _ = pin.set_low();
+    cortex_m::asm::delay(SELECT_CYCLES);
+    let done = operations
+        .iter_mut()
+        .try_for_each(|operation| match operation {
+            Operation::Read(bytes) => bus.read(bytes),
+            Operation::Write(bytes) => bus.write(bytes),
+            Operation::Transfer(read, write) => bus.transfer(read, write),
+            Operation::TransferInPlace(bytes) => bus.transfer_in_place(bytes),
+            Operation::DelayNs(nanoseconds) => {
+                // At least so long: 168 cycles a microsecond.
+                let cycles = nanoseconds.saturating_mul(CORE_HZ / 1_000_000) / 1000;
+                cortex_m::asm::delay(cycles + 1);
+                Ok(())
+            }
+        });
+    let flushed = bus.flush();
+    let _ = pin.set_high();
+    cortex_m::asm::delay(SELECT_CYCLES);
+    done.and(flushed)
+}

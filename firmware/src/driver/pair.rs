@@ -1,0 +1,93 @@
+//! Both sensors as one instant, in the same codes as the reference wiring's.
+
+use super::{ads1220, as5047p};
+use embedded_hal::spi::SpiDevice;
+use estimator_core::sensing::Codes;
+use estimator_core::{Fault, Faults};
+
+/// The middle of a conversion, in 1/32 of a tick after its start: it takes 0.5 to 0.6 ms of the tick's
+/// 1 ms. What is left, 0.02 ms, is 0.03 N s/m of damping at a stiffness of 1350 N/m.
+const MIDDLE: i32 = 9;
+/// Position codes per count of the encoder.
+pub const CODES_PER_COUNT: i32 = 32;
+
+/// What is remembered from tick to tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pair {
+    last: Option<Last>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    time_us: u64,
+    /// As the encoder gave it, 14 bits, and that without its wraps.
+    angle: u16,
+    count: i32,
+    force: i32,
+    /// Whether that tick's angle was a good one.
+    good: bool,
+}
+
+impl Pair {
+    /// Reads both at a tick of time `time_us`; `ready`: what the converter's DRDY pin says. Gives the
+    /// instant of the conversion that the last tick started; nothing at the first.
+    ///
+    /// The conversion lasts from the last tick to its middle: its position lies between the angle of
+    /// then and that of now, [`MIDDLE`] of the way.
+    pub fn sample<E: SpiDevice, B: SpiDevice>(
+        &mut self,
+        time_us: u64,
+        ready: bool,
+        encoder: &mut E,
+        bridge: &mut B,
+    ) -> Option<Codes> {
+        // The angle first: it is of the tick, and the next conversion starts right after it.
+        let angle = as5047p::angle(encoder);
+        let force = ads1220::fetch_and_start(bridge);
+        let Some(last) = self.last else {
+            let angle = angle.ok();
+            self.last = Some(Last {
+                time_us,
+                angle: angle.unwrap_or(0),
+                count: 0,
+                force: 0,
+                good: angle.is_some(),
+            });
+            return None;
+        };
+        let now = Last {
+            time_us,
+            angle: angle.as_ref().copied().unwrap_or(last.angle),
+            count: (last.count).wrapping_add(moved(
+                last.angle,
+                angle.as_ref().copied().unwrap_or(last.angle),
+            )),
+            force: force.as_ref().copied().unwrap_or(last.force),
+            good: angle.is_ok(),
+        };
+        self.last = Some(now);
+        let mut faults = Faults::NONE;
+        if !(last.good && now.good) {
+            faults = faults.with(Fault::PositionUnusable);
+        }
+        if !ready || force.is_err() {
+            faults = faults.with(Fault::ForceUnusable);
+        }
+        Some(Codes {
+            time_us: last.time_us,
+            force: now.force,
+            force_low: now.force,
+            force_high: now.force,
+            position: CODES_PER_COUNT
+                .wrapping_mul(last.count)
+                .wrapping_add(MIDDLE * now.count.wrapping_sub(last.count)),
+            faults,
+        })
+    }
+}
+
+/// Counts from one angle to the next, the short way round: right below half a turn a tick.
+fn moved(from: u16, to: u16) -> i32 {
+    let turned = to.wrapping_sub(from) << 2;
+    i32::from(turned as i16) >> 2
+}

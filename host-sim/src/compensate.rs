@@ -1,0 +1,144 @@
+//! `--compensate`: a log as it would read without the rig's own effects.
+//!
+//! The core's [`Compensation`] runs over the log in double precision; what comes out is the position
+//! of the tip and the contact force, for whatever estimator follows. Effects of the material stay.
+
+use std::path::Path;
+
+use estimator_core::Sample;
+use estimator_core::rig::{Compensation, compensates};
+use estimator_core::{Fault, Faults};
+
+use crate::diagnostic::{Diagnostic, listed};
+use crate::log::UniformLog;
+use crate::model::Model;
+use crate::report::number::{counted, quantity};
+
+/// Positions on whole counts within this share of a count come from a counter.
+const ON_COUNT: f64 = 0.02;
+
+/// The log without what the rig of the model at `path` adds.
+///
+/// # Errors
+/// A model that cannot be used, or a delay longer than a compensation remembers.
+pub fn read(log: UniformLog, path: &Path) -> Result<UniformLog, Diagnostic> {
+    compensate(&log, &Model::read(path)?)
+}
+
+/// The log without what the model's rig adds.
+///
+/// # Errors
+/// As [`read`].
+pub fn compensate(log: &UniformLog, model: &Model) -> Result<UniformLog, Diagnostic> {
+    let rig = model.rig()?;
+    let count_m = count_m(&log.position_m);
+    let rate_hz = log.rate_hz as f32;
+    let compensation =
+        Compensation::<f64>::new(&rig.effects, rate_hz, count_m).map_err(|error| {
+            Diagnostic::new("the effects cannot be compensated at this rate")
+                .in_file(&model.path)
+                .at_key(&format!("effect.{}", error.field))
+                .value(error.value)
+                .note(format!("the log has {} Hz", log.rate_hz))
+                .remedy(format!("it {}", error.expected))
+        })?;
+    let mut out = run(log, &compensation);
+    let names = |own: bool| {
+        let effects = rig.effects().map(|effect| effect.id());
+        let names = effects.filter(move |id| compensates(*id) == own);
+        names.map(|id| id.name().to_string()).collect::<Vec<_>>()
+    };
+    let (off, stay) = (names(true), names(false));
+    out.notes.extend(notes(&off, &stay, model, &compensation));
+    out.compensated.effects = off;
+    let saturated = out.compensated.saturated.iter().filter(|at| **at).count();
+    if saturated > 0 {
+        out.notes.push(format!(
+            "{} at the load cell's limit or within the window of one: not learned from",
+            counted(saturated, "sample")
+        ));
+    }
+    Ok(out)
+}
+
+fn notes(
+    off: &[String],
+    stay: &[String],
+    model: &Model,
+    compensation: &Compensation<f64>,
+) -> Vec<String> {
+    let listed = |names: &[String]| listed(names.iter().map(String::as_str));
+    let mut notes = Vec::new();
+    let of = model.path.display();
+    notes.push(match off.is_empty() {
+        true => format!("{of} has no effect of the rig to compensate"),
+        false => format!(
+            "compensated as in {of}: {}; depth is that of the tip, force that of the contact, of {} ago",
+            listed(off),
+            quantity(compensation.delay_s(), 3, "s")
+        ),
+    });
+    if !stay.is_empty() {
+        notes.push(format!(
+            "of what is touched, and not compensated: {}",
+            listed(stay)
+        ));
+    }
+    notes
+}
+
+/// The whole log, each result at the instant that it belongs to; the first ones have no past.
+fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
+    let delay_s = compensation.delay_s();
+    let late = (delay_s * log.rate_hz).ceil() as usize;
+    let start_s = log.time_s.first().copied().unwrap_or(0.0);
+    let mut out = UniformLog {
+        path: log.path.clone(),
+        rate_hz: log.rate_hz,
+        untouched: false,
+        notes: log.notes.clone(),
+        ..UniformLog::default()
+    };
+    // The window colours the noise: its strength stays that of the raw force.
+    out.compensated.noise_n = Some(log.force_noise_n());
+    let mut state = compensation.at_rest();
+    for index in 0..log.len() {
+        let read = Sample {
+            time_us: (index as f64 * log.period_s() * 1e6).round() as u64,
+            position_m: log.position_m[index],
+            force_n: log.force_n[index],
+            faults: Faults::NONE,
+        };
+        let sample = compensation.step(&mut state, read);
+        if index < late {
+            continue;
+        }
+        out.time_s
+            .push(start_s + index as f64 * log.period_s() - delay_s);
+        out.position_m.push(sample.position_m);
+        out.force_n.push(sample.force_n);
+        out.in_gap
+            .push(log.in_gap[index - late..=index].contains(&true));
+        let saturated = sample.faults.has(Fault::ForceSaturated);
+        out.compensated.saturated.push(saturated);
+    }
+    out
+}
+
+/// A count of the encoder (m): the smallest step, if the others are multiples of it; else 0.
+fn count_m(position_m: &[f64]) -> f64 {
+    let steps = position_m.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let largest = position_m.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    // Differences of equal counts differ by the rounding of the positions.
+    let steps: Vec<f64> = steps.filter(|step| *step > 1e-12 * largest).collect();
+    let smallest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let on_count = |step: &&f64| (**step / smallest - (**step / smallest).round()).abs() < ON_COUNT;
+    match steps.iter().filter(on_count).count() * 10 >= steps.len() * 9 && steps.len() > 10 {
+        true => smallest,
+        false => 0.0,
+    }
+}
+
+#[cfg(test)]
+#[path = "compensate_tests.rs"]
+mod tests;

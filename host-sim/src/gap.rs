@@ -1,0 +1,135 @@
+//! `palpate gap`: where simulation and measurement disagree, what is missing, and the proof.
+//!
+//! The steps, a file a word: `floor` says what noise leaves without any model; `course` is a log as
+//! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
+//! says what a residual may be; `propose` says where a candidate starts and what it promises;
+//! `search` adds, swaps and drops effects, each time refitting everything; `decide` judges on
+//! held-out parts; `regions` says where, `error` how well; `files` writes it down.
+
+mod command;
+mod course;
+mod decide;
+mod error;
+mod files;
+mod fit;
+mod floor;
+mod low_pass;
+mod print;
+mod propose;
+mod regions;
+mod result;
+mod search;
+mod shape;
+mod tell;
+mod weights;
+
+pub use command::{GapArgs, run};
+pub use floor::Floor;
+pub use regions::{Region, words};
+pub use result::{Curves, Finding, Known, Named, Tried, Verdict};
+
+use estimator_core::effect::EffectId;
+use rayon::prelude::*;
+
+use course::{Course, Scales};
+use decide::Evidence;
+use low_pass::LowPass;
+use search::Search;
+use shape::Term;
+
+use crate::diagnostic::Diagnostic;
+use crate::log::UniformLog;
+use crate::model::Model;
+
+/// Samples of a search, and of the last fits.
+const SEARCHED: usize = 5_000;
+const FITTED: usize = 30_000;
+
+/// What to look for, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Corner of the zero-phase low-pass that measured and predicted force go through (Hz).
+    pub bandwidth_hz: Option<f64>,
+    /// The effects that may be named.
+    pub catalogue: Vec<EffectId>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            bandwidth_hz: None,
+            catalogue: EffectId::ALL.to_vec(),
+        }
+    }
+}
+
+/// Finds what a base model lacks to explain logs of one rig.
+///
+/// # Errors
+/// A model that is no rig, or a log that holds no motion.
+pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Finding, Diagnostic> {
+    model.rig()?;
+    let given = given(model)?;
+    let floors: Vec<Floor> = logs.par_iter().map(Floor::of).collect();
+    let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
+    let raw: Vec<Course> = logs.par_iter().map(Course::of).collect();
+    let samples: usize = logs.iter().map(UniformLog::len).sum();
+    let filtered: Vec<Course> = raw.iter().map(|course| course.filtered(low_pass)).collect();
+    let thinned = |most: usize| -> Vec<Course> {
+        let step = samples.div_ceil(most);
+        filtered.iter().map(|course| course.thinned(step)).collect()
+    };
+    let (coarse, fine) = (thinned(SEARCHED), thinned(FITTED));
+    let scales = Scales::of(&coarse);
+    let mut search = Search {
+        courses: &coarse,
+        floors: &floors,
+        low_pass,
+        weights: vec![1.0; coarse.iter().map(Course::len).sum()],
+        base: &model.environment,
+        given: &given,
+        scales: &scales,
+        ids: &options.catalogue,
+        floor: 0.0,
+        correlation: floors
+            .iter()
+            .map(|own| own.correlation / samples.div_ceil(SEARCHED) as f64)
+            .fold(1.0, f64::max),
+    };
+    let base = search.base_fit();
+    search.weigh(&base);
+    let base = search.refitted(&base);
+    let found = search.run(base.clone());
+    let evidence = Evidence {
+        courses: &fine,
+        floors: &floors,
+        low_pass,
+        scales: &scales,
+    };
+    let ladder = search.ladder(&base, &found);
+    let decision = evidence.decide(&base, found);
+    Ok(tell::finding(model, &evidence, decision, ladder, options))
+}
+
+/// The effects that the base model has already: in the fit from the start, and to stay.
+fn given(model: &Model) -> Result<Vec<Term>, Diagnostic> {
+    let term = |own: &crate::model::Effect| -> Result<Term, Diagnostic> {
+        let effect = own.core()?;
+        let id = effect.id();
+        let (row, infos) = (effect.row(), id.info().parameters);
+        let free = |at: usize| {
+            // A number that is 0 because the model does not give it is a form, not a start.
+            infos.get(at).is_some_and(|info| {
+                !own.fit.fixed.iter().any(|name| name == info.name)
+                    && !(info.usual.is_some() && row[at] == 0.0)
+            })
+        };
+        Ok(Term {
+            id,
+            row,
+            free: std::array::from_fn(free),
+            given: true,
+        })
+    };
+    model.effects.iter().map(term).collect()
+}

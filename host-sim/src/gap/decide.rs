@@ -1,0 +1,285 @@
+//! From a search's result to an answer: everything refitted at the log's own rate, held-out parts
+//! judged, uncertain names dropped, rivals counted.
+//!
+//! The log is cut into twelve windows; every third is held out. A fit to the others predicts them:
+//! the states (relaxation, play) run through all windows, only the residuals are left out.
+
+use estimator_core::effect::EffectId;
+use rayon::prelude::*;
+
+use super::course::{Course, Scales};
+use super::fit::{Fit, Problem, along};
+use super::floor::Floor;
+use super::low_pass::LowPass;
+use super::result::Verdict;
+use super::search::{Found, added};
+use super::shape::Shape;
+use super::weights::{variances, weights};
+
+/// Windows of a log, of which every third is held out.
+const WINDOWS: usize = 12;
+/// Held-out residuals within this of what is allowed: explained. Errors of form, of the motion
+/// between samples, and of the floor itself are below.
+const ADEQUATE: f64 = 1.12;
+/// A base model within this explains a log in which nothing more is found.
+const NOTHING_LEFT: f64 = 1.08;
+/// How much further both go where the noise is coloured: a rest of a second does not say what it does
+/// in ten.
+const COLOURED: f64 = 1.25;
+/// Share of the base's excess that names must explain together to stand where something is left.
+const CERTAIN: f64 = 0.85;
+/// Rivals whose Σ w r² is within so many independent standard errors squared are not told apart.
+const APART: f64 = 12.0;
+
+/// A judged answer.
+pub(super) struct Decision {
+    pub(super) verdict: Verdict,
+    /// Fits to the whole log.
+    pub(super) base: Fit,
+    pub(super) best: Fit,
+    /// For every added effect of `best`, in the order of its terms: who else could it be, and what
+    /// the held-out part loses without it.
+    pub(super) alternatives: Vec<Vec<EffectId>>,
+    pub(super) gains: Vec<f64>,
+    /// Fits with one added effect left out, for the regions where each matters.
+    pub(super) without: Vec<Fit>,
+    /// RMSE (N) of the raw force on the held-out part, before and after.
+    pub(super) rmse_n: (f64, f64),
+    /// Residuals over what is allowed, there.
+    pub(super) ratio: (f64, f64),
+    pub(super) variances: Vec<f64>,
+    pub(super) held_out: Vec<bool>,
+    pub(super) correlation: f64,
+}
+
+/// What deciding needs to know.
+pub(super) struct Evidence<'a> {
+    pub(super) courses: &'a [Course],
+    pub(super) floors: &'a [Floor],
+    pub(super) low_pass: Option<LowPass>,
+    pub(super) scales: &'a Scales,
+}
+
+impl Evidence<'_> {
+    fn problem<'a>(&'a self, weights: &'a [f64]) -> Problem<'a> {
+        Problem {
+            courses: self.courses,
+            weights,
+            low_pass: self.low_pass,
+        }
+    }
+
+    pub(super) fn decide(&self, base: &Fit, found: Found) -> Decision {
+        let mut found = found;
+        loop {
+            let decision = self.judge(base, &found);
+            let count = decision.best.shape.terms.len() - given(&decision.best);
+            if count == 0 || decision.verdict != Verdict::Unexplained {
+                return decision;
+            }
+            let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
+            let explained = 1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(1e-12);
+            if explained >= CERTAIN && decision.alternatives.iter().all(Vec::is_empty) {
+                return decision;
+            }
+            // Names that leave much unexplained are no names.
+            found = Found {
+                best: base.clone(),
+                rivals: Vec::new(),
+            };
+        }
+    }
+
+    fn judge(&self, base: &Fit, found: &Found) -> Decision {
+        let low_pass = self.low_pass;
+        let variances = variances(&found.best, self.courses, self.floors, low_pass);
+        let all = weights(&variances);
+        let held_out = self.held_out();
+        let train: Vec<f64> = all.iter().zip(&held_out).map(|(w, out)| if *out { 0.0 } else { *w }).collect();
+        let (all, train) = (self.problem(&all), self.problem(&train));
+        let refit = |fit: &Fit| all.fit(&fit.shape, fit.numbers.clone());
+        let (base, best) = rayon::join(|| refit(base), || refit(&found.best));
+        let own: Vec<usize> = (0..best.shape.terms.len()).filter(|at| !best.shape.terms[*at].given).collect();
+        let without: Vec<Fit> = own
+            .par_iter()
+            .map(|at| all.walk(&without(&best, *at, self.scales), start_without(&best, *at, self.scales), 12))
+            .collect();
+        let trained: Vec<Fit> = [&base, &best]
+            .into_iter()
+            .chain(&without)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|fit| train.walk(&fit.shape, fit.numbers.clone(), 8))
+            .collect();
+        let judged: Vec<(f64, f64)> = trained
+            .par_iter()
+            .map(|fit| self.held_out_error(&all, fit, &held_out))
+            .collect();
+        let residuals: Vec<f64> = all
+            .residuals(&best.shape, &best.numbers)
+            .iter()
+            .zip(all.weights)
+            .filter(|(_, w)| **w > 0.0)
+            .map(|(r, w)| r * w.sqrt())
+            .collect();
+        let correlation = crate::batch::error::correlation(&residuals);
+        let alternatives = self.alternatives(&all, &best, found, correlation);
+        let (before, after) = (judged[0], judged[1]);
+        let gains = judged[2..].iter().map(|own| 1.0 - (after.0 / own.0).powi(2)).collect();
+        let named = !own.is_empty();
+        // Hum in a band is no effect of the catalogue, and no line either: what rest shows of lines may
+        // stay, once a periodic disturbance has not taken it.
+        let lines = self
+            .floors
+            .iter()
+            .map(|own| 1.0 + (own.lines_n / own.used_n.max(f64::MIN_POSITIVE)).powi(2).min(1.0))
+            .fold(1.0, f64::max)
+            .sqrt();
+        let uncertain = lines * if self.floors.iter().any(|own| own.coloured) { COLOURED } else { 1.0 };
+        let limit = uncertain * if named { ADEQUATE } else { NOTHING_LEFT };
+        let verdict = if after.1 > limit {
+            Verdict::Unexplained
+        } else if !named {
+            Verdict::NoMissingEffect
+        } else if alternatives.iter().any(|ids| !ids.is_empty()) {
+            Verdict::Ambiguous
+        } else {
+            Verdict::MissingEffects
+        };
+        Decision {
+            verdict,
+            alternatives,
+            gains,
+            without,
+            rmse_n: (before.0, after.0),
+            ratio: (before.1, after.1),
+            base,
+            best,
+            variances,
+            held_out,
+            correlation,
+        }
+    }
+
+    fn held_out(&self) -> Vec<bool> {
+        let mut held_out = Vec::new();
+        for course in self.courses {
+            let count = course.len();
+            held_out.extend((0..count).map(|at| (at * WINDOWS / count) % 3 == 1));
+        }
+        held_out
+    }
+
+    /// RMSE (N) and weighted ratio of a fit on the held-out part.
+    fn held_out_error(&self, all: &Problem<'_>, fit: &Fit, held_out: &[bool]) -> (f64, f64) {
+        let residuals = all.residuals(&fit.shape, &fit.numbers);
+        let measured = self.courses.iter().flat_map(|course| &course.count);
+        let (mut squares, mut count, mut weighted, mut used) = (0.0, 0.0, 0.0, 0.0);
+        for (((residual, weight), out), measured) in
+            residuals.iter().zip(all.weights).zip(held_out).zip(measured)
+        {
+            if !out || *measured == 0.0 {
+                continue;
+            }
+            squares += residual * residual;
+            count += 1.0;
+            if *weight > 0.0 {
+                weighted += weight * residual * residual;
+                used += 1.0;
+            }
+        }
+        ((squares / f64::max(count, 1.0)).sqrt(), (weighted / f64::max(used, 1.0)).sqrt())
+    }
+
+    /// For every added effect the ids that fit as well in its place.
+    fn alternatives(&self, all: &Problem<'_>, best: &Fit, found: &Found, correlation: f64) -> Vec<Vec<EffectId>> {
+        let ids = added(best);
+        let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
+        let misfit = (best.cost / count).max(1.0);
+        let apart = APART * correlation * misfit;
+        // At the search's coarse resolution a rival may be a little further off than at this one.
+        let coarse = found.best.cost;
+        let close: Vec<&Fit> = found
+            .rivals
+            .iter()
+            .flatten()
+            .filter(|fit| fit.cost < coarse * 1.10 + apart)
+            .collect();
+        let refitted: Vec<Fit> = close
+            .into_par_iter()
+            .map(|fit| all.walk(&fit.shape, fit.numbers.clone(), 10))
+            .collect();
+        let mut order: Vec<EffectId> = best.shape.terms.iter().filter(|t| !t.given).map(|t| t.id).collect();
+        order.drain(..)
+            .map(|own| {
+                let mut alternatives = Vec::new();
+                for fit in &refitted {
+                    let others = added(fit);
+                    let Some(other) = replaced(&ids, &others, own) else { continue };
+                    let apart_n2 = fit.cost - best.cost;
+                    if apart_n2 < apart && !related(own, other) && !alternatives.contains(&other) {
+                        alternatives.push(other);
+                    }
+                }
+                alternatives
+            })
+            .collect()
+    }
+}
+
+/// The id that stands in `others` where `own` stands in `ids`, if all else is the same.
+fn replaced(ids: &[EffectId], others: &[EffectId], own: EffectId) -> Option<EffectId> {
+    let mut rest = others.to_vec();
+    for id in ids.iter().filter(|id| **id != own) {
+        let at = rest.iter().position(|other| other == id)?;
+        rest.remove(at);
+    }
+    match rest[..] {
+        [other] if other != own => Some(other),
+        _ => None,
+    }
+}
+
+/// Whether one is a special case of the other: no ambiguity, the simpler one wins where it is adequate.
+pub(super) fn related(one: EffectId, other: EffectId) -> bool {
+    use EffectId as E;
+    let family = |id: EffectId| match id {
+        E::CoulombFriction | E::StribeckFriction => 1,
+        E::ViscousDrag | E::AsymmetricDrag => 2,
+        E::ForceOffset | E::ForceDrift => 3,
+        _ => 0,
+    };
+    one == other || (family(one) != 0 && family(one) == family(other))
+}
+
+fn given(fit: &Fit) -> usize {
+    fit.shape.terms.iter().filter(|term| term.given).count()
+}
+
+fn without(fit: &Fit, at: usize, scales: &Scales) -> Shape {
+    let mut terms = fit.shape.terms_at(&fit.numbers);
+    terms.remove(at);
+    Shape::new(&fit.shape.base, terms, scales)
+}
+
+fn start_without(fit: &Fit, at: usize, scales: &Scales) -> Vec<f64> {
+    let shape = without(fit, at, scales);
+    let mut start = shape.start();
+    let own = shape.environment_count();
+    start[..own].copy_from_slice(&fit.numbers[..own]);
+    start
+}
+
+/// Depths (m) of a fit along the courses, log after log.
+pub(super) fn depths(fit: &Fit, courses: &[Course]) -> Vec<Vec<f64>> {
+    courses
+        .iter()
+        .map(|course| {
+            let mut depths = Vec::with_capacity(course.len());
+            along(&fit.shape, &fit.numbers, course, |_, reading: estimator_core::rig::Reading<f64>| {
+                depths.push(reading.touch.depth_m);
+            });
+            depths
+        })
+        .collect()
+}

@@ -1,0 +1,132 @@
+//! `gap.json` and `model.toml`.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::regions::Region;
+use super::result::{Curves, Finding, Known, Named, Tried};
+use crate::estimate::files::number;
+use crate::output::write_atomically;
+
+/// Writes both, and the report, into a folder.
+pub(super) fn write(folder: &Path, finding: &Finding, seconds: f64) -> io::Result<()> {
+    write_atomically(&folder.join("gap.json"), |writer| {
+        serde_json::to_writer_pretty(&mut *writer, &json(finding, seconds))?;
+        writeln!(writer)
+    })?;
+    write_atomically(&folder.join("model.toml"), |writer| {
+        writer.write_all(finding.model.to_toml().as_bytes())
+    })?;
+    for (at, curves) in finding.curves.iter().enumerate() {
+        let name = match at {
+            0 => "gap.csv".to_string(),
+            _ => format!("gap_{}.csv", at + 1),
+        };
+        write_atomically(&folder.join(name), |writer| csv(writer, curves))?;
+    }
+    Ok(())
+}
+
+/// The forces sample by sample, for pictures of one's own.
+fn csv(writer: &mut dyn Write, curves: &Curves) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(writer);
+    table.write_record([
+        "t_s",
+        "x_m",
+        "depth_m",
+        "speed_mps",
+        "force_n",
+        "before_n",
+        "after_n",
+        "allowed_n",
+        "held_out",
+    ])?;
+    for at in 0..curves.time_s.len() {
+        table.write_record([
+            format!("{:.6}", curves.time_s[at]),
+            format!("{:.6e}", curves.position_m[at]),
+            format!("{:.6e}", curves.depth_m[at]),
+            format!("{:.5e}", curves.speed_mps[at]),
+            format!("{:.6e}", curves.measured_n[at]),
+            format!("{:.6e}", curves.before_n[at]),
+            format!("{:.6e}", curves.after_n[at]),
+            format!("{:.3e}", curves.allowed_n[at]),
+            u8::from(curves.held_out[at]).to_string(),
+        ])?;
+    }
+    table.flush()
+}
+
+/// The content of `gap.json`.
+pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
+    json!({
+        "verdict": finding.verdict.name(),
+        "effects": finding.effects.iter().map(effect).collect::<Vec<_>>(),
+        "rmse_n": {
+            "before": number(finding.rmse_before_n),
+            "after": number(finding.rmse_after_n),
+        },
+        "noise_floor_n": number(finding.noise_floor_n),
+        "bandwidth_hz": finding.bandwidth_hz,
+        "floor_ratio": {
+            "before": number(finding.ratio_before),
+            "after": number(finding.ratio_after),
+        },
+        "base": {
+            "before": parameters(&finding.base_before),
+            "after": parameters(&finding.base_after),
+        },
+        "disagreement": finding.disagreement.iter().map(region).collect::<Vec<_>>(),
+        "remaining": finding.remaining.iter().map(region).collect::<Vec<_>>(),
+        "candidates": finding.ladder.iter().map(tried).collect::<Vec<_>>(),
+        "advice": finding.advice,
+        "notes": finding.notes,
+        "seconds": number(seconds),
+    })
+}
+
+fn effect(own: &Named) -> Value {
+    json!({
+        "id": own.id.name(),
+        "params": parameters(&own.parameters),
+        "alternatives": own.alternatives.iter().map(|id| id.name()).collect::<Vec<_>>(),
+        "where": own.place,
+        "held_out_gain": number(own.held_out_gain),
+    })
+}
+
+fn parameters(known: &[Known]) -> Value {
+    let each = known.iter().map(|own| {
+        let value = json!({
+            "value": number(own.value),
+            "std_error": own.std_error.map(number),
+            "unit": own.unit,
+        });
+        (own.name.clone(), value)
+    });
+    Value::Object(each.collect::<Map<_, _>>())
+}
+
+fn region(own: &Region) -> Value {
+    let mut value = json!({
+        "region": own.id,
+        "share": number(own.share),
+        "rms_n": number(own.rms_n),
+    });
+    if let Some(hz) = own.hz {
+        value["hz"] = number(hz);
+    }
+    if let Some(pitch) = own.pitch_m {
+        value["m"] = number(pitch);
+    }
+    value
+}
+
+fn tried(own: &Tried) -> Value {
+    json!({
+        "effects": own.ids.iter().map(|id| id.name()).collect::<Vec<_>>(),
+        "floor_ratio": number(own.ratio),
+    })
+}

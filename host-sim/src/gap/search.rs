@@ -1,0 +1,344 @@
+//! Which effects are there: forward steps from a beam of fits, swaps, and backward elimination, every
+//! one a joint refit of law and effects.
+
+use estimator_core::effect::EffectId;
+use rayon::prelude::*;
+
+use super::course::{Course, Scales};
+use super::fit::{Fit, Problem};
+use super::floor::Floor;
+use super::low_pass::LowPass;
+use super::propose::{Ground, Proposal};
+use super::result::Tried;
+use super::shape::{Shape, Term};
+use super::weights::{variances, weights};
+use crate::model;
+
+/// Candidates that are refitted jointly in a forward step.
+const REFITTED: usize = 8;
+/// And fits that are followed to their minimum.
+const FOLLOWED: usize = 5;
+/// Candidates that also start from the model file's values: a base that ran away alone drags a joint
+/// fit with it.
+const FROM_FILE: usize = 4;
+/// Fits that the next step goes on from.
+const BEAM: usize = 3;
+/// Most effects that are added.
+const MOST_ADDED: usize = 5;
+/// Steps of a joint refit before it has to be among the best.
+const FIRST_STEPS: usize = 4;
+
+/// Share of the base's excess that is left after two effects when a third is not tried.
+const HOPELESS: f64 = 0.5;
+
+/// A search over the catalogue on one resolution of the logs.
+pub(super) struct Search<'a> {
+    pub(super) courses: &'a [Course],
+    pub(super) floors: &'a [Floor],
+    pub(super) low_pass: Option<LowPass>,
+    /// 1/N² per sample, of the best fit so far.
+    pub(super) weights: Vec<f64>,
+    pub(super) base: &'a model::Environment,
+    pub(super) given: &'a [Term],
+    pub(super) scales: &'a Scales,
+    pub(super) ids: &'a [EffectId],
+    /// Σ w r² of nothing but noise.
+    pub(super) floor: f64,
+    /// Blocks per independent residual.
+    pub(super) correlation: f64,
+}
+
+/// What came of it.
+pub(super) struct Found {
+    pub(super) best: Fit,
+    /// For every effect that was added, the best fits with another one in its place.
+    pub(super) rivals: Vec<Vec<Fit>>,
+}
+
+/// The effects that a fit adds to the base model, in order.
+pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
+    let mut ids: Vec<EffectId> = fit.shape.terms.iter().filter(|t| !t.given).map(|t| t.id).collect();
+    ids.sort();
+    ids
+}
+
+impl Search<'_> {
+    fn problem(&self) -> Problem<'_> {
+        Problem {
+            courses: self.courses,
+            weights: &self.weights,
+            low_pass: self.low_pass,
+        }
+    }
+
+    /// Weights for what `fit` says the residuals may be; fits to old weights are to be costed again.
+    pub(super) fn weigh(&mut self, fit: &Fit) {
+        self.weights = weights(&variances(fit, self.courses, self.floors, self.low_pass));
+        self.floor = self.weights.iter().filter(|w| **w > 0.0).count() as f64;
+    }
+
+    /// The same shape at its minimum under the present weights.
+    pub(super) fn refitted(&self, fit: &Fit) -> Fit {
+        self.problem().fit(&fit.shape, fit.numbers.clone())
+    }
+
+    /// The sets that came closest, for the report.
+    pub(super) fn ladder(&self, base: &Fit, found: &Found) -> Vec<Tried> {
+        let all = [base, &found.best].into_iter().chain(found.rivals.iter().flatten());
+        let mut ladder: Vec<Tried> = all
+            .map(|fit| Tried {
+                ids: added(fit),
+                ratio: (self.costed(fit).cost / self.floor).sqrt(),
+            })
+            .collect();
+        ladder.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        ladder.dedup_by(|a, b| a.ids == b.ids);
+        ladder
+    }
+
+    fn costed(&self, fit: &Fit) -> Fit {
+        Fit {
+            cost: self.problem().cost(&fit.shape, &fit.numbers),
+            ..fit.clone()
+        }
+    }
+
+    /// The base law with nothing added, from several places of the surface.
+    pub(super) fn base_fit(&self) -> Fit {
+        let shape = Shape::new(self.base, self.given.to_vec(), self.scales);
+        let start = shape.start();
+        let surface = self.base.parameters().iter().position(|own| own.name == "surface");
+        let moved = |share: f64| {
+            let mut start = start.clone();
+            for (number, free) in start.iter_mut().zip(&shape.free) {
+                if surface.is_some_and(|at| free.owner == super::shape::Owner::Environment(at)) {
+                    *number = (*number + share * self.scales.travel_m).clamp(free.lowest, free.highest);
+                }
+            }
+            start
+        };
+        let shares = [0.0, 0.07, -0.07, 0.2, -0.2];
+        let fits = shares
+            .par_iter()
+            .map(|share| self.problem().walk(&shape, moved(*share), 8))
+            .collect::<Vec<_>>();
+        let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let numbers = best.map_or(start.clone(), |fit| fit.numbers);
+        self.problem().fit(&shape, numbers)
+    }
+
+    /// Cost with a price on free numbers: BIC in units of independent residuals.
+    pub(super) fn score(&self, fit: &Fit) -> f64 {
+        let count = self.problem().weights.iter().filter(|w| **w > 0.0).count() as f64;
+        let independent = (count / self.correlation).max(2.0);
+        fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
+    }
+
+    /// What an effect must take off Σ w r² to be there, when `after` is left.
+    fn price(&self, before: f64, after: f64, base: f64) -> f64 {
+        // Significance, with the catalogue's size; 4 % of what is left, for the errors of the noise's
+        // own model; and a share of what the base left, for the errors of the effects' forms.
+        let catalogue = 2.0 * (self.ids.len() as f64).ln();
+        let significant = self.correlation * (25.0 + catalogue) * (after / self.floor).max(1.0);
+        let form = 0.02 * (base - self.floor).max(0.0);
+        let _ = before;
+        significant.max(0.04 * after).max(form)
+    }
+
+    fn is_adequate(&self, fit: &Fit) -> bool {
+        fit.cost <= 1.02 * self.floor
+    }
+
+    /// The best fit with each effect that promises anything added to `from`, best first.
+    pub(super) fn expanded(&self, from: &Fit) -> Vec<Fit> {
+        let ground = Ground::new(self.problem(), from, self.scales);
+        let mut proposals = ground.proposals(self.ids);
+        let least = 1e-3 * (from.cost - self.floor).max(0.0);
+        proposals.retain(|own| own[0].gain > least);
+        proposals.truncate(REFITTED);
+        let tasks: Vec<(Shape, Vec<f64>)> = proposals
+            .iter()
+            .enumerate()
+            .flat_map(|(rank, own)| own.iter().take(2).map(move |proposal| (rank, proposal)))
+            .flat_map(|(rank, proposal)| {
+                let mut starts = self.starts(from, proposal);
+                starts.truncate(if rank < FROM_FILE { 2 } else { 1 });
+                starts
+            })
+            .collect();
+        let walked: Vec<Fit> = tasks
+            .into_par_iter()
+            .map(|(shape, start)| self.problem().walk(&shape, start, FIRST_STEPS))
+            .collect();
+        // The best start of each effect goes on, if it has a chance.
+        let mut fits: Vec<Fit> = Vec::new();
+        for fit in walked {
+            let id = added(&fit);
+            match fits.iter_mut().find(|own| added(own) == id) {
+                Some(own) if own.cost <= fit.cost => {}
+                Some(own) => *own = fit,
+                None => fits.push(fit),
+            }
+        }
+        fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        fits.truncate(FOLLOWED);
+        let mut done: Vec<Fit> = fits
+            .into_par_iter()
+            .map(|fit| self.problem().fit(&fit.shape, fit.numbers))
+            .collect();
+        done.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
+        if std::env::var("PALPATE_TRACE").is_ok() {
+            eprintln!("from {:?} {:.4}", added(from), (from.cost / self.floor).sqrt());
+            for own in &proposals {
+                eprintln!("   proposed {:?} {:.4} {:?}", own[0].term.id, own[0].gain / from.cost, own[0].term.row);
+            }
+            for fit in &done {
+                eprintln!("   fitted {:?} {:.4}", added(fit), (fit.cost / self.floor).sqrt());
+            }
+        }
+        done
+    }
+
+    /// Where a joint refit starts: from the fit, and from the model file's values.
+    fn starts(&self, from: &Fit, proposal: &Proposal) -> Vec<(Shape, Vec<f64>)> {
+        let mut terms = from.shape.terms_at(&from.numbers);
+        terms.push(proposal.term.clone());
+        let shape = Shape::new(self.base, terms, self.scales);
+        let mut start = shape.start();
+        let filed = start.clone();
+        let own = from.numbers.len();
+        // The environment's numbers come first, in both.
+        let environment = shape.environment_count();
+        start[..environment].copy_from_slice(&from.numbers[..environment.min(own)]);
+        if filed == start {
+            return vec![(shape, start)];
+        }
+        vec![(shape.clone(), start), (shape, filed)]
+    }
+
+    /// Finds what is there.
+    pub(super) fn run(&mut self, base: Fit) -> Found {
+        let mut base_cost = base.cost;
+        let mut best = base.clone();
+        let mut beam = vec![base.clone()];
+        let mut level = 0;
+        while level < MOST_ADDED && !self.is_adequate(&best) {
+            let mut children: Vec<Fit> = beam.iter().flat_map(|fit| self.expanded(fit)).collect();
+            children.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
+            let mut seen: Vec<Vec<EffectId>> = Vec::new();
+            children.retain(|fit| {
+                let ids = added(fit);
+                let new = !seen.contains(&ids);
+                seen.push(ids);
+                new
+            });
+            let Some(child) = children.first() else { break };
+            let gained = best.cost - child.cost;
+            // What explains little in two steps is in no catalogue.
+            let excess = (base_cost - self.floor).max(1.0);
+            if level >= 2 && best.cost - self.floor > HOPELESS * excess {
+                break;
+            }
+            let accepted = gained > self.price(best.cost, child.cost, base_cost);
+            if accepted {
+                best = child.clone();
+                self.weigh(&best);
+                best = self.problem().fit(&best.shape, best.numbers);
+                base_cost = self.costed(&base).cost;
+            } else if level > 0 {
+                break;
+            }
+            children.truncate(BEAM);
+            beam = children.iter().map(|fit| self.costed(fit)).collect();
+            level += 1;
+        }
+        best = self.without_idle(best, base_cost);
+        let found = self.swapped(best, base_cost);
+        self.simpler(found, base_cost)
+    }
+
+    /// Leaves out what does not pay.
+    fn without_idle(&self, mut best: Fit, base_cost: f64) -> Fit {
+        loop {
+            let own: Vec<usize> = (0..best.shape.terms.len())
+                .filter(|at| !best.shape.terms[*at].given)
+                .collect();
+            let without: Option<Fit> = own
+                .into_par_iter()
+                .map(|at| self.without(&best, at))
+                .min_by(|a, b| a.cost.total_cmp(&b.cost));
+            match without {
+                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => best = fit,
+                _ => return best,
+            }
+        }
+    }
+
+    /// The best fit without a term.
+    pub(super) fn without(&self, fit: &Fit, at: usize) -> Fit {
+        let mut terms = fit.shape.terms_at(&fit.numbers);
+        terms.remove(at);
+        let shape = Shape::new(self.base, terms, self.scales);
+        let mut start = shape.start();
+        let environment = shape.environment_count();
+        let filed = start.clone();
+        start[..environment].copy_from_slice(&fit.numbers[..environment]);
+        let (a, b) = rayon::join(
+            || self.problem().fit(&shape, start),
+            || self.problem().fit(&shape, filed),
+        );
+        if a.cost <= b.cost { a } else { b }
+    }
+
+    /// Stribeck's friction becomes Coulomb's where the difference does not pay.
+    fn simpler(&self, found: Found, base_cost: f64) -> Found {
+        let complex = |term: &Term| term.id == EffectId::StribeckFriction && !term.given;
+        let Some(at) = found.best.shape.terms.iter().position(complex) else {
+            return found;
+        };
+        let coulomb = Search {
+            ids: &[EffectId::CoulombFriction],
+            weights: self.weights.clone(),
+            ..*self
+        };
+        let simple = coulomb.expanded(&self.without(&found.best, at));
+        match simple.into_iter().next() {
+            Some(fit) if fit.cost - found.best.cost < self.price(fit.cost, found.best.cost, base_cost) => {
+                Found { best: fit, ..found }
+            }
+            _ => found,
+        }
+    }
+
+    /// Tries every other effect in the place of each; what is better takes its place.
+    fn swapped(&self, best: Fit, base_cost: f64) -> Found {
+        let mut best = best;
+        for _ in 0..3 {
+            let own: Vec<usize> = (0..best.shape.terms.len())
+                .filter(|at| !best.shape.terms[*at].given)
+                .collect();
+            let rivals: Vec<Vec<Fit>> = own
+                .iter()
+                .map(|at| {
+                    let mut fits = self.expanded(&self.without(&best, *at));
+                    let ids = added(&best);
+                    fits.retain(|fit| added(fit) != ids);
+                    fits
+                })
+                .collect();
+            let better = rivals
+                .iter()
+                .flatten()
+                .min_by(|a, b| self.score(a).total_cmp(&self.score(b)))
+                .filter(|fit| self.score(fit) < self.score(&best) - 6.0);
+            match better {
+                Some(fit) => best = self.without_idle(fit.clone(), base_cost),
+                None => return Found { best, rivals },
+            }
+        }
+        Found {
+            best,
+            rivals: Vec::new(),
+        }
+    }
+}

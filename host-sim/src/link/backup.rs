@@ -1,0 +1,134 @@
+//! A board's settings as a file: TOML, a section for each part, every value with its unit.
+
+use std::io;
+use std::path::Path;
+
+use estimator_core::settings::{Invalid, Key, Settings};
+
+use crate::diagnostic::Diagnostic;
+use crate::output::write_atomically;
+use crate::toml_reader::{Bounds, Table, TomlFile};
+
+/// The text of a backup.
+pub fn text(settings: &Settings, of: &str) -> String {
+    let mut text = format!("# Settings of {of}, for `palpate config restore`.\n");
+    let mut section = "";
+    for key in Key::ALL {
+        let info = key.info();
+        let (part, name) = split(info.name);
+        if part != section {
+            text.push_str(&format!("\n[{part}]\n"));
+            section = part;
+        }
+        let unit = if info.unit == "1" { "" } else { info.unit };
+        let gap = if unit.is_empty() { "" } else { ": " };
+        let value = settings.get(key);
+        text.push_str(&format!("{name} = {value} # {unit}{gap}{}\n", info.about));
+    }
+    text
+}
+
+/// Writes a backup.
+///
+/// # Errors
+/// What the file system says.
+pub fn write(path: &Path, settings: &Settings, of: &str) -> io::Result<()> {
+    write_atomically(path, |writer| {
+        writer.write_all(text(settings, of).as_bytes())
+    })
+}
+
+/// Reads a backup over `settings`: what it does not name stays.
+///
+/// # Errors
+/// Unknown keys, no numbers, and values that a board cannot use, with their line.
+pub fn read(path: &Path, settings: Settings) -> Result<Settings, Diagnostic> {
+    parse(&TomlFile::read(path)?, settings)
+}
+
+fn parse(file: &TomlFile, mut settings: Settings) -> Result<Settings, Diagnostic> {
+    let root = file.root();
+    let mut parts: Vec<&str> = Key::ALL
+        .iter()
+        .map(|key| split(key.info().name).0)
+        .collect();
+    parts.dedup();
+    for part in parts {
+        let Some(table) = root.table(part)? else {
+            continue;
+        };
+        for key in Key::ALL
+            .into_iter()
+            .filter(|key| split(key.info().name).0 == part)
+        {
+            if let Some(value) = table.number(split(key.info().name).1, Bounds::Any)? {
+                settings.put(key, value as f32);
+            }
+        }
+        table.finish()?;
+    }
+    root.finish()?;
+    match settings.check() {
+        Ok(()) => Ok(settings),
+        Err(invalid) => Err(unusable(&root, &invalid)?),
+    }
+}
+
+/// The error of a value, at its line.
+fn unusable(root: &Table, invalid: &Invalid) -> Result<Diagnostic, Diagnostic> {
+    let (part, name) = split(invalid.key.info().name);
+    let what = format!("`{}` cannot be {}", invalid.key.info().name, invalid.value);
+    let diagnostic = match root.table(part)? {
+        Some(table) => table.wrong(name, what),
+        None => root.wrong(name, what),
+    };
+    Ok(diagnostic.remedy(invalid.to_string()))
+}
+
+fn split(name: &'static str) -> (&'static str, &'static str) {
+    name.split_once('.').unwrap_or(("", name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Result<Settings, Diagnostic> {
+        let file = TomlFile::parse(text.into(), Path::new("board.toml"))?;
+        parse(&file, Settings::default())
+    }
+
+    #[test]
+    fn every_value_comes_back_to_the_bit() {
+        let mut settings = Settings::default();
+        for (index, key) in Key::ALL.into_iter().enumerate() {
+            let value = settings.get(key) * (1.0 + index as f32 / 1024.0);
+            if key.info().bounds.hold(value) {
+                settings.put(key, value);
+            }
+        }
+        settings.put(Key::PositionPerCode, -1.0 / 3.0 * 1e-7);
+        settings.check().unwrap();
+        assert_eq!(of(&text(&settings, "a board")).unwrap(), settings);
+    }
+
+    #[test]
+    fn what_is_not_named_stays() {
+        let settings = of("[estimator]\nhalf_width = 12\n").unwrap();
+        assert_eq!(settings.get(Key::EstimatorHalfWidth), 12.0);
+        assert_eq!(
+            settings.get(Key::ForcePerCode),
+            Settings::default().get(Key::ForcePerCode)
+        );
+    }
+
+    #[test]
+    fn a_misspelt_key_and_a_value_out_of_bounds_are_shown_at_their_line() {
+        let error = of("[force]\nzero_cod = 3\n").unwrap_err();
+        assert_eq!(error.line, Some(2), "{error}");
+        assert!(error.to_string().contains("zero_code"), "{error}");
+        let error = of("[estimator]\n\nhalf_width = 77\n").unwrap_err();
+        assert_eq!(error.line, Some(3), "{error}");
+        assert!(error.to_string().contains("from 2 to 32"), "{error}");
+    }
+}

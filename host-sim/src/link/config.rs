@@ -1,0 +1,201 @@
+//! `palpate config`: a board's settings.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use estimator_core::link::Command;
+use estimator_core::settings::{Key, Settings};
+
+use super::calibrate::{self, CalibrateArgs};
+use super::{Device, Port, backup, port};
+use crate::diagnostic::{Diagnostic, listed, nearest};
+use crate::output::say;
+
+/// Arguments of `palpate config`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Example:\n  palpate config --port /dev/ttyUSB0 show\n  \
+    palpate config --port /dev/ttyUSB0 set estimator.depth_m 0.002\n  \
+    palpate config --port /dev/ttyUSB0 calibrate --weights 0,0.5,1,2\n\n\
+    A change is in force at once; `save` keeps it through a power cut. Nothing that restarts the\n\
+    estimator is taken while the probe is in contact.")]
+pub struct ConfigArgs {
+    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
+    #[arg(long, value_name = "PORT")]
+    pub port: String,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand, Clone, Debug)]
+enum Verb {
+    /// All settings with their units
+    Show,
+    /// One setting with its bounds and its default
+    Get {
+        /// Its name, such as force.n_per_code.
+        name: String,
+    },
+    /// Change a setting, in the unit that `show` says
+    Set {
+        /// Its name, such as estimator.depth_m.
+        name: String,
+        /// The new value.
+        #[arg(allow_negative_numbers = true)]
+        value: f32,
+    },
+    /// Keep the settings through a power cut
+    Save,
+    /// Back to what was saved
+    Reload,
+    /// Back to the defaults (not saved)
+    Defaults,
+    /// Forget the estimates and settle anew; the probe must be in free air
+    Restart,
+    /// Write all settings into a file
+    Backup {
+        /// TOML.
+        file: PathBuf,
+    },
+    /// Set and save all settings of a file
+    Restore {
+        /// TOML, as `backup` writes it; what it does not name stays as it is.
+        file: PathBuf,
+    },
+    /// Find scale and zero of the load cell with known weights, and the encoder's scale and sign
+    Calibrate(CalibrateArgs),
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A [`Diagnostic`] for a port that is not there, a name or value that is none, and whatever the
+/// board refuses; an I/O error if it does not answer.
+pub fn run(args: &ConfigArgs) -> Result<(), Box<dyn Error>> {
+    // What can be refused without a board is refused without one.
+    if let Verb::Get { name } | Verb::Set { name, .. } = &args.verb {
+        key_of(name)?;
+    }
+    let mut device = Device::new(port::open(&args.port)?);
+    say(done(&mut device, &args.verb)?)?;
+    Ok(())
+}
+
+fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn Error>> {
+    match verb {
+        Verb::Show => show(device),
+        Verb::Get { name } => {
+            let key = key_of(name)?;
+            let info = key.info();
+            let line = line(key, device.get(key)?);
+            Ok(format!(
+                "{line}{:24} {}; default {}\n",
+                "", info.bounds, info.default
+            ))
+        }
+        Verb::Set { name, value } => {
+            let key = key_of(name)?;
+            device.set(key, *value)?;
+            Ok(format!(
+                "{}not saved: `config save` keeps it\n",
+                line(key, *value)
+            ))
+        }
+        Verb::Save => ordered(device, Command::Save, "saved"),
+        Verb::Reload => ordered(device, Command::Reload, "as saved"),
+        Verb::Defaults => ordered(device, Command::Defaults, "defaults in force, not saved"),
+        Verb::Restart => ordered(device, Command::Restart, "settling"),
+        Verb::Backup { file } => {
+            let name = device.identity()?.board.to_string();
+            backup::write(file, &device.settings()?, &name)?;
+            Ok(format!("{}: {} settings\n", file.display(), Key::ALL.len()))
+        }
+        Verb::Restore { file } => {
+            let now = device.settings()?;
+            let changed = restore(device, &now, &backup::read(file, now)?)?;
+            Ok(format!("{}: {changed} changed, saved\n", file.display()))
+        }
+        Verb::Calibrate(args) => calibrate::run(device, args, &mut calibrate::Terminal),
+    }
+}
+
+fn ordered<P: Port>(
+    device: &mut Device<P>,
+    command: Command,
+    said: &str,
+) -> Result<String, Box<dyn Error>> {
+    device.order(command)?;
+    Ok(format!("{said}\n"))
+}
+
+fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
+    let identity = device.identity()?;
+    let settings = device.settings()?;
+    let saved = if identity.unsaved {
+        "not saved"
+    } else {
+        "saved"
+    };
+    let mut text = format!(
+        "{}, firmware {}, {} Hz; settings {saved}\n",
+        identity.board, identity.firmware, identity.rate_hz
+    );
+    for key in Key::ALL {
+        text.push_str(&line(key, settings.get(key)));
+    }
+    Ok(text)
+}
+
+fn line(key: Key, value: f32) -> String {
+    let info = key.info();
+    let unit = if info.unit == "1" { "" } else { info.unit };
+    let valued = format!("{value} {unit}");
+    format!(
+        "{:<24} {:<18} {}\n",
+        info.name,
+        valued.trim_end(),
+        info.about
+    )
+}
+
+fn key_of(name: &str) -> Result<Key, Diagnostic> {
+    Key::from_name(name).ok_or_else(|| {
+        let names = || Key::ALL.into_iter().map(|key| key.info().name);
+        let diagnostic = Diagnostic::new("no such setting")
+            .value(name)
+            .note(format!("the settings are {}", listed(names())));
+        match nearest(name, names()) {
+            Some(near) => diagnostic.remedy(format!("write `{near}`")),
+            None => diagnostic.remedy("`palpate config show` lists them"),
+        }
+    })
+}
+
+/// Gives every setting its new value, and saves. A value that contradicts one that is still to come
+/// is tried again after it: of two that must be in order, one can always go first.
+pub(super) fn restore<P: Port>(
+    device: &mut Device<P>,
+    now: &Settings,
+    wanted: &Settings,
+) -> Result<usize, Box<dyn Error>> {
+    let differs = |key: &Key| now.get(*key) != wanted.get(*key);
+    let mut left: Vec<Key> = Key::ALL.into_iter().filter(differs).collect();
+    let changed = left.len();
+    while !left.is_empty() {
+        let before = left.len();
+        let mut refusal = None;
+        left.retain(|key| match device.set(*key, wanted.get(*key)) {
+            Ok(()) => false,
+            Err(error) => {
+                refusal = Some(error);
+                true
+            }
+        });
+        match refusal {
+            Some(error) if left.len() == before => return Err(error),
+            _ => {}
+        }
+    }
+    device.order(Command::Save)?;
+    Ok(changed)
+}

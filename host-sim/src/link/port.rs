@@ -1,0 +1,214 @@
+//! Bytes to and from a board.
+
+use std::error::Error;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serialport::SerialPort;
+
+use super::board::{BYTES_PER_MS, SimulatedBoard};
+use super::world::World;
+use crate::diagnostic::Diagnostic;
+
+/// What the firmware sends at, 8N1: exact on the board, and within 0.2 % on the adapters that have it.
+pub const BAUD: u32 = 2_000_000;
+/// How long [`Port::read`] waits for bytes.
+const WAIT: Duration = Duration::from_millis(20);
+
+/// Bytes to and from a board.
+pub trait Port {
+    /// Takes what has come, and waits a little if nothing has; 0: nothing now.
+    ///
+    /// # Errors
+    /// What the system says, when the line is gone.
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize>;
+
+    /// Sends all bytes.
+    ///
+    /// # Errors
+    /// What the system says.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
+
+impl Port for Box<dyn Port> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        (**self).read(into)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        (**self).write(bytes)
+    }
+}
+
+/// What `--port` means: `simulated`, a directory (the emulator's), or the name of a serial port.
+///
+/// # Errors
+/// A [`Diagnostic`] for a port that is not there, with those that are.
+pub fn open(name: &str) -> Result<Box<dyn Port>, Box<dyn Error>> {
+    if name == "simulated" {
+        let world = Arc::new(Mutex::new(World::default()));
+        let board = SimulatedBoard::new(world, BYTES_PER_MS);
+        return Ok(Box::new(Simulated::in_real_time(board)));
+    }
+    if Path::new(name).is_dir() {
+        return Ok(Box::new(Files::open(Path::new(name))?));
+    }
+    Ok(Box::new(Serial::open(name)?))
+}
+
+/// A serial line.
+pub struct Serial(Box<dyn SerialPort>);
+
+impl Serial {
+    /// Opens it at [`BAUD`].
+    ///
+    /// # Errors
+    /// Not there, taken, or no serial port.
+    pub fn open(name: &str) -> Result<Self, Diagnostic> {
+        let opened = serialport::new(name, BAUD).timeout(WAIT).open();
+        opened.map(Serial).map_err(|error| {
+            let there = serialport::available_ports().unwrap_or_default();
+            let names: Vec<&str> = there.iter().map(|port| port.port_name.as_str()).collect();
+            let there = match names.is_empty() {
+                true => "no serial port is there".to_string(),
+                false => format!("the serial ports are {}", names.join(", ")),
+            };
+            Diagnostic::new(format!("cannot open the port: {error}"))
+                .value(name)
+                .note(there)
+                .remedy(
+                    "name a serial port, the emulator's working directory, or `simulated`; on Linux \
+                     a user of serial ports is in the group dialout",
+                )
+        })
+    }
+}
+
+impl Port for Serial {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self.0.read(into) {
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
+                ) =>
+            {
+                Ok(0)
+            }
+            read => read,
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.0.write_all(bytes)?;
+        self.0.flush()
+    }
+}
+
+/// The emulator's working directory: its frames are a file that grows, commands are another.
+#[derive(Debug)]
+pub struct Files {
+    telemetry: File,
+    commands: File,
+}
+
+impl Files {
+    /// Opens `telemetry.frames` and `commands.frames` in `directory`. Commands reach an emulator that
+    /// was started while the latter was there.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] where there is no `telemetry.frames`.
+    pub fn open(directory: &Path) -> Result<Self, Diagnostic> {
+        let wrong = |name: &str, error: &io::Error| {
+            Diagnostic::new(format!("cannot open it: {error}"))
+                .in_file(&directory.join(name))
+                .remedy("name the directory in which QEMU runs the firmware, `target/qemu`")
+        };
+        let telemetry = File::open(directory.join("telemetry.frames"))
+            .map_err(|error| wrong("telemetry.frames", &error))?;
+        let mut options = OpenOptions::new();
+        let commands = options
+            .create(true)
+            .append(true)
+            .open(directory.join("commands.frames"))
+            .map_err(|error| wrong("commands.frames", &error))?;
+        Ok(Files {
+            telemetry,
+            commands,
+        })
+    }
+}
+
+impl Port for Files {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let count = self.telemetry.read(into)?;
+        if count == 0 {
+            // A new run has made the file anew: from its start.
+            if self.telemetry.metadata()?.len() < self.telemetry.stream_position()? {
+                self.telemetry.seek(SeekFrom::Start(0))?;
+            }
+            sleep(Duration::from_millis(2));
+        }
+        Ok(count)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.commands.write_all(bytes)
+    }
+}
+
+/// A simulated board behind a line of its own speed.
+pub struct Simulated {
+    board: SimulatedBoard,
+    /// Start and milliseconds so far, where the board runs in real time.
+    clock: Option<(Instant, u64)>,
+}
+
+impl Simulated {
+    /// As fast as a board: for people.
+    pub fn in_real_time(board: SimulatedBoard) -> Self {
+        let clock = Some((Instant::now(), 0));
+        Simulated { board, clock }
+    }
+
+    /// As fast as it is read, 10 ms a time: for tests.
+    pub fn at_once(board: SimulatedBoard) -> Self {
+        Simulated { board, clock: None }
+    }
+
+    /// The board itself.
+    pub fn board(&mut self) -> &mut SimulatedBoard {
+        &mut self.board
+    }
+
+    fn due_ms(&mut self) -> u64 {
+        let Some((start, so_far)) = &mut self.clock else {
+            return 10;
+        };
+        sleep(Duration::from_millis(5));
+        let now = start.elapsed().as_millis() as u64;
+        let due = now - *so_far;
+        *so_far = now;
+        due
+    }
+}
+
+impl Port for Simulated {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.board.waiting() == 0 {
+            for _ in 0..self.due_ms() {
+                self.board.tick();
+            }
+        }
+        Ok(self.board.take(into))
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.board.receive(bytes);
+        Ok(())
+    }
+}

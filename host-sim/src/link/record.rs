@@ -1,0 +1,317 @@
+//! `palpate record`: a board's bytes into a file as they come, and that file as a log.
+//!
+//! The bytes are appended as they are and brought to the disk once a second: after a crash or a power
+//! cut, all but the last second is there, and `--convert` makes the log of it.
+
+use std::error::Error;
+use std::fs::{self, File};
+use std::io::{self, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use estimator_core::estimate::Phase;
+use estimator_core::frame::{Decoder, Frame};
+use estimator_core::link::Health;
+use estimator_core::sensing::Codes;
+use estimator_core::{Estimate, Sample};
+
+use super::device::Statistics;
+use super::{Device, Port, backup, port};
+use crate::diagnostic::Diagnostic;
+use crate::log::{ExtraColumn, FEWEST_SAMPLES, Log};
+use crate::output::say;
+use crate::report::number::counted;
+
+/// Arguments of `palpate record`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "Example:\n  palpate record --port /dev/ttyUSB0 --seconds 60 --out run7\n  \
+    palpate record --convert run7\n\n\
+    Without --seconds it records until it is stopped (Ctrl-C); --convert then makes the log."
+)]
+pub struct RecordArgs {
+    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
+    #[arg(long, value_name = "PORT", required_unless_present = "convert")]
+    pub port: Option<String>,
+    /// How long (s); a port that falls silent for 3 s ends a recording as well.
+    #[arg(long, value_name = "S", requires = "port")]
+    pub seconds: Option<f64>,
+    /// Where recording.frames, settings.toml and log.csv go; made if missing.
+    #[arg(long, value_name = "DIR", required_unless_present = "convert")]
+    pub out: Option<PathBuf>,
+    /// Make the log of a recording that was not ended: the folder with its recording.frames.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "out"])]
+    pub convert: Option<PathBuf>,
+}
+
+const RECORDING: &str = "recording.frames";
+const SILENCE: Duration = Duration::from_secs(3);
+const TO_DISK: Duration = Duration::from_secs(1);
+
+/// Runs the verb.
+///
+/// # Errors
+/// A [`Diagnostic`] for a port or a folder that is not there or has a recording already; an I/O
+/// error if the disk is full or nothing comes.
+pub fn run(args: &RecordArgs) -> Result<(), Box<dyn Error>> {
+    if let Some(folder) = &args.convert {
+        say(convert(folder)?)?;
+        return Ok(());
+    }
+    let (Some(name), Some(folder)) = (&args.port, &args.out) else {
+        return Err(Diagnostic::new("nothing to record")
+            .remedy("give --port and --out")
+            .into());
+    };
+    if let Some(seconds) = args.seconds.filter(|s| !s.is_finite() || *s <= 0.0) {
+        let diagnostic = Diagnostic::new("a recording of no length").value(seconds);
+        return Err(diagnostic.remedy("give --seconds greater than 0").into());
+    }
+    let mut device = Device::new(port::open(name)?);
+    let end = args.seconds.map(|s| (s * 1e6) as u64);
+    let statistics = record(&mut device, folder, end)?;
+    say(said(&statistics))?;
+    say(convert(folder)?)?;
+    Ok(())
+}
+
+fn said(statistics: &Statistics) -> String {
+    format!(
+        "{}, {} lost on the line, {} garbled\n",
+        counted(statistics.frames as usize, "frame"),
+        statistics.lost,
+        statistics.garbled
+    )
+}
+
+/// Records until the board's own time has advanced by `length_us`, or until it falls silent.
+///
+/// # Errors
+/// A recording that is there already; whatever port and disk say; nothing that comes.
+pub fn record<P: Port>(
+    device: &mut Device<P>,
+    folder: &Path,
+    length_us: Option<u64>,
+) -> Result<Statistics, Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
+    let path = folder.join(RECORDING);
+    if path.exists() {
+        return Err(Diagnostic::new("a recording is there already")
+            .in_file(&path)
+            .remedy("name another folder with --out")
+            .into());
+    }
+    let file = File::create_new(&path)?;
+    let mut bytes = file.try_clone()?;
+    // From here on every byte is kept, also those that come while the settings are asked for.
+    device.tap(Some(Box::new(move |come| bytes.write_all(come))));
+    let recorded = keep_settings(device, folder).and_then(|()| listen(device, &file, length_us));
+    device.tap(None);
+    file.sync_all()?;
+    recorded?;
+    Ok(device.statistics())
+}
+
+/// Until the board's own time has advanced so far, or it falls silent.
+fn listen<P: Port>(
+    device: &mut Device<P>,
+    file: &File,
+    length_us: Option<u64>,
+) -> Result<(), Box<dyn Error>> {
+    let (mut first, mut heard, mut kept) = (None, Instant::now(), Instant::now());
+    while heard.elapsed() <= SILENCE {
+        let frame = device.next_frame()?;
+        if frame.is_some() {
+            heard = Instant::now();
+        }
+        if let Some(Frame::Sample(sample)) = frame {
+            let start = *first.get_or_insert(sample.time_us);
+            let so_far = sample.time_us.saturating_sub(start);
+            if length_us.is_some_and(|length| so_far >= length) {
+                break;
+            }
+        }
+        if kept.elapsed() >= TO_DISK {
+            file.sync_data()?;
+            kept = Instant::now();
+        }
+    }
+    Ok(())
+}
+
+/// The settings that the samples were taken with. A board that only sends is recorded without.
+fn keep_settings<P: Port>(device: &mut Device<P>, folder: &Path) -> Result<(), Box<dyn Error>> {
+    match device.identity() {
+        Ok(identity) => {
+            let name = identity.board.to_string();
+            backup::write(&folder.join("settings.toml"), &device.settings()?, &name)?;
+        }
+        Err(error) => say(format!("recording without settings: {error}\n"))?,
+    }
+    Ok(())
+}
+
+/// An instant of a recording.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    codes: Option<Codes>,
+    sample: Sample<f32>,
+    innovation_n: Option<f32>,
+}
+
+/// What a recording holds.
+#[derive(Debug, Default)]
+struct Content {
+    /// A run each: a board that was reset starts its time anew.
+    runs: Vec<Vec<Row>>,
+    codes: Option<Codes>,
+    garbled: u64,
+    health: Option<Health>,
+    missing: u64,
+}
+
+impl Content {
+    fn take(&mut self, frame: &Frame) {
+        match frame {
+            Frame::Codes(codes) => self.codes = Some(*codes),
+            Frame::Sample(sample) => self.sample(sample),
+            Frame::Estimate(estimate) => self.estimate(estimate),
+            Frame::Health(health) => self.health = Some(*health),
+            Frame::Command(_) | Frame::Reply(_) => {}
+        }
+    }
+
+    fn sample(&mut self, sample: &Sample<f32>) {
+        let codes = self.codes.take().filter(|c| c.time_us == sample.time_us);
+        let last = self.runs.last().and_then(|run| run.last());
+        let instant = Row {
+            codes,
+            sample: *sample,
+            innovation_n: None,
+        };
+        match (last.map(|last| last.sample.time_us), self.runs.last_mut()) {
+            (Some(before), Some(run)) if before < sample.time_us => {
+                self.missing += ((sample.time_us - before + 500) / 1000).saturating_sub(1);
+                run.push(instant);
+            }
+            // The same instant twice is one of them.
+            (Some(before), Some(_)) if before == sample.time_us => {}
+            _ => self.runs.push(vec![instant]),
+        }
+    }
+
+    /// The estimate follows its sample.
+    fn estimate(&mut self, estimate: &Estimate<f32>) {
+        if let Some(instant) = self.runs.last_mut().and_then(|run| run.last_mut()) {
+            // In free air nothing is predicted.
+            let in_contact = estimate.phase == Phase::Contact;
+            instant.innovation_n = in_contact.then_some(estimate.innovation.innovation_n);
+        }
+    }
+}
+
+/// Makes `log.csv` of `recording.frames` in a folder, and further logs if the board was reset.
+///
+/// # Errors
+/// No recording, or fewer samples than a log needs.
+pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
+    let path = folder.join(RECORDING);
+    let file = File::open(&path).map_err(|error| {
+        Diagnostic::new(format!("cannot read the recording: {error}"))
+            .in_file(&path)
+            .remedy("name the folder that `record --out` wrote")
+    })?;
+    let content = decoded(BufReader::new(file))?;
+    let mut text = String::new();
+    let usable = content
+        .runs
+        .iter()
+        .filter(|run| run.len() >= FEWEST_SAMPLES);
+    for (index, run) in usable.enumerate() {
+        let name = match index {
+            0 => "log.csv".to_string(),
+            index => format!("log-{}.csv", index + 1),
+        };
+        let log = folder.join(name);
+        as_log(run).write_csv(&log)?;
+        text.push_str(&format!(
+            "{}: {}\n",
+            log.display(),
+            counted(run.len(), "sample")
+        ));
+    }
+    if text.is_empty() {
+        return Err(Diagnostic::new("fewer samples than make a log")
+            .in_file(&path)
+            .remedy(format!("record {FEWEST_SAMPLES} samples or more"))
+            .into());
+    }
+    text.push_str(&format!(
+        "{} missing between the first and the last, {} garbled",
+        counted(content.missing as usize, "sample"),
+        counted(content.garbled as usize, "frame")
+    ));
+    if let Some(health) = content.health {
+        text.push_str(&format!(
+            "; the board dropped {}, missed {}, and was late {} times since its start",
+            health.dropped, health.missed, health.overruns
+        ));
+    }
+    text.push('\n');
+    Ok(text)
+}
+
+fn decoded(mut file: impl Read) -> io::Result<Content> {
+    let mut content = Content::default();
+    let mut decoder = Decoder::new();
+    let mut bytes = [0; 1 << 16];
+    let mut in_step = false;
+    loop {
+        let count = file.read(&mut bytes)?;
+        if count == 0 {
+            return Ok(content);
+        }
+        for byte in bytes.iter().take(count) {
+            match decoder.push(*byte) {
+                Some(Ok((_, frame))) => content.take(&frame),
+                // The rest of a frame that began before the recording is none.
+                Some(Err(_)) => content.garbled += u64::from(in_step),
+                None => {}
+            }
+            in_step |= *byte == 0;
+        }
+    }
+}
+
+fn as_log(run: &[Row]) -> Log {
+    let start_us = run.first().map_or(0, |first| first.sample.time_us);
+    let channel = |of: &dyn Fn(&Row) -> f64| -> Vec<f64> { run.iter().map(of).collect() };
+    let mut log = Log::from_channels(
+        channel(&|i| (i.sample.time_us - start_us) as f64 * 1e-6),
+        channel(&|i| f64::from(i.sample.position_m)),
+        channel(&|i| f64::from(i.sample.force_n)),
+    );
+    let code = |of: fn(&Codes) -> i32| {
+        channel(&|i: &Row| {
+            i.codes
+                .as_ref()
+                .map_or(f64::NAN, |codes| f64::from(of(codes)))
+        })
+    };
+    let mut columns = vec![("faults", channel(&|i| f64::from(i.sample.faults.bits())))];
+    if run.iter().any(|instant| instant.codes.is_some()) {
+        columns.push(("force_code", code(|codes| codes.force)));
+        columns.push(("position_code", code(|codes| codes.position)));
+    }
+    columns.push((
+        "innovation_n",
+        channel(&|i| i.innovation_n.map_or(f64::NAN, f64::from)),
+    ));
+    log.extra
+        .extend(columns.into_iter().map(|(name, values)| ExtraColumn {
+            name: name.into(),
+            values,
+        }));
+    log
+}

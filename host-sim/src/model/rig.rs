@@ -1,0 +1,68 @@
+//! A model as the core computes it: environment and effects as one [`Rig`].
+
+use estimator_core::effect::EffectId;
+use estimator_core::rig::{self, MOST_EFFECTS, MOST_MODES, Rig};
+
+use super::{Environment, Model};
+use crate::diagnostic::Diagnostic;
+
+/// Effects that a rig has once: two power laws are no law, two amplifiers one filter of second
+/// order, two plays one play.
+const ONCE: [EffectId; 4] = [
+    EffectId::PowerLawStiffness,
+    EffectId::DepthDependentDamping,
+    EffectId::Backlash,
+    EffectId::ForceLag,
+];
+
+impl Model {
+    /// The whole model as the core simulates, fits and compensates it.
+    ///
+    /// # Errors
+    /// An effect that the catalogue does not know or that has a wrong parameter, one that cannot
+    /// enter twice, more effects or relaxation modes than a rig has.
+    pub fn rig(&self) -> Result<Rig<f64>, Diagnostic> {
+        self.rig_at().map_err(|error| error.in_file(&self.path))
+    }
+
+    fn rig_at(&self) -> Result<Rig<f64>, Diagnostic> {
+        let mut rig = Rig::bare(self.environment.core()?);
+        for (count, effect) in self.effects.iter().enumerate() {
+            let core = effect.core()?;
+            if count >= MOST_EFFECTS {
+                return Err(effect
+                    .wrong(format!("more than {MOST_EFFECTS} effects"))
+                    .at_key("effect")
+                    .value(&effect.id)
+                    .remedy("remove the one that matters least"));
+            }
+            let same = |other: &&EffectId| **other == core.id();
+            if ONCE.iter().any(|id| same(&id)) && rig.effects().any(|own| own.id() == core.id()) {
+                return Err(effect
+                    .wrong(format!("{} a second time", effect.id))
+                    .at_key("effect.id")
+                    .value(&effect.id)
+                    .remedy("a rig has it once: remove one of them"));
+            }
+            rig = rig.with(core);
+        }
+        Ok(rig)
+    }
+}
+
+impl Environment {
+    /// The environment as the core computes it.
+    ///
+    /// # Errors
+    /// More than [`MOST_MODES`] relaxation modes.
+    pub fn core(&self) -> Result<rig::Environment<f64>, Diagnostic> {
+        match self.contact() {
+            Some(contact) => Ok(contact.environment()),
+            None => Err(
+                Diagnostic::new(format!("more than {MOST_MODES} relaxation modes"))
+                    .at_key("environment.relaxation")
+                    .remedy("describe the relaxation by fewer modes"),
+            ),
+        }
+    }
+}

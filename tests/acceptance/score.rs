@@ -1,0 +1,165 @@
+//! What a method made of a case, and of many.
+
+use estimator_core::config::{Config, Method, Surface};
+use estimator_core::estimate::{Estimate, Event};
+use estimator_core::{State, step};
+use palpate::replay::samples;
+
+use super::cases::Case;
+use super::floor::Floor;
+
+/// What one method made of one case.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Score {
+    /// Largest relative error of K, λ, n at the end; infinite if one is not observable.
+    pub(crate) worst: f64,
+    /// From first touch until K, λ, n stay within 5 % of the truth (s).
+    pub(crate) settles_s: f64,
+    /// Error of the surface (m), if the method gives one.
+    pub(crate) surface_m: Option<f64>,
+    /// Relative error of K, λ and n; infinite if one is not observable.
+    pub(crate) errors: [f64; 3],
+    /// Which of K, λ, n lie within 1.96 standard errors of the truth.
+    pub(crate) covered: [bool; 3],
+    /// False material changes.
+    pub(crate) changes: u32,
+    /// What no method can undercut.
+    pub(crate) floor: Floor,
+}
+
+/// Runs a method over a case, its surface told if `known`.
+pub(crate) fn score(case: &Case, method: Method, known: bool) -> Score {
+    let mut config = Config {
+        method,
+        ..Config::default()
+    };
+    if known {
+        config.contact.surface = Surface::Known {
+            position_m: case.truth[3] as f32,
+        };
+    }
+    let params = config.validate::<f32>().expect("the defaults are valid");
+    let mut state = State::new(&params);
+    let mut unsettled_s = case.touched_s;
+    let mut changes = 0;
+    let mut end = None;
+    for (time_s, sample) in case.log.time_s.iter().zip(samples(&case.log)) {
+        let estimate = step(&params, &mut state, sample);
+        changes += u32::from(estimate.event == Some(Event::MaterialChange));
+        if errors(&estimate, &case.truth)
+            .into_iter()
+            .any(|error| error > 0.05)
+        {
+            unsettled_s = *time_s;
+        }
+        end = Some(estimate);
+    }
+    let end = end.expect("the log is not empty");
+    let last_slot = end.law.parameters().len() - 1;
+    let surface = end.parameters[last_slot].map(|p| (f64::from(p.value) - case.truth[3]).abs());
+    Score {
+        worst: errors(&end, &case.truth).into_iter().fold(0.0, f64::max),
+        settles_s: unsettled_s - case.touched_s,
+        surface_m: surface,
+        covered: std::array::from_fn(|slot| {
+            end.parameters[slot].is_some_and(|p| {
+                let off = (f64::from(p.value) - case.truth[slot]).abs();
+                off < 1.96 * f64::from(p.std_error)
+            })
+        }),
+        errors: errors(&end, &case.truth),
+        changes,
+        floor: Floor::of(case, known),
+    }
+}
+
+/// Relative errors of K, λ, n.
+pub(crate) fn errors(estimate: &Estimate<f32>, truth: &[f64; 4]) -> [f64; 3] {
+    std::array::from_fn(|slot| {
+        let value = estimate.parameters[slot].map(|p| f64::from(p.value));
+        value.map_or(f64::INFINITY, |value| (value / truth[slot] - 1.0).abs())
+    })
+}
+
+/// A row of the table: the scores of one method in one setting.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Row {
+    scores: Vec<Score>,
+}
+
+impl Row {
+    /// Adds a score.
+    pub(crate) fn push(&mut self, score: Score) {
+        self.scores.push(score);
+    }
+
+    /// Share of the runs whose K, λ and n all end within `bound` of the truth.
+    pub(crate) fn within(&self, bound: f64) -> f64 {
+        self.share(|score| score.worst < bound)
+    }
+
+    /// Share of the runs that flagged a change where there was none.
+    pub(crate) fn changed(&self) -> f64 {
+        self.share(|score| score.changes > 0)
+    }
+
+    fn share(&self, is: impl Fn(&Score) -> bool) -> f64 {
+        self.scores.iter().filter(|score| is(score)).count() as f64 / self.scores.len() as f64
+    }
+
+    /// The `share`-quantile of the settling times (s).
+    pub(crate) fn settles_s(&self, share: f64) -> f64 {
+        quantile(self.scores.iter().map(|score| score.settles_s), share)
+    }
+
+    /// The `share`-quantile of the surface's error (m).
+    pub(crate) fn surface_m(&self, share: f64) -> f64 {
+        quantile(
+            self.scores.iter().filter_map(|score| score.surface_m),
+            share,
+        )
+    }
+
+    /// Errors of K, λ, n and the surface over their Cramér–Rao bounds, root mean square.
+    pub(crate) fn over_floor(&self) -> [f64; 4] {
+        std::array::from_fn(|slot| {
+            let squares = self.scores.iter().map(|score| {
+                let error = match slot {
+                    3 => score.surface_m.unwrap_or(f64::NAN),
+                    _ => score.errors[slot],
+                };
+                (error / score.floor.sigma[slot]).powi(2)
+            });
+            (squares.sum::<f64>() / self.scores.len() as f64).sqrt()
+        })
+    }
+
+    /// Share of the runs that an estimator at the Cramér–Rao bound would have within `bound`.
+    pub(crate) fn floor_within(&self, bound: f64) -> f64 {
+        let shares = self.scores.iter().map(|score| score.floor.within(bound));
+        shares.sum::<f64>() / self.scores.len() as f64
+    }
+
+    /// The `share`-quantile of the times (s) before which no estimator can be sure to be within 5 %.
+    pub(crate) fn floor_settles_s(&self, share: f64) -> f64 {
+        quantile(self.scores.iter().map(|score| score.floor.settles_s), share)
+    }
+
+    /// The `share`-quantile of the error of one of K, λ, n.
+    pub(crate) fn error(&self, slot: usize, share: f64) -> f64 {
+        quantile(self.scores.iter().map(|score| score.errors[slot]), share)
+    }
+
+    /// Share of K, λ and n within 1.96 of their standard errors.
+    pub(crate) fn coverage(&self) -> [f64; 3] {
+        std::array::from_fn(|slot| self.share(|score| score.covered[slot]))
+    }
+}
+
+/// The `share`-quantile.
+pub(crate) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    let at = ((values.len().max(1) - 1) as f64 * share).round() as usize;
+    values.get(at).copied().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,81 @@
+//! What firmware/README.md says in numbers and names is what the code has.
+
+use estimator_core::Fault;
+use estimator_core::frame::{CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED, encode};
+use estimator_core::law::LawKind;
+use estimator_core::settings::store::SLOT;
+use estimator_core::settings::{Key, Settings};
+use estimator_core::{Config, Sample, State, step};
+use palpate::link::backup;
+use std::fs;
+use std::path::Path;
+
+fn of_the_firmware(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../firmware")
+        .join(name);
+    fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+#[test]
+fn its_table_of_faults_has_every_fault_with_its_number_and_its_setting() {
+    let readme = of_the_firmware("README.md");
+    let (_, table) = readme.split_once("## Faults").expect("a section");
+    let rows: Vec<&str> = table
+        .lines()
+        .take_while(|line| !line.starts_with("## "))
+        .filter(|line| line.starts_with("| ") && !line.starts_with("| number"))
+        .collect();
+    assert_eq!(rows.len(), Fault::ALL.len());
+    for (fault, row) in Fault::ALL.into_iter().zip(rows) {
+        assert!(row.starts_with(&format!("| {} |", fault.code())), "{row}");
+        // What is said in the code up to the comma says what it is; after it, what follows.
+        let what = fault.describe().split(',').next().unwrap_or_default();
+        assert!(row.contains(what), "{row}: {what}");
+        match fault.setting() {
+            Some(key) => assert!(row.contains(key.info().name), "{row}"),
+            None => assert!(
+                !row.contains("_code`") && !row.contains("position."),
+                "{row}"
+            ),
+        }
+    }
+}
+
+/// Bytes of an estimate on the wire.
+fn record_of(law: LawKind) -> usize {
+    let params = Config::default()
+        .validate::<f32>()
+        .expect("the default is valid");
+    let mut estimate = step(&params, &mut State::new(&params), Sample::default());
+    estimate.law = law;
+    encode(&Frame::Estimate(estimate), 0, &mut [0; MAX_ENCODED])
+}
+
+#[test]
+fn its_bytes_and_counts_are_those_of_the_frames_and_the_store() {
+    let readme = of_the_firmware("README.md");
+    let record = |law| record_of(law) + SAMPLE_ENCODED + CODES_ENCODED;
+    let longest = LawKind::ALL.into_iter().map(record).max().expect("laws");
+    assert!(
+        readme.contains(&format!("\n{longest} bytes, of 200")),
+        "{longest}"
+    );
+    let usual = record(LawKind::HuntCrossley);
+    assert!(
+        readme.contains(&format!("Hunt–Crossley's {usual}")),
+        "{usual}"
+    );
+    let saves = 128 * 1024 / SLOT;
+    assert!(readme.contains(&format!("{saves}th erases")), "{saves}");
+}
+
+#[test]
+fn the_settings_for_spi_sensors_can_be_restored() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/settings-spi.toml");
+    let settings = backup::read(&path, Settings::default()).expect("settings");
+    assert_eq!(settings.get(Key::ForceHighestCode), 8_300_000.0);
+    // 5 mm a turn: 16 384 counts of 32 codes.
+    let turn_m = f64::from(settings.get(Key::PositionPerCode)) * 32.0 * 16_384.0;
+    assert!((turn_m - 5e-3).abs() < 1e-9, "{turn_m}");
+}

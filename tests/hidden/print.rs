@@ -1,0 +1,145 @@
+//! Writes rigs with hidden effects, and scores `palpate gap` on them:
+//! `cargo run --release -p tests --example hidden -- write DIR --cases 52 --kind single --seed 1`,
+//! `cargo run --release -p tests --example hidden -- score DIR --palpate target/release/palpate`.
+
+// The table and its small version each use a part of it.
+#[allow(dead_code)]
+mod rig;
+#[allow(dead_code)]
+mod score;
+
+use rig::case::{Case, Kind};
+use rig::write::Units;
+use std::path::{Path, PathBuf};
+
+const USAGE: &str = "\
+hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J]
+             [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
+hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]";
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.first().map(String::as_str) {
+        Some("write") => write(&arguments[1..]),
+        Some("score") => score(&arguments[1..]),
+        _ => Err(USAGE.into()),
+    };
+    if let Err(message) = done {
+        eprintln!("{message}");
+        std::process::exit(2);
+    }
+}
+
+/// The value after `--name`.
+fn option<'a>(arguments: &'a [String], name: &str) -> Option<&'a str> {
+    let at = arguments.iter().position(|a| a == name)?;
+    arguments.get(at + 1).map(String::as_str)
+}
+
+fn number(arguments: &[String], name: &str, default: u64) -> Result<u64, String> {
+    option(arguments, name).map_or(Ok(default), |text| {
+        text.parse()
+            .map_err(|_| format!("{name} {text}: a whole number is expected"))
+    })
+}
+
+fn write(arguments: &[String]) -> Result<(), String> {
+    let dir = arguments
+        .first()
+        .filter(|a| !a.starts_with("--"))
+        .ok_or(USAGE)?;
+    let cases = number(arguments, "--cases", 26)?;
+    let seed = number(arguments, "--seed", 1)?;
+    let jobs = number(arguments, "--jobs", 2)?.max(1);
+    let size = |name: &str| -> Result<f64, String> {
+        let wrong = |text: &str| format!("{name} {text}: a positive number is expected");
+        let text = option(arguments, name).unwrap_or("1");
+        text.parse()
+            .ok()
+            .filter(|size: &f64| *size > 0.0)
+            .ok_or_else(|| wrong(text))
+    };
+    let units = Units {
+        length: size("--length")?,
+        force: size("--force")?,
+        time: size("--time")?,
+    };
+    let kind = option(arguments, "--kind").unwrap_or("single");
+    let kind = if kind == "same" { "single" } else { kind };
+    let kind = Kind::ALL
+        .iter()
+        .find(|(_, name)| *name == kind)
+        .ok_or(USAGE)?
+        .0;
+    std::thread::scope(|scope| {
+        for job in 0..jobs {
+            scope.spawn(move || {
+                for index in (job..cases).step_by(jobs as usize) {
+                    save(
+                        Path::new(dir),
+                        units,
+                        Case::generate(kind, seed, index),
+                        index,
+                    );
+                }
+            });
+        }
+    });
+    Ok(())
+}
+
+fn score(arguments: &[String]) -> Result<(), String> {
+    let dirs = arguments.iter().take_while(|a| !a.starts_with("--"));
+    let rigs: Vec<PathBuf> = dirs
+        .flat_map(|dir| score::run::rigs(Path::new(dir)))
+        .collect();
+    if rigs.is_empty() {
+        return Err(format!("no truth.json below the folders given\n{USAGE}"));
+    }
+    let flag = |name: &str| arguments.iter().any(|a| a == name);
+    let options = score::run::Options {
+        palpate: option(arguments, "--palpate")
+            .unwrap_or("target/release/palpate")
+            .into(),
+        out: option(arguments, "--out").unwrap_or("target/hidden").into(),
+        jobs: number(arguments, "--jobs", 2)? as usize,
+        reuse: flag("--reuse"),
+        richer: flag("--richer"),
+        arguments: option(arguments, "--args")
+            .unwrap_or("")
+            .split_whitespace()
+            .map(String::from)
+            .collect(),
+    };
+    let scored = score::run::all(&rigs, &options)?;
+    score::table::print(&scored, flag("--list"));
+    Ok(())
+}
+
+fn save(dir: &Path, units: Units, case: Case, index: u64) {
+    let case = Case { units, ..case };
+    let to: PathBuf = dir.join(format!("rig-{:03}", index + 1));
+    if let Err(error) = case.save(&to) {
+        eprintln!("{}: {error}", to.display());
+        std::process::exit(1);
+    }
+    let ids: Vec<String> = case
+        .hidden
+        .iter()
+        .map(|h| format!("{} ({})", h.id, h.form))
+        .collect();
+    let stranger = case.stranger.map_or("", |(stranger, _)| stranger.name());
+    println!(
+        "{} {} {} {} {} gap {:.2}",
+        to.display(),
+        case.material.law.name(),
+        case.profile.name(),
+        case.noise.name(),
+        if ids.is_empty() {
+            stranger.to_string()
+        } else {
+            ids.join(" + ")
+        },
+        case.gap_ratio(),
+    );
+}

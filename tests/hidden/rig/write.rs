@@ -1,0 +1,155 @@
+//! A case as files, in the format of `data/hidden-effects`.
+
+use super::case::Case;
+use super::draw::accepted;
+use super::material::{Law, REFERENCE_M};
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Another size of the whole rig: a metre, a newton and a second of the case in those of the files.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Units {
+    pub(crate) length: f64,
+    pub(crate) force: f64,
+    pub(crate) time: f64,
+}
+
+impl Units {
+    pub(crate) const SI: Units = Units {
+        length: 1.0,
+        force: 1.0,
+        time: 1.0,
+    };
+
+    fn of(self, parameter: &str) -> f64 {
+        match parameter {
+            "stiffness" | "second_stiffness" => self.force / self.length,
+            "damping" => self.force * self.time / self.length,
+            "relaxation_rate_1" => 1.0 / self.time,
+            "surface" => self.length,
+            _ => 1.0,
+        }
+    }
+
+    fn csv(self, rows: &[[f64; 3]]) -> String {
+        let mut text = String::with_capacity(26 * rows.len());
+        text.push_str("t_s,x_m,f_n\n");
+        for [t, x, f] in rows {
+            // Writing to a String cannot fail.
+            let _ = if self == Units::SI {
+                writeln!(text, "{t:.3},{x:.6},{f:.3}")
+            } else {
+                writeln!(
+                    text,
+                    "{:.9e},{:.9e},{:.9e}",
+                    t * self.time,
+                    x * self.length,
+                    f * self.force
+                )
+            };
+        }
+        text
+    }
+}
+
+impl Case {
+    /// What the simulation knows.
+    pub(crate) fn base_toml(&self) -> String {
+        let mut text = format!("[environment]\nlaw = \"{}\"\n", self.material.law.name());
+        let mut mode = (0.0, 0.0);
+        for (name, value) in self.material.law.parameters().iter().zip(&self.start) {
+            let value = value * self.units.of(name);
+            match *name {
+                "relaxation_fraction_1" => mode.0 = value,
+                "relaxation_rate_1" => mode.1 = value,
+                "surface" => {}
+                name => text += &format!("{name} = {}\n", digits(value)),
+            }
+        }
+        if self.material.law == Law::QuasiLinear {
+            let (fraction, rate) = (digits(mode.0), digits(mode.1));
+            text += &format!("relaxation = [{{ fraction = {fraction}, rate = {rate} }}]\n");
+        }
+        if self.units.length != 1.0 {
+            text += &format!("reference_depth = {:e}\n", REFERENCE_M * self.units.length);
+        }
+        text + "surface = 0.0\n"
+    }
+
+    /// What the rig recorded.
+    pub(crate) fn csv(&self) -> String {
+        self.units.csv(&self.rows)
+    }
+
+    /// What was really there: parameters of the catalogue's forms in the catalogue's names and units.
+    pub(crate) fn truth(&self) -> Value {
+        let object = |pairs: &[(&str, f64)]| -> Value {
+            let pairs = pairs
+                .iter()
+                .map(|(name, value)| ((*name).to_string(), json!(value)));
+            Value::Object(pairs.collect::<Map<_, _>>())
+        };
+        let mut params = Map::new();
+        let mut forms = Map::new();
+        let mut accepts = Map::new();
+        let mut effects: Vec<&str> = Vec::new();
+        for hidden in &self.hidden {
+            effects.push(hidden.id);
+            // Nobody compares the parameters of another size.
+            if self.units == Units::SI {
+                params.insert(hidden.id.into(), object(&hidden.params));
+            }
+            forms.insert(hidden.id.into(), json!(hidden.form));
+            accepts.insert(hidden.id.into(), json!(accepted(hidden.id, hidden.form)));
+        }
+        if let Some((stranger, strength)) = self.stranger {
+            effects.push("unknown");
+            params.insert("unknown".into(), json!({ "strength": strength }));
+            forms.insert("unknown".into(), json!(stranger.name()));
+        }
+        let names = self.material.law.parameters().iter().copied();
+        let base = names.zip(self.material.numbers());
+        let base: Vec<(&str, f64)> = base
+            .map(|(name, v)| (name, v * self.units.of(name)))
+            .collect();
+        json!({
+            "kind": self.kind.name(),
+            "effects": effects,
+            "forms": forms,
+            "accepts": accepts,
+            "params": params,
+            "law": self.material.law.name(),
+            "base": object(&base),
+            "floor_n": self.floor_n * self.units.force,
+            "base_rmse_n": self.base_rmse_n * self.units.force,
+            "gap_ratio": self.gap_ratio(),
+            "form_ratio": self.form_rmse_n.map(|rmse_n| rmse_n / self.floor_n),
+            "profile": self.profile.name(),
+            "noise": self.noise.name(),
+            "seconds": self.seconds() * self.units.time,
+            "seed": self.seed,
+        })
+    }
+
+    /// Writes the three files.
+    pub(crate) fn save(&self, dir: &Path) -> std::io::Result<()> {
+        std::fs::create_dir_all(dir)?;
+        std::fs::write(dir.join("base.toml"), self.base_toml())?;
+        std::fs::write(dir.join("measured.csv"), self.csv())?;
+        if let Some(rows) = &self.richer {
+            std::fs::write(dir.join("richer.csv"), self.units.csv(rows))?;
+        }
+        std::fs::write(dir.join("truth.json"), format!("{:#}\n", self.truth()))
+    }
+}
+
+/// Five digits, as a person would write them.
+fn digits(value: f64) -> String {
+    let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 300.0) as usize;
+    if (1e-3..1e6).contains(&value.abs()) {
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.4e}")
+    }
+}

@@ -1,0 +1,109 @@
+//! gap.json, as far as it is scored.
+
+use super::truth::strings;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Values with their standard errors.
+pub(crate) type Estimates = BTreeMap<String, (f64, f64)>;
+
+/// One effect that was named.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Named {
+    pub(crate) id: String,
+    pub(crate) params: Estimates,
+    pub(crate) alternatives: Vec<String>,
+}
+
+/// What the workflow answered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Answer {
+    pub(crate) verdict: String,
+    pub(crate) effects: Vec<Named>,
+    /// Of the held-out part, with the named effects (N).
+    pub(crate) rmse_after_n: f64,
+    /// The floor that the workflow found (N).
+    pub(crate) floor_n: f64,
+    pub(crate) base: Estimates,
+    /// Wall clock of the process (s).
+    pub(crate) seconds: f64,
+}
+
+impl Answer {
+    /// Reads OUT/gap.json.
+    pub(crate) fn read(path: &Path) -> Result<Answer, String> {
+        let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        Answer::parse(&text).map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    pub(crate) fn parse(text: &str) -> Result<Answer, String> {
+        let json: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        let verdict = json["verdict"]
+            .as_str()
+            .ok_or("verdict: a text is expected")?
+            .to_string();
+        let known = [
+            "no_missing_effect",
+            "missing_effects",
+            "ambiguous",
+            "unexplained",
+        ];
+        if !known.contains(&verdict.as_str()) {
+            return Err(format!(
+                "verdict \"{verdict}\": one of {known:?} is expected"
+            ));
+        }
+        let named = |effect: &Value| Named {
+            id: effect["id"].as_str().unwrap_or_default().to_string(),
+            params: estimates(&effect["params"]),
+            alternatives: strings(&effect["alternatives"]),
+        };
+        Ok(Answer {
+            verdict,
+            effects: json["effects"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .map(named)
+                .collect(),
+            rmse_after_n: json["rmse_n"]["after"].as_f64().unwrap_or(f64::NAN),
+            floor_n: json["noise_floor_n"].as_f64().unwrap_or(f64::NAN),
+            base: estimates(&json["base"]["after"]),
+            seconds: json["seconds"].as_f64().unwrap_or(f64::NAN),
+        })
+    }
+
+    /// Ids in order, each once: a spectrum of several modes is one name.
+    pub(crate) fn ids(&self) -> Vec<&str> {
+        let mut ids: Vec<&str> = Vec::new();
+        for effect in &self.effects {
+            if !ids.contains(&effect.id.as_str()) {
+                ids.push(&effect.id);
+            }
+        }
+        ids
+    }
+
+    /// Cell of the confusion matrix: names, `?` for a group, `!` for unexplained.
+    pub(crate) fn label(&self) -> String {
+        let ids = self.ids().join("+");
+        match self.verdict.as_str() {
+            "no_missing_effect" => "null".into(),
+            "ambiguous" => format!("{ids}?"),
+            "unexplained" => format!("{ids}!"),
+            _ => ids,
+        }
+    }
+}
+
+fn estimates(value: &Value) -> Estimates {
+    let pairs = value.as_object().into_iter().flatten();
+    let one = |(name, value): (&String, &Value)| {
+        Some((
+            name.clone(),
+            (value["value"].as_f64()?, value["std_error"].as_f64()?),
+        ))
+    };
+    pairs.filter_map(one).collect()
+}
