@@ -134,6 +134,9 @@ fn the_law_is_selected_while_it_runs() {
         let records = palpate::replay::samples(&log).map(|s| step(&params, &mut state, s));
         assert_eq!(records.last().unwrap().law, law);
     }
+}
+
+#[test]
 fn the_logarithm_is_the_baseline_that_it_is_known_to_be() {
     // Good where damping is a small part of the force, on gel never within 1 %.
     let row = row(Method::HuntCrossleyLogLinear, true);
