@@ -27,7 +27,7 @@ const NOTHING_LEFT: f64 = 1.08;
 /// in ten.
 const COLOURED: f64 = 1.25;
 /// Share of the base's excess that names must explain together to stand where something is left.
-const CERTAIN: f64 = 0.85;
+const CERTAIN: f64 = 0.95;
 /// Rivals whose Σ w r² is within so many independent standard errors squared are not told apart.
 const APART: f64 = 12.0;
 

@@ -21,7 +21,7 @@ const LONGEST: usize = 2048;
 /// the bins of one window.
 const LINE: f64 = 8.0;
 /// From this ratio on it is not white.
-const COLOURED: f64 = 1.1;
+const COLOURED: f64 = 1.06;
 
 /// What the force does when nothing happens.
 #[derive(Clone, Debug, PartialEq)]

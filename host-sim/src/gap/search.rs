@@ -135,14 +135,15 @@ impl Search<'_> {
     }
 
     /// What an effect must take off Σ w r² to be there, when `after` is left.
-    fn price(&self, before: f64, after: f64, base: f64) -> f64 {
+    fn price(&self, after: f64, base: f64) -> f64 {
         // Significance, with the catalogue's size; 4 % of what is left, for the errors of the noise's
-        // own model; and a share of what the base left, for the errors of the effects' forms.
+        // own model, 10 % where that is coloured; and a share of what the base left, for the errors of the effects' forms.
         let catalogue = 2.0 * (self.ids.len() as f64).ln();
         let significant = self.correlation * (25.0 + catalogue) * (after / self.floor).max(1.0);
         let form = 0.02 * (base - self.floor).max(0.0);
-        let _ = before;
-        significant.max(0.04 * after).max(form)
+        let coloured = self.floors.iter().any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
+        let least = if coloured { 0.10 } else { 0.04 };
+        significant.max(least * after).max(form)
     }
 
     fn is_adequate(&self, fit: &Fit) -> bool {
@@ -239,7 +240,7 @@ impl Search<'_> {
             if level >= 2 && best.cost - self.floor > HOPELESS * excess {
                 break;
             }
-            let accepted = gained > self.price(best.cost, child.cost, base_cost);
+            let accepted = gained > self.price(child.cost, base_cost);
             if accepted {
                 best = child.clone();
                 self.weigh(&best);
@@ -268,7 +269,7 @@ impl Search<'_> {
                 .map(|at| self.without(&best, at))
                 .min_by(|a, b| a.cost.total_cmp(&b.cost));
             match without {
-                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => best = fit,
+                Some(fit) if fit.cost - best.cost < self.price(best.cost, base_cost) => best = fit,
                 _ => return best,
             }
         }
@@ -303,7 +304,7 @@ impl Search<'_> {
         };
         let simple = coulomb.expanded(&self.without(&found.best, at));
         match simple.into_iter().next() {
-            Some(fit) if fit.cost - found.best.cost < self.price(fit.cost, found.best.cost, base_cost) => {
+            Some(fit) if fit.cost - found.best.cost < self.price(found.best.cost, base_cost) => {
                 Found { best: fit, ..found }
             }
             _ => found,
