@@ -12,9 +12,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use estimator_core::Config;
 use estimator_core::config::Method;
-use estimator_core::estimate::Status;
+use estimator_core::{Config, Status};
 
 pub use explain::explain;
 pub use outcome::Outcome;
