@@ -211,7 +211,9 @@ impl<T: Real> Identifier<T> {
             Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
             Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
             Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
-            Method::HuntCrossleyBank | Method::HuntCrossleyBankSkew => Self::BankRefiner(BankRefiner::new(params)),
+            Method::HuntCrossleyBank | Method::HuntCrossleyBankSkew => {
+                Self::BankRefiner(BankRefiner::new(params))
+            }
             Method::KelvinVoigtSurface if params.contact.surface_known() => {
                 Self::Linear(Linear::new(params))
             }

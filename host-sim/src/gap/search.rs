@@ -57,7 +57,13 @@ pub(super) struct Found {
 
 /// The effects that a fit adds to the base model, in order.
 pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
-    let mut ids: Vec<EffectId> = fit.shape.terms.iter().filter(|t| !t.given).map(|t| t.id).collect();
+    let mut ids: Vec<EffectId> = fit
+        .shape
+        .terms
+        .iter()
+        .filter(|t| !t.given)
+        .map(|t| t.id)
+        .collect();
     ids.sort();
     ids
 }
@@ -84,7 +90,9 @@ impl Search<'_> {
 
     /// The sets that came closest, for the report.
     pub(super) fn ladder(&self, base: &Fit, found: &Found) -> Vec<Tried> {
-        let all = [base, &found.best].into_iter().chain(found.rivals.iter().flatten());
+        let all = [base, &found.best]
+            .into_iter()
+            .chain(found.rivals.iter().flatten());
         let mut ladder: Vec<Tried> = all
             .map(|fit| Tried {
                 ids: added(fit),
@@ -107,12 +115,17 @@ impl Search<'_> {
     pub(super) fn base_fit(&self) -> Fit {
         let shape = Shape::new(self.base, self.given.to_vec(), self.scales);
         let start = shape.start();
-        let surface = self.base.parameters().iter().position(|own| own.name == "surface");
+        let surface = self
+            .base
+            .parameters()
+            .iter()
+            .position(|own| own.name == "surface");
         let moved = |share: f64| {
             let mut start = start.clone();
             for (number, free) in start.iter_mut().zip(&shape.free) {
                 if surface.is_some_and(|at| free.owner == super::shape::Owner::Environment(at)) {
-                    *number = (*number + share * self.scales.travel_m).clamp(free.lowest, free.highest);
+                    *number =
+                        (*number + share * self.scales.travel_m).clamp(free.lowest, free.highest);
                 }
             }
             start
@@ -141,7 +154,10 @@ impl Search<'_> {
         let catalogue = 2.0 * (self.ids.len() as f64).ln();
         let significant = self.correlation * (25.0 + catalogue) * (after / self.floor).max(1.0);
         let form = 0.02 * (base - self.floor).max(0.0);
-        let coloured = self.floors.iter().any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
+        let coloured = self
+            .floors
+            .iter()
+            .any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
         let least = if coloured { 0.10 } else { 0.04 };
         significant.max(least * after).max(form)
     }
@@ -189,12 +205,25 @@ impl Search<'_> {
             .collect();
         done.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
         if std::env::var("PALPATE_TRACE").is_ok() {
-            eprintln!("from {:?} {:.4}", added(from), (from.cost / self.floor).sqrt());
+            eprintln!(
+                "from {:?} {:.4}",
+                added(from),
+                (from.cost / self.floor).sqrt()
+            );
             for own in &proposals {
-                eprintln!("   proposed {:?} {:.4} {:?}", own[0].term.id, own[0].gain / from.cost, own[0].term.row);
+                eprintln!(
+                    "   proposed {:?} {:.4} {:?}",
+                    own[0].term.id,
+                    own[0].gain / from.cost,
+                    own[0].term.row
+                );
             }
             for fit in &done {
-                eprintln!("   fitted {:?} {:.4}", added(fit), (fit.cost / self.floor).sqrt());
+                eprintln!(
+                    "   fitted {:?} {:.4}",
+                    added(fit),
+                    (fit.cost / self.floor).sqrt()
+                );
             }
         }
         done
