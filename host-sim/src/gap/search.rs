@@ -28,6 +28,8 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best.
 const FIRST_STEPS: usize = 4;
 
+/// Σ w r² in units of the floor's at which names suffice: the square of `decide`'s bound.
+const SUFFICIENT: f64 = 1.25;
 /// Share of the base's excess that is left after two effects when a third is not tried.
 const HOPELESS: f64 = 0.5;
 
@@ -148,7 +150,7 @@ impl Search<'_> {
     }
 
     /// What an effect must take off Σ w r² to be there, when `after` is left.
-    fn price(&self, after: f64, base: f64) -> f64 {
+    fn price(&self, without: f64, after: f64, base: f64) -> f64 {
         // Significance, with the catalogue's size; 4 % of what is left, for the errors of the noise's
         // own model, 10 % where that is coloured; and a share of what the base left, for the errors of the effects' forms.
         let catalogue = 2.0 * (self.ids.len() as f64).ln();
@@ -158,7 +160,16 @@ impl Search<'_> {
             .floors
             .iter()
             .any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
-        let least = if coloured { 0.10 } else { 0.04 };
+        // Beside names that suffice another one has to earn its place: what is left then is mostly
+        // the form of the first (a Stribeck's where the catalogue says Coulomb's).
+        let suffices = without < SUFFICIENT * self.floor && without < 0.5 * base;
+        let least = if suffices {
+            0.15
+        } else if coloured {
+            0.10
+        } else {
+            0.04
+        };
         significant.max(least * after).max(form)
     }
 
@@ -269,7 +280,7 @@ impl Search<'_> {
             if level >= 2 && best.cost - self.floor > HOPELESS * excess {
                 break;
             }
-            let accepted = gained > self.price(child.cost, base_cost);
+            let accepted = gained > self.price(best.cost, child.cost, base_cost);
             if accepted {
                 best = child.clone();
                 self.weigh(&best);
@@ -298,7 +309,7 @@ impl Search<'_> {
                 .map(|at| self.without(&best, at))
                 .min_by(|a, b| a.cost.total_cmp(&b.cost));
             match without {
-                Some(fit) if fit.cost - best.cost < self.price(best.cost, base_cost) => best = fit,
+                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => best = fit,
                 _ => return best,
             }
         }
@@ -333,7 +344,7 @@ impl Search<'_> {
         };
         let simple = coulomb.expanded(&self.without(&found.best, at));
         match simple.into_iter().next() {
-            Some(fit) if fit.cost - found.best.cost < self.price(found.best.cost, base_cost) => {
+            Some(fit) if fit.cost - found.best.cost < self.price(fit.cost, found.best.cost, base_cost) => {
                 Found { best: fit, ..found }
             }
             _ => found,

@@ -39,10 +39,10 @@ pub(super) fn finding(
     let after_n = problem.forces(&decision.best.shape, &decision.best.numbers);
     let known = told.known(&decision.best);
     let disagreement = told.regions(&before_n);
-    // Where nothing is left nothing is named: a region may scatter above the floor by its chance.
+    // Where what is left is what noise leaves, its regions are shares of nothing.
     let remaining = match decision.verdict {
-        Verdict::NoMissingEffect => Vec::new(),
-        _ => told.regions(&after_n),
+        Verdict::Unexplained => told.regions(&after_n),
+        _ => Vec::new(),
     };
     let effects = told.effects(&known, &after_n);
     let noise_floor_n = told.floor_n();
