@@ -203,7 +203,9 @@ impl<S: Scalar> Rig<S> {
         let mut u = u1;
         for _ in 0..STEPS {
             let touch = contact(&mut state.contact.clone(), u);
-            let stiffness = self.environment.slope(touch.depth_m, touch.speed_mps, slope);
+            let stiffness = self
+                .environment
+                .slope(touch.depth_m, touch.speed_mps, slope);
             let error = u - touch.force_n * softness;
             u = u - error / (S::unit() + stiffness * softness);
         }
@@ -232,10 +234,11 @@ impl<S: Scalar> Rig<S> {
             }
         }
         (state.load_n, state.reading_n) = (load_n, lagged_n);
-        self.effects().fold(lagged_n, |force_n, effect| match effect {
-            Effect::ForceSaturation(own) => own.reading_n(force_n),
-            _ => force_n,
-        })
+        self.effects()
+            .fold(lagged_n, |force_n, effect| match effect {
+                Effect::ForceSaturation(own) => own.reading_n(force_n),
+                _ => force_n,
+            })
     }
 }
 

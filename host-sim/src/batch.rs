@@ -33,9 +33,9 @@ pub use modulus::Indenter;
 pub use print::summary;
 pub use result::{Batch, Columns, Modulus, Parameter, TouchFit, Tried};
 
+use crate::kinematics::kinematics;
 use assemble::Given;
 use course::Course;
-use crate::kinematics::kinematics;
 use select::{Fixed, candidates};
 
 use crate::diagnostic::Diagnostic;

@@ -1,4 +1,5 @@
-//! The demo: the chapter's gel and plastic on the simulated rig, told apart by the board's code.
+//! The demo: the chapter's gel and plastic on the simulated rig, told apart by the board's code; then
+//! a friction that the model does not know of, found, named and taken off.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -9,12 +10,27 @@ use estimator_core::config::Method;
 
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, Shown, document, estimate};
+use crate::gap::{self, Options, gap};
 use crate::log::UniformLog;
+use crate::model::Model;
 use crate::motion::Motion;
-use crate::output::say;
+use crate::output::{say, write_atomically};
 use crate::plant::{GEL, Material, PLASTIC, Rig, Stage};
 use crate::report::number::Measured;
+use estimator_core::effect::{CoulombFriction, Effect};
 use estimator_core::law::ContactLaw;
+
+/// What is hidden in the demo's third log (N).
+const HIDDEN_FRICTION_N: f64 = 0.35;
+
+/// What the demo's simulation knows of the gel.
+const BASE: &str = r#"[environment]
+law = "hunt_crossley"
+stiffness = 1500.0   # N/m at 1 mm
+damping = 32.0       # N s/m at 1 mm
+exponent = 1.3
+surface = 0.0        # m
+"#;
 
 /// Arguments of the demo.
 #[derive(Args, Clone, Debug)]
@@ -100,12 +116,38 @@ pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     }
     let report = args.out.join("report.html");
     document(&shown, "Palpating gel and plastic", &[])?.write(&report)?;
-    let next = args.out.join("gel.csv");
+    hidden(args)?;
     say(format!(
-        "report: {}\nnext:   palpate estimate {}\n",
+        "report: {}\nnext:   palpate estimate {}\n        palpate gap --model {} --log {} --out result\n",
         report.display(),
-        next.display()
+        args.out.join("gel.csv").display(),
+        args.out.join("base.toml").display(),
+        args.out.join("hidden.csv").display(),
     ))?;
+    Ok(())
+}
+
+/// The gel once more, on a rig whose guide rubs; the model knows the gel to a tenth, and no friction.
+fn hidden(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
+    let friction = CoulombFriction {
+        force_n: HIDDEN_FRICTION_N,
+        width_m: 0.0,
+        // No dry contact reverses at once.
+        transition_mps: 2e-4,
+    };
+    let mut rig = Rig::default();
+    rig.effects[0] = Some(Effect::CoulombFriction(friction));
+    let once = Motion::palpation(GEL.peak_depth_m);
+    let run = rig.run(&Stage::throughout(GEL.at(0.0)), &once.then(&once), args.seed)?;
+    let log = run.log.uniform()?;
+    write_log(&args.out.join("hidden.csv"), &log)?;
+    let path = args.out.join("base.toml");
+    write_atomically(&path, |writer| writer.write_all(BASE.as_bytes()))?;
+    let model = Model::read(&path)?;
+    let finding = gap(&model, &[log], &Options::default())?;
+    say("Then the guide rubs, and the model does not know it (gel to a tenth, no friction):\n")?;
+    say(format!("{}\n", gap::summary(&finding)))?;
+    say(format!("  true        coulomb_friction force {HIDDEN_FRICTION_N} N\n\n"))?;
     Ok(())
 }
 

@@ -25,6 +25,7 @@ mod weights;
 
 pub use command::{GapArgs, run};
 pub use floor::Floor;
+pub use print::summary;
 pub use regions::{Region, words};
 pub use result::{Curves, Finding, Known, Named, Tried, Verdict};
 
@@ -120,8 +121,9 @@ fn given(model: &Model) -> Result<Vec<Term>, Diagnostic> {
         let free = |at: usize| {
             // A number that is 0 because the model does not give it is a form, not a start.
             infos.get(at).is_some_and(|info| {
-                !own.fit.fixed.iter().any(|name| name == info.name)
-                    && !(info.usual.is_some() && row[at] == 0.0)
+                let form = info.usual.is_some() && row[at] == 0.0;
+                let fixed = own.fit.fixed.iter().any(|name| name == info.name);
+                !(form || fixed)
             })
         };
         Ok(Term {

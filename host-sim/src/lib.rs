@@ -2,9 +2,9 @@
 
 pub mod batch;
 pub mod check;
-mod dense;
 pub mod compensate;
 pub mod demo;
+mod dense;
 pub mod diagnostic;
 pub mod effects;
 pub mod estimate;

@@ -22,6 +22,12 @@ effect! {
 impl<S: Scalar> Cogging<S> {
     /// Its force (N).
     pub(crate) fn force_n(&self, position_m: S) -> S {
-        wave(self.amplitude_n, angular_of(self.pitch_m), self.phase_rad, position_m).0
+        wave(
+            self.amplitude_n,
+            angular_of(self.pitch_m),
+            self.phase_rad,
+            position_m,
+        )
+        .0
     }
 }

@@ -1,7 +1,7 @@
 //! Dry friction of the drive or the guide, between the motor and the load cell.
 
-use super::effect;
 use super::direction;
+use super::effect;
 use super::presliding::slid;
 use crate::scalar::Scalar;
 

@@ -21,7 +21,12 @@ impl<S: Scalar> ForceLag<S> {
     pub(crate) fn reading_n(&self, reading_n: S, before_n: S, force_n: S, period_s: S) -> S {
         // The difference e = F − y has ė = Ḟ − e/τ.
         let rate_per_s = S::unit() / self.time_constant_s;
-        let behind = high_passed(before_n - reading_n, force_n - before_n, rate_per_s, period_s);
+        let behind = high_passed(
+            before_n - reading_n,
+            force_n - before_n,
+            rate_per_s,
+            period_s,
+        );
         force_n - behind
     }
 }

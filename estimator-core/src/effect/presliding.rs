@@ -8,6 +8,10 @@ pub(super) fn slid<S: Scalar>(z: S, change_m: S, width_m: S) -> S {
     if change_m == nil {
         return z;
     }
-    let towards = if change_m > nil { S::unit() } else { -S::unit() };
+    let towards = if change_m > nil {
+        S::unit()
+    } else {
+        -S::unit()
+    };
     towards + (z - towards) * (-(change_m.absolute() / width_m)).exp()
 }

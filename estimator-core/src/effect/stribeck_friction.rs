@@ -1,7 +1,7 @@
 //! Dry friction that is larger near standstill.
 
-use super::effect;
 use super::direction;
+use super::effect;
 use crate::scalar::Scalar;
 
 effect! {

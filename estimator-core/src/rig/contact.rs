@@ -159,12 +159,15 @@ impl<S: Scalar> Rig<S> {
 
     fn damping(&self) -> Option<Damping<S>> {
         let damping = self.environment.damping?;
-        Some(self.effects().fold(damping, |damping, effect| match effect {
-            Effect::DepthDependentDamping(own) => Damping {
-                exponent: own.exponent,
-                ..damping
-            },
-            _ => damping,
-        }))
+        Some(
+            self.effects()
+                .fold(damping, |damping, effect| match effect {
+                    Effect::DepthDependentDamping(own) => Damping {
+                        exponent: own.exponent,
+                        ..damping
+                    },
+                    _ => damping,
+                }),
+        )
     }
 }

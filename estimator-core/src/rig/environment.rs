@@ -74,7 +74,10 @@ impl<S: Scalar> Environment<S> {
         let step_m = S::from_f64(1e-9).max_of(depth_m * S::from_f64(1e-3));
         let force = |depth_m: S, speed_mps: S| {
             let elastic = self.elastic.map_or(S::nil(), |own| own.force_n(depth_m));
-            elastic + self.damping.map_or(S::nil(), |own| own.force_n(depth_m, speed_mps))
+            elastic
+                + self
+                    .damping
+                    .map_or(S::nil(), |own| own.force_n(depth_m, speed_mps))
         };
         let further = force(depth_m + step_m, speed_mps + rate_per_s * step_m);
         S::nil().max_of((further - force(depth_m, speed_mps)) / step_m)

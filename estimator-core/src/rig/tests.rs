@@ -1,6 +1,8 @@
 use super::*;
 use crate::effect::EffectId;
-use crate::law::{Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
+use crate::law::{
+    Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
+};
 use crate::scalar::Dual;
 
 const PERIOD_S: f64 = 1e-3;
@@ -45,10 +47,15 @@ where
     for at in 0..2000 {
         let motion = palpation(at);
         let depth_m = motion.position_m - surface_m;
-        let exact = law.step(&mut own, depth_m, motion.speed_mps, PERIOD_S).max(0.0);
+        let exact = law
+            .step(&mut own, depth_m, motion.speed_mps, PERIOD_S)
+            .max(0.0);
         let found = rig.step(&mut state, motion, PERIOD_S).force_n;
         // Two ways to add up the same terms.
-        assert!((found - exact).abs() < 1e-12 * (1.0 + exact), "{at}: {found} {exact}");
+        assert!(
+            (found - exact).abs() < 1e-12 * (1.0 + exact),
+            "{at}: {found} {exact}"
+        );
     }
 }
 
@@ -135,7 +142,11 @@ fn every_effect_changes_the_force_where_it_should() {
             assert_eq!(largest, 0.0, "a delay is the caller's");
             assert_eq!(with.delay_s(), 5e-3);
         } else {
-            assert!((5e-3..20.0).contains(&largest), "{}: {largest} N", id.name());
+            assert!(
+                (5e-3..20.0).contains(&largest),
+                "{}: {largest} N",
+                id.name()
+            );
         }
         // Within 0.3 mm of the material nothing of the contact's own acts before the first touch.
         let before = (plain[20] - changed[20]).abs() > 1e-9;
@@ -160,7 +171,11 @@ fn gradients_agree_with_central_differences() {
             let (more, less) = (at(row[parameter] + h), at(row[parameter] - h));
             let dual: [One; 4] = core::array::from_fn(|i| {
                 let one = One::parameter(row[i], 0);
-                if i == parameter { one } else { One::constant(row[i]) }
+                if i == parameter {
+                    one
+                } else {
+                    One::constant(row[i])
+                }
             });
             let rig = Rig {
                 environment: lift(base(id)),
@@ -189,7 +204,11 @@ fn gradients_agree_with_central_differences() {
                 }
             }
             let name = id.info().parameters[parameter].name;
-            assert!(errors <= 1e-4 * size, "{} {name}: {errors} of {size}", id.name());
+            assert!(
+                errors <= 1e-4 * size,
+                "{} {name}: {errors} of {size}",
+                id.name()
+            );
         }
     }
 }
@@ -227,7 +246,10 @@ fn a_spring_behind_a_spring_is_softer() {
         stiffness_n_per_m: 2000.0,
         damping_ns_per_m: 0.0,
     }))
-    .with(Effect::new(EffectId::SeriesCompliance, &[8000.0, 0.0, 0.0, 0.0]));
+    .with(Effect::new(
+        EffectId::SeriesCompliance,
+        &[8000.0, 0.0, 0.0, 0.0],
+    ));
     for (at, force) in forces(&rig, 2000).iter().enumerate() {
         let exact = 1600.0 * palpation(at).position_m.max(0.0);
         assert!((force - exact).abs() < 1e-9, "{at}: {force} {exact}");
@@ -241,7 +263,10 @@ fn a_damper_behind_a_spring_takes_its_time() {
         stiffness_n_per_m: 1e-9,
         damping_ns_per_m: 40.0,
     }))
-    .with(Effect::new(EffectId::SeriesCompliance, &[4000.0, 0.0, 0.0, 0.0]));
+    .with(Effect::new(
+        EffectId::SeriesCompliance,
+        &[4000.0, 0.0, 0.0, 0.0],
+    ));
     let mut state = rig.at_rest();
     for at in 0..60 {
         let time_s = at as f64 * PERIOD_S;

@@ -6,11 +6,11 @@ use estimator_core::estimate::Estimated;
 use super::course::{Course, Node, Use};
 use super::family::{Family, natural};
 use super::fit::{Fit, Problem};
-use crate::kinematics::Kinematics;
 use super::modulus::Indenter;
 use super::result::{Batch, Columns, Modulus, Parameter, Tried};
 use super::select::{Candidate, Fixed, candidates};
 use super::{EXPLAINED, touch};
+use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::signal;
 

@@ -352,9 +352,9 @@ impl Block {
 
 #[cfg(test)]
 mod tests {
-    use crate::kinematics::kinematics;
     use super::*;
     use crate::estimate::{Choices, setup};
+    use crate::kinematics::kinematics;
     use crate::log::Log;
     use estimator_core::Config;
     use estimator_core::config::Method;

@@ -9,9 +9,9 @@
 use estimator_core::estimate::Estimated;
 use estimator_core::scalar::Dual;
 
-use crate::dense;
 use super::family::natural;
 use super::fit::Problem;
+use crate::dense;
 
 /// Lags of the sandwich, in correlation times; and their bounds.
 const LAGS: f64 = 3.0;

@@ -7,8 +7,8 @@
 use estimator_core::scalar::Dual;
 
 use super::course::{Node, Scales};
-use crate::dense;
 use super::family::{Family, natural};
+use crate::dense;
 
 /// Most steps. Typical are 6 to 15 from a start of `start`.
 const MOST_STEPS: usize = 60;

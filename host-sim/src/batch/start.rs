@@ -8,8 +8,8 @@
 use estimator_core::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw};
 
 use super::course::{Node, Scales};
-use crate::dense;
 use super::family::{Family, MOST_MODES, damping_unit, free_of_exponent, reference_m};
+use crate::dense;
 
 const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];
 /// Surfaces before the first force, of the deepest depth.

@@ -171,7 +171,11 @@ mod tests {
         // −32 %, since the fit moves the surface up as well, and 6.9 times the noise.
         let bias = found.bias("stiffness").unwrap();
         assert!((-0.45..-0.2).contains(&bias), "{bias}");
-        assert!((4.0..10.0).contains(&found.misfit.unwrap()), "{:?}", found.misfit);
+        assert!(
+            (4.0..10.0).contains(&found.misfit.unwrap()),
+            "{:?}",
+            found.misfit
+        );
         assert_eq!(found.residual_n.len(), found.with.len());
     }
 

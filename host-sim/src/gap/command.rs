@@ -68,6 +68,10 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     if let Some(folder) = &args.out {
         files::write(folder, &finding, seconds)?;
     }
-    say(print::summary(&finding, args.out.as_deref(), seconds))?;
+    say(print::summary(&finding))?;
+    say(format!("  time        {seconds:.1} s\n"))?;
+    if let Some(folder) = &args.out {
+        say(format!("  written     {}\n", folder.display()))?;
+    }
     Ok(())
 }

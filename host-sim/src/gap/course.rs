@@ -37,7 +37,11 @@ impl Course {
             position_noise_m: motion.noise_m,
             speed_noise_mps: motion.speed_noise_mps,
             acceleration_noise_mps2: motion.acceleration_noise_mps2,
-            count: log.in_gap.iter().map(|gap| f64::from(u8::from(!gap))).collect(),
+            count: log
+                .in_gap
+                .iter()
+                .map(|gap| f64::from(u8::from(!gap)))
+                .collect(),
         }
     }
 
@@ -45,7 +49,12 @@ impl Course {
     /// touch) the mean over a block is no force of the mean motion.
     pub(super) fn thinned(&self, step: usize) -> Course {
         let every = |channel: &[f64]| -> Vec<f64> {
-            channel.iter().skip(step / 2).step_by(step).copied().collect()
+            channel
+                .iter()
+                .skip(step / 2)
+                .step_by(step)
+                .copied()
+                .collect()
         };
         Course {
             period_s: self.period_s * step as f64,
@@ -104,7 +113,10 @@ pub(super) struct Scales {
 impl Scales {
     pub(super) fn of(courses: &[Course]) -> Scales {
         let all = |channel: fn(&Course) -> &Vec<f64>| -> Vec<f64> {
-            let mut values: Vec<f64> = courses.iter().flat_map(|own| channel(own).clone()).collect();
+            let mut values: Vec<f64> = courses
+                .iter()
+                .flat_map(|own| channel(own).clone())
+                .collect();
             values.sort_unstable_by(f64::total_cmp);
             values
         };
@@ -135,7 +147,9 @@ impl Scales {
             position_noise_m: first.position_noise_m,
             speed_noise_mps,
             deepest_m: quantile(&position, 1.0),
-            reach_m: quantile(&position, 1.0).abs().max(quantile(&position, 0.0).abs()),
+            reach_m: quantile(&position, 1.0)
+                .abs()
+                .max(quantile(&position, 0.0).abs()),
         }
     }
 }
@@ -143,5 +157,8 @@ impl Scales {
 /// The value below which this share of sorted values lies; 0 of nothing.
 pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);
-    sorted.get((share * last as f64).round() as usize).copied().unwrap_or(0.0)
+    sorted
+        .get((share * last as f64).round() as usize)
+        .copied()
+        .unwrap_or(0.0)
 }

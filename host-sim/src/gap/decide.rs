@@ -95,14 +95,26 @@ impl Evidence<'_> {
         let variances = variances(&found.best, self.courses, self.floors, low_pass);
         let all = weights(&variances);
         let held_out = self.held_out();
-        let train: Vec<f64> = all.iter().zip(&held_out).map(|(w, out)| if *out { 0.0 } else { *w }).collect();
+        let train: Vec<f64> = all
+            .iter()
+            .zip(&held_out)
+            .map(|(w, out)| if *out { 0.0 } else { *w })
+            .collect();
         let (all, train) = (self.problem(&all), self.problem(&train));
         let refit = |fit: &Fit| all.fit(&fit.shape, fit.numbers.clone());
         let (base, best) = rayon::join(|| refit(base), || refit(&found.best));
-        let own: Vec<usize> = (0..best.shape.terms.len()).filter(|at| !best.shape.terms[*at].given).collect();
+        let own: Vec<usize> = (0..best.shape.terms.len())
+            .filter(|at| !best.shape.terms[*at].given)
+            .collect();
         let without: Vec<Fit> = own
             .par_iter()
-            .map(|at| all.walk(&without(&best, *at, self.scales), start_without(&best, *at, self.scales), 12))
+            .map(|at| {
+                all.walk(
+                    &without(&best, *at, self.scales),
+                    start_without(&best, *at, self.scales),
+                    12,
+                )
+            })
             .collect();
         let trained: Vec<Fit> = [&base, &best]
             .into_iter()
@@ -125,17 +137,29 @@ impl Evidence<'_> {
         let correlation = crate::batch::error::correlation(&residuals);
         let alternatives = self.alternatives(&all, &best, found, correlation);
         let (before, after) = (judged[0], judged[1]);
-        let gains = judged[2..].iter().map(|own| 1.0 - (after.0 / own.0).powi(2)).collect();
+        let gains = judged[2..]
+            .iter()
+            .map(|own| 1.0 - (after.0 / own.0).powi(2))
+            .collect();
         let named = !own.is_empty();
         // Hum in a band is no effect of the catalogue, and no line either: what rest shows of lines may
         // stay, once a periodic disturbance has not taken it.
         let lines = self
             .floors
             .iter()
-            .map(|own| 1.0 + (own.lines_n / own.used_n.max(f64::MIN_POSITIVE)).powi(2).min(1.0))
+            .map(|own| {
+                1.0 + (own.lines_n / own.used_n.max(f64::MIN_POSITIVE))
+                    .powi(2)
+                    .min(1.0)
+            })
             .fold(1.0, f64::max)
             .sqrt();
-        let uncertain = lines * if self.floors.iter().any(|own| own.coloured) { COLOURED } else { 1.0 };
+        let uncertain = lines
+            * if self.floors.iter().any(|own| own.coloured) {
+                COLOURED
+            } else {
+                1.0
+            };
         let limit = uncertain * if named { ADEQUATE } else { NOTHING_LEFT };
         let verdict = if after.1 > limit {
             Verdict::Unexplained
@@ -175,8 +199,11 @@ impl Evidence<'_> {
         let residuals = all.residuals(&fit.shape, &fit.numbers);
         let measured = self.courses.iter().flat_map(|course| &course.count);
         let (mut squares, mut count, mut weighted, mut used) = (0.0, 0.0, 0.0, 0.0);
-        for (((residual, weight), out), measured) in
-            residuals.iter().zip(all.weights).zip(held_out).zip(measured)
+        for (((residual, weight), out), measured) in residuals
+            .iter()
+            .zip(all.weights)
+            .zip(held_out)
+            .zip(measured)
         {
             if !out || *measured == 0.0 {
                 continue;
@@ -188,11 +215,20 @@ impl Evidence<'_> {
                 used += 1.0;
             }
         }
-        ((squares / f64::max(count, 1.0)).sqrt(), (weighted / f64::max(used, 1.0)).sqrt())
+        (
+            (squares / f64::max(count, 1.0)).sqrt(),
+            (weighted / f64::max(used, 1.0)).sqrt(),
+        )
     }
 
     /// For every added effect the ids that fit as well in its place.
-    fn alternatives(&self, all: &Problem<'_>, best: &Fit, found: &Found, correlation: f64) -> Vec<Vec<EffectId>> {
+    fn alternatives(
+        &self,
+        all: &Problem<'_>,
+        best: &Fit,
+        found: &Found,
+        correlation: f64,
+    ) -> Vec<Vec<EffectId>> {
         let ids = added(best);
         let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
         let misfit = (best.cost / count).max(1.0);
@@ -209,13 +245,22 @@ impl Evidence<'_> {
             .into_par_iter()
             .map(|fit| all.walk(&fit.shape, fit.numbers.clone(), 10))
             .collect();
-        let mut order: Vec<EffectId> = best.shape.terms.iter().filter(|t| !t.given).map(|t| t.id).collect();
-        order.drain(..)
+        let mut order: Vec<EffectId> = best
+            .shape
+            .terms
+            .iter()
+            .filter(|t| !t.given)
+            .map(|t| t.id)
+            .collect();
+        order
+            .drain(..)
             .map(|own| {
                 let mut alternatives = Vec::new();
                 for fit in &refitted {
                     let others = added(fit);
-                    let Some(other) = replaced(&ids, &others, own) else { continue };
+                    let Some(other) = replaced(&ids, &others, own) else {
+                        continue;
+                    };
                     let apart_n2 = fit.cost - best.cost;
                     if apart_n2 < apart && !related(own, other) && !alternatives.contains(&other) {
                         alternatives.push(other);
@@ -276,9 +321,14 @@ pub(super) fn depths(fit: &Fit, courses: &[Course]) -> Vec<Vec<f64>> {
         .iter()
         .map(|course| {
             let mut depths = Vec::with_capacity(course.len());
-            along(&fit.shape, &fit.numbers, course, |_, reading: estimator_core::rig::Reading<f64>| {
-                depths.push(reading.touch.depth_m);
-            });
+            along(
+                &fit.shape,
+                &fit.numbers,
+                course,
+                |_, reading: estimator_core::rig::Reading<f64>| {
+                    depths.push(reading.touch.depth_m);
+                },
+            );
             depths
         })
         .collect()

@@ -26,14 +26,19 @@ pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
     let Some(inverse) = inverse(&curvature, &stuck, n) else {
         return vec![None; n];
     };
-    let used: Vec<usize> = (0..problem.weights.len()).filter(|at| problem.weights[*at] > 0.0).collect();
+    let used: Vec<usize> = (0..problem.weights.len())
+        .filter(|at| problem.weights[*at] > 0.0)
+        .collect();
     let white: Vec<f64> = used
         .iter()
         .map(|at| problem.weights[*at].sqrt() * linear.residuals[*at])
         .collect();
     let tau = correlation(&white);
-    let misfit = white.iter().map(|r| r * r).sum::<f64>() / (white.len().saturating_sub(n).max(1)) as f64;
-    let lags = ((3.0 * tau).ceil() as usize).clamp(4, MOST_LAGS).min(used.len() / 8);
+    let misfit =
+        white.iter().map(|r| r * r).sum::<f64>() / (white.len().saturating_sub(n).max(1)) as f64;
+    let lags = ((3.0 * tau).ceil() as usize)
+        .clamp(4, MOST_LAGS)
+        .min(used.len() / 8);
     (0..n)
         .map(|own| {
             if stuck[own] {
@@ -44,7 +49,9 @@ pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
                 .iter()
                 .zip(&white)
                 .map(|(at, r)| {
-                    let slope: f64 = (0..n).map(|k| inverse[own * n + k] * linear.columns[k][*at]).sum();
+                    let slope: f64 = (0..n)
+                        .map(|k| inverse[own * n + k] * linear.columns[k][*at])
+                        .sum();
                     slope * problem.weights[*at].sqrt() * r
                 })
                 .collect();
@@ -52,7 +59,11 @@ pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
             let plain = inverse[own * n + own] * misfit.max(1.0);
             let size = plain.max(sandwich).max(0.0).sqrt();
             let natural = fit.shape.natural(own, fit.numbers[own]);
-            let scale = if fit.shape.free[own].logarithmic { natural } else { 1.0 };
+            let scale = if fit.shape.free[own].logarithmic {
+                natural
+            } else {
+                1.0
+            };
             Some(size * scale).filter(|error| error.is_finite())
         })
         .collect()
@@ -72,7 +83,9 @@ fn long_run(terms: &[f64], lags: usize) -> f64 {
 /// The inverse in units of the columns' sizes, numbers at a bound left out.
 fn inverse(curvature: &[f64], stuck: &[bool], n: usize) -> Option<Vec<f64>> {
     let out = |at: usize| stuck[at] || curvature[at * n + at] <= 0.0;
-    let size: Vec<f64> = (0..n).map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let size: Vec<f64> = (0..n)
+        .map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt())
+        .collect();
     let mut scaled: Vec<f64> = (0..n * n)
         .map(|at| match (at / n, at % n) {
             (row, column) if row == column => 1.0 + 1e-12,

@@ -96,7 +96,8 @@ impl Course {
             self.speed_mps[second] * self.period_s,
         );
         let (a, b) = (slopes.0 - (x1 - x0), (x1 - x0) - slopes.1);
-        let position = mix(&self.position_m) + share * (1.0 - share) * ((1.0 - share) * a + share * b);
+        let position =
+            mix(&self.position_m) + share * (1.0 - share) * ((1.0 - share) * a + share * b);
         let (speed, acceleration) = (mix(&self.speed_mps), mix(&self.acceleration_mps2));
         // The part of the delay that is a derivative, and nothing else.
         let further = delay - S::from_f64(delay.to_f64());
@@ -114,7 +115,9 @@ impl Course {
 pub(super) fn forces(shape: &Shape, numbers: &[f64], courses: &[Course]) -> Vec<f64> {
     let mut forces = Vec::with_capacity(courses.iter().map(Course::len).sum());
     for course in courses {
-        along(shape, numbers, course, |_, reading| forces.push(reading.force_n));
+        along(shape, numbers, course, |_, reading| {
+            forces.push(reading.force_n)
+        });
     }
     forces
 }
@@ -129,7 +132,10 @@ impl Problem<'_> {
     pub(super) fn residuals(&self, shape: &Shape, numbers: &[f64]) -> Vec<f64> {
         let forces = self.forces(shape, numbers).into_iter();
         let measured = self.courses.iter().flat_map(|course| &course.force_n);
-        forces.zip(measured).map(|(force, measured)| measured - force).collect()
+        forces
+            .zip(measured)
+            .map(|(force, measured)| measured - force)
+            .collect()
     }
 
     pub(super) fn linear(&self, shape: &Shape, numbers: &[f64]) -> Linear {
@@ -152,7 +158,10 @@ impl Problem<'_> {
             let measured = self.courses.iter().flat_map(|course| &course.force_n);
             let residuals = linear.residuals.iter_mut().zip(measured).zip(&forces);
             residuals.for_each(|((own, measured), force)| *own = measured - force);
-            linear.columns.iter_mut().for_each(|column| self.filter(column));
+            linear
+                .columns
+                .iter_mut()
+                .for_each(|column| self.filter(column));
         }
         linear
     }
@@ -165,7 +174,9 @@ impl Problem<'_> {
     }
 
     fn filter(&self, channel: &mut [f64]) {
-        let Some(low_pass) = self.low_pass else { return };
+        let Some(low_pass) = self.low_pass else {
+            return;
+        };
         let mut from = 0;
         for course in self.courses {
             low_pass.apply(&mut channel[from..from + course.len()], course.period_s);
@@ -173,7 +184,13 @@ impl Problem<'_> {
         }
     }
 
-    fn lanes<const N: usize>(&self, shape: &Shape, numbers: &[f64], from: usize, linear: &mut Linear) {
+    fn lanes<const N: usize>(
+        &self,
+        shape: &Shape,
+        numbers: &[f64],
+        from: usize,
+        linear: &mut Linear,
+    ) {
         let dual: Vec<Dual<f64, N>> = numbers
             .iter()
             .enumerate()
@@ -202,7 +219,13 @@ impl Problem<'_> {
         let weighted: Vec<Vec<f64>> = linear
             .columns
             .iter()
-            .map(|column| column.iter().zip(self.weights).map(|(j, w)| j * w).collect())
+            .map(|column| {
+                column
+                    .iter()
+                    .zip(self.weights)
+                    .map(|(j, w)| j * w)
+                    .collect()
+            })
             .collect();
         let mut curvature = vec![0.0; n * n];
         let mut downhill = vec![0.0; n];
@@ -260,7 +283,11 @@ impl Problem<'_> {
     }
 
     pub(super) fn weighted_square(&self, residuals: &[f64]) -> f64 {
-        let cost: f64 = residuals.iter().zip(self.weights).map(|(r, w)| w * r * r).sum();
+        let cost: f64 = residuals
+            .iter()
+            .zip(self.weights)
+            .map(|(r, w)| w * r * r)
+            .sum();
         if cost.is_finite() { cost } else { f64::MAX }
     }
 }
@@ -292,7 +319,11 @@ fn blocked(shape: &Shape, numbers: &[f64], downhill: &[f64]) -> Vec<bool> {
 fn moved(shape: &Shape, numbers: &[f64], step: &[f64]) -> Vec<f64> {
     let each = shape.free.iter().zip(numbers).zip(step);
     each.map(|((free, number), step)| {
-        let step = if free.logarithmic { step.clamp(-2.0, 2.0) } else { *step };
+        let step = if free.logarithmic {
+            step.clamp(-2.0, 2.0)
+        } else {
+            *step
+        };
         (number + step).clamp(free.lowest, free.highest)
     })
     .collect()
@@ -302,7 +333,9 @@ fn moved(shape: &Shape, numbers: &[f64], step: &[f64]) -> Vec<f64> {
 fn step(curvature: &[f64], downhill: &[f64], blocked: &[bool], damping: f64) -> (Vec<f64>, f64) {
     let n = downhill.len();
     let mut damping = damping;
-    let right: Vec<f64> = (0..n).map(|i| if blocked[i] { 0.0 } else { downhill[i] }).collect();
+    let right: Vec<f64> = (0..n)
+        .map(|i| if blocked[i] { 0.0 } else { downhill[i] })
+        .collect();
     loop {
         // In units of the columns' own sizes, so that one ridge suits all.
         let size: Vec<f64> = (0..n)

@@ -48,17 +48,27 @@ impl Floor {
         let high_pass_n = high_pass(log);
         let (rest_n, lines_n) = rest(log).map_or((None, 0.0), |(own, lines)| (Some(own), lines));
         let (used_n, why) = match rest_n {
-            None => (high_pass_n, "from second differences: there is no rest in free air"),
+            None => (
+                high_pass_n,
+                "from second differences: there is no rest in free air",
+            ),
             Some(rest) if rest > COLOURED * high_pass_n => {
                 (rest, "from rest in free air: the noise is coloured")
             }
             // Both see the same; the one from all samples is the better one.
-            Some(_) => (high_pass_n, "from second differences, and rest in free air agrees"),
+            Some(_) => (
+                high_pass_n,
+                "from second differences, and rest in free air agrees",
+            ),
         };
         let coloured = used_n > COLOURED * high_pass_n;
         Floor {
             coloured,
-            correlation: if coloured { resting_correlation(log) } else { 1.0 },
+            correlation: if coloured {
+                resting_correlation(log)
+            } else {
+                1.0
+            },
             high_pass_n,
             rest_n,
             lines_n,
@@ -117,7 +127,10 @@ fn rest(log: &UniformLog) -> Option<(f64, f64)> {
         // What the motion leaves behind has gone after a tenth of the rest.
         let settled = rest.start + rest.len() / 10..rest.end;
         let force = &log.force_n[settled];
-        for window in force.chunks(LONGEST).filter(|own| own.len() >= SHORTEST / 2) {
+        for window in force
+            .chunks(LONGEST)
+            .filter(|own| own.len() >= SHORTEST / 2)
+        {
             let weight = window.len() as f64;
             let (noise, lines) = variance(window, log.len());
             for (sum, own) in total.iter_mut().zip([noise, lines, 1.0]) {
@@ -158,9 +171,18 @@ fn variance(force: &[f64], log_samples: usize) -> (f64, f64) {
         let near = at.saturating_sub(12)..(at + 13).min(power.len());
         let level = signal::median(power[near].to_vec()) / std::f64::consts::LN_2;
         // A pure line leaks into two bins on either side; what is broader is noise in a band.
-        let high = |k: Option<usize>| k.and_then(|k| power.get(k)).is_some_and(|p| *p > LINE * level);
-        let broad = [3, 4, 5].iter().any(|d| high(at.checked_sub(*d)) || high(Some(at + d)));
-        if power[at] > LINE * level && !broad { level } else { power[at] }
+        let high = |k: Option<usize>| {
+            k.and_then(|k| power.get(k))
+                .is_some_and(|p| *p > LINE * level)
+        };
+        let broad = [3, 4, 5]
+            .iter()
+            .any(|d| high(at.checked_sub(*d)) || high(Some(at + d)));
+        if power[at] > LINE * level && !broad {
+            level
+        } else {
+            power[at]
+        }
     });
     let kept: Vec<f64> = kept.collect();
     let scale = 2.0 / (n as f64).powi(2);

@@ -10,10 +10,15 @@ pub(super) struct LowPass {
 impl LowPass {
     /// Filters a channel in place; `period_s` is the time between its samples.
     pub(super) fn apply(self, channel: &mut [f64], period_s: f64) {
-        let w = (std::f64::consts::PI * self.corner_hz * period_s).min(1.5).tan();
+        let w = (std::f64::consts::PI * self.corner_hz * period_s)
+            .min(1.5)
+            .tan();
         let norm = 1.0 / (1.0 + std::f64::consts::SQRT_2 * w + w * w);
         let b = w * w * norm;
-        let a = [2.0 * (w * w - 1.0) * norm, (1.0 - std::f64::consts::SQRT_2 * w + w * w) * norm];
+        let a = [
+            2.0 * (w * w - 1.0) * norm,
+            (1.0 - std::f64::consts::SQRT_2 * w + w * w) * norm,
+        ];
         pass(channel, b, a);
         channel.reverse();
         pass(channel, b, a);
@@ -23,7 +28,8 @@ impl LowPass {
     /// Share of a white noise's variance that is left.
     pub(super) fn share(self, period_s: f64) -> f64 {
         // ∫ of the squared magnitude: the impulse response says it without an integral.
-        let mut response = vec![0.0; (40.0 / (self.corner_hz * period_s)).clamp(64.0, 1e6) as usize];
+        let mut response =
+            vec![0.0; (40.0 / (self.corner_hz * period_s)).clamp(64.0, 1e6) as usize];
         let middle = response.len() / 2;
         response[middle] = 1.0;
         self.apply(&mut response, period_s);
@@ -50,13 +56,19 @@ mod tests {
     #[test]
     fn a_line_at_the_corner_is_halved_and_stays_where_it_is() {
         let wave = |hz: f64| -> Vec<f64> {
-            (0..4000).map(|at| (std::f64::consts::TAU * hz * 1e-3 * f64::from(at)).sin()).collect()
+            (0..4000)
+                .map(|at| (std::f64::consts::TAU * hz * 1e-3 * f64::from(at)).sin())
+                .collect()
         };
         for (hz, gain) in [(2.0, 1.0), (20.0, 0.5), (200.0, 0.0)] {
             let (mut out, exact) = (wave(hz), wave(hz));
             LowPass { corner_hz: 20.0 }.apply(&mut out, 1e-3);
             for at in 1000..3000 {
-                assert!((out[at] - gain * exact[at]).abs() < 2e-3, "{hz} Hz at {at}: {}", out[at]);
+                assert!(
+                    (out[at] - gain * exact[at]).abs() < 2e-3,
+                    "{hz} Hz at {at}: {}",
+                    out[at]
+                );
             }
         }
     }

@@ -1,7 +1,6 @@
 //! What `palpate gap` says in the terminal.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use super::regions::words;
 use super::result::{Finding, Known, Verdict};
@@ -9,7 +8,7 @@ use crate::report::number::quantity;
 use crate::wrap::wrapped;
 
 /// The verdict first, then what stands behind it.
-pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) -> String {
+pub fn summary(finding: &Finding) -> String {
     let mut text = String::new();
     let mut line = |label: &str, value: &str| {
         let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), value));
@@ -27,10 +26,20 @@ pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) ->
             let _ = write!(said, "; could as well be {}", others.join(" or "));
         }
         line("effect", &said);
-        line("", &format!("takes off {:.1} % of the squared error it is held against: {}", 100.0 * own.held_out_gain, own.place));
+        line(
+            "",
+            &format!(
+                "takes off {:.1} % of the squared error it is held against: {}",
+                100.0 * own.held_out_gain,
+                own.place
+            ),
+        );
     }
     for (before, after) in finding.base_before.iter().zip(&finding.base_after) {
-        line(&after.name, &format!("{} before, {} after", value(before), value(after)));
+        line(
+            &after.name,
+            &format!("{} before, {} after", value(before), value(after)),
+        );
     }
     if !finding.remaining.is_empty() {
         line("remains", &words(&finding.remaining));
@@ -38,10 +47,6 @@ pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) ->
     line("advice", &finding.advice);
     for note in &finding.notes {
         line("note", note);
-    }
-    line("time", &format!("{seconds:.1} s"));
-    if let Some(folder) = folder {
-        line("written", &folder.display().to_string());
     }
     format!("{}\n{text}", verdict(finding))
 }
@@ -56,7 +61,10 @@ pub(super) fn verdict(finding: &Finding) -> String {
         Verdict::Unexplained if names.is_empty() => {
             "unexplained: something is missing that the catalogue does not hold".into()
         }
-        Verdict::Unexplained => format!("missing: {}; and something unexplained", names.join(" and ")),
+        Verdict::Unexplained => format!(
+            "missing: {}; and something unexplained",
+            names.join(" and ")
+        ),
     }
 }
 

@@ -73,11 +73,17 @@ impl<'a> Ground<'a> {
             .flat_map(|id| starts(*id, &self.fit.shape, self.scales))
             .collect();
         starts.extend(self.periodic(ids));
-        let mut scored: Vec<Proposal> = starts.into_par_iter().map(|term| self.score(term)).collect();
+        let mut scored: Vec<Proposal> = starts
+            .into_par_iter()
+            .map(|term| self.score(term))
+            .collect();
         scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let mut ranked: Vec<Vec<Proposal>> = Vec::new();
         for proposal in scored {
-            match ranked.iter_mut().find(|own| own[0].term.id == proposal.term.id) {
+            match ranked
+                .iter_mut()
+                .find(|own| own[0].term.id == proposal.term.id)
+            {
                 Some(own) if own.len() < 3 => own.push(proposal),
                 Some(_) => {}
                 None => ranked.push(vec![proposal]),
@@ -159,7 +165,10 @@ impl<'a> Ground<'a> {
 
     /// ∂F/∂x (N/m) block by block.
     fn slope(&self) -> Vec<f64> {
-        let step = self.scales.position_noise_m.max(1e-6 * self.scales.travel_m);
+        let step = self
+            .scales
+            .position_noise_m
+            .max(1e-6 * self.scales.travel_m);
         let mut moved = self.problem.courses.to_vec();
         for course in &mut moved {
             course.position_m.iter_mut().for_each(|x| *x += step);
@@ -167,7 +176,11 @@ impl<'a> Ground<'a> {
         let shape = &self.fit.shape;
         let here = forces(shape, &self.fit.numbers, self.problem.courses);
         let moved = forces(shape, &self.fit.numbers, &moved);
-        moved.iter().zip(&here).map(|(a, b)| (a - b) / step).collect()
+        moved
+            .iter()
+            .zip(&here)
+            .map(|(a, b)| (a - b) / step)
+            .collect()
     }
 
     /// The three strongest lines of carrier·sin(2πft + φ) in the residuals: f (Hz), amplitude, φ.
@@ -181,10 +194,15 @@ impl<'a> Ground<'a> {
                 false => Complex::new(0.0, 0.0),
             })
             .collect();
-        FftPlanner::new().plan_fft_forward(padded).process(&mut bins);
+        FftPlanner::new()
+            .plan_fft_forward(padded)
+            .process(&mut bins);
         let bin_hz = 1.0 / (padded as f64 * course.period_s);
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
-        let power: Vec<f64> = bins[..padded / 2].iter().map(|bin| bin.norm_sqr()).collect();
+        let power: Vec<f64> = bins[..padded / 2]
+            .iter()
+            .map(|bin| bin.norm_sqr())
+            .collect();
         let peaks = peaks(&power, lowest.max(1), padded / n);
         let wave = |at: usize| {
             let hz = at as f64 * bin_hz;
@@ -245,12 +263,18 @@ impl<'a> Ground<'a> {
             dot(&pair[0], &pair[1]),
             dot(&pair[1], &pair[1]),
         );
-        let (s, c) = (dot(&pair[0], &self.residuals), dot(&pair[1], &self.residuals));
+        let (s, c) = (
+            dot(&pair[0], &self.residuals),
+            dot(&pair[1], &self.residuals),
+        );
         let determinant = ss * cc - sc * sc;
         if determinant <= 1e-9 * ss * cc {
             return None;
         }
-        let (a, b) = ((s * cc - c * sc) / determinant, (c * ss - s * sc) / determinant);
+        let (a, b) = (
+            (s * cc - c * sc) / determinant,
+            (c * ss - s * sc) / determinant,
+        );
         Some((a.hypot(b), b.atan2(a)))
     }
 }
@@ -276,7 +300,9 @@ fn peaks(power: &[f64], lowest: usize, apart: usize) -> Vec<usize> {
 fn remove(own: &mut [f64], basis: &[Vec<f64>]) {
     for one in basis {
         let share = dot(own, one);
-        own.iter_mut().zip(one).for_each(|(value, b)| *value -= share * b);
+        own.iter_mut()
+            .zip(one)
+            .for_each(|(value, b)| *value -= share * b);
     }
 }
 
@@ -332,7 +358,10 @@ fn is_possible(id: EffectId, shape: &Shape) -> bool {
     use EffectId as E;
     let touches = shape.base.law != EnvironmentLaw::Free;
     let own = matches!(id.info().place, Place::LoadPath | Place::ForceReading);
-    let twice = matches!(id, E::StressRelaxation | E::PeriodicDisturbance | E::Cogging);
+    let twice = matches!(
+        id,
+        E::StressRelaxation | E::PeriodicDisturbance | E::Cogging
+    );
     let has = shape.terms.iter().any(|term| term.id == id);
     (touches || own) && (twice || !has)
 }
@@ -341,7 +370,10 @@ fn is_possible(id: EffectId, shape: &Shape) -> bool {
 fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
     use EffectId as E;
     let law = &shape.base.law;
-    let linear = matches!(law, EnvironmentLaw::KelvinVoigt { .. } | EnvironmentLaw::Zener { .. });
+    let linear = matches!(
+        law,
+        EnvironmentLaw::KelvinVoigt { .. } | EnvironmentLaw::Zener { .. }
+    );
     if !is_possible(id, shape) {
         return Vec::new();
     }
@@ -351,7 +383,10 @@ fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
         row
     };
     let grid = |values: &[&[f64]], count: usize| -> Vec<Term> {
-        values.iter().map(|own| whole(id, row(own), count)).collect()
+        values
+            .iter()
+            .map(|own| whole(id, row(own), count))
+            .collect()
     };
     let force = 0.05 * s.force_n;
     let depth = 0.5 * s.travel_m;
@@ -376,23 +411,51 @@ fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
                     ..
                 }
             );
-            if exponential { Vec::new() } else { grid(&[&[0.1 / depth], &[0.5 / depth]], 1) }
+            if exponential {
+                Vec::new()
+            } else {
+                grid(&[&[0.1 / depth], &[0.5 / depth]], 1)
+            }
         }
-        E::Adhesion => grid(&[&[force, 0.03 * depth], &[force, 0.1 * depth], &[force, 0.3 * depth]], 2),
+        E::Adhesion => grid(
+            &[
+                &[force, 0.03 * depth],
+                &[force, 0.1 * depth],
+                &[force, 0.3 * depth],
+            ],
+            2,
+        ),
         E::PermanentSet => grid(&[&[0.1, 0.0], &[0.1, 0.3 * depth], &[0.1, 0.6 * depth]], 2),
         E::BuriedLayer => (2..10)
-            .map(|k| whole(id, row(&[0.3 * stiffness, 0.1 * f64::from(k) * s.travel_m]), 2))
+            .map(|k| {
+                whole(
+                    id,
+                    row(&[0.3 * stiffness, 0.1 * f64::from(k) * s.travel_m]),
+                    2,
+                )
+            })
             .collect(),
         E::HystereticDamping => (1..8)
             .map(|k| whole(id, row(&[force, depth * 0.5_f64.powi(k)]), 2))
             .collect(),
-        E::CyclicSoftening => grid(&[&[0.1, 0.05 * depth], &[0.1, 0.2 * depth], &[0.1, 0.6 * depth]], 2),
+        E::CyclicSoftening => grid(
+            &[
+                &[0.1, 0.05 * depth],
+                &[0.1, 0.2 * depth],
+                &[0.1, 0.6 * depth],
+            ],
+            2,
+        ),
         E::CoulombFriction => {
             let mut starts: Vec<Term> = [1.0, 4.0]
                 .iter()
                 .map(|times| Term {
                     free: [true, false, true, false],
-                    ..whole(id, row(&[force, 0.0, (times * s.speed_noise_mps).max(2e-3 * speed)]), 3)
+                    ..whole(
+                        id,
+                        row(&[force, 0.0, (times * s.speed_noise_mps).max(2e-3 * speed)]),
+                        3,
+                    )
                 })
                 .collect();
             for width in [3e-3, 1e-2, 3e-2] {
@@ -406,7 +469,12 @@ fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
                 free: [true; 4],
                 ..whole(
                     id,
-                    row(&[force, 1.5 * force, share * speed, s.speed_noise_mps.max(3e-3 * speed)]),
+                    row(&[
+                        force,
+                        1.5 * force,
+                        share * speed,
+                        s.speed_noise_mps.max(3e-3 * speed),
+                    ]),
                     4,
                 )
             })
@@ -417,15 +485,33 @@ fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
         E::ForceDrift => {
             let rate = force / s.duration_s;
             let mut starts = grid(&[&[rate, 0.0]], 1);
-            starts.extend(grid(&[&[rate * 3.0, 0.2 * s.duration_s], &[rate * 10.0, 0.05 * s.duration_s]], 2));
+            starts.extend(grid(
+                &[
+                    &[rate * 3.0, 0.2 * s.duration_s],
+                    &[rate * 10.0, 0.05 * s.duration_s],
+                ],
+                2,
+            ));
             starts
         }
         E::CableStiffness => grid(&[&[force / s.reach_m.max(f64::MIN_POSITIVE)]], 1),
-        E::Cogging | E::PeriodicDisturbance | E::SurfaceMotion | E::EncoderPeriodicError => Vec::new(),
+        E::Cogging | E::PeriodicDisturbance | E::SurfaceMotion | E::EncoderPeriodicError => {
+            Vec::new()
+        }
         E::SeriesCompliance => grid(&[&[4.0 * stiffness], &[20.0 * stiffness]], 1),
         E::Backlash => grid(&[&[0.01 * depth], &[0.03 * depth], &[0.1 * depth]], 1),
-        E::ForceLag => grid(&[&[1.5 * s.period_s], &[6.0 * s.period_s], &[25.0 * s.period_s]], 1),
-        E::TimeDelay => grid(&[&[s.period_s], &[6.0 * s.period_s], &[-6.0 * s.period_s]], 1),
+        E::ForceLag => grid(
+            &[
+                &[1.5 * s.period_s],
+                &[6.0 * s.period_s],
+                &[25.0 * s.period_s],
+            ],
+            1,
+        ),
+        E::TimeDelay => grid(
+            &[&[s.period_s], &[6.0 * s.period_s], &[-6.0 * s.period_s]],
+            1,
+        ),
         E::ForceSaturation => grid(&[&[0.97 * s.highest_n], &[0.9 * s.highest_n]], 1),
     }
 }

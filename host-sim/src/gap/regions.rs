@@ -108,9 +108,17 @@ pub(super) fn regions(logs: &[Sorted<'_>], correlation: f64) -> Vec<Region> {
                 add(["depth_low", "depth_mid", "depth_high"][third.min(2)]);
             }
             if speed.abs() > STILL * usual_mps {
-                add(if speed.abs() < typical_mps { "slow" } else { "fast" });
+                add(if speed.abs() < typical_mps {
+                    "slow"
+                } else {
+                    "fast"
+                });
             }
-            add(if 2 * at < course.len() { "early" } else { "late" });
+            add(if 2 * at < course.len() {
+                "early"
+            } else {
+                "late"
+            });
             total.add(square, variance);
         }
     }
@@ -126,9 +134,13 @@ pub(super) fn regions(logs: &[Sorted<'_>], correlation: f64) -> Vec<Region> {
         .enumerate()
         .filter(|(rank, (chance, _))| *chance <= FALSE_DISCOVERIES * (*rank as f64 + 1.0) / count)
         .map(|(rank, _)| rank + 1)
-        .last()
+        .next_back()
         .unwrap_or(0);
-    let mut regions: Vec<Region> = tested.into_iter().take(named).map(|(_, region)| region).collect();
+    let mut regions: Vec<Region> = tested
+        .into_iter()
+        .take(named)
+        .map(|(_, region)| region)
+        .collect();
     regions.retain(|region| region.share > 0.02);
     regions.sort_by(|a, b| b.share.total_cmp(&a.share));
     if !regions.is_empty() {
@@ -167,7 +179,13 @@ impl Tally {
 fn lines(log: &Sorted<'_>) -> Vec<Region> {
     let course = log.course;
     let own: Vec<f64> = (0..course.len())
-        .map(|at| if log.variances[at] > 0.0 { log.residuals[at] } else { 0.0 })
+        .map(|at| {
+            if log.variances[at] > 0.0 {
+                log.residuals[at]
+            } else {
+                0.0
+            }
+        })
         .collect();
     let energy: f64 = own.iter().map(|r| r * r).sum();
     let count = own.len() as f64;
@@ -181,15 +199,26 @@ fn lines(log: &Sorted<'_>) -> Vec<Region> {
     };
     let mut found = Vec::new();
     let mut bins: Vec<Complex<f64>> = own.iter().map(|r| Complex::new(*r, 0.0)).collect();
-    FftPlanner::new().plan_fft_forward(bins.len()).process(&mut bins);
+    FftPlanner::new()
+        .plan_fft_forward(bins.len())
+        .process(&mut bins);
     let power = |at: usize| 2.0 * bins[at].norm_sqr() / (count * energy.max(f64::MIN_POSITIVE));
     let strongest = (4..bins.len() / 2).max_by(|a, b| power(*a).total_cmp(&power(*b)));
     if let Some(at) = strongest.filter(|at| power(*at) > LEAST_LINE) {
         let hz = at as f64 / (count * course.period_s);
         found.push(region("line", power(at).min(1.0), Some(hz), None));
     }
-    let lowest = course.position_m.iter().copied().fold(f64::INFINITY, f64::min);
-    let travel = course.position_m.iter().copied().fold(f64::NEG_INFINITY, f64::max) - lowest;
+    let lowest = course
+        .position_m
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let travel = course
+        .position_m
+        .iter()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max)
+        - lowest;
     let stride = (course.len() / 3000).max(1);
     let along = |halves: usize| {
         let per_m = TAU * 0.5 * halves as f64 / travel.max(f64::MIN_POSITIVE);
@@ -218,17 +247,26 @@ pub fn words(regions: &[Region]) -> String {
     let phases = ["free", "touch", "loading", "hold", "unloading", "lift_off"];
     let mut said = Vec::new();
     if let Some(phase) = regions.iter().find(|region| phases.contains(&region.id)) {
-        said.push(format!("{:.0} % of the excess is {}", 100.0 * phase.share, place(phase.id)));
+        said.push(format!(
+            "{:.0} % of the excess is {}",
+            100.0 * phase.share,
+            place(phase.id)
+        ));
     }
     // Besides, what has more of the excess than its share of the samples explains.
     let telling = regions
         .iter()
         .filter(|region| !phases.contains(&region.id) && region.share > 1.3 * region.samples)
         .take(2);
-    said.extend(telling.map(|region| format!("{:.0} % {}", 100.0 * region.share, place(region.id))));
+    said.extend(
+        telling.map(|region| format!("{:.0} % {}", 100.0 * region.share, place(region.id))),
+    );
     for line in regions {
         match (line.hz, line.pitch_m) {
-            (Some(hz), _) => said.push(format!("{:.0} % in a line at {hz:.3} Hz", 100.0 * line.share)),
+            (Some(hz), _) => said.push(format!(
+                "{:.0} % in a line at {hz:.3} Hz",
+                100.0 * line.share
+            )),
             (_, Some(pitch)) => said.push(format!(
                 "{:.0} % repeats every {:.4} mm along the way",
                 100.0 * line.share,

@@ -28,6 +28,8 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best.
 const FIRST_STEPS: usize = 4;
 
+/// Σ w r² in units of the floor's at which names suffice: the square of `decide`'s bound.
+const SUFFICIENT: f64 = 1.25;
 /// Share of the base's excess that is left after two effects when a third is not tried.
 const HOPELESS: f64 = 0.5;
 
@@ -57,7 +59,13 @@ pub(super) struct Found {
 
 /// The effects that a fit adds to the base model, in order.
 pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
-    let mut ids: Vec<EffectId> = fit.shape.terms.iter().filter(|t| !t.given).map(|t| t.id).collect();
+    let mut ids: Vec<EffectId> = fit
+        .shape
+        .terms
+        .iter()
+        .filter(|t| !t.given)
+        .map(|t| t.id)
+        .collect();
     ids.sort();
     ids
 }
@@ -84,7 +92,9 @@ impl Search<'_> {
 
     /// The sets that came closest, for the report.
     pub(super) fn ladder(&self, base: &Fit, found: &Found) -> Vec<Tried> {
-        let all = [base, &found.best].into_iter().chain(found.rivals.iter().flatten());
+        let all = [base, &found.best]
+            .into_iter()
+            .chain(found.rivals.iter().flatten());
         let mut ladder: Vec<Tried> = all
             .map(|fit| Tried {
                 ids: added(fit),
@@ -107,12 +117,17 @@ impl Search<'_> {
     pub(super) fn base_fit(&self) -> Fit {
         let shape = Shape::new(self.base, self.given.to_vec(), self.scales);
         let start = shape.start();
-        let surface = self.base.parameters().iter().position(|own| own.name == "surface");
+        let surface = self
+            .base
+            .parameters()
+            .iter()
+            .position(|own| own.name == "surface");
         let moved = |share: f64| {
             let mut start = start.clone();
             for (number, free) in start.iter_mut().zip(&shape.free) {
                 if surface.is_some_and(|at| free.owner == super::shape::Owner::Environment(at)) {
-                    *number = (*number + share * self.scales.travel_m).clamp(free.lowest, free.highest);
+                    *number =
+                        (*number + share * self.scales.travel_m).clamp(free.lowest, free.highest);
                 }
             }
             start
@@ -135,14 +150,26 @@ impl Search<'_> {
     }
 
     /// What an effect must take off Σ w r² to be there, when `after` is left.
-    fn price(&self, after: f64, base: f64) -> f64 {
+    fn price(&self, without: f64, after: f64, base: f64) -> f64 {
         // Significance, with the catalogue's size; 4 % of what is left, for the errors of the noise's
         // own model, 10 % where that is coloured; and a share of what the base left, for the errors of the effects' forms.
         let catalogue = 2.0 * (self.ids.len() as f64).ln();
         let significant = self.correlation * (25.0 + catalogue) * (after / self.floor).max(1.0);
         let form = 0.02 * (base - self.floor).max(0.0);
-        let coloured = self.floors.iter().any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
-        let least = if coloured { 0.10 } else { 0.04 };
+        let coloured = self
+            .floors
+            .iter()
+            .any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
+        // Beside names that suffice another one has to earn its place: what is left then is mostly
+        // the form of the first (a Stribeck's where the catalogue says Coulomb's).
+        let suffices = without < SUFFICIENT * self.floor && without < 0.5 * base;
+        let least = if suffices {
+            0.15
+        } else if coloured {
+            0.10
+        } else {
+            0.04
+        };
         significant.max(least * after).max(form)
     }
 
@@ -189,12 +216,25 @@ impl Search<'_> {
             .collect();
         done.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
         if std::env::var("PALPATE_TRACE").is_ok() {
-            eprintln!("from {:?} {:.4}", added(from), (from.cost / self.floor).sqrt());
+            eprintln!(
+                "from {:?} {:.4}",
+                added(from),
+                (from.cost / self.floor).sqrt()
+            );
             for own in &proposals {
-                eprintln!("   proposed {:?} {:.4} {:?}", own[0].term.id, own[0].gain / from.cost, own[0].term.row);
+                eprintln!(
+                    "   proposed {:?} {:.4} {:?}",
+                    own[0].term.id,
+                    own[0].gain / from.cost,
+                    own[0].term.row
+                );
             }
             for fit in &done {
-                eprintln!("   fitted {:?} {:.4}", added(fit), (fit.cost / self.floor).sqrt());
+                eprintln!(
+                    "   fitted {:?} {:.4}",
+                    added(fit),
+                    (fit.cost / self.floor).sqrt()
+                );
             }
         }
         done
@@ -240,7 +280,7 @@ impl Search<'_> {
             if level >= 2 && best.cost - self.floor > HOPELESS * excess {
                 break;
             }
-            let accepted = gained > self.price(child.cost, base_cost);
+            let accepted = gained > self.price(best.cost, child.cost, base_cost);
             if accepted {
                 best = child.clone();
                 self.weigh(&best);
@@ -269,7 +309,7 @@ impl Search<'_> {
                 .map(|at| self.without(&best, at))
                 .min_by(|a, b| a.cost.total_cmp(&b.cost));
             match without {
-                Some(fit) if fit.cost - best.cost < self.price(best.cost, base_cost) => best = fit,
+                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => best = fit,
                 _ => return best,
             }
         }
@@ -304,7 +344,7 @@ impl Search<'_> {
         };
         let simple = coulomb.expanded(&self.without(&found.best, at));
         match simple.into_iter().next() {
-            Some(fit) if fit.cost - found.best.cost < self.price(found.best.cost, base_cost) => {
+            Some(fit) if fit.cost - found.best.cost < self.price(fit.cost, found.best.cost, base_cost) => {
                 Found { best: fit, ..found }
             }
             _ => found,

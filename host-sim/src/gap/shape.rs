@@ -58,7 +58,9 @@ impl Shape {
         for (at, parameter) in base.parameters().iter().enumerate() {
             if !base.fit.fixed.contains(&parameter.name) {
                 let mut own = of_environment(at, parameter, scales);
-                if matches!(base.law, model::EnvironmentLaw::Zener { .. }) && parameter.name == "damping" {
+                if matches!(base.law, model::EnvironmentLaw::Zener { .. })
+                    && parameter.name == "damping"
+                {
                     // It sets a rate.
                     own = logarithmic(own.owner, 1e-6 * parameter.value, 1e6 * parameter.value);
                 }
@@ -130,9 +132,15 @@ impl Shape {
     /// The rig that free numbers mean.
     pub(super) fn rig<S: Scalar>(&self, numbers: &[S]) -> Rig<S> {
         let parameters = self.base.parameters();
-        let mut values: Vec<S> = parameters.iter().map(|own| S::from_f64(own.value)).collect();
-        let mut rows: Vec<[S; MOST_PARAMETERS]> =
-            self.terms.iter().map(|term| term.row.map(S::from_f64)).collect();
+        let mut values: Vec<S> = parameters
+            .iter()
+            .map(|own| S::from_f64(own.value))
+            .collect();
+        let mut rows: Vec<[S; MOST_PARAMETERS]> = self
+            .terms
+            .iter()
+            .map(|term| term.row.map(S::from_f64))
+            .collect();
         for (at, free) in self.free.iter().enumerate() {
             let value = self.natural(at, numbers[at]);
             match free.owner {
@@ -270,7 +278,11 @@ fn of_environment(at: usize, parameter: &model::Parameter, scales: &Scales) -> F
             logarithmic(owner, 1e-6 * parameter.value, 1e6 * parameter.value)
         }
         "damping" if parameter.value > 0.0 => linear(owner, 0.0, 1e4 * parameter.value),
-        "damping" => linear(owner, 0.0, 1e3 * scales.force_n / scales.speed_mps.max(1e-12)),
+        "damping" => linear(
+            owner,
+            0.0,
+            1e3 * scales.force_n / scales.speed_mps.max(1e-12),
+        ),
         "exponent" | "damping_exponent" => linear(owner, 0.3, 5.0),
         "stiffening_rate" => linear(owner, 0.0, 50.0 / scales.travel_m),
         "surface" => linear(

@@ -39,10 +39,10 @@ pub(super) fn finding(
     let after_n = problem.forces(&decision.best.shape, &decision.best.numbers);
     let known = told.known(&decision.best);
     let disagreement = told.regions(&before_n);
-    // Where nothing is left nothing is named: a region may scatter above the floor by its chance.
+    // Where what is left is what noise leaves, its regions are shares of nothing.
     let remaining = match decision.verdict {
-        Verdict::NoMissingEffect => Vec::new(),
-        _ => told.regions(&after_n),
+        Verdict::Unexplained => told.regions(&after_n),
+        _ => Vec::new(),
     };
     let effects = told.effects(&known, &after_n);
     let noise_floor_n = told.floor_n();
@@ -100,7 +100,13 @@ impl Told<'_> {
             errors[at]
         };
         let values = fit.shape.environment_at(&fit.numbers);
-        let environment = fit.shape.base.parameters().into_iter().zip(values).enumerate();
+        let environment = fit
+            .shape
+            .base
+            .parameters()
+            .into_iter()
+            .zip(values)
+            .enumerate();
         let mut known: Vec<Owned> = environment
             .map(|(at, (parameter, value))| {
                 let owner = Owner::Environment(at);
@@ -135,8 +141,18 @@ impl Told<'_> {
 
     fn effects(&self, known: &[Owned], after_n: &[f64]) -> Vec<Named> {
         let decision = self.decision;
-        let terms = decision.best.shape.terms.iter().enumerate().filter(|(_, term)| !term.given);
-        let judged = decision.alternatives.iter().zip(&decision.gains).zip(&decision.without);
+        let terms = decision
+            .best
+            .shape
+            .terms
+            .iter()
+            .enumerate()
+            .filter(|(_, term)| !term.given);
+        let judged = decision
+            .alternatives
+            .iter()
+            .zip(&decision.gains)
+            .zip(&decision.without);
         let mut effects: Vec<Named> = terms
             .zip(judged)
             .map(|((number, term), ((alternatives, gain), without))| {
@@ -144,7 +160,11 @@ impl Told<'_> {
                 let forces = self.problem.forces(&without.shape, &without.numbers);
                 Named {
                     id: term.id,
-                    parameters: known.iter().filter(own).map(|owned| owned.1.clone()).collect(),
+                    parameters: known
+                        .iter()
+                        .filter(own)
+                        .map(|owned| owned.1.clone())
+                        .collect(),
                     alternatives: alternatives.clone(),
                     place: self.place(&forces, after_n),
                     held_out_gain: *gain,
@@ -157,14 +177,29 @@ impl Told<'_> {
 
     /// Where the residuals without an effect exceed those with it, in words.
     fn place(&self, without_n: &[f64], with_n: &[f64]) -> String {
-        let measured: Vec<f64> = self.evidence.courses.iter().flat_map(|own| own.force_n.clone()).collect();
-        let residuals: Vec<f64> = measured.iter().zip(without_n).map(|(f, own)| f - own).collect();
+        let measured: Vec<f64> = self
+            .evidence
+            .courses
+            .iter()
+            .flat_map(|own| own.force_n.clone())
+            .collect();
+        let residuals: Vec<f64> = measured
+            .iter()
+            .zip(without_n)
+            .map(|(f, own)| f - own)
+            .collect();
         // What is left with the effect stands for what would be there anyway.
         let allowed: Vec<f64> = measured
             .iter()
             .zip(with_n)
             .zip(&self.decision.variances)
-            .map(|((f, own), v)| if *v > 0.0 { v.max((f - own).powi(2)) } else { 0.0 })
+            .map(|((f, own), v)| {
+                if *v > 0.0 {
+                    v.max((f - own).powi(2))
+                } else {
+                    0.0
+                }
+            })
             .collect();
         words(&self.sorted(&residuals, &allowed))
     }
@@ -195,7 +230,10 @@ impl Told<'_> {
     fn floor_n(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (course, floor) in self.evidence.courses.iter().zip(self.evidence.floors) {
-            let share = self.evidence.low_pass.map_or(1.0, |own| own.share(course.period_s));
+            let share = self
+                .evidence
+                .low_pass
+                .map_or(1.0, |own| own.share(course.period_s));
             sum += course.len() as f64 * share * floor.used_n.powi(2);
             count += course.len() as f64;
         }
@@ -203,7 +241,11 @@ impl Told<'_> {
     }
 
     fn curves(&self, before_n: &[f64], after_n: &[f64]) -> Vec<Curves> {
-        let each = self.rows().into_iter().zip(self.evidence.courses).zip(&self.depths);
+        let each = self
+            .rows()
+            .into_iter()
+            .zip(self.evidence.courses)
+            .zip(&self.depths);
         each.map(|((rows, course), depth_m)| Curves {
             time_s: course.time_s.clone(),
             position_m: course.position_m.clone(),
@@ -212,7 +254,10 @@ impl Told<'_> {
             measured_n: course.force_n.clone(),
             before_n: before_n[rows.clone()].to_vec(),
             after_n: after_n[rows.clone()].to_vec(),
-            allowed_n: self.decision.variances[rows.clone()].iter().map(|v| v.sqrt()).collect(),
+            allowed_n: self.decision.variances[rows.clone()]
+                .iter()
+                .map(|v| v.sqrt())
+                .collect(),
             held_out: self.decision.held_out[rows].to_vec(),
         })
         .collect()
@@ -220,7 +265,9 @@ impl Told<'_> {
 }
 
 fn environment(known: &[Owned]) -> Vec<Known> {
-    let own = known.iter().filter(|owned| matches!(owned.0, Owner::Environment(_)));
+    let own = known
+        .iter()
+        .filter(|owned| matches!(owned.0, Owner::Environment(_)));
     own.map(|owned| owned.1.clone()).collect()
 }
 
@@ -254,7 +301,9 @@ fn after(model: &Model, best: &Fit, known: &[Owned]) -> Model {
             let given = model.effects.get(number).filter(|_| term.given);
             model::Effect {
                 id: term.id.name().into(),
-                parameters: parameters.map(|owned| (owned.1.name.clone(), owned.1.value)).collect(),
+                parameters: parameters
+                    .map(|owned| (owned.1.name.clone(), owned.1.value))
+                    .collect(),
                 fit: model::Fit {
                     fixed: given.map_or(Vec::new(), |own| own.fit.fixed.clone()),
                     std_error: errors(known, own),
@@ -268,12 +317,17 @@ fn after(model: &Model, best: &Fit, known: &[Owned]) -> Model {
 
 fn errors(known: &[Owned], own: impl Fn(Owner) -> bool) -> Vec<(String, f64)> {
     let known = known.iter().filter(|owned| own(owned.0));
-    known.filter_map(|(_, own)| Some((own.name.clone(), own.std_error?))).collect()
+    known
+        .filter_map(|(_, own)| Some((own.name.clone(), own.std_error?)))
+        .collect()
 }
 
 /// What to do next, in a sentence or two.
 fn advice(finding: &Finding) -> String {
-    let ambiguous = finding.effects.iter().find(|own| !own.alternatives.is_empty());
+    let ambiguous = finding
+        .effects
+        .iter()
+        .find(|own| !own.alternatives.is_empty());
     match (finding.verdict, ambiguous) {
         (Verdict::NoMissingEffect, _) => {
             "Nothing is missing: the base model explains this log to its noise.".into()
@@ -281,7 +335,11 @@ fn advice(finding: &Finding) -> String {
         (Verdict::Ambiguous, Some(own)) => format!(
             "This log does not tell {} from {}. Record {}.",
             own.id.name(),
-            own.alternatives.iter().map(|id| id.name()).collect::<Vec<_>>().join(", "),
+            own.alternatives
+                .iter()
+                .map(|id| id.name())
+                .collect::<Vec<_>>()
+                .join(", "),
             own.id.info().motion,
         ),
         (Verdict::Unexplained, _) => format!(

@@ -24,7 +24,10 @@ pub(super) fn variances(
     };
     let spread = |change: fn(&mut Course, f64)| -> Vec<f64> {
         let (more, less) = (moved(change, 1.0), moved(change, -1.0));
-        more.iter().zip(&less).map(|(a, b)| (0.5 * (a - b)).powi(2)).collect()
+        more.iter()
+            .zip(&less)
+            .map(|(a, b)| (0.5 * (a - b)).powi(2))
+            .collect()
     };
     let of_position = spread(|course, sign| {
         let error = sign * course.position_noise_m;
@@ -32,11 +35,19 @@ pub(super) fn variances(
     });
     let of_speed = spread(|course, sign| {
         let noise = course.speed_noise_mps.iter();
-        course.speed_mps.iter_mut().zip(noise).for_each(|(v, s)| *v += sign * SPEED_ERRORS * s);
+        course
+            .speed_mps
+            .iter_mut()
+            .zip(noise)
+            .for_each(|(v, s)| *v += sign * SPEED_ERRORS * s);
     });
     let of_acceleration = spread(|course, sign| {
         let noise = course.acceleration_noise_mps2.iter();
-        course.acceleration_mps2.iter_mut().zip(noise).for_each(|(a, s)| *a += sign * s);
+        course
+            .acceleration_mps2
+            .iter_mut()
+            .zip(noise)
+            .for_each(|(a, s)| *a += sign * s);
     });
     let mut variances = Vec::with_capacity(of_position.len());
     for (course, floor) in courses.iter().zip(floors) {
@@ -45,8 +56,10 @@ pub(super) fn variances(
         along(&fit.shape, &fit.numbers, course, |at, reading| {
             let row = variances.len();
             // Within a sample of the surface a force that jumps is somewhere in between.
-            let near_m = course.period_s * course.speed_mps[at].abs() + 2.0 * course.position_noise_m;
-            let touching = contact && reading.touch.depth_m.abs() < near_m && course.speed_mps[at] != 0.0;
+            let near_m =
+                course.period_s * course.speed_mps[at].abs() + 2.0 * course.position_noise_m;
+            let touching =
+                contact && reading.touch.depth_m.abs() < near_m && course.speed_mps[at] != 0.0;
             let motion = of_position[row] + of_speed[row] + of_acceleration[row];
             variances.push(if course.count[at] == 0.0 || touching {
                 0.0
@@ -60,5 +73,8 @@ pub(super) fn variances(
 
 /// Weights of variances.
 pub(super) fn weights(variances: &[f64]) -> Vec<f64> {
-    variances.iter().map(|v| if *v > 0.0 { 1.0 / v } else { 0.0 }).collect()
+    variances
+        .iter()
+        .map(|v| if *v > 0.0 { 1.0 / v } else { 0.0 })
+        .collect()
 }
