@@ -126,7 +126,7 @@ impl Swap {
 /// Five seconds of strokes into one material, five into the other.
 fn swapped(seed: u64) -> (Run, f64, HuntCrossley<f64>, f64) {
     let mut rng = Pcg64::seed_from_u64(seed);
-    let laws = if seed % 2 == 0 {
+    let laws = if seed.is_multiple_of(2) {
         [GEL.law, PLASTIC.law]
     } else {
         [PLASTIC.law, GEL.law]
@@ -198,7 +198,7 @@ pub(crate) fn palpating(
     let back = back.expect("a way out is a valid motion");
     let pieces = (seconds / 8.0).ceil() as u64;
     let piece = move |number: u64| {
-        let stroke = if number % 2 == 0 {
+        let stroke = if number.is_multiple_of(2) {
             Stroke::Sine
         } else {
             Stroke::Ramp
