@@ -35,7 +35,11 @@ impl Next {
         let scales = evidence.scales;
         let samples: usize = evidence.courses.iter().map(Course::len).sum();
         let step = samples.div_ceil(SAMPLES);
-        let courses: Vec<Course> = evidence.courses.iter().map(|own| own.thinned(step)).collect();
+        let courses: Vec<Course> = evidence
+            .courses
+            .iter()
+            .map(|own| own.thinned(step))
+            .collect();
         let sensor = Sensor {
             rate_hz: 1.0 / evidence.courses[0].period_s,
             // A count's error is evenly spread.
@@ -62,7 +66,11 @@ impl Next {
         both
     }
 
-    fn best(&self, sigma: impl Fn(&Dish) -> Option<f64> + Sync + Send, least: f64) -> Option<Further> {
+    fn best(
+        &self,
+        sigma: impl Fn(&Dish) -> Option<f64> + Sync + Send,
+        least: f64,
+    ) -> Option<Further> {
         let each: Vec<Option<f64>> = self.menu.par_iter().map(sigma).collect();
         best(&self.menu, |at| each[at], least)
     }
@@ -72,26 +80,49 @@ impl Next {
 fn reach(evidence: &Evidence<'_>, fit: &Fit) -> Reach {
     let scales = evidence.scales;
     let touches = fit.shape.base.law != EnvironmentLaw::Free;
-    let parameters = fit.shape.base.parameters().into_iter().zip(fit.shape.environment_at(&fit.numbers));
-    let surface = parameters.filter(|(own, _)| own.name == "surface").map(|(_, value)| value).next();
-    let surface_m = surface.filter(|_| touches).unwrap_or(scales.deepest_m - 0.5 * scales.travel_m);
+    let parameters = fit
+        .shape
+        .base
+        .parameters()
+        .into_iter()
+        .zip(fit.shape.environment_at(&fit.numbers));
+    let surface = parameters
+        .filter(|(own, _)| own.name == "surface")
+        .map(|(_, value)| value)
+        .next();
+    let surface_m = surface
+        .filter(|_| touches)
+        .unwrap_or(scales.deepest_m - 0.5 * scales.travel_m);
     let depth = scales.deepest_m - surface_m;
-    let depth_m = if depth > 0.05 * scales.travel_m { depth } else { 0.5 * scales.travel_m };
+    let depth_m = if depth > 0.05 * scales.travel_m {
+        depth
+    } else {
+        0.5 * scales.travel_m
+    };
     // The palpation's fastest stroke is 7.2 depths in a stroke's time: as fast as the log.
     let stroke_s = 7.2 * depth_m / scales.speed_mps.max(f64::MIN_POSITIVE);
     let period_s = evidence.courses[0].period_s;
     Reach {
         surface_m,
+        touches,
         depth_m,
         stroke_s: stroke_s.clamp(100.0 * period_s, scales.duration_s.max(100.0 * period_s)),
     }
 }
 
 /// What tells the effects of an ambiguous answer from their alternatives.
-pub(super) fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<(EffectId, Vec<EffectId>, Further)> {
+pub(super) fn between(
+    evidence: &Evidence<'_>,
+    decision: &Decision,
+) -> Option<(EffectId, Vec<EffectId>, Further)> {
     let best = &decision.best;
-    let own: Vec<usize> = (0..best.shape.terms.len()).filter(|at| !best.shape.terms[*at].given).collect();
-    let at = decision.alternatives.iter().position(|ids| !ids.is_empty())?;
+    let own: Vec<usize> = (0..best.shape.terms.len())
+        .filter(|at| !best.shape.terms[*at].given)
+        .collect();
+    let at = decision
+        .alternatives
+        .iter()
+        .position(|ids| !ids.is_empty())?;
     let (number, rivals) = (*own.get(at)?, &decision.alternatives[at]);
     let terms = best.shape.terms_at(&best.numbers);
     let target = terms[number].clone();
@@ -105,10 +136,15 @@ pub(super) fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<(E
         // What repeats starts where the accepted one does.
         for (id, starts) in rivals.iter().zip(&mut rivals_of) {
             if repeats(*id) && repeats(target.id) {
-                starts.extend(bench.presence(Term { id: *id, ..target.clone() }));
+                starts.extend(bench.presence(Term {
+                    id: *id,
+                    ..target.clone()
+                }));
             }
         }
-        let apart = rivals_of.iter().map(|starts| bench.apart(&presence, 1.0, starts));
+        let apart = rivals_of
+            .iter()
+            .map(|starts| bench.apart(&presence, 1.0, starts));
         Some(apart.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
     };
     let further = next.best(sigma, least(rivals.len()).sqrt())?;
@@ -117,7 +153,10 @@ pub(super) fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<(E
 
 fn repeats(id: EffectId) -> bool {
     use EffectId as E;
-    matches!(id, E::Cogging | E::EncoderPeriodicError | E::PeriodicDisturbance | E::SurfaceMotion)
+    matches!(
+        id,
+        E::Cogging | E::EncoderPeriodicError | E::PeriodicDisturbance | E::SurfaceMotion
+    )
 }
 
 /// A fit with one effect taken out, everything else as it stands.
@@ -145,10 +184,16 @@ pub(super) struct Unobserved {
 
 /// The first number of a fit whose standard error is more than 70 % of it, if a motion would help.
 /// `errors` are those of the free numbers, in the parameters' units.
-pub(super) fn unobserved(evidence: &Evidence<'_>, fit: &Fit, errors: &[Option<f64>]) -> Option<Unobserved> {
+pub(super) fn unobserved(
+    evidence: &Evidence<'_>,
+    fit: &Fit,
+    errors: &[Option<f64>],
+) -> Option<Unobserved> {
     let at = (0..fit.numbers.len()).find(|at| {
         let value = fit.shape.natural(*at, fit.numbers[*at]).abs();
-        has_size(&fit.shape, *at) && value > 0.0 && errors[*at].is_some_and(|e| e > UNOBSERVED * value)
+        has_size(&fit.shape, *at)
+            && value > 0.0
+            && errors[*at].is_some_and(|e| e > UNOBSERVED * value)
     })?;
     let next = Next::new(evidence, fit);
     let before = share(&next.recorded, fit, evidence, at)?;
@@ -167,7 +212,9 @@ fn has_size(shape: &Shape, at: usize) -> bool {
         Owner::Environment(own) => shape.base.parameters()[own].name != "surface",
         Owner::Effect(number, own) => {
             let infos = shape.terms[number].id.info().parameters;
-            infos.get(own).is_some_and(|info| info.bounds != Bounds::Angle && info.usual.is_none())
+            infos
+                .get(own)
+                .is_some_and(|info| info.bounds != Bounds::Angle && info.usual.is_none())
         }
     }
 }
@@ -187,15 +234,23 @@ fn share(recorded: &Recorded, fit: &Fit, evidence: &Evidence<'_>, at: usize) -> 
     let bench = recorded.bench(&fit.shape, &fit.numbers, evidence.scales);
     let n = fit.numbers.len();
     let curvature = bench.curvature();
-    let size: Vec<f64> = (0..n).map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let size: Vec<f64> = (0..n)
+        .map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt())
+        .collect();
     let scaled: Vec<f64> = (0..n * n)
-        .map(|k| curvature[k] / (size[k / n] * size[k % n]) + if k % (n + 1) == 0 { 1e-12 } else { 0.0 })
+        .map(|k| {
+            curvature[k] / (size[k / n] * size[k % n]) + if k % (n + 1) == 0 { 1e-12 } else { 0.0 }
+        })
         .collect();
     let factor = dense::cholesky(&scaled, n)?;
     let mut unit = vec![0.0; n];
     unit[at] = 1.0;
     let variance = dense::solve(&factor, n, &unit)[at] / (size[at] * size[at]);
     let value = fit.shape.natural(at, fit.numbers[at]).abs();
-    let scale = if fit.shape.free[at].logarithmic { 1.0 } else { value };
+    let scale = if fit.shape.free[at].logarithmic {
+        1.0
+    } else {
+        value
+    };
     Some(variance.sqrt() / scale).filter(|share| share.is_finite() && *share > 0.0)
 }

@@ -63,7 +63,8 @@ impl<'a> Bench<'a> {
         };
         let mut roots = weights(&variances(&fit, courses, floors, None));
         let of_course = courses.iter().zip(repeats);
-        let each = of_course.flat_map(|(course, repeats)| std::iter::repeat_n(repeats, course.len()));
+        let each =
+            of_course.flat_map(|(course, repeats)| std::iter::repeat_n(repeats, course.len()));
         let mut samples = 0.0;
         for (weight, repeats) in roots.iter_mut().zip(each) {
             samples += if *weight > 0.0 { *repeats } else { 0.0 };
@@ -92,7 +93,10 @@ impl<'a> Bench<'a> {
         };
         let mut own = Vec::new();
         for mut column in problem.linear(shape, numbers).columns {
-            column.iter_mut().zip(&self.roots).for_each(|(c, root)| *c *= root);
+            column
+                .iter_mut()
+                .zip(&self.roots)
+                .for_each(|(c, root)| *c *= root);
             extend(&mut own, column, basis);
         }
         own
@@ -138,7 +142,11 @@ impl<'a> Bench<'a> {
         let starts: Vec<Vec<Term>> = ids.iter().map(|id| self.starts(*id)).collect();
         starts
             .into_par_iter()
-            .map(|own| own.into_iter().filter_map(|term| self.presence(term)).collect())
+            .map(|own| {
+                own.into_iter()
+                    .filter_map(|term| self.presence(term))
+                    .collect()
+            })
             .collect()
     }
 
@@ -189,7 +197,9 @@ impl<'a> Bench<'a> {
         };
         let with = forces(&shape, self.numbers, self.courses);
         let each = with.iter().zip(&self.forces).zip(&self.roots);
-        let square: f64 = each.map(|((with, without), root)| (root * (with - without)).powi(2)).sum();
+        let square: f64 = each
+            .map(|((with, without), root)| (root * (with - without)).powi(2))
+            .sum();
         (square / self.samples.max(1.0)).sqrt()
     }
 }

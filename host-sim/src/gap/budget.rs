@@ -2,8 +2,8 @@
 //!
 //! A log of more samples than the fits can use is averaged block by block, down to 100 Hz at most;
 //! of what is still longer, the stretch that moves most is taken. And where a log is mostly rest (an
-//! hour's hold after a ramp of seconds), its rests are thinned as they last: samples at steps of 1 %
-//! of the time since the rest began, so that a relaxation over three decades of time keeps all of
+//! hour's hold after a ramp of seconds), its rests are thinned as they last: samples at steps of
+//! 0.3 % of the time since the rest began, so that a relaxation over three decades of time keeps all of
 //! them and the ramp keeps its samples.
 
 use std::borrow::Cow;
@@ -22,9 +22,13 @@ const SLOWEST_HZ: f64 = 100.0;
 /// A log is mostly rest if this share of it stands still.
 const MOSTLY: f64 = 0.75;
 /// Steps within a rest, as a share of the time since it began.
-const GROWTH: f64 = 0.01;
-/// Standing still: this many standard deviations of the speed or less.
-const STILL: f64 = 3.0;
+const GROWTH: f64 = 3e-3;
+/// Standing still: within so many samples on either side the position changes by less than this many
+/// standard deviations of its noise, or less than this share of the travel. A speed would not do: a
+/// position that is held by a loop trembles.
+const NEAR: usize = 25;
+const STILL: f64 = 6.0;
+const TREMBLE: f64 = 2e-3;
 
 /// The logs within the budget, and a note on each that was not.
 pub(super) fn within(logs: &[UniformLog]) -> (Vec<Cow<'_, UniformLog>>, Vec<String>) {
@@ -56,7 +60,9 @@ fn one(log: &UniformLog) -> (Cow<'_, UniformLog>, Option<String>) {
             setting(shorter.period_s() * shorter.len() as f64, "s"),
         ));
     }
-    (Cow::Owned(shorter), Some(note))
+    // A log that is mostly rest, at its slowest rate: its rests are thinned later on.
+    let changed = shorter.len() < log.len();
+    (Cow::Owned(shorter), Some(note).filter(|_| changed))
 }
 
 /// Means over blocks; of a block with measured samples, over those. What is left at the end is
@@ -66,24 +72,35 @@ fn averaged(log: &UniformLog, factor: usize) -> UniformLog {
         return log.clone();
     }
     let mean = |channel: &[f64]| -> Vec<f64> {
-        let blocks = channel.chunks_exact(factor).zip(log.in_gap.chunks_exact(factor));
+        let blocks = channel
+            .chunks_exact(factor)
+            .zip(log.in_gap.chunks_exact(factor));
         blocks
             .map(|(block, gaps)| {
                 let whole = gaps.iter().all(|gap| *gap);
                 let kept = block.iter().zip(gaps).filter(|(_, gap)| whole || !**gap);
-                let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (value, _)| (sum + value, count + 1.0));
+                let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (value, _)| {
+                    (sum + value, count + 1.0)
+                });
                 sum / count
             })
             .collect()
     };
     // Time is the block's own even where half of it was not measured: the grid stays even.
-    let time = log.time_s.chunks_exact(factor).map(|block| block.iter().sum::<f64>() / factor as f64);
+    let time = log
+        .time_s
+        .chunks_exact(factor)
+        .map(|block| block.iter().sum::<f64>() / factor as f64);
     UniformLog {
         rate_hz: log.rate_hz / factor as f64,
         time_s: time.collect(),
         position_m: mean(&log.position_m),
         force_n: mean(&log.force_n),
-        in_gap: log.in_gap.chunks_exact(factor).map(|gaps| gaps.iter().all(|gap| *gap)).collect(),
+        in_gap: log
+            .in_gap
+            .chunks_exact(factor)
+            .map(|gaps| gaps.iter().all(|gap| *gap))
+            .collect(),
         path: log.path.clone(),
         notes: log.notes.clone(),
         ..UniformLog::default()
@@ -92,9 +109,18 @@ fn averaged(log: &UniformLog, factor: usize) -> UniformLog {
 
 /// Whether a log mostly stands still.
 fn rests(log: &UniformLog) -> bool {
-    let still_m = signal::noise(&log.position_m).max(1e-9 * signal::range(&log.position_m));
-    let apart = log.position_m.windows(9).filter(|own| (own[8] - own[0]).abs() <= STILL * still_m);
-    apart.count() as f64 > MOSTLY * log.len() as f64
+    let still = still(&log.position_m, signal::noise(&log.position_m));
+    still.iter().filter(|own| **own).count() as f64 > MOSTLY * log.len() as f64
+}
+
+/// Where a position stands still.
+fn still(position_m: &[f64], noise_m: f64) -> Vec<bool> {
+    let last = position_m.len().saturating_sub(1);
+    let most_m = (STILL * noise_m).max(TREMBLE * signal::range(position_m));
+    let moved = |at: usize| position_m[(at + NEAR).min(last)] - position_m[at.saturating_sub(NEAR)];
+    (0..position_m.len())
+        .map(|at| moved(at).abs() <= most_m)
+        .collect()
 }
 
 /// Where the stretch of the most travel begins.
@@ -108,7 +134,9 @@ fn busiest(log: &UniformLog) -> usize {
         .collect();
     let last = log.len() - MOST;
     let gained = |from: &usize| travel[from + MOST - 1] - travel[*from];
-    (0..=last).max_by(|a, b| gained(a).total_cmp(&gained(b))).unwrap_or(0)
+    (0..=last)
+        .max_by(|a, b| gained(a).total_cmp(&gained(b)))
+        .unwrap_or(0)
 }
 
 fn cut(log: &mut UniformLog, from: usize) {
@@ -121,7 +149,10 @@ fn cut(log: &mut UniformLog, from: usize) {
 /// Thins the rests of courses that are mostly rest, if there are more samples than `most`.
 pub(super) fn shorten(courses: &mut [Course], most: usize) -> Option<String> {
     let before: usize = courses.iter().map(Course::len).sum();
-    let still: Vec<Vec<bool>> = courses.iter().map(still).collect();
+    let still: Vec<Vec<bool>> = courses
+        .iter()
+        .map(|own| still(&own.position_m, own.position_noise_m))
+        .collect();
     let resting = still.iter().flatten().filter(|own| **own).count();
     if before <= most || (resting as f64) < MOSTLY * before as f64 {
         return None;
@@ -136,23 +167,17 @@ pub(super) fn shorten(courses: &mut [Course], most: usize) -> Option<String> {
     let after: usize = courses.iter().map(Course::len).sum();
     Some(format!(
         "{} % of the log is rest: of {before} samples {after} are fitted, all that move and those of rests at \
-         steps of 1 % of the time since they began",
+         steps of 0.3 % of the time since they began",
         (100.0 * resting as f64 / before as f64).round()
     ))
-}
-
-fn still(course: &Course) -> Vec<bool> {
-    let each = course.speed_mps.iter().zip(&course.speed_noise_mps).zip(&course.count);
-    // What lies between samples of a gap is a straight line, at rest or not.
-    each.map(|((speed, noise), count)| *count == 0.0 || speed.abs() <= STILL * noise).collect()
 }
 
 /// Samples to keep: those that move, and of a rest ever fewer.
 fn places(course: &Course, still: &[bool]) -> Vec<usize> {
     let mut places = Vec::new();
     let (mut began, mut next) = (0, 0.0);
-    for at in 0..course.len() {
-        if !still[at] {
+    for (at, still) in still.iter().enumerate() {
+        if !still {
             places.push(at);
             (began, next) = (at, at as f64);
         } else if at as f64 >= next && course.count[at] > 0.0 {
@@ -171,8 +196,14 @@ mod tests {
         let time_s: Vec<f64> = (0..samples).map(|at| at as f64 / rate_hz).collect();
         UniformLog {
             rate_hz,
-            position_m: time_s.iter().map(|t| (position(*t) / 1e-6).round() * 1e-6).collect(),
-            force_n: time_s.iter().map(|t| 2000.0 * position(*t).max(0.0)).collect(),
+            position_m: time_s
+                .iter()
+                .map(|t| (position(*t) / 1e-6).round() * 1e-6)
+                .collect(),
+            force_n: time_s
+                .iter()
+                .map(|t| 2000.0 * position(*t).max(0.0))
+                .collect(),
             in_gap: vec![false; samples],
             time_s,
             ..UniformLog::default()
@@ -182,7 +213,11 @@ mod tests {
     #[test]
     fn an_hour_at_a_kilohertz_becomes_its_busiest_twenty_minutes_at_100_hz() {
         // GIVEN strokes of 1 mm, of 4 mm in the last half hour
-        let hour = log(3_600_000, 1000.0, |t| if t < 1800.0 { 1e-3 } else { 4e-3 } * (6.3 * t).sin());
+        let hour = log(
+            3_600_000,
+            1000.0,
+            |t| if t < 1800.0 { 1e-3 } else { 4e-3 } * (6.3 * t).sin(),
+        );
         let logs = [hour];
         let (shorter, notes) = within(&logs);
         // THEN 120 000 means of ten samples, of the last half hour, and the note says so.
@@ -190,7 +225,10 @@ mod tests {
         assert!((shorter[0].rate_hz - 100.0).abs() < 1e-9);
         assert!(shorter[0].time_s[0] >= 1799.0, "{}", shorter[0].time_s[0]);
         let note = &notes[0];
-        assert!(note.contains("3600000 samples") && note.contains("means of 10"), "{note}");
+        assert!(
+            note.contains("3600000 samples") && note.contains("means of 10"),
+            "{note}"
+        );
         assert!(note.contains("moves most"), "{note}");
     }
 
@@ -231,12 +269,18 @@ mod tests {
         let note = shorten(&mut courses, 30_000).unwrap();
         assert!(note.contains("% of the log is rest"), "{note}");
         let course = &courses[0];
-        let between = |from: f64, to: f64| course.time_s.iter().filter(|t| (from..to).contains(*t)).count();
-        // THEN 50 a second while it moves, 230 in every decade of the hold (1 % each: ln 10/0.01),
+        let between = |from: f64, to: f64| {
+            course
+                .time_s
+                .iter()
+                .filter(|t| (from..to).contains(*t))
+                .count()
+        };
+        // THEN 50 a second while it moves, 460 in every factor of 4 of the hold (ln 4/0.003), fewer where 0.3 % is less than two samples,
         assert!(between(0.5, 7.5) >= 345 && between(3608.5, 3615.5) >= 345);
         for from in [8.0, 80.0, 800.0] {
             let count = between(8.0 + from, 8.0 + 4.0 * from);
-            assert!((100..160).contains(&count), "{from}: {count}");
+            assert!((250..470).contains(&count), "{from}: {count}");
         }
         // and the steps between samples add up to the time.
         let sum: f64 = (1..course.len()).map(|at| course.step_s(at)).sum();

@@ -12,6 +12,8 @@ pub(super) struct Reach {
     pub(super) depth_m: f64,
     /// One slow stroke (s); everything else is a multiple or a fraction of it.
     pub(super) stroke_s: f64,
+    /// Whether there is anything to touch.
+    pub(super) touches: bool,
 }
 
 /// A motion of the menu.
@@ -29,6 +31,11 @@ pub(super) fn menu(reach: Reach) -> Vec<Dish> {
     let (d, s) = (reach.depth_m, reach.stroke_s);
     let m = |depths: f64| quantity(depths * d, 2, "m");
     let hz = |per_stroke: f64| quantity(per_stroke / s, 2, "Hz");
+    // Without a surface nothing is in contact, and there is no other air.
+    let (touch, air, free, contact) = match reach.touches {
+        true => ("touches", " from free air", " in free air", " in contact"),
+        false => ("strokes", "", "", ""),
+    };
     let seconds = |strokes: f64| quantity(strokes * s, 2, "s");
     let dish = |name, words: String, start: f64, segments: Vec<Segment>| {
         let motion = Motion::new(start * d, segments).ok()?;
@@ -42,7 +49,7 @@ pub(super) fn menu(reach: Reach) -> Vec<Dish> {
         dish(
             "palpation",
             format!(
-                "touches of {} at {} and {} from free air, then a ramp and a hold",
+                "{touch} of {} at {} and {}{air}, then a ramp and a hold",
                 m(1.0),
                 hz(1.0),
                 hz(2.0)
@@ -64,7 +71,7 @@ pub(super) fn menu(reach: Reach) -> Vec<Dish> {
         dish(
             "fast_sine",
             format!(
-                "sines of ±{} about {} in contact at {}, {} and {}",
+                "sines of ±{} about {}{contact} at {}, {} and {}",
                 m(0.3),
                 m(0.6),
                 hz(2.0),
@@ -77,7 +84,7 @@ pub(super) fn menu(reach: Reach) -> Vec<Dish> {
         dish(
             "free_air",
             format!(
-                "strokes of up to {} in free air at three speeds, with a rest after every reversal",
+                "strokes of up to {}{free} at three speeds, with a rest after every reversal",
                 m(1.0)
             ),
             -0.1,
@@ -85,14 +92,18 @@ pub(super) fn menu(reach: Reach) -> Vec<Dish> {
         ),
         dish(
             "steps",
-            format!("steps down to {} and up in fifths, each held for {}", m(1.0), seconds(1.0)),
+            format!(
+                "steps down to {} and up in fifths, each held for {}",
+                m(1.0),
+                seconds(1.0)
+            ),
             -0.2,
             steps(reach),
         ),
         dish(
             "depths",
             format!(
-                "strokes from free air to {}, {}, {} and {}, at {} and {}",
+                "strokes{air} to {}, {}, {} and {}, at {} and {}",
                 m(0.25),
                 m(0.5),
                 m(0.75),
@@ -178,7 +189,11 @@ fn free_air(r: Reach) -> Vec<Segment> {
             segments.extend([r.ramp(to, speed), r.hold(0.3)]);
         }
     }
-    segments.extend([r.sine(-0.55, 0.45, 3.0, 2.0), r.ramp(-1.0, 1.0), r.hold(3.0)]);
+    segments.extend([
+        r.ramp(-1.0, 1.0),
+        r.sine(-0.55, 0.45, 3.0, 2.0),
+        r.hold(3.0),
+    ]);
     segments
 }
 
@@ -213,6 +228,7 @@ mod tests {
                 surface_m: 2.0 * depth_m,
                 depth_m,
                 stroke_s,
+                touches: true,
             };
             let menu = menu(reach);
             assert_eq!(menu.len(), 6);
@@ -221,9 +237,18 @@ mod tests {
                     let time_s = f64::from(at) / 4000.0 * dish.motion.duration_s();
                     (dish.motion.position(time_s).0 - reach.surface_m) / depth_m
                 });
-                let (low, high) = samples.fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-                assert!(low >= -1.001 && high <= 1.001, "{}: {low} to {high}", dish.name);
-                assert!(dish.name != "free_air" || high <= 0.0, "free air does not touch: {high}");
+                let (low, high) = samples.fold((0.0_f64, 0.0_f64), |(low, high), x| {
+                    (low.min(x), high.max(x))
+                });
+                assert!(
+                    low >= -1.001 && high <= 1.001,
+                    "{}: {low} to {high}",
+                    dish.name
+                );
+                assert!(
+                    dish.name != "free_air" || high <= 0.0,
+                    "free air does not touch: {high}"
+                );
             }
         }
     }

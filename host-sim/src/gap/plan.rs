@@ -85,9 +85,22 @@ impl Plan {
     /// Effects that the motion shows but does not tell apart, directly or through others.
     pub fn groups(&self) -> Vec<Vec<EffectId>> {
         let mut groups: Vec<Vec<EffectId>> = Vec::new();
-        for own in self.effects.iter().filter(|own| self.counts(own.seen_sigma)) {
-            let near = own.rivals.iter().filter(|(_, sigma)| !self.counts(*sigma));
-            let mut group: Vec<EffectId> = near.map(|(id, _)| *id).collect();
+        for own in self
+            .effects
+            .iter()
+            .filter(|own| self.counts(own.seen_sigma))
+        {
+            let near = own
+                .rivals
+                .iter()
+                .filter(|(_, sigma)| !self.counts(*sigma))
+                .map(|(id, _)| *id);
+            let seen = |id: &EffectId| {
+                self.effects
+                    .iter()
+                    .any(|other| other.id == *id && self.counts(other.seen_sigma))
+            };
+            let mut group: Vec<EffectId> = near.filter(seen).collect();
             if group.is_empty() {
                 continue;
             }
@@ -138,8 +151,20 @@ impl Recorded {
         all
     }
 
-    pub(super) fn bench<'a>(&'a self, shape: &'a Shape, numbers: &'a [f64], scales: &'a Scales) -> Bench<'a> {
-        Bench::new(shape, numbers, &self.courses, scales, &self.floors, &self.repeats)
+    pub(super) fn bench<'a>(
+        &'a self,
+        shape: &'a Shape,
+        numbers: &'a [f64],
+        scales: &'a Scales,
+    ) -> Bench<'a> {
+        Bench::new(
+            shape,
+            numbers,
+            &self.courses,
+            scales,
+            &self.floors,
+            &self.repeats,
+        )
     }
 }
 
@@ -151,10 +176,19 @@ fn course(motion: &Motion, sensor: Sensor) -> (Course, f64) {
     let count = (samples / slower) as usize;
     let time_s: Vec<f64> = (0..count).map(|at| at as f64 / rate_hz).collect();
     let step = sensor.position_step_m;
-    let rounded = |x: f64| if step > 0.0 { (x / step).round() * step } else { x };
+    let rounded = |x: f64| {
+        if step > 0.0 {
+            (x / step).round() * step
+        } else {
+            x
+        }
+    };
     let log = UniformLog {
         rate_hz,
-        position_m: time_s.iter().map(|t| rounded(motion.position(*t).0)).collect(),
+        position_m: time_s
+            .iter()
+            .map(|t| rounded(motion.position(*t).0))
+            .collect(),
         force_n: vec![0.0; count],
         in_gap: vec![false; count],
         time_s,
@@ -178,7 +212,9 @@ pub fn plan(
     let sensor = Sensor {
         rate_hz: model.sensors.rate_hz,
         position_step_m: model.sensors.position_step_m,
-        noise_n: noise_n.unwrap_or(model.sensors.force_noise_n).max(f64::MIN_POSITIVE),
+        noise_n: noise_n
+            .unwrap_or(model.sensors.force_noise_n)
+            .max(f64::MIN_POSITIVE),
     };
     let reach = reach(model, motion, sensor)?;
     let usual = menu(reach);
@@ -205,7 +241,12 @@ pub fn plan(
             let mut both = recorded.and(&dish.motion, sensor);
             settle(&mut both, model, &shape.terms, sensor);
             // The scales of the first motion: the same effects, as strong.
-            with(&both.bench(&shape, &numbers, &scales), &targets, &effects, least_sigma)
+            with(
+                &both.bench(&shape, &numbers, &scales),
+                &targets,
+                &effects,
+                least_sigma,
+            )
         })
         .collect();
     for (at, own) in effects.iter_mut().enumerate() {
@@ -227,11 +268,15 @@ fn reach(model: &Model, motion: Option<&Motion>, sensor: Sensor) -> Result<Reach
     let surface_m = model.environment.surface_m;
     let usual_m = FREE_DEPTHS * model.environment.reference_depth_m;
     let by_force = depth_at_m(&contact, &effects, DEEPEST * sensor.noise_n).unwrap_or(usual_m);
-    let own = motion.map(|own| own.highest_m() - surface_m).filter(|depth| *depth > 0.0);
+    let own = motion
+        .map(|own| own.highest_m() - surface_m)
+        .filter(|depth| *depth > 0.0);
     // A stroke of a second; slower where a second is few samples.
     let stroke_s = f64::max(1.0, 200.0 / sensor.rate_hz);
+    let touches = model.environment.law != EnvironmentLaw::Free;
     Ok(Reach {
-        surface_m: if model.environment.law == EnvironmentLaw::Free { 0.0 } else { surface_m },
+        surface_m: if touches { surface_m } else { 0.0 },
+        touches,
         depth_m: own.unwrap_or(by_force),
         stroke_s,
     })
@@ -264,7 +309,9 @@ fn alone(
     least_sigma: f64,
 ) -> (Vec<(Term, f64)>, Vec<Planned>) {
     let presences = bench.presences(catalogue);
-    let possible: Vec<usize> = (0..catalogue.len()).filter(|at| !presences[*at].is_empty()).collect();
+    let possible: Vec<usize> = (0..catalogue.len())
+        .filter(|at| !presences[*at].is_empty())
+        .collect();
     possible
         .par_iter()
         .map(|at| {
@@ -274,8 +321,15 @@ fn alone(
             let seen_sigma = bench.seen(target, times).sqrt();
             let mut rivals: Vec<(EffectId, f64)> = possible
                 .iter()
-                .filter(|other| !related(catalogue[*at], catalogue[**other]) && seen_sigma >= least_sigma)
-                .map(|other| (catalogue[*other], bench.apart(target, times, &presences[*other]).sqrt()))
+                .filter(|other| {
+                    !related(catalogue[*at], catalogue[**other]) && seen_sigma >= least_sigma
+                })
+                .map(|other| {
+                    (
+                        catalogue[*other],
+                        bench.apart(target, times, &presences[*other]).sqrt(),
+                    )
+                })
                 .collect();
             rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
             let planned = Planned {
@@ -297,7 +351,12 @@ fn typical(starts: &[Presence]) -> &Presence {
 
 /// By how many standard deviations each effect that needs it stands out from base and rivals when a
 /// further motion is recorded.
-fn with(bench: &Bench<'_>, targets: &[(Term, f64)], effects: &[Planned], least_sigma: f64) -> Vec<Option<f64>> {
+fn with(
+    bench: &Bench<'_>,
+    targets: &[(Term, f64)],
+    effects: &[Planned],
+    least_sigma: f64,
+) -> Vec<Option<f64>> {
     let ids: Vec<EffectId> = effects.iter().map(|own| own.id).collect();
     let all = bench.presences(&ids);
     let each = targets.iter().zip(effects);
@@ -306,7 +365,11 @@ fn with(bench: &Bench<'_>, targets: &[(Term, f64)], effects: &[Planned], least_s
         let near = own.rivals.iter().filter(|(_, sigma)| *sigma < least_sigma);
         let mut near: Vec<EffectId> = near.map(|(id, _)| *id).collect();
         if unseen {
-            near = ids.iter().copied().filter(|id| !related(*id, own.id)).collect();
+            near = ids
+                .iter()
+                .copied()
+                .filter(|id| !related(*id, own.id))
+                .collect();
         }
         if near.is_empty() {
             return None;
@@ -320,7 +383,11 @@ fn with(bench: &Bench<'_>, targets: &[(Term, f64)], effects: &[Planned], least_s
 }
 
 /// The motion of the menu that does most, if it does enough.
-pub(super) fn best(menu: &[Dish], sigma: impl Fn(usize) -> Option<f64>, least_sigma: f64) -> Option<Further> {
+pub(super) fn best(
+    menu: &[Dish],
+    sigma: impl Fn(usize) -> Option<f64>,
+    least_sigma: f64,
+) -> Option<Further> {
     let each = (0..menu.len()).filter_map(|at| Some((at, sigma(at)?)));
     let (at, sigma) = each.max_by(|a, b| a.1.total_cmp(&b.1))?;
     (sigma >= least_sigma).then(|| Further {

@@ -18,14 +18,22 @@ pub(super) fn summary(plan: &Plan) -> String {
         quantity(plan.noise_n, 2, "N")
     );
     let mut text = wrapped("plan for ", &format!("{} ({lead})", plan.motion));
-    let _ = writeln!(text, "\n\n  {:<25} {:>10} {:>9}  nearest rival", "effect", "change", "seen");
+    let _ = writeln!(
+        text,
+        "\n\n  {:<25} {:>10} {:>9}  nearest rival",
+        "effect", "change", "seen"
+    );
     for own in &plan.effects {
         let _ = writeln!(
             text,
             "  {:<25} {:>10} {:>9}  {}",
             own.id.name(),
             quantity(own.change_n, 2, "N"),
-            if plan.counts(own.seen_sigma) { sigma(own.seen_sigma) } else { "not seen".into() },
+            if plan.counts(own.seen_sigma) {
+                sigma(own.seen_sigma)
+            } else {
+                "not seen".into()
+            },
             nearest(own),
         );
     }
@@ -35,13 +43,24 @@ pub(super) fn summary(plan: &Plan) -> String {
         let _ = writeln!(text, "{}", wrapped("  not told apart  ", &names.join(", ")));
     }
     for (words, names) in advised(plan) {
-        let _ = writeln!(text, "{}", wrapped("  record as well  ", &format!("{words}: for {names}")));
-    }
-    for own in plan.effects.iter().filter(|own| needs(plan, own) && own.further.is_none()) {
         let _ = writeln!(
             text,
             "{}",
-            wrapped("  no motion here  ", &format!("{}: {}", own.id.name(), own.id.info().motion))
+            wrapped("  record as well  ", &format!("{words}: for {names}"))
+        );
+    }
+    for own in plan
+        .effects
+        .iter()
+        .filter(|own| needs(plan, own) && own.further.is_none())
+    {
+        let _ = writeln!(
+            text,
+            "{}",
+            wrapped(
+                "  no motion here  ",
+                &format!("{}: {}", own.id.name(), own.id.info().motion)
+            )
         );
     }
     let _ = writeln!(
@@ -60,11 +79,17 @@ pub(super) fn summary(plan: &Plan) -> String {
 }
 
 fn sigma(value: f64) -> String {
-    if value < 10.0 { format!("{value:.1} σ") } else { format!("{value:.0} σ") }
+    if value < 10.0 {
+        format!("{value:.1} σ")
+    } else {
+        format!("{value:.0} σ")
+    }
 }
 
 fn nearest(own: &Planned) -> String {
-    own.rivals.first().map_or(String::new(), |(id, apart)| format!("{} {}", id.name(), sigma(*apart)))
+    own.rivals.first().map_or(String::new(), |(id, apart)| {
+        format!("{} {}", id.name(), sigma(*apart))
+    })
 }
 
 /// Whether an effect is not seen, or not told from a rival.
@@ -76,9 +101,14 @@ fn needs(plan: &Plan, own: &Planned) -> bool {
 fn advised(plan: &Plan) -> Vec<(String, String)> {
     let mut motions: Vec<(String, String)> = Vec::new();
     for own in plan.effects.iter().filter(|own| needs(plan, own)) {
-        let Some(further) = &own.further else { continue };
+        let Some(further) = &own.further else {
+            continue;
+        };
         let name = format!("{} ({})", own.id.name(), sigma(further.sigma));
-        match motions.iter_mut().find(|(words, _)| *words == further.words) {
+        match motions
+            .iter_mut()
+            .find(|(words, _)| *words == further.words)
+        {
             Some((_, names)) => {
                 let _ = write!(names, ", {name}");
             }

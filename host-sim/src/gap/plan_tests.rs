@@ -20,7 +20,12 @@ fn of<'a>(plan: &'a Plan, id: E) -> &'a Planned {
 }
 
 fn apart(plan: &Plan, id: E, rival: E) -> f64 {
-    of(plan, id).rivals.iter().find(|(own, _)| *own == rival).unwrap().1
+    of(plan, id)
+        .rivals
+        .iter()
+        .find(|(own, _)| *own == rival)
+        .unwrap()
+        .1
 }
 
 #[test]
@@ -39,11 +44,20 @@ fn a_palpation_shows_friction_and_a_slow_sine_in_contact_does_not_tell_drag_from
     .unwrap();
     let slow = plan(&gel(), Some(&sine), None, &E::ALL).unwrap();
     // THEN the first shows friction and drag, and tells friction from everything
-    for id in [E::CoulombFriction, E::ViscousDrag, E::ForceOffset, E::StressRelaxation] {
+    for id in [
+        E::CoulombFriction,
+        E::ViscousDrag,
+        E::ForceOffset,
+        E::StressRelaxation,
+    ] {
         assert!(palpation.counts(of(&palpation, id).seen_sigma), "{id:?}");
     }
     let friction = of(&palpation, E::CoulombFriction);
-    assert!(palpation.counts(friction.rivals[0].1), "{:?}", friction.rivals[0]);
+    assert!(
+        palpation.counts(friction.rivals[0].1),
+        "{:?}",
+        friction.rivals[0]
+    );
     // the second does not show drag (the damper does the same), nor an offset (the surface does),
     for id in [E::ViscousDrag, E::ForceOffset, E::CableStiffness] {
         let own = of(&slow, id);
@@ -88,11 +102,20 @@ fn a_plan_is_the_same_at_any_scale() {
         "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 10.0\n\
          [sensors]\nforce_noise = 0.02\nposition_step = 1e-6\nforce_step = 1e-3\n",
     );
-    let (small, large) = (plan(&small, None, None, &E::ALL).unwrap(), plan(&large, None, None, &E::ALL).unwrap());
+    let (small, large) = (
+        plan(&small, None, None, &E::ALL).unwrap(),
+        plan(&large, None, None, &E::ALL).unwrap(),
+    );
     for (a, b) in small.effects.iter().zip(&large.effects) {
         // 10 nm and 10 N over 5 mm are no exact multiples of the counts: a tenth.
         let near = (a.seen_sigma - b.seen_sigma).abs() <= 0.1 * b.seen_sigma.max(1.0);
-        assert!(a.id == b.id && near, "{:?}: {} and {} σ", a.id, a.seen_sigma, b.seen_sigma);
+        assert!(
+            a.id == b.id && near,
+            "{:?}: {} and {} σ",
+            a.id,
+            a.seen_sigma,
+            b.seen_sigma
+        );
     }
     assert!(apart(&large, E::ForceOffset, E::ViscousDrag) > large.least_sigma);
 }

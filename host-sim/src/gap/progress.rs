@@ -25,7 +25,9 @@ impl Bar {
     pub(super) fn new() -> Bar {
         let bar = ProgressBar::new(100);
         // A template that holds no mistake: the fallback is the bar's own.
-        if let Ok(style) = ProgressStyle::with_template("  {bar:24} {percent:>3} %  {elapsed:>3}  {msg}") {
+        if let Ok(style) =
+            ProgressStyle::with_template("  {bar:24} {percent:>3} %  {elapsed:>3}  {msg}")
+        {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));

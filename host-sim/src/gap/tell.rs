@@ -55,8 +55,8 @@ pub(super) fn finding(
         floors: evidence.floors.to_vec(),
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,
-        base_before: environment(&told.known(&decision.base)),
-        base_after: environment(&known),
+        base_before: base(&decision.base, &told.known(&decision.base)),
+        base_after: base(&decision.best, &known),
         disagreement,
         remaining,
         advice: String::new(),
@@ -229,9 +229,17 @@ impl Told<'_> {
     }
 }
 
-fn environment(known: &[Owned]) -> Vec<Known> {
-    let own = known.iter().filter(|owned| matches!(owned.0, Owner::Environment(_)));
-    own.map(|owned| owned.1.clone()).collect()
+/// What the base model says, its own effects included: `tool_inertia.mass`.
+fn base(fit: &Fit, known: &[Owned]) -> Vec<Known> {
+    let each = known.iter().filter_map(|(owner, own)| match owner {
+        Owner::Environment(_) => Some(own.clone()),
+        Owner::Effect(of, _) => {
+            let term = fit.shape.terms.get(*of).filter(|term| term.given)?;
+            let name = format!("{}.{}", term.id.name(), own.name);
+            Some(Known { name, ..own.clone() })
+        }
+    });
+    each.collect()
 }
 
 /// A row as files give it: phases within ±π.
