@@ -276,7 +276,8 @@ mod tests {
                 .filter(|t| (from..to).contains(*t))
                 .count()
         };
-        // THEN 50 a second while it moves, 460 in every factor of 4 of the hold (ln 4/0.003), fewer where 0.3 % is less than two samples,
+        // THEN 50 a second while it moves, 460 in every factor of 4 of the hold (ln 4/0.003), fewer
+        // where 0.3 % is less than two samples,
         assert!(between(0.5, 7.5) >= 345 && between(3608.5, 3615.5) >= 345);
         for from in [8.0, 80.0, 800.0] {
             let count = between(8.0 + from, 8.0 + 4.0 * from);
