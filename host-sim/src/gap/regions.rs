@@ -204,7 +204,7 @@ fn lines(log: &Sorted<'_>) -> Vec<Region> {
         .process(&mut bins);
     let power = |at: usize| 2.0 * bins[at].norm_sqr() / (count * energy.max(f64::MIN_POSITIVE));
     let strongest = (4..bins.len() / 2).max_by(|a, b| power(*a).total_cmp(&power(*b)));
-    if let Some(at) = strongest.filter(|at| power(*at) > LEAST_LINE) {
+    if let Some(at) = strongest.filter(|at| course.even && power(*at) > LEAST_LINE) {
         let hz = at as f64 / (count * course.period_s);
         found.push(region("line", power(at).min(1.0), Some(hz), None));
     }
