@@ -25,6 +25,7 @@ mod weights;
 
 pub use command::{GapArgs, run};
 pub use floor::Floor;
+pub(crate) use regions::phase;
 pub use regions::{Region, words};
 pub use result::{Curves, Finding, Known, Named, Tried, Verdict};
 

@@ -31,7 +31,7 @@ pub struct GapArgs {
     /// Compare both forces below this frequency (Hz) only: a zero-phase low-pass on both.
     #[arg(long, value_name = "HZ", value_parser = positive_hz)]
     pub bandwidth: Option<f64>,
-    /// Where gap.json, model.toml and report.html go.
+    /// Where report.html, gap.json, model.toml and gap.csv go.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// How the logs are read.
@@ -66,7 +66,11 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     let finding = gap(&model, &logs, &options)?;
     let seconds = clock.elapsed().as_secs_f64();
     if let Some(folder) = &args.out {
-        files::write(folder, &finding, seconds)?;
+        let read = files::Read {
+            model: &args.model,
+            logs: &args.logs,
+        };
+        files::write(folder, &finding, &read, seconds)?;
     }
     say(print::summary(&finding, args.out.as_deref(), seconds))?;
     Ok(())

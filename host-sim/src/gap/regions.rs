@@ -58,7 +58,7 @@ struct Tally {
 }
 
 /// The phase that the probe is in.
-pub(super) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, usual_mps: f64) -> &'static str {
+pub(crate) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, usual_mps: f64) -> &'static str {
     let near_m = NEAR * deepest_m;
     if depth_m <= -near_m {
         "free"
