@@ -225,7 +225,10 @@ pub fn words(regions: &[Region]) -> String {
         .iter()
         .filter(|region| !phases.contains(&region.id) && region.share > 1.3 * region.samples)
         .take(2);
-    said.extend(telling.map(|region| format!("{:.0} % {}", 100.0 * region.share, place(region.id))));
+    for region in telling {
+        let of = if said.is_empty() { "of the excess is " } else { "" };
+        said.push(format!("{:.0} % {of}{}", 100.0 * region.share, place(region.id)));
+    }
     for line in regions {
         match (line.hz, line.pitch_m) {
             (Some(hz), _) => said.push(format!("{:.0} % in a line at {hz:.3} Hz", 100.0 * line.share)),

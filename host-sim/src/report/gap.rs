@@ -67,17 +67,18 @@ impl GapReport<'_> {
             "" => what.to_string(),
             name => format!("{what}: {name}"),
         };
-        let mut over_time = Section::new(heading("Before and after over time"))
-            .figure(figures::residual_over_time(&course))
-            .figure(figures::force_over_time(&course));
+        let mut over_time = figures::residuals_over_time(&course)
+            .into_iter()
+            .chain([figures::force_over_time(&course)])
+            .fold(Section::new(heading("Over time")), Section::figure);
         if self.finding.curves.len() > MOST_LOGS && !name.is_empty() {
             over_time = over_time.text(format!(
                 "The first {MOST_LOGS} of {} logs are drawn; gap_N.csv has the curves of all.",
                 self.finding.curves.len()
             ));
         }
-        let mut by = Section::new(heading("Before and after by depth, speed and frequency"));
-        for map in map::before_and_after(&course) {
+        let mut by = Section::new(heading("By depth, speed and frequency"));
+        for map in map::maps(&course) {
             by = by.heat_map(map);
         }
         let spectrum = spectrum::figure(&course, self.finding);

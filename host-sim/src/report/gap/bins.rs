@@ -13,6 +13,8 @@ pub(super) struct Course<'a> {
     /// Measured less modelled force (N); NaN where the sample says nothing.
     pub(super) before_n: Vec<f64>,
     pub(super) after_n: Vec<f64>,
+    /// Whether they differ: else there is one model to show.
+    pub(super) changed: bool,
     /// Largest penetration (m), 0 without contact.
     pub(super) deepest_m: f64,
     /// Speed that 95 % of the samples do not exceed (m/s).
@@ -36,6 +38,7 @@ impl<'a> Course<'a> {
             curves,
             before_n: residuals(&curves.before_n),
             after_n: residuals(&curves.after_n),
+            changed: curves.before_n != curves.after_n,
             deepest_m: curves.depth_m.iter().copied().fold(0.0, f64::max),
             usual_mps,
             typical_mps: quantile(moving.collect(), 0.5),

@@ -11,31 +11,47 @@ const BINS: usize = 40;
 const BEFORE: Ink = Ink::Second;
 const AFTER: Ink = Ink::First;
 
-/// Residuals before and after against what is allowed, the phases above.
-pub(super) fn residual_over_time<'a>(course: &'a Course<'a>) -> Figure {
-    let curves = course.curves;
-    let twice = |allowed: &f64| if *allowed > 0.0 { 2.0 * allowed } else { f64::NAN };
-    let allowed: Vec<f64> = curves.allowed_n.iter().map(twice).collect();
-    let zero = vec![0.0; allowed.len()];
-    let time = &curves.time_s;
-    let chart = Chart::new(Axis::time(), axis(course).with_zero())
+/// Residuals before and after, the phases above; and those after against what is allowed.
+pub(super) fn residuals_over_time<'a>(course: &'a Course<'a>) -> Vec<Figure> {
+    let time = &course.curves.time_s;
+    let drawn = |shown: &[&'a [f64]]| {
+        Chart::new(Axis::time(), axis(shown).with_zero())
+            .strip(course.phases().into_iter().map(span))
+            .touches(course.held_out())
+    };
+    let allowed = |chart: Chart<'a>| {
+        let twice = |allowed: &f64| if *allowed > 0.0 { 2.0 * allowed } else { f64::NAN };
+        let allowed: Vec<f64> = course.curves.allowed_n.iter().map(twice).collect();
+        let zero = vec![0.0; allowed.len()];
+        chart.series(Series::new("allowed, ±2σ", Ink::Muted, Stroke::Thin, time, zero).band(allowed))
+    };
+    let after = |name: &str| Series::new(name, AFTER, Stroke::Thin, time, &course.after_n);
+    if !course.changed {
+        let chart = allowed(drawn(&[&course.after_n]).size(Size::Wide)).series(after("base model"));
+        let caption = format!("Measured less modelled force. {ALLOWED} {SHADED}");
+        return vec![Figure::new("Residual over time", &chart).caption(caption)];
+    }
+    let both = drawn(&[&course.before_n, &course.after_n])
         .size(Size::Wide)
-        .strip(course.phases().into_iter().map(span))
-        .touches(course.held_out())
         .series(Series::new("before", BEFORE, Stroke::Thin, time, &course.before_n))
-        .series(Series::new("after", AFTER, Stroke::Thin, time, &course.after_n))
-        .series(Series::new("allowed, ±2σ", Ink::Muted, Stroke::Thin, time, zero).band(allowed));
-    Figure::new("Residual over time", &chart).caption(
-        "Measured less modelled force, the base model (before) and with the effects (after), each \
-         fitted to the whole log. Grey: two standard deviations of what noise and the errors of the \
-         motion allow. Strip: grey free air, purple loading, yellow hold, green unloading. Shaded: \
-         held out when the errors of the verdict were taken.",
-    )
+        .series(after("after"));
+    let own = allowed(drawn(&[&course.after_n]).size(Size::Slim)).series(after("after"));
+    vec![
+        Figure::new("Residual over time", &both).caption(format!(
+            "Measured less modelled force: the base model (before) and with the effects (after), each \
+             fitted to the whole log. {SHADED}"
+        )),
+        Figure::new("Residual with the effects", &own).caption(format!("What is left, larger. {ALLOWED}")),
+    ]
 }
 
-/// The axis shows all but the worst thousandth of the residuals.
-fn axis(course: &Course<'_>) -> Axis {
-    let sizes = course.before_n.iter().chain(&course.after_n).map(|r| r.abs());
+const ALLOWED: &str = "Grey: two standard deviations of what noise and the errors of the motion allow.";
+const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green unloading. Shaded: held out \
+    when the errors of the verdict were taken.";
+
+/// An axis that shows all but the worst thousandth of the residuals.
+fn axis(shown: &[&[f64]]) -> Axis {
+    let sizes = shown.iter().copied().flatten().map(|r| r.abs());
     let most = 1.3 * quantile(sizes.collect(), 0.999);
     Axis::new("Residual", "N").range(-most, most)
 }
@@ -61,13 +77,29 @@ pub(super) fn force_over_time<'a>(course: &'a Course<'a>) -> Figure {
     let time = &curves.time_s;
     let chart = Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero())
         .size(Size::Wide)
-        .touches(course.held_out())
-        .series(Series::new("before", BEFORE, Stroke::Solid, time, &curves.before_n))
-        .series(Series::new("after", AFTER, Stroke::Solid, time, &curves.after_n))
-        .series(Series::measured("measured", time, &curves.measured_n));
-    Figure::new("Force over time", &chart).caption(
-        "What was measured, and what the base model and the model with the effects say. Shaded: held out.",
-    )
+        .touches(course.held_out());
+    let chart = models(course, chart, 0..time.len(), time);
+    Figure::new("Force over time", &chart).caption("What was measured, and what the models say. Shaded: held out.")
+}
+
+/// The models' forces and the measured one over `x`, of a part of the log.
+fn models<'a>(course: &'a Course<'a>, chart: Chart<'a>, part: Range<usize>, x: &'a [f64]) -> Chart<'a> {
+    let curves = course.curves;
+    let chart = match course.changed {
+        true => {
+            let before = &curves.before_n[part.clone()];
+            chart.series(Series::new("before", BEFORE, Stroke::Solid, x, before))
+        }
+        false => chart,
+    };
+    chart
+        .series(Series::new(last(course), AFTER, Stroke::Solid, x, &curves.after_n[part.clone()]))
+        .series(Series::measured("measured", x, &curves.measured_n[part]))
+}
+
+/// The name of the last model.
+fn last(course: &Course<'_>) -> &'static str {
+    if course.changed { "after" } else { "base model" }
 }
 
 /// The loop of one touch, and mean residuals over depth and speed.
@@ -90,10 +122,8 @@ fn hysteresis<'a>(course: &'a Course<'a>) -> Figure {
     };
     let part = |channel: &'a [f64]| &channel[range.clone()];
     let x = part(x);
-    let chart = Chart::new(axis, Axis::new("Force F", "N").with_zero())
-        .series(Series::new("before", BEFORE, Stroke::Solid, x, part(&curves.before_n)))
-        .series(Series::new("after", AFTER, Stroke::Solid, x, part(&curves.after_n)))
-        .series(Series::measured("measured", x, part(&curves.measured_n)));
+    let chart = Chart::new(axis, Axis::new("Force F", "N").with_zero());
+    let chart = models(course, chart, range.clone(), x);
     let caption = match (worst, part(&curves.time_s)) {
         (Some(_), [from, .., to]) => format!(
             "The touch from {from:.2} to {to:.2} s, where the base model is furthest off. The area inside \
@@ -168,9 +198,8 @@ fn over_speed<'a>(course: &'a Course<'a>) -> Figure {
     )
 }
 
-fn both<'a>(course: &'a Course<'a>) -> [(&'static str, Ink, &'a [f64]); 2] {
-    [
-        ("before", BEFORE, &course.before_n),
-        ("after", AFTER, &course.after_n),
-    ]
+fn both<'a>(course: &'a Course<'a>) -> impl Iterator<Item = (&'static str, Ink, &'a [f64])> {
+    let before: (_, _, &[f64]) = ("before", BEFORE, &course.before_n);
+    let after: (_, _, &[f64]) = (last(course), AFTER, &course.after_n);
+    course.changed.then_some(before).into_iter().chain([after])
 }

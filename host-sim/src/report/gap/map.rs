@@ -10,7 +10,7 @@ const COLUMNS: [&str; 5] = ["out, fast", "out, slow", "still", "in, slow", "in, 
 /// Fewest samples that make a cell.
 const FEWEST: f64 = 20.0;
 /// From here on a cell is a shade darker, each.
-const SHADES: [f64; 6] = [1.15, 1.5, 2.0, 3.0, 5.0, 9.0];
+const SHADES: [f64; 6] = [1.15, 1.5, 2.5, 5.0, 10.0, 25.0];
 
 #[derive(Clone, Copy, Default)]
 struct Tally {
@@ -20,20 +20,21 @@ struct Tally {
     count: f64,
 }
 
-/// The two maps.
-pub(super) fn before_and_after(course: &Course<'_>) -> [HeatMap; 2] {
+/// The map of the base model, and that with the effects.
+pub(super) fn maps(course: &Course<'_>) -> Vec<HeatMap> {
     let (before, after) = (tally(course, &course.before_n), tally(course, &course.after_n));
     let all: f64 = before.iter().flatten().map(|own| own.excess_n2.max(0.0)).sum();
-    let split = format!(
-        "fast: above {}",
-        quantity(course.typical_mps, 2, "m/s").replace('\u{a0}', " ")
+    let what = format!(
+        "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
+        quantity(course.typical_mps, 2, "m/s")
     );
-    [
-        map(course, &before, all).caption(format!(
-            "Before: residual (rms) over what is allowed; below, share of the excess; {split}"
-        )),
-        map(course, &after, all).caption("After: the same, shares of the excess before"),
-    ]
+    let first = if course.changed { "Before" } else { "Base model" };
+    let mut maps = vec![map(course, &before, all).caption(format!("{first}: {what}"))];
+    if course.changed {
+        let caption = "After: the same, on the same scale, as shares of the excess before";
+        maps.push(map(course, &after, all).caption(caption));
+    }
+    maps
 }
 
 fn tally(course: &Course<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {

@@ -15,36 +15,50 @@ const MOST_SETS: usize = 14;
 
 /// Errors before and after, advice and notes.
 pub(super) fn summary(finding: &Finding) -> Section {
-    let times = |value: f64| Cell::Number(format!("{value:.2} ×"));
+    let has_effects = !finding.effects.is_empty();
+    let errors = super::verdict::errors(finding);
+    let times = |ratio: f64| format!("{ratio:.2} ×");
     let multiple = |rmse_n: f64| times(rmse_n / finding.noise_floor_n);
-    let what = match finding.bandwidth_hz {
-        None => "The measured force".to_string(),
-        Some(hz) => format!("Both forces below {hz} Hz"),
+    let row = |name: &str, before: String, after: String| {
+        let after = has_effects.then_some(Cell::Number(after));
+        [Cell::from(name), Cell::Number(before)].into_iter().chain(after).collect::<Vec<_>>()
     };
-    let table = Table::new(["Held-out parts", "Before", "After"])
-        .caption(format!(
-            "{what} less the model's, fitted to the other parts. Before: the base model, refitted; \
-             after: with the effects."
-        ))
-        .row([
-            Cell::from("Error, rms"),
-            Cell::quantity(finding.rmse_before_n, 3, "N"),
-            Cell::quantity(finding.rmse_after_n, 3, "N"),
-        ])
-        .row([
-            Cell::from("over the force's noise"),
+    let columns = match has_effects {
+        true => vec!["Held-out parts", "Before", "After"],
+        false => vec!["Held-out parts", "Base model"],
+    };
+    let table = Table::new(columns)
+        .row(row("Error, rms", errors.0, errors.1))
+        .row(row(
+            "over the noise of the force",
             multiple(finding.rmse_before_n),
             multiple(finding.rmse_after_n),
-        ])
-        .row([
-            Cell::from("over noise and errors of the motion"),
+        ))
+        .row(row(
+            "over noise and errors of the motion",
             times(finding.ratio_before),
             times(finding.ratio_after),
-        ]);
+        ));
+    let what = match finding.bandwidth_hz {
+        None => "the measured force".to_string(),
+        Some(hz) => format!("both forces below {hz} Hz"),
+    };
+    let said = match has_effects {
+        true => "Before: the base model, refitted. After: with the effects, everything refitted.",
+        false => "The base model, refitted.",
+    };
     Section::new("What to know")
-        .text(finding.advice.as_str())
-        .list(finding.notes.iter().map(String::as_str))
+        .text(spaced(&finding.advice))
+        .list(finding.notes.iter().map(|note| spaced(note)))
+        .text(format!(
+            "Errors are taken of {what}, on four parts of the log that the fits do not see. {said}"
+        ))
         .table(table)
+}
+
+/// A number stays with its percent sign.
+pub(super) fn spaced(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
 }
 
 /// What is missing: every effect with its parameters.
@@ -85,7 +99,7 @@ fn told(own: &Named) -> String {
             own.id.info().motion
         );
     }
-    text
+    spaced(&text)
 }
 
 /// `1 − (RMSE with/without)²` as what leaving the effect out costs.
@@ -146,7 +160,7 @@ pub(super) fn base(finding: &Finding) -> Section {
     Section::new("What that does to the base model's parameters")
         .text(
             "A model without the effect bends its own parameters to imitate it, and its standard errors do \
-             not tell. Moved: by more than three standard errors of both fits together.",
+             not tell. Moved: by more than three standard errors (σ) of both fits together.",
         )
         .table(Table::new(columns).rows(rows))
 }
@@ -171,8 +185,8 @@ fn moved(before: &Known, after: &Known) -> Cell {
         (Some(a), Some(b)) if a.hypot(b) > 0.0 => {
             let errors = (after.value - before.value).abs() / a.hypot(b);
             match errors > MOVED {
-                true => Cell::Text(format!("yes, by {errors:.0} standard errors")),
-                false => Cell::Text(format!("no ({errors:.1} standard errors)")),
+                true => Cell::Number(format!("yes, by {errors:.0} σ")),
+                false => Cell::Number(format!("no, {errors:.1} σ")),
             }
         }
         (None, None) => Cell::Missing("not fitted".into()),

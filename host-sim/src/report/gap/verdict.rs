@@ -4,7 +4,7 @@ use estimator_core::effect::EffectId;
 
 use crate::gap::{Finding, Named, Verdict};
 use crate::report::Tone;
-use crate::report::number::{Measured, quantity};
+use crate::report::number::{Measured, column};
 
 /// How good the news is, and the verdict in a word or two.
 pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
@@ -19,7 +19,7 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
 
 /// The verdict with its figures.
 pub(super) fn sentence(finding: &Finding) -> String {
-    let (before, after) = (error(finding.rmse_before_n), error(finding.rmse_after_n));
+    let (before, after) = errors(finding);
     let times = |ratio: f64| format!("{ratio:.2} times what noise and the errors of the motion allow");
     let names: Vec<String> = finding.effects.iter().map(named).collect();
     let names = names.join(" and ");
@@ -50,8 +50,11 @@ pub(super) fn sentence(finding: &Finding) -> String {
     }
 }
 
-fn error(rmse_n: f64) -> String {
-    quantity(rmse_n, 3, "N")
+/// Both with the same prefix and decimals.
+pub(super) fn errors(finding: &Finding) -> (String, String) {
+    let (unit, values) = column(&[finding.rmse_before_n, finding.rmse_after_n], 4, "N");
+    let text = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
+    (text(0), text(1))
 }
 
 /// An effect with its leading parameter.
