@@ -4,7 +4,8 @@
 //! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
 //! says what a residual may be; `propose` says where a candidate starts and what it promises;
 //! `search` adds, swaps and drops effects, each time refitting everything; `decide` judges on
-//! held-out parts; `regions` says where, `error` how well; `files` writes it down.
+//! held-out parts; `regions` says where, `error` how well; `files` writes it down. Before all that `input`
+//! refuses what cannot be fitted.
 
 mod command;
 mod course;
@@ -13,6 +14,7 @@ mod error;
 mod files;
 mod fit;
 mod floor;
+mod input;
 mod low_pass;
 mod print;
 mod propose;
@@ -67,10 +69,15 @@ impl Default for Options {
 /// Finds what a base model lacks to explain logs of one rig.
 ///
 /// # Errors
-/// A model that is no rig, or a log that holds no motion.
+/// A model that is no rig, or a log that nothing can be fitted to: see `input`.
 pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Finding, Diagnostic> {
     model.rig()?;
     let given = given(model)?;
+    let mut notes = Vec::new();
+    for log in logs {
+        notes.extend(input::suspected(model, log)?);
+        notes.extend(log.notes.iter().cloned());
+    }
     let floors: Vec<Floor> = logs.par_iter().map(Floor::of).collect();
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
     let raw: Vec<Course> = logs.par_iter().map(Course::of).collect();
@@ -109,7 +116,10 @@ pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Find
     };
     let ladder = search.ladder(&base, &found);
     let decision = evidence.decide(&base, found);
-    Ok(tell::finding(model, &evidence, decision, ladder, options))
+    let mut finding = tell::finding(model, &evidence, decision, ladder, options);
+    notes.extend(input::implausible(model, &finding));
+    finding.notes.splice(0..0, notes);
+    Ok(finding)
 }
 
 /// The effects that the base model has already: in the fit from the start, and to stay.

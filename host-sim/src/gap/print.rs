@@ -14,6 +14,9 @@ const INDENT: &str = "              ";
 /// The verdict first, then what stands behind it.
 pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) -> String {
     let mut text = format!("{}\n", verdict(finding));
+    for note in &finding.notes {
+        line(&mut text, "note", note);
+    }
     line(&mut text, "error", &error(finding));
     line(&mut text, "floor", &floor(finding));
     if !finding.disagreement.is_empty() {
@@ -28,9 +31,6 @@ pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) ->
         line(&mut text, "remains", &words(&finding.remaining));
     }
     line(&mut text, "advice", &finding.advice);
-    for note in &finding.notes {
-        line(&mut text, "note", note);
-    }
     line(&mut text, "time", &format!("{seconds:.1} s"));
     if let Some(folder) = folder {
         let report = folder.join("report.html");
@@ -41,7 +41,9 @@ pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) ->
 
 fn line(text: &mut String, label: &str, value: &str) {
     // Writing into a String cannot fail.
-    let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), value));
+    // A number stays with its percent sign.
+    let value = value.replace(" %", "\u{a0}%");
+    let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), &value));
 }
 
 /// The verdict in a sentence.
@@ -60,16 +62,16 @@ pub(super) fn verdict(finding: &Finding) -> String {
 
 fn error(finding: &Finding) -> String {
     let (unit, values) = column(&[finding.rmse_before_n, finding.rmse_after_n], 4, "N");
-    let of = |at: usize, ratio: f64| {
-        let value = values.get(at).map_or("–", String::as_str);
-        format!("{value}\u{a0}{unit} ({ratio:.2} times what noise and the motion's errors allow)")
-    };
+    let value = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
+    let allowed = "times what noise and the motion's errors allow";
     match finding.effects.is_empty() {
-        true => format!("{} on held-out parts, rms", of(0, finding.ratio_before)),
+        true => format!("{} rms on held-out parts: {:.2} {allowed}", value(0), finding.ratio_before),
         false => format!(
-            "{} before, {} after; rms on held-out parts",
-            of(0, finding.ratio_before),
-            of(1, finding.ratio_after).replace(" times what noise and the motion's errors allow", " times")
+            "{} before, {} after, rms on held-out parts: {:.2} and {:.2} {allowed}",
+            value(0),
+            value(1),
+            finding.ratio_before,
+            finding.ratio_after
         ),
     }
 }

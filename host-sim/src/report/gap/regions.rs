@@ -24,7 +24,7 @@ pub(super) fn place(finding: &Finding) -> Section {
         _ => section.text(spaced(&format!(
             "With the effects {} of the excess remains: {}.",
             remaining_share(finding),
-            words(&finding.remaining)
+            words(&finding.remaining).replace("of the excess is", "of it")
         ))),
     };
     section.table(table(finding))

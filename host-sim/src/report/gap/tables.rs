@@ -51,7 +51,7 @@ pub(super) fn summary(finding: &Finding) -> Section {
         .text(spaced(&finding.advice))
         .list(finding.notes.iter().map(|note| spaced(note)))
         .text(format!(
-            "Errors are taken of {what}, on four parts of the log that the fits do not see. {said}"
+            "Errors are taken of {what}, on parts of the log that the fits do not see. {said}"
         ))
         .table(table)
 }
