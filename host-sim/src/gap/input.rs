@@ -28,24 +28,34 @@ const ANOTHER_UNIT: f64 = 100.0;
 /// A log that nothing can be fitted to: too short, no motion, a force that never changes, columns
 /// exchanged, or no contact where the model has one.
 pub(super) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, Diagnostic> {
-    let refuse = |what: String, remedy: &str| Err(Diagnostic::new(what).in_file(&log.path).remedy(remedy));
+    let refuse =
+        |what: String, remedy: &str| Err(Diagnostic::new(what).in_file(&log.path).remedy(remedy));
     if log.len() < FEWEST {
         return refuse(
-            format!("{} samples, fewer than {FEWEST}: a third of them must be held out", log.len()),
+            format!(
+                "{} samples, fewer than {FEWEST}: a third of them must be held out",
+                log.len()
+            ),
             "record longer: free air, presses at several speeds and a hold take some seconds",
         );
     }
     let travel_m = signal::range(&log.position_m);
     if travel_m <= STILL * signal::noise(&log.position_m) {
         return refuse(
-            format!("the position never changes by more than its noise: {}", quantity(travel_m, 2, "m")),
+            format!(
+                "the position never changes by more than its noise: {}",
+                quantity(travel_m, 2, "m")
+            ),
             "give the column that holds the position (--columns x=NAME), or record a motion",
         );
     }
     let span_n = signal::range(&log.force_n);
     if span_n == 0.0 {
         return refuse(
-            format!("the force is {} all the time", quantity(log.force_n[0], 3, "N")),
+            format!(
+                "the force is {} all the time",
+                quantity(log.force_n[0], 3, "N")
+            ),
             "give the column that holds the force (--columns f=NAME), or look whether the sensor is on",
         );
     }
@@ -57,7 +67,10 @@ pub(super) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, 
     }
     if span_n <= SILENT * log.force_noise_n() {
         return refuse(
-            format!("the force never leaves its noise ({}): nothing is touched", quantity(span_n, 2, "N")),
+            format!(
+                "the force never leaves its noise ({}): nothing is touched",
+                quantity(span_n, 2, "N")
+            ),
             "record presses into the material, or give a base model with law = \"free\" for a motion in air",
         );
     }
@@ -67,12 +80,17 @@ pub(super) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, 
 /// What the result says about its input: a stiffness of another order, a contact that is none.
 pub(super) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
     let mut notes = Vec::new();
-    for (given, found) in model.environment.parameters().iter().zip(&finding.base_after) {
+    for (given, found) in model
+        .environment
+        .parameters()
+        .iter()
+        .zip(&finding.base_after)
+    {
         let times = found.value / given.value;
         if given.name == "stiffness" && !(1.0 / ANOTHER_UNIT..=ANOTHER_UNIT).contains(&times) {
             notes.push(format!(
-                "the fitted stiffness is {}, the model's {}: another unit of position or force, or another \
-                 model's log? (--columns x=x_m*1e-3)",
+                "the fitted stiffness is {}, the model's {}: another unit or sign of position or force, or another \
+                 rig's log? (--columns x=x_m*1e-3)",
                 quantity(found.value, 3, found.unit),
                 quantity(given.value, 3, given.unit),
             ));

@@ -34,7 +34,14 @@ pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) ->
     line(&mut text, "time", &format!("{seconds:.1} s"));
     if let Some(folder) = folder {
         let report = folder.join("report.html");
-        line(&mut text, "written", &format!("{}, with gap.json, model.toml and gap.csv beside it", report.display()));
+        line(
+            &mut text,
+            "written",
+            &format!(
+                "{}, with gap.json, model.toml and gap.csv beside it",
+                report.display()
+            ),
+        );
     }
     text
 }
@@ -56,7 +63,10 @@ pub(super) fn verdict(finding: &Finding) -> String {
         Verdict::Unexplained if names.is_empty() => {
             "unexplained: something is missing that the catalogue does not hold".into()
         }
-        Verdict::Unexplained => format!("missing: {}; and something unexplained", names.join(" and ")),
+        Verdict::Unexplained => format!(
+            "missing: {}; and something unexplained",
+            names.join(" and ")
+        ),
     }
 }
 
@@ -65,7 +75,11 @@ fn error(finding: &Finding) -> String {
     let value = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
     let allowed = "times what noise and the motion's errors allow";
     match finding.effects.is_empty() {
-        true => format!("{} rms on held-out parts: {:.2} {allowed}", value(0), finding.ratio_before),
+        true => format!(
+            "{} rms on held-out parts: {:.2} {allowed}",
+            value(0),
+            finding.ratio_before
+        ),
         false => format!(
             "{} before, {} after, rms on held-out parts: {:.2} and {:.2} {allowed}",
             value(0),
@@ -85,9 +99,19 @@ fn floor(finding: &Finding) -> String {
 /// An effect: its parameters below each other, then what it is good for.
 fn effect(text: &mut String, own: &Named) {
     line(text, "effect", own.id.name());
-    let widest = own.parameters.iter().map(|known| known.name.chars().count()).max().unwrap_or(0);
+    let widest = own
+        .parameters
+        .iter()
+        .map(|known| known.name.chars().count())
+        .max()
+        .unwrap_or(0);
     for known in &own.parameters {
-        let _ = writeln!(text, "{INDENT}  {:<widest$}  {}", known.name, measured(known));
+        let _ = writeln!(
+            text,
+            "{INDENT}  {:<widest$}  {}",
+            known.name,
+            measured(known)
+        );
     }
     let mut said = format!(
         "without it the squared error is {} (held-out gain {:.1} %)",
@@ -95,12 +119,20 @@ fn effect(text: &mut String, own: &Named) {
         100.0 * own.held_out_gain
     );
     if !own.place.is_empty() {
-        let _ = write!(said, "; of that, {}", own.place.replace("of the excess ", ""));
+        let _ = write!(
+            said,
+            "; of that, {}",
+            own.place.replace("of the excess ", "")
+        );
     }
     line(text, "", &said);
     if !own.alternatives.is_empty() {
         let others: Vec<&str> = own.alternatives.iter().map(|id| id.name()).collect();
-        line(text, "", &format!("could as well be {}", others.join(" or ")));
+        line(
+            text,
+            "",
+            &format!("could as well be {}", others.join(" or ")),
+        );
     }
 }
 
@@ -120,7 +152,12 @@ fn base(text: &mut String, finding: &Finding) {
     for (before, after) in finding.base_before.iter().zip(&finding.base_after) {
         rows.push([after.name.clone(), measured(before), measured(after)]);
     }
-    let width = |at: usize| rows.iter().map(|row: &[String; 3]| row[at].chars().count()).max().unwrap_or(0);
+    let width = |at: usize| {
+        rows.iter()
+            .map(|row: &[String; 3]| row[at].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
     let (name, value) = (width(0), width(1));
     for (at, [parameter, before, after]) in rows.iter().enumerate() {
         let label = if at == 0 { "base" } else { "" };

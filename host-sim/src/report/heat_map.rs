@@ -101,7 +101,10 @@ mod tests {
         let map = HeatMap::new("a", ["b", "c"]).row("r", vec![Some(cell), None]);
         let mut html = String::new();
         map.push_html(&mut html);
-        assert!(html.contains("class=\"h6\">&lt;b&gt;<small>&amp;</small>"), "{html}");
+        assert!(
+            html.contains("class=\"h6\">&lt;b&gt;<small>&amp;</small>"),
+            "{html}"
+        );
         assert!(html.contains("–</td>"), "{html}");
         roxmltree::Document::parse(&html).unwrap();
         let style = include_str!("style.css");

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::bins::{Course, quantile};
 use crate::report::Figure;
-use crate::report::plot::{Axis, Chart, Ink, Series, Size, Span, Stroke, StripTone};
+use crate::report::plot::{Axis, Chart, Ink, Series, Size, Span, StripTone, Stroke};
 
 /// Bins over depth and over speed.
 const BINS: usize = 40;
@@ -20,10 +20,17 @@ pub(super) fn residuals_over_time<'a>(course: &'a Course<'a>) -> Vec<Figure> {
             .touches(course.held_out())
     };
     let allowed = |chart: Chart<'a>| {
-        let twice = |allowed: &f64| if *allowed > 0.0 { 2.0 * allowed } else { f64::NAN };
+        let twice = |allowed: &f64| {
+            if *allowed > 0.0 {
+                2.0 * allowed
+            } else {
+                f64::NAN
+            }
+        };
         let allowed: Vec<f64> = course.curves.allowed_n.iter().map(twice).collect();
         let zero = vec![0.0; allowed.len()];
-        chart.series(Series::new("allowed, ±2σ", Ink::Muted, Stroke::Thin, time, zero).band(allowed))
+        chart
+            .series(Series::new("allowed, ±2σ", Ink::Muted, Stroke::Thin, time, zero).band(allowed))
     };
     let after = |name: &str| Series::new(name, AFTER, Stroke::Thin, time, &course.after_n);
     if !course.changed {
@@ -33,7 +40,13 @@ pub(super) fn residuals_over_time<'a>(course: &'a Course<'a>) -> Vec<Figure> {
     }
     let both = drawn(&[&course.before_n, &course.after_n])
         .size(Size::Wide)
-        .series(Series::new("before", BEFORE, Stroke::Thin, time, &course.before_n))
+        .series(Series::new(
+            "before",
+            BEFORE,
+            Stroke::Thin,
+            time,
+            &course.before_n,
+        ))
         .series(after("after"));
     let own = allowed(drawn(&[&course.after_n]).size(Size::Slim)).series(after("after"));
     vec![
@@ -45,7 +58,8 @@ pub(super) fn residuals_over_time<'a>(course: &'a Course<'a>) -> Vec<Figure> {
     ]
 }
 
-const ALLOWED: &str = "Grey: two standard deviations of what noise and the errors of the motion allow.";
+const ALLOWED: &str =
+    "Grey: two standard deviations of what noise and the errors of the motion allow.";
 const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green unloading. Shaded: held out \
     when the errors of the verdict were taken.";
 
@@ -79,11 +93,17 @@ pub(super) fn force_over_time<'a>(course: &'a Course<'a>) -> Figure {
         .size(Size::Wide)
         .touches(course.held_out());
     let chart = models(course, chart, 0..time.len(), time);
-    Figure::new("Force over time", &chart).caption("What was measured, and what the models say. Shaded: held out.")
+    Figure::new("Force over time", &chart)
+        .caption("What was measured, and what the models say. Shaded: held out.")
 }
 
 /// The models' forces and the measured one over `x`, of a part of the log.
-fn models<'a>(course: &'a Course<'a>, chart: Chart<'a>, part: Range<usize>, x: &'a [f64]) -> Chart<'a> {
+fn models<'a>(
+    course: &'a Course<'a>,
+    chart: Chart<'a>,
+    part: Range<usize>,
+    x: &'a [f64],
+) -> Chart<'a> {
     let curves = course.curves;
     let chart = match course.changed {
         true => {
@@ -93,13 +113,23 @@ fn models<'a>(course: &'a Course<'a>, chart: Chart<'a>, part: Range<usize>, x: &
         false => chart,
     };
     chart
-        .series(Series::new(last(course), AFTER, Stroke::Solid, x, &curves.after_n[part.clone()]))
+        .series(Series::new(
+            last(course),
+            AFTER,
+            Stroke::Solid,
+            x,
+            &curves.after_n[part.clone()],
+        ))
         .series(Series::measured("measured", x, &curves.measured_n[part]))
 }
 
 /// The name of the last model.
 fn last(course: &Course<'_>) -> &'static str {
-    if course.changed { "after" } else { "base model" }
+    if course.changed {
+        "after"
+    } else {
+        "base model"
+    }
 }
 
 /// The loop of one touch, and mean residuals over depth and speed.
@@ -117,8 +147,18 @@ fn hysteresis<'a>(course: &'a Course<'a>) -> Figure {
     let curves = course.curves;
     let worst = worst_touch(course);
     let (range, x, axis, title) = match &worst {
-        Some(range) => (range.clone(), &curves.depth_m, Axis::new("Depth δ", "m"), "Hysteresis loop"),
-        None => (0..curves.time_s.len(), &curves.speed_mps, Axis::new("Speed", "m/s"), "Force over speed"),
+        Some(range) => (
+            range.clone(),
+            &curves.depth_m,
+            Axis::new("Depth δ", "m"),
+            "Hysteresis loop",
+        ),
+        None => (
+            0..curves.time_s.len(),
+            &curves.speed_mps,
+            Axis::new("Speed", "m/s"),
+            "Force over speed",
+        ),
     };
     let part = |channel: &'a [f64]| &channel[range.clone()];
     let x = part(x);
@@ -161,7 +201,10 @@ fn worst_touch(course: &Course<'_>) -> Option<Range<usize>> {
 
 fn over_depth<'a>(course: &'a Course<'a>) -> Figure {
     let range = (-0.1 * course.deepest_m, course.deepest_m);
-    let mut chart = Chart::new(Axis::new("Depth δ", "m"), Axis::new("Mean residual", "N").with_zero());
+    let mut chart = Chart::new(
+        Axis::new("Depth δ", "m"),
+        Axis::new("Mean residual", "N").with_zero(),
+    );
     for (name, ink, residuals) in both(course) {
         for (way, direction, stroke) in [("in", 1, Stroke::Solid), ("out", -1, Stroke::Dashed)] {
             let wanted = |at: usize| course.direction(at) == direction;
@@ -177,18 +220,28 @@ fn over_depth<'a>(course: &'a Course<'a>) -> Figure {
 
 fn over_speed<'a>(course: &'a Course<'a>) -> Figure {
     let most = course.usual_mps * 1.2;
-    let mut chart = Chart::new(Axis::new("Speed", "m/s"), Axis::new("Mean residual", "N").with_zero());
+    let mut chart = Chart::new(
+        Axis::new("Speed", "m/s"),
+        Axis::new("Mean residual", "N").with_zero(),
+    );
     let contact = course.deepest_m > 0.0;
     let depth = &course.curves.depth_m;
     for (name, ink, residuals) in both(course) {
-        for (place, stroke, deep) in [("touching", Stroke::Solid, true), ("free", Stroke::Dashed, false)] {
+        for (place, stroke, deep) in [
+            ("touching", Stroke::Solid, true),
+            ("free", Stroke::Dashed, false),
+        ] {
             let wanted = |at: usize| !contact || (depth[at] > 0.0) == deep;
             if !contact && !deep {
                 continue;
             }
             let speed = &course.curves.speed_mps;
             let (x, y) = course.means(residuals, speed, (-most, most), BINS, wanted);
-            let name = if contact { format!("{name}, {place}") } else { name.to_string() };
+            let name = if contact {
+                format!("{name}, {place}")
+            } else {
+                name.to_string()
+            };
             chart = chart.series(Series::new(name, ink, stroke, x, y));
         }
     }

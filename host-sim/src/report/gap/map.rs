@@ -22,13 +22,24 @@ struct Tally {
 
 /// The map of the base model, and that with the effects.
 pub(super) fn maps(course: &Course<'_>) -> Vec<HeatMap> {
-    let (before, after) = (tally(course, &course.before_n), tally(course, &course.after_n));
-    let all: f64 = before.iter().flatten().map(|own| own.excess_n2.max(0.0)).sum();
+    let (before, after) = (
+        tally(course, &course.before_n),
+        tally(course, &course.after_n),
+    );
+    let all: f64 = before
+        .iter()
+        .flatten()
+        .map(|own| own.excess_n2.max(0.0))
+        .sum();
     let what = format!(
         "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
         quantity(course.typical_mps, 2, "m/s")
     );
-    let first = if course.changed { "Before" } else { "Base model" };
+    let first = if course.changed {
+        "Before"
+    } else {
+        "Base model"
+    };
     let mut maps = vec![map(course, &before, all).caption(format!("{first}: {what}"))];
     if course.changed {
         let caption = "After: the same, on the same scale, as shares of the excess before";
@@ -67,10 +78,13 @@ fn map(course: &Course<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> 
         .iter()
         .enumerate()
         .filter(|(_, row)| row.iter().any(|own| own.count >= FEWEST));
-    filled.fold(HeatMap::new("depth \\ motion", COLUMNS), |map, (at, row)| {
-        let cells = row.iter().map(|own| cell(own, all_n2)).collect();
-        map.row(depth(at, course.deepest_m), cells)
-    })
+    filled.fold(
+        HeatMap::new("depth \\ motion", COLUMNS),
+        |map, (at, row)| {
+            let cells = row.iter().map(|own| cell(own, all_n2)).collect();
+            map.row(depth(at, course.deepest_m), cells)
+        },
+    )
 }
 
 /// The depths of a row, both ends in the unit of the deepest.
@@ -90,8 +104,16 @@ fn cell(own: &Tally, all_n2: f64) -> Option<Shaded> {
     let times = (own.ratio / own.count).sqrt();
     let share = own.excess_n2 / all_n2.max(f64::MIN_POSITIVE);
     Some(Shaded {
-        text: if times < 10.0 { format!("{times:.2} ×") } else { format!("{times:.0} ×") },
-        small: if share >= 0.005 { format!("{:.0} %", 100.0 * share) } else { String::new() },
+        text: if times < 10.0 {
+            format!("{times:.2} ×")
+        } else {
+            format!("{times:.0} ×")
+        },
+        small: if share >= 0.005 {
+            format!("{:.0} %", 100.0 * share)
+        } else {
+            String::new()
+        },
         shade: SHADES.iter().filter(|from| times > **from).count(),
     })
 }

@@ -15,7 +15,11 @@ pub(super) fn place(finding: &Finding) -> Section {
         );
     }
     let section = section.text(spaced(&format!("{}.", words(&finding.disagreement))));
-    let section = match (finding.verdict, finding.effects.is_empty(), finding.remaining.is_empty()) {
+    let section = match (
+        finding.verdict,
+        finding.effects.is_empty(),
+        finding.remaining.is_empty(),
+    ) {
         (Verdict::NoMissingEffect, ..) => {
             section.text("All of it is within what the floor itself may be wrong by.")
         }
@@ -43,8 +47,21 @@ fn remaining_share(finding: &Finding) -> String {
 
 /// The order of a reader: what the probe does, depth, speed, time, lines.
 const ORDER: [&str; 15] = [
-    "free", "touch", "loading", "hold", "unloading", "lift_off", "depth_low", "depth_mid", "depth_high",
-    "slow", "fast", "early", "late", "line", "pitch",
+    "free",
+    "touch",
+    "loading",
+    "hold",
+    "unloading",
+    "lift_off",
+    "depth_low",
+    "depth_mid",
+    "depth_high",
+    "slow",
+    "fast",
+    "early",
+    "late",
+    "line",
+    "pitch",
 ];
 
 /// Every region in which either model is off.
@@ -57,7 +74,10 @@ fn table(finding: &Finding) -> Table {
         .map(|id| (of(before, id), of(after, id).filter(|_| !only_base)))
         .collect();
     rows.retain(|(before, after)| before.is_some() || after.is_some());
-    let all = rows.iter().flat_map(|(before, after)| [before, after]).flatten();
+    let all = rows
+        .iter()
+        .flat_map(|(before, after)| [before, after])
+        .flatten();
     let (unit, errors) = column(&all.map(|own| own.rms_n).collect::<Vec<_>>(), 3, "N");
     let mut errors = errors.into_iter().map(Cell::Number);
     let percent = |share: f64| Cell::Number(format!("{} %", fixed(100.0 * share, 0)));
@@ -65,23 +85,42 @@ fn table(finding: &Finding) -> Table {
     let cells = rows.iter().map(|(before, after)| {
         let named = before.as_ref().or(after.as_ref());
         let is_line = named.is_some_and(|own| own.hz.is_some() || own.pitch_m.is_some());
-        let mut rms = |own: &Option<Region>| own.as_ref().and_then(|_| errors.next()).unwrap_or_else(none);
+        let mut rms = |own: &Option<Region>| {
+            own.as_ref()
+                .and_then(|_| errors.next())
+                .unwrap_or_else(none)
+        };
         let (rms_before, rms_after) = (rms(before), rms(after));
         let row = [
             Cell::from(named.map_or(String::new(), name)),
-            named.filter(|_| !is_line).map_or_else(none, |own| percent(own.samples)),
+            named
+                .filter(|_| !is_line)
+                .map_or_else(none, |own| percent(own.samples)),
             before.as_ref().map_or_else(none, |own| percent(own.share)),
             rms_before,
         ];
-        row.into_iter().chain((!only_base).then_some(rms_after)).collect::<Vec<_>>()
+        row.into_iter()
+            .chain((!only_base).then_some(rms_after))
+            .collect::<Vec<_>>()
     });
     let cells: Vec<_> = cells.collect();
     let columns = ["Region", "Samples", "Share of the excess"].map(String::from);
-    let first = if only_base { "Residual, rms" } else { "Residual before, rms" };
+    let first = if only_base {
+        "Residual, rms"
+    } else {
+        "Residual before, rms"
+    };
     let last = (!only_base).then(|| format!("after [{unit}]"));
-    Table::new(columns.into_iter().chain([format!("{first} [{unit}]")]).chain(last))
-        .caption("Regions in which the residual is significantly larger than what is allowed; –: it is not.")
-        .rows(cells)
+    Table::new(
+        columns
+            .into_iter()
+            .chain([format!("{first} [{unit}]")])
+            .chain(last),
+    )
+    .caption(
+        "Regions in which the residual is significantly larger than what is allowed; –: it is not.",
+    )
+    .rows(cells)
 }
 
 fn name(region: &Region) -> String {

@@ -20,7 +20,10 @@ pub(super) fn figure(course: &Course<'_>, finding: &Finding) -> Figure {
         0 | 1 => 1.0,
         count => (time[count - 1] - time[0]) / (count - 1) as f64,
     };
-    let most_hz = finding.bandwidth_hz.unwrap_or(f64::INFINITY).min(0.5 / period_s);
+    let most_hz = finding
+        .bandwidth_hz
+        .unwrap_or(f64::INFINITY)
+        .min(0.5 / period_s);
     let curve = |name, ink, residuals: &[f64]| {
         let (hz, density) = density(residuals, period_s, most_hz);
         Series::new(name, ink, Stroke::Solid, hz, density)
@@ -31,12 +34,21 @@ pub(super) fn figure(course: &Course<'_>, finding: &Finding) -> Figure {
     );
     // White noise of this standard deviation, all of it below the highest frequency.
     let floor = finding.noise_floor_n / most_hz.sqrt();
-    let ends = vec![1.0 / (LONGEST.min(time.len()).max(2) as f64 * period_s), most_hz];
+    let ends = vec![
+        1.0 / (LONGEST.min(time.len()).max(2) as f64 * period_s),
+        most_hz,
+    ];
     let chart = Chart::new(
         Axis::new("Frequency", "Hz").log(),
         Axis::new("Residual's density", "N/√Hz").log(),
     )
-    .series(Series::new("floor", Ink::Muted, Stroke::Dashed, ends, vec![floor; 2]))
+    .series(Series::new(
+        "floor",
+        Ink::Muted,
+        Stroke::Dashed,
+        ends,
+        vec![floor; 2],
+    ))
     .series(before)
     .series(after);
     Figure::new("Spectrum of the residual", &chart).caption(
@@ -119,7 +131,9 @@ mod tests {
         // segment by the phase of the tone, below 1 %.
         assert!((total - 0.045).abs() < 5e-4, "{total}");
         let (hz, density) = density(&tone, period_s, 500.0);
-        let peak = (0..hz.len()).max_by(|a, b| density[*a].total_cmp(&density[*b])).unwrap();
+        let peak = (0..hz.len())
+            .max_by(|a, b| density[*a].total_cmp(&density[*b]))
+            .unwrap();
         // Points are 5 % apart.
         assert!((hz[peak] - 50.0).abs() < 2.5, "{}", hz[peak]);
     }

@@ -21,7 +21,10 @@ pub(super) fn summary(finding: &Finding) -> Section {
     let multiple = |rmse_n: f64| times(rmse_n / finding.noise_floor_n);
     let row = |name: &str, before: String, after: String| {
         let after = has_effects.then_some(Cell::Number(after));
-        [Cell::from(name), Cell::Number(before)].into_iter().chain(after).collect::<Vec<_>>()
+        [Cell::from(name), Cell::Number(before)]
+            .into_iter()
+            .chain(after)
+            .collect::<Vec<_>>()
     };
     let columns = match has_effects {
         true => vec!["Held-out parts", "Before", "After"],
@@ -114,7 +117,10 @@ fn times_larger(gain: f64) -> String {
 fn where_it_shows(place: &str) -> String {
     match place {
         "" => "It shows nowhere in particular".into(),
-        place => format!("Of what it explains, {}", place.replace("of the excess ", "")),
+        place => format!(
+            "Of what it explains, {}",
+            place.replace("of the excess ", "")
+        ),
     }
 }
 
@@ -128,11 +134,19 @@ fn interval(known: &Known) -> Cell {
         return Cell::Missing("not fitted, or at a bound".into());
     };
     let end = |sign: f64| {
-        let own = Measured::new(known.value + sign * INTERVAL * error, Some(error), known.unit);
+        let own = Measured::new(
+            known.value + sign * INTERVAL * error,
+            Some(error),
+            known.unit,
+        );
         (own.value, own.unit)
     };
     let ((low, low_unit), (high, unit)) = (end(-1.0), end(1.0));
-    let low = if low_unit == unit { low } else { format!("{low} {low_unit}") };
+    let low = if low_unit == unit {
+        low
+    } else {
+        format!("{low} {low_unit}")
+    };
     Cell::Number(format!("{low} … {high} {unit}").trim_end().into())
 }
 
@@ -140,7 +154,13 @@ fn interval(known: &Known) -> Cell {
 pub(super) fn base(finding: &Finding) -> Section {
     let pairs = finding.base_before.iter().zip(&finding.base_after);
     if finding.effects.is_empty() {
-        let rows = pairs.map(|(_, after)| [Cell::from(label(&after.name)), measured(after), interval(after)]);
+        let rows = pairs.map(|(_, after)| {
+            [
+                Cell::from(label(&after.name)),
+                measured(after),
+                interval(after),
+            ]
+        });
         let table = Table::new(["Parameter", "Value ± standard error", "95 % interval"]).rows(rows);
         return Section::new("The base model's parameters")
             .text("The whole log, fitted.")
@@ -156,7 +176,14 @@ pub(super) fn base(finding: &Finding) -> Section {
             moved(before, after),
         ]
     });
-    let columns = ["Parameter", "Before", "After", "95 % interval after", "Change", "Moved?"];
+    let columns = [
+        "Parameter",
+        "Before",
+        "After",
+        "95 % interval after",
+        "Change",
+        "Moved?",
+    ];
     Section::new("What that does to the base model's parameters")
         .text(
             "A model without the effect bends its own parameters to imitate it, and its standard errors do \
@@ -172,7 +199,10 @@ fn change(before: &Known, after: &Known) -> String {
         c if !c.is_finite() || before.name == "surface" => {
             let difference = after.value - before.value;
             let sign = if difference > 0.0 { "+" } else { "" };
-            format!("{sign}{}", Measured::new(difference, after.std_error, after.unit))
+            format!(
+                "{sign}{}",
+                Measured::new(difference, after.std_error, after.unit)
+            )
         }
         c if c.abs() >= 0.0995 => format!("{:+.0} %", 100.0 * c),
         c => format!("{:+.1} %", 100.0 * c),
@@ -207,38 +237,62 @@ pub(super) fn ladder(finding: &Finding) -> Section {
             Cell::from(role(finding, tried, &chosen)),
         ]
     });
-    let table = Table::new(["Added to the base model", "Residual over what is allowed", ""])
-        .caption("Everything refitted jointly, on the whole log, at the resolution of the search.")
-        .rows(rows)
-        .at_most(MOST_SETS);
+    let table = Table::new([
+        "Added to the base model",
+        "Residual over what is allowed",
+        "",
+    ])
+    .caption("Everything refitted jointly, on the whole log, at the resolution of the search.")
+    .rows(rows)
+    .at_most(MOST_SETS);
     Section::new("What was tried").table(table)
 }
 
 fn set(tried: &Tried) -> String {
     match tried.ids.is_empty() {
         true => "nothing".into(),
-        false => tried.ids.iter().map(|id| title(*id)).collect::<Vec<_>>().join(" + "),
+        false => tried
+            .ids
+            .iter()
+            .map(|id| title(*id))
+            .collect::<Vec<_>>()
+            .join(" + "),
     }
 }
 
 /// Whether it is the answer, cannot be told from it, or neither.
-fn role(finding: &Finding, tried: &Tried, chosen: &[estimator_core::effect::EffectId]) -> &'static str {
+fn role(
+    finding: &Finding,
+    tried: &Tried,
+    chosen: &[estimator_core::effect::EffectId],
+) -> &'static str {
     let same = |one: &[_], other: &[_]| {
         one.len() == other.len() && one.iter().all(|id| other.contains(id))
     };
     if same(&tried.ids, chosen) {
-        return if chosen.is_empty() { "base model, and the answer" } else { "the answer" };
+        return if chosen.is_empty() {
+            "base model, and the answer"
+        } else {
+            "the answer"
+        };
     }
     if tried.ids.is_empty() {
         return "base model";
     }
     let swapped = finding.effects.iter().any(|own| {
         own.alternatives.iter().any(|other| {
-            let ids: Vec<_> = chosen.iter().map(|id| if *id == own.id { *other } else { *id }).collect();
+            let ids: Vec<_> = chosen
+                .iter()
+                .map(|id| if *id == own.id { *other } else { *id })
+                .collect();
             same(&tried.ids, &ids)
         })
     });
-    if swapped { "not told apart from it" } else { "" }
+    if swapped {
+        "not told apart from it"
+    } else {
+        ""
+    }
 }
 
 /// How the floor was found.
@@ -255,7 +309,13 @@ pub(super) fn floors(finding: &Finding, names: &[String]) -> Section {
             Cell::from(floor.why.as_str()),
         ]
     });
-    let columns = ["Log", "Second differences", "At rest in free air", "Used", "Why"];
+    let columns = [
+        "Log",
+        "Second differences",
+        "At rest in free air",
+        "Used",
+        "Why",
+    ];
     Section::new("The floor of the noise")
         .text("What the force does without any cause, found without a model.")
         .table(Table::new(columns).rows(rows).at_most(MOST_SETS))

@@ -7,16 +7,29 @@ use crate::gap::{Floor, Known, Named, Region, Tried, Verdict};
 fn curves() -> Curves {
     let time_s: Vec<f64> = (0..2000).map(|at| f64::from(at) * 1e-3).collect();
     let phase = |t: &f64| std::f64::consts::TAU * 2.0 * t;
-    let depth_m: Vec<f64> = time_s.iter().map(|t| 2e-3 * (0.4 - phase(t).cos())).collect();
+    let depth_m: Vec<f64> = time_s
+        .iter()
+        .map(|t| 2e-3 * (0.4 - phase(t).cos()))
+        .collect();
     let speed_mps: Vec<f64> = time_s.iter().map(|t| 0.025 * phase(t).sin()).collect();
     let friction = speed_mps.iter().map(|v| 0.4 * v.signum());
     let before_n: Vec<f64> = depth_m.iter().map(|d| 1000.0 * d.max(0.0)).collect();
-    let after_n: Vec<f64> = before_n.iter().zip(friction).map(|(f, own)| f + own).collect();
+    let after_n: Vec<f64> = before_n
+        .iter()
+        .zip(friction)
+        .map(|(f, own)| f + own)
+        .collect();
     let noise = |at: usize| 0.02 * (at as f64 * 1.7).sin();
     Curves {
         position_m: depth_m.clone(),
-        measured_n: after_n.iter().enumerate().map(|(at, f)| f + noise(at)).collect(),
-        allowed_n: (0..2000).map(|at| if at == 7 { 0.0 } else { 0.02 }).collect(),
+        measured_n: after_n
+            .iter()
+            .enumerate()
+            .map(|(at, f)| f + noise(at))
+            .collect(),
+        allowed_n: (0..2000)
+            .map(|at| if at == 7 { 0.0 } else { 0.02 })
+            .collect(),
         held_out: (0..2000).map(|at| (at / 170) % 3 == 1).collect(),
         time_s,
         speed_mps,
@@ -71,8 +84,14 @@ fn finding(verdict: Verdict) -> Finding {
         }],
         ratio_before: 20.0,
         ratio_after: 1.005,
-        base_before: vec![known("stiffness", 1100.0, Some(3.0), "N/m"), known("exponent", 1.0, None, "1")],
-        base_after: vec![known("stiffness", 1000.0, Some(2.0), "N/m"), known("exponent", 1.0, None, "1")],
+        base_before: vec![
+            known("stiffness", 1100.0, Some(3.0), "N/m"),
+            known("exponent", 1.0, None, "1"),
+        ],
+        base_after: vec![
+            known("stiffness", 1000.0, Some(2.0), "N/m"),
+            known("exponent", 1.0, None, "1"),
+        ],
         disagreement: vec![region],
         remaining: Vec::new(),
         advice: "Use model.toml <now>".into(),
@@ -120,10 +139,22 @@ fn html(finding: &Finding) -> String {
 #[test]
 fn every_verdict_gives_a_well_formed_page_that_says_it_first() {
     for (verdict, words) in [
-        (Verdict::NoMissingEffect, "The base model explains the measurement"),
-        (Verdict::MissingEffects, "The model lacks Coulomb friction (force 0.410 ± 0.003"),
-        (Verdict::Ambiguous, "or backlash: this log does not tell them apart"),
-        (Verdict::Unexplained, "and something that no effect of the catalogue explains"),
+        (
+            Verdict::NoMissingEffect,
+            "The base model explains the measurement",
+        ),
+        (
+            Verdict::MissingEffects,
+            "The model lacks Coulomb friction (force 0.410 ± 0.003",
+        ),
+        (
+            Verdict::Ambiguous,
+            "or backlash: this log does not tell them apart",
+        ),
+        (
+            Verdict::Unexplained,
+            "and something that no effect of the catalogue explains",
+        ),
     ] {
         let html = html(&finding(verdict));
         let options = roxmltree::ParsingOptions {
@@ -132,9 +163,14 @@ fn every_verdict_gives_a_well_formed_page_that_says_it_first() {
         };
         roxmltree::Document::parse_with_options(&html, options).unwrap();
         let said = html.replace(['\u{a0}', '\u{202f}'], " ");
-        let at = said.find(words).unwrap_or_else(|| panic!("{words} in {verdict:?}"));
+        let at = said
+            .find(words)
+            .unwrap_or_else(|| panic!("{words} in {verdict:?}"));
         assert!(at < said.find("<table").unwrap());
-        assert!(!html.contains("NaN") && !html.contains("inf "), "{verdict:?}");
+        assert!(
+            !html.contains("NaN") && !html.contains("inf "),
+            "{verdict:?}"
+        );
     }
 }
 
@@ -165,7 +201,10 @@ fn the_page_shows_what_moved_what_was_tried_and_every_picture() {
 fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() {
     let curves = curves();
     let course = bins::Course::of(&curves);
-    let maps: Vec<String> = map::maps(&course).iter().map(|map| format!("{map:?}")).collect();
+    let maps: Vec<String> = map::maps(&course)
+        .iter()
+        .map(|map| format!("{map:?}"))
+        .collect();
     let [before, after] = &maps[..] else {
         panic!("{maps:?}")
     };

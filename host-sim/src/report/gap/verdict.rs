@@ -20,12 +20,17 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
 /// The verdict with its figures.
 pub(super) fn sentence(finding: &Finding) -> String {
     let (before, after) = errors(finding);
-    let times = |ratio: f64| format!("{ratio:.2} times what noise and the errors of the motion allow");
+    let times =
+        |ratio: f64| format!("{ratio:.2} times what noise and the errors of the motion allow");
     let names: Vec<String> = finding.effects.iter().map(named).collect();
     let names = names.join(" and ");
     let shrinks = format!(
         "With {} the error on held-out parts falls from {before} to {after}: {}.",
-        if finding.effects.len() == 1 { "it" } else { "them" },
+        if finding.effects.len() == 1 {
+            "it"
+        } else {
+            "them"
+        },
         times(finding.ratio_after)
     );
     match finding.verdict {
@@ -83,13 +88,19 @@ fn rivals(finding: &Finding) -> String {
 pub(super) fn title(id: EffectId) -> String {
     let words = id.name().replace('_', " ");
     // Two of them are named after people.
-    words.replace("coulomb", "Coulomb").replace("stribeck", "Stribeck")
+    words
+        .replace("coulomb", "Coulomb")
+        .replace("stribeck", "Stribeck")
 }
 
 /// The same at the start of a cell.
 pub(super) fn heading(id: EffectId) -> String {
     let title = title(id);
     let mut letters = title.chars();
-    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    let first: String = letters
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
     first + letters.as_str()
 }
