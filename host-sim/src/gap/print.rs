@@ -26,6 +26,17 @@ pub(super) fn summary(finding: &Finding, folder: Option<&Path>, seconds: f64) ->
         effect(&mut text, own);
     }
     base(&mut text, finding);
+    for (id, parameters) in finding.given() {
+        let numbers = parameters
+            .iter()
+            .map(|own| format!("{} {}", own.name, measured(own)));
+        let numbers: Vec<String> = numbers.collect();
+        line(
+            &mut text,
+            "refitted",
+            &format!("{}: {}", id.name(), numbers.join(", ")),
+        );
+    }
     // Without effects what remains is what was there.
     if !finding.remaining.is_empty() && !finding.effects.is_empty() {
         line(&mut text, "remains", &words(&finding.remaining));
@@ -147,6 +158,9 @@ fn factor(gain: f64) -> String {
 
 /// The base's parameters in a table, before and after where effects moved them.
 fn base(text: &mut String, finding: &Finding) {
+    if finding.base_after.is_empty() {
+        return;
+    }
     let changed = !finding.effects.is_empty();
     let mut rows = vec![["".into(), "before".to_string(), "after".to_string()]];
     for (before, after) in finding.base_before.iter().zip(&finding.base_after) {

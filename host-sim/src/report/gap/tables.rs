@@ -68,13 +68,14 @@ pub(super) fn spaced(text: &str) -> String {
 pub(super) fn effects(finding: &Finding) -> Section {
     let mut section = Section::new("What it is");
     for own in &finding.effects {
-        section = section.table(effect(own));
+        section = section.table(table(&heading(own.id), &own.parameters));
     }
     section.list(finding.effects.iter().map(told))
 }
 
-fn effect(own: &Named) -> Table {
-    let rows = own.parameters.iter().map(|known| {
+/// Parameters with their intervals.
+fn table(caption: &str, parameters: &[Known]) -> Table {
+    let rows = parameters.iter().map(|known| {
         [
             Cell::from(label(&known.name)),
             measured(known),
@@ -82,7 +83,7 @@ fn effect(own: &Named) -> Table {
         ]
     });
     Table::new(["Parameter", "Value ± standard error", "95 % interval"])
-        .caption(heading(own.id))
+        .caption(caption)
         .rows(rows)
 }
 
@@ -152,6 +153,17 @@ fn interval(known: &Known) -> Cell {
 
 /// The base's parameters before and after, and whether they moved.
 pub(super) fn base(finding: &Finding) -> Section {
+    let given = finding.given();
+    let given = given
+        .iter()
+        .map(|(id, parameters)| table(&heading(*id), parameters));
+    given.fold(environment(finding), Section::table)
+}
+
+fn environment(finding: &Finding) -> Section {
+    if finding.base_after.is_empty() {
+        return Section::new("The effects that the base model had already");
+    }
     let pairs = finding.base_before.iter().zip(&finding.base_after);
     if finding.effects.is_empty() {
         let rows = pairs.map(|(_, after)| {

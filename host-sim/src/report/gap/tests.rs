@@ -120,7 +120,8 @@ fn model() -> crate::model::Model {
     let folder = std::env::temp_dir().join(format!("palpate-gap-report-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("base.toml");
-    let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 0.0\n";
+    let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 0.0\n\n\
+                [[effect]]\nid = \"tool_inertia\"\nmass = 0.1\n";
     // Tests of one process may write it at once: each the same text.
     std::fs::write(&path, text).unwrap();
     crate::model::Model::read(&path).unwrap()
@@ -145,7 +146,7 @@ fn every_verdict_gives_a_well_formed_page_that_says_it_first() {
         ),
         (
             Verdict::MissingEffects,
-            "The model lacks Coulomb friction (force 0.410 ± 0.003",
+            "The model lacks Coulomb friction (force 0.4100 ± 0.0030",
         ),
         (
             Verdict::Ambiguous,
@@ -211,6 +212,12 @@ fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() 
     // 0.4 N over 0.02 N.
     assert!(before.contains("20 ×"), "{before}");
     assert!(!after.contains("20 ×"), "{after}");
+}
+
+#[test]
+fn an_effect_that_the_model_had_already_is_shown_with_its_base() {
+    let html = html(&finding(Verdict::NoMissingEffect));
+    assert!(html.contains("<caption>Tool inertia</caption>"), "{html}");
 }
 
 #[test]
