@@ -117,14 +117,11 @@ fn finding(verdict: Verdict) -> Finding {
 }
 
 fn model() -> crate::model::Model {
-    let folder = std::env::temp_dir().join(format!("palpate-gap-report-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("base.toml");
     let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 0.0\n\n\
                 [[effect]]\nid = \"tool_inertia\"\nmass = 0.1\n";
-    // Tests of one process may write it at once: each the same text.
-    std::fs::write(&path, text).unwrap();
-    crate::model::Model::read(&path).unwrap()
+    let path = std::path::Path::new("base.toml");
+    let file = crate::toml_reader::TomlFile::parse(text.into(), path).unwrap();
+    crate::model::Model::from_toml(&file, path).unwrap()
 }
 
 fn html(finding: &Finding) -> String {
