@@ -5,7 +5,8 @@
 //! says what a residual may be; `propose` says where a candidate starts and what it promises;
 //! `search` adds, swaps and drops effects, each time refitting everything; `decide` judges on
 //! held-out parts; `regions` says where, `error` how well; `files` writes it down. `plan` says before
-//! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart.
+//! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart. Before all that
+//! `input` refuses what cannot be fitted.
 
 mod advise;
 mod apart;
@@ -17,6 +18,7 @@ mod error;
 mod files;
 mod fit;
 mod floor;
+mod input;
 mod low_pass;
 mod menu;
 mod plan;
@@ -36,6 +38,7 @@ pub use floor::Floor;
 pub use print::summary;
 pub use plan::{Further, Plan, Planned, plan};
 pub use progress::{Progress, Silent};
+pub(crate) use regions::phase;
 pub use regions::{Region, words};
 pub use result::{Curves, Finding, Known, Named, Tried, Verdict};
 
@@ -77,7 +80,7 @@ impl Default for Options {
 /// Finds what a base model lacks to explain logs of one rig.
 ///
 /// # Errors
-/// A model that is no rig, or a log that holds no motion.
+/// A model that is no rig, or a log that nothing can be fitted to: see `input`.
 pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Finding, Diagnostic> {
     gap_watched(model, logs, options, &Silent)
 }
@@ -95,6 +98,11 @@ pub fn gap_watched(
     model.rig()?;
     progress.at(0.0, "noise floor and motion");
     let given = given(model)?;
+    let mut said = Vec::new();
+    for log in logs {
+        said.extend(input::suspected(model, log)?);
+        said.extend(log.notes.iter().cloned());
+    }
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
     let (logs, mut notes) = budget::within(logs);
     let floors: Vec<Floor> = logs.par_iter().map(|log| Floor::of(log)).collect();
@@ -142,7 +150,9 @@ pub fn gap_watched(
     let decision = evidence.decide(&base, found);
     progress.at(0.95, "regions and errors");
     let mut finding = tell::finding(model, &evidence, decision, ladder, options);
-    finding.notes.extend(notes);
+    said.extend(notes);
+    said.extend(input::implausible(model, &finding));
+    finding.notes.splice(0..0, said);
     Ok(finding)
 }
 

@@ -43,7 +43,7 @@ pub struct GapArgs {
     /// Compare both forces below this frequency (Hz) only: a zero-phase low-pass on both.
     #[arg(long, value_name = "HZ", value_parser = positive_hz)]
     pub bandwidth: Option<f64>,
-    /// Where gap.json, model.toml and report.html go, or plan.json.
+    /// Where report.html, gap.json, model.toml and gap.csv go, or plan.json.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// How the logs are read.
@@ -106,12 +106,16 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     drop(bar);
     let seconds = clock.elapsed().as_secs_f64();
     if let Some(folder) = &args.out {
-        files::write(folder, &finding, seconds)?;
+        let read = files::Read {
+            model: &args.model,
+            logs: &args.logs,
+        };
+        files::write(folder, &finding, &read, seconds)?;
     }
     say(print::summary(&finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;
     if let Some(folder) = &args.out {
-        say(format!("  written     {}\n", folder.display()))?;
+        say(format!("  report      {}\n", folder.join("report.html").display()))?;
     }
     Ok(())
 }

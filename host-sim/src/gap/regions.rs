@@ -58,7 +58,7 @@ struct Tally {
 }
 
 /// The phase that the probe is in.
-pub(super) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, usual_mps: f64) -> &'static str {
+pub(crate) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, usual_mps: f64) -> &'static str {
     let near_m = NEAR * deepest_m;
     if depth_m <= -near_m {
         "free"
@@ -258,9 +258,10 @@ pub fn words(regions: &[Region]) -> String {
         .iter()
         .filter(|region| !phases.contains(&region.id) && region.share > 1.3 * region.samples)
         .take(2);
-    said.extend(
-        telling.map(|region| format!("{:.0} % {}", 100.0 * region.share, place(region.id))),
-    );
+    for region in telling {
+        let of = if said.is_empty() { "of the excess is " } else { "" };
+        said.push(format!("{:.0} % {of}{}", 100.0 * region.share, place(region.id)));
+    }
     for line in regions {
         match (line.hz, line.pitch_m) {
             (Some(hz), _) => said.push(format!(
