@@ -4,8 +4,13 @@
 //! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
 //! says what a residual may be; `propose` says where a candidate starts and what it promises;
 //! `search` adds, swaps and drops effects, each time refitting everything; `decide` judges on
-//! held-out parts; `regions` says where, `error` how well; `files` writes it down.
+//! held-out parts; `regions` says where, `error` how well; `files` writes it down. `plan` says before
+//! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart. Before all that
+//! `input` refuses what cannot be fitted.
 
+mod advise;
+mod apart;
+mod budget;
 mod command;
 mod course;
 mod decide;
@@ -13,8 +18,13 @@ mod error;
 mod files;
 mod fit;
 mod floor;
+mod input;
 mod low_pass;
+mod menu;
+mod plan;
+mod plan_say;
 mod print;
+mod progress;
 mod propose;
 mod regions;
 mod result;
@@ -26,6 +36,9 @@ mod weights;
 pub use command::{GapArgs, run};
 pub use floor::Floor;
 pub use print::summary;
+pub use plan::{Further, Plan, Planned, plan};
+pub use progress::{Progress, Silent};
+pub(crate) use regions::phase;
 pub use regions::{Region, words};
 pub use result::{Curves, Finding, Known, Named, Tried, Verdict};
 
@@ -67,14 +80,37 @@ impl Default for Options {
 /// Finds what a base model lacks to explain logs of one rig.
 ///
 /// # Errors
-/// A model that is no rig, or a log that holds no motion.
+/// A model that is no rig, or a log that nothing can be fitted to: see `input`.
 pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Finding, Diagnostic> {
+    gap_watched(model, logs, options, &Silent)
+}
+
+/// The same, with somebody to tell how far it is.
+///
+/// # Errors
+/// As [`gap`].
+pub fn gap_watched(
+    model: &Model,
+    logs: &[UniformLog],
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Finding, Diagnostic> {
     model.rig()?;
+    progress.at(0.0, "noise floor and motion");
     let given = given(model)?;
-    let floors: Vec<Floor> = logs.par_iter().map(Floor::of).collect();
+    let mut said = Vec::new();
+    for log in logs {
+        said.extend(input::suspected(model, log)?);
+        said.extend(log.notes.iter().cloned());
+    }
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
-    let raw: Vec<Course> = logs.par_iter().map(Course::of).collect();
-    let samples: usize = logs.iter().map(UniformLog::len).sum();
+    let (logs, mut notes) = budget::within(logs);
+    let floors: Vec<Floor> = logs.par_iter().map(|log| Floor::of(log)).collect();
+    let mut raw: Vec<Course> = logs.par_iter().map(|log| Course::of(log)).collect();
+    if low_pass.is_none() {
+        notes.extend(budget::shorten(&mut raw, FITTED));
+    }
+    let samples: usize = raw.iter().map(Course::len).sum();
     let filtered: Vec<Course> = raw.iter().map(|course| course.filtered(low_pass)).collect();
     let thinned = |most: usize| -> Vec<Course> {
         let step = samples.div_ceil(most);
@@ -91,12 +127,14 @@ pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Find
         given: &given,
         scales: &scales,
         ids: &options.catalogue,
+        progress,
         floor: 0.0,
         correlation: floors
             .iter()
             .map(|own| own.correlation / samples.div_ceil(SEARCHED) as f64)
             .fold(1.0, f64::max),
     };
+    progress.at(0.05, "fitting the base");
     let base = search.base_fit();
     search.weigh(&base);
     let base = search.refitted(&base);
@@ -108,8 +146,14 @@ pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Find
         scales: &scales,
     };
     let ladder = search.ladder(&base, &found);
+    progress.at(0.8, "held-out part and rivals");
     let decision = evidence.decide(&base, found);
-    Ok(tell::finding(model, &evidence, decision, ladder, options))
+    progress.at(0.95, "regions and errors");
+    let mut finding = tell::finding(model, &evidence, decision, ladder, options);
+    said.extend(notes);
+    said.extend(input::implausible(model, &finding));
+    finding.notes.splice(0..0, said);
+    Ok(finding)
 }
 
 /// The effects that the base model has already: in the fit from the start, and to stay.

@@ -5,7 +5,8 @@ mod holds;
 mod suspicion;
 
 pub use holds::{Hold, holds};
-pub use suspicion::suspicions;
+pub(crate) use suspicion::exchanged;
+pub use suspicion::{suspicions, suspicions_without_contact};
 
 use crate::estimate::outcome::Touch;
 use crate::log::UniformLog;

@@ -1,12 +1,14 @@
 //! Reports for people: one HTML file that needs nothing else, verdict first.
 //!
 //! [`Document`] takes the parts (verdict, [`Section`]s of text, [`Table`]s and [`Figure`]s,
-//! [`Provenance`]) and writes them; [`plot`] draws; [`estimate`] is the report of the verb of that
-//! name. Every text is escaped, every number is rounded to what its standard error leaves.
+//! [`Provenance`]) and writes them; [`plot`] draws; [`estimate`] and [`gap`] are the reports of the
+//! verbs of those names. Every text is escaped, every number is rounded to what its standard error leaves.
 
 mod document;
 pub mod estimate;
 mod figure;
+pub mod gap;
+mod heat_map;
 mod html;
 pub mod number;
 pub mod plot;
@@ -15,6 +17,7 @@ mod table;
 
 pub use document::{Document, Section, Tone};
 pub use figure::Figure;
+pub use heat_map::{HeatMap, Shaded};
 pub use html::escape;
 pub use provenance::{Input, Provenance};
 pub use table::{Cell, Table};

@@ -6,18 +6,21 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::{Options, files, gap, print};
+use super::progress::Bar;
+use super::{Options, files, gap_watched, plan, plan_say, print};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::ReadingArgs;
 use crate::log::UniformLog;
 use crate::model::Model;
-use crate::output::say;
+use crate::motion::Motion;
+use crate::output::{say, write_atomically};
 
 /// Arguments of `palpate gap`.
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Example:\n  palpate gap --model base.toml --log measured.csv --out result\n  \
-    palpate gap --model drive.toml --log run1.csv --log run2.csv --bandwidth 20 --out result\n\n\
+    palpate gap --model drive.toml --log run1.csv --log run2.csv --bandwidth 20 --out result\n  \
+    palpate gap --plan --model base.toml --motion motion.toml --noise 0.02\n\n\
     The verdict is one of no_missing_effect, missing_effects, ambiguous, unexplained; \
     exit status 0 whichever it is."
 )]
@@ -26,12 +29,21 @@ pub struct GapArgs {
     #[arg(long, value_name = "FILE")]
     pub model: PathBuf,
     /// A log of the rig; several logs of one rig are fitted together.
-    #[arg(long = "log", value_name = "LOG", required = true)]
+    #[arg(long = "log", value_name = "LOG", required_unless_present = "plan", conflicts_with = "plan")]
     pub logs: Vec<PathBuf>,
+    /// Before any log: which effects a motion will show and tell apart, and what to record as well.
+    #[arg(long)]
+    pub plan: bool,
+    /// With --plan: the motion file (TOML), as simulate takes it; a palpation by default.
+    #[arg(long, value_name = "FILE", requires = "plan")]
+    pub motion: Option<PathBuf>,
+    /// With --plan: standard deviation of the force noise (N); the model's sensor by default.
+    #[arg(long, value_name = "N", requires = "plan", value_parser = positive_n)]
+    pub noise: Option<f64>,
     /// Compare both forces below this frequency (Hz) only: a zero-phase low-pass on both.
     #[arg(long, value_name = "HZ", value_parser = positive_hz)]
     pub bandwidth: Option<f64>,
-    /// Where gap.json, model.toml and report.html go.
+    /// Where report.html, gap.json, model.toml and gap.csv go, or plan.json.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// How the logs are read.
@@ -46,12 +58,38 @@ fn positive_hz(text: &str) -> Result<f64, String> {
     }
 }
 
+fn positive_n(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a positive standard deviation in N, such as 0.02".into()),
+    }
+}
+
+/// What a motion will show, before any log.
+fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
+    let model = Model::read(&args.model)?;
+    let named = args.motion.as_ref().filter(|path| path.as_os_str() != "palpation");
+    let motion = named.map(|path| Motion::read(path)).transpose()?;
+    let plan = plan(&model, motion.as_ref(), args.noise, &Options::default().catalogue)?;
+    if let Some(folder) = &args.out {
+        write_atomically(&folder.join("plan.json"), |writer| {
+            serde_json::to_writer_pretty(&mut *writer, &plan_say::json(&plan))?;
+            writeln!(writer)
+        })?;
+    }
+    say(plan_say::summary(&plan))?;
+    Ok(())
+}
+
 /// Reads, finds, writes, says.
 ///
 /// # Errors
 /// A [`Diagnostic`] for a model or a log that cannot be used; an I/O error if a file cannot be
 /// written.
 pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
+    if args.plan {
+        return planned(args);
+    }
     let clock = Instant::now();
     let model = Model::read(&args.model)?;
     let logs: Vec<UniformLog> = args
@@ -63,15 +101,21 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         bandwidth_hz: args.bandwidth,
         ..Options::default()
     };
-    let finding = gap(&model, &logs, &options)?;
+    let bar = Bar::new();
+    let finding = gap_watched(&model, &logs, &options, &bar)?;
+    drop(bar);
     let seconds = clock.elapsed().as_secs_f64();
     if let Some(folder) = &args.out {
-        files::write(folder, &finding, seconds)?;
+        let read = files::Read {
+            model: &args.model,
+            logs: &args.logs,
+        };
+        files::write(folder, &finding, &read, seconds)?;
     }
     say(print::summary(&finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;
     if let Some(folder) = &args.out {
-        say(format!("  written     {}\n", folder.display()))?;
+        say(format!("  report      {}\n", folder.join("report.html").display()))?;
     }
     Ok(())
 }

@@ -7,8 +7,10 @@ use crate::log::UniformLog;
 /// One log at one resolution, a value per sample.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
-    /// Time between samples (s).
+    /// Time between samples (s); between moving ones where `even` is false.
     pub(super) period_s: f64,
+    /// Whether all samples are as far apart; if not, rests were thinned more than motion.
+    pub(super) even: bool,
     /// Time (s) on the log's own clock.
     pub(super) time_s: Vec<f64>,
     pub(super) position_m: Vec<f64>,
@@ -29,6 +31,7 @@ impl Course {
         let motion = kinematics(log);
         Course {
             period_s: log.period_s(),
+            even: true,
             time_s: log.time_s.clone(),
             position_m: motion.position_m,
             speed_mps: motion.speed_mps,
@@ -48,16 +51,18 @@ impl Course {
     /// Every `step`-th sample of it. Not a mean: where a force jumps (a reversal under friction, a
     /// touch) the mean over a block is no force of the mean motion.
     pub(super) fn thinned(&self, step: usize) -> Course {
-        let every = |channel: &[f64]| -> Vec<f64> {
-            channel
-                .iter()
-                .skip(step / 2)
-                .step_by(step)
-                .copied()
-                .collect()
-        };
         Course {
             period_s: self.period_s * step as f64,
+            ..self.picked((step / 2..self.len()).step_by(step))
+        }
+    }
+
+    /// The samples at some places of it.
+    pub(super) fn picked(&self, places: impl Iterator<Item = usize> + Clone) -> Course {
+        let every = |channel: &[f64]| -> Vec<f64> { places.clone().map(|at| channel[at]).collect() };
+        Course {
+            period_s: self.period_s,
+            even: self.even,
             time_s: every(&self.time_s),
             position_m: every(&self.position_m),
             speed_mps: every(&self.speed_mps),
@@ -67,6 +72,14 @@ impl Course {
             speed_noise_mps: every(&self.speed_noise_mps),
             acceleration_noise_mps2: every(&self.acceleration_noise_mps2),
             count: every(&self.count),
+        }
+    }
+
+    /// Time (s) from the sample before to this one.
+    pub(super) fn step_s(&self, at: usize) -> f64 {
+        match at.checked_sub(1) {
+            Some(before) if !self.even => self.time_s[at] - self.time_s[before],
+            _ => self.period_s,
         }
     }
 
@@ -135,7 +148,10 @@ impl Scales {
         let mut noises: Vec<f64> = first.speed_noise_mps.clone();
         noises.sort_unstable_by(f64::total_cmp);
         let speed_noise_mps = quantile(&noises, 0.5);
-        let duration = |own: &Course| own.period_s * own.len() as f64;
+        let duration = |own: &Course| match (own.time_s.first(), own.time_s.last()) {
+            (Some(first), Some(last)) => last - first + own.period_s,
+            _ => 0.0,
+        };
         Scales {
             travel_m: quantile(&position, 1.0) - quantile(&position, 0.0),
             force_n: (quantile(&force, 0.995) - quantile(&force, 0.005)).max(f64::MIN_POSITIVE),

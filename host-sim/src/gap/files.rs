@@ -1,7 +1,7 @@
-//! `gap.json` and `model.toml`.
+//! `gap.json`, `model.toml`, `gap.csv` and `report.html`.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
@@ -9,9 +9,11 @@ use super::regions::Region;
 use super::result::{Curves, Finding, Known, Named, Tried};
 use crate::estimate::files::number;
 use crate::output::write_atomically;
+use crate::report::gap::GapReport;
+use crate::report::{Document, Input, Provenance};
 
-/// Writes both, and the report, into a folder.
-pub(super) fn write(folder: &Path, finding: &Finding, seconds: f64) -> io::Result<()> {
+/// Writes all of them into a folder.
+pub(super) fn write(folder: &Path, finding: &Finding, read: &Read<'_>, seconds: f64) -> io::Result<()> {
     write_atomically(&folder.join("gap.json"), |writer| {
         serde_json::to_writer_pretty(&mut *writer, &json(finding, seconds))?;
         writeln!(writer)
@@ -26,7 +28,34 @@ pub(super) fn write(folder: &Path, finding: &Finding, seconds: f64) -> io::Resul
         };
         write_atomically(&folder.join(name), |writer| csv(writer, curves))?;
     }
-    Ok(())
+    report(finding, read)?.write(&folder.join("report.html"))
+}
+
+/// The files that a finding comes from.
+pub(super) struct Read<'a> {
+    pub(super) model: &'a Path,
+    pub(super) logs: &'a [PathBuf],
+}
+
+fn report(finding: &Finding, read: &Read<'_>) -> io::Result<Document> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let names: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
+    let command: Vec<String> = std::env::args().skip(1).collect();
+    let mut provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
+    for path in std::iter::once(read.model).chain(read.logs.iter().map(PathBuf::as_path)) {
+        provenance = provenance.input(Input::of_file(path)?);
+    }
+    if let Some(hz) = finding.bandwidth_hz {
+        provenance = provenance.setting("Bandwidth", format!("{hz} Hz"));
+    }
+    let title = format!("Gap between {} and {}", name(read.model), names.join(", "));
+    let report = GapReport {
+        title: &title,
+        finding,
+        names: &names,
+        provenance,
+    };
+    Ok(report.document())
 }
 
 /// The forces sample by sample, for pictures of one's own.

@@ -55,7 +55,6 @@ pub(super) fn along<S: Scalar>(
 ) {
     let rig = shape.rig(numbers);
     let mut state = rig.at_rest();
-    let period = S::from_f64(course.period_s);
     let delay = rig.delay_s();
     let delayed = delay.to_f64() != 0.0 || shape.terms.iter().any(|term| is_delay(term.id));
     for at in 0..course.len() {
@@ -64,7 +63,7 @@ pub(super) fn along<S: Scalar>(
         } else {
             course.motion(at)
         };
-        each(at, rig.step(&mut state, motion, period));
+        each(at, rig.step(&mut state, motion, S::from_f64(course.step_s(at))));
     }
 }
 
@@ -84,7 +83,8 @@ impl Course {
 
     /// The motion a delay before a block: the cubic through positions and speeds of its neighbours.
     fn delayed<S: Scalar>(&self, at: usize, delay: S) -> Motion<S> {
-        let back = delay.to_f64() / self.period_s;
+        let period_s = self.step_s(at);
+        let back = delay.to_f64() / period_s;
         let place = (at as f64 - back).clamp(0.0, (self.len() - 1) as f64);
         let first = (place.floor() as usize).min(self.len().saturating_sub(2));
         let second = (first + 1).min(self.len() - 1);
@@ -92,8 +92,8 @@ impl Course {
         let mix = |channel: &[f64]| channel[first] + share * (channel[second] - channel[first]);
         let (x0, x1) = (self.position_m[first], self.position_m[second]);
         let slopes = (
-            self.speed_mps[first] * self.period_s,
-            self.speed_mps[second] * self.period_s,
+            self.speed_mps[first] * period_s,
+            self.speed_mps[second] * period_s,
         );
         let (a, b) = (slopes.0 - (x1 - x0), (x1 - x0) - slopes.1);
         let position =

@@ -3,52 +3,52 @@
 use std::fmt::Write;
 
 use super::regions::words;
-use super::result::{Finding, Known, Verdict};
-use crate::report::number::quantity;
+use super::result::{Finding, Known, Named, Verdict};
+use crate::report::number::{Measured, column, quantity};
 use crate::wrap::wrapped;
+
+/// Where the text of a line begins.
+const INDENT: &str = "              ";
 
 /// The verdict first, then what stands behind it.
 pub fn summary(finding: &Finding) -> String {
-    let mut text = String::new();
-    let mut line = |label: &str, value: &str| {
-        let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), value));
-    };
-    line("gap", &before_and_after(finding));
-    line("floor", &floor(finding));
+    let mut text = format!("{}\n", verdict(finding));
+    for note in &finding.notes {
+        line(&mut text, "note", note);
+    }
+    line(&mut text, "error", &error(finding));
+    line(&mut text, "floor", &floor(finding));
     if !finding.disagreement.is_empty() {
-        line("where", &words(&finding.disagreement));
+        line(&mut text, "where", &words(&finding.disagreement));
     }
     for own in &finding.effects {
-        let numbers: Vec<String> = own.parameters.iter().map(known).collect();
-        let mut said = format!("{} {}", own.id.name(), numbers.join(", "));
-        if !own.alternatives.is_empty() {
-            let others: Vec<&str> = own.alternatives.iter().map(|id| id.name()).collect();
-            let _ = write!(said, "; could as well be {}", others.join(" or "));
-        }
-        line("effect", &said);
+        effect(&mut text, own);
+    }
+    base(&mut text, finding);
+    for (id, parameters) in finding.given() {
+        let numbers = parameters
+            .iter()
+            .map(|own| format!("{} {}", own.name, measured(own)));
+        let numbers: Vec<String> = numbers.collect();
         line(
-            "",
-            &format!(
-                "takes off {:.1} % of the squared error it is held against: {}",
-                100.0 * own.held_out_gain,
-                own.place
-            ),
+            &mut text,
+            "refitted",
+            &format!("{}: {}", id.name(), numbers.join(", ")),
         );
     }
-    for (before, after) in finding.base_before.iter().zip(&finding.base_after) {
-        line(
-            &after.name,
-            &format!("{} before, {} after", value(before), value(after)),
-        );
+    // Without effects what remains is what was there.
+    if !finding.remaining.is_empty() && !finding.effects.is_empty() {
+        line(&mut text, "remains", &words(&finding.remaining));
     }
-    if !finding.remaining.is_empty() {
-        line("remains", &words(&finding.remaining));
-    }
-    line("advice", &finding.advice);
-    for note in &finding.notes {
-        line("note", note);
-    }
-    format!("{}\n{text}", verdict(finding))
+    line(&mut text, "advice", &finding.advice);
+    text
+}
+
+fn line(text: &mut String, label: &str, value: &str) {
+    // Writing into a String cannot fail.
+    // A number stays with its percent sign.
+    let value = value.replace(" %", "\u{a0}%");
+    let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), &value));
 }
 
 /// The verdict in a sentence.
@@ -68,44 +68,112 @@ pub(super) fn verdict(finding: &Finding) -> String {
     }
 }
 
-fn before_and_after(finding: &Finding) -> String {
-    format!(
-        "{} before, {} after, held-out; the floor is {} ({:.2} and {:.2} times what is allowed)",
-        quantity(finding.rmse_before_n, 4, "N"),
-        quantity(finding.rmse_after_n, 4, "N"),
-        quantity(finding.noise_floor_n, 4, "N"),
-        finding.ratio_before,
-        finding.ratio_after,
-    )
+fn error(finding: &Finding) -> String {
+    let (unit, values) = column(&[finding.rmse_before_n, finding.rmse_after_n], 4, "N");
+    let value = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
+    let allowed = "times what noise and the motion's errors allow";
+    match finding.effects.is_empty() {
+        true => format!(
+            "{} rms on held-out parts: {:.2} {allowed}",
+            value(0),
+            finding.ratio_before
+        ),
+        false => format!(
+            "{} before, {} after, rms on held-out parts: {:.2} and {:.2} {allowed}",
+            value(0),
+            value(1),
+            finding.ratio_before,
+            finding.ratio_after
+        ),
+    }
 }
 
 fn floor(finding: &Finding) -> String {
     let each = finding.floors.iter().map(|own| own.why.clone());
-    each.collect::<Vec<_>>().join("; ")
+    let noise = quantity(finding.noise_floor_n, 3, "N");
+    format!("{noise} {}", each.collect::<Vec<_>>().join("; "))
 }
 
-fn known(own: &Known) -> String {
-    format!("{} {}", own.name, value(own))
-}
-
-fn value(own: &Known) -> String {
-    match own.std_error {
-        Some(error) => format!("{:.6} ± {:.2} {}", Short(own.value), Short(error), own.unit),
-        None => format!("{:.6} {}", Short(own.value), own.unit),
+/// An effect: its parameters below each other, then what it is good for.
+fn effect(text: &mut String, own: &Named) {
+    line(text, "effect", own.id.name());
+    let widest = own
+        .parameters
+        .iter()
+        .map(|known| known.name.chars().count())
+        .max()
+        .unwrap_or(0);
+    for known in &own.parameters {
+        let _ = writeln!(
+            text,
+            "{INDENT}  {:<widest$}  {}",
+            known.name,
+            measured(known)
+        );
+    }
+    let mut said = format!(
+        "without it the squared error is {} (held-out gain {:.1} %)",
+        factor(own.held_out_gain),
+        100.0 * own.held_out_gain
+    );
+    if !own.place.is_empty() {
+        let _ = write!(
+            said,
+            "; of that, {}",
+            own.place.replace("of the excess ", "")
+        );
+    }
+    line(text, "", &said);
+    if !own.alternatives.is_empty() {
+        let others: Vec<&str> = own.alternatives.iter().map(|id| id.name()).collect();
+        line(
+            text,
+            "",
+            &format!("could as well be {}", others.join(" or ")),
+        );
     }
 }
 
-/// A number with so many significant digits.
-struct Short(f64);
-
-impl std::fmt::Display for Short {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = f.precision().unwrap_or(4);
-        let size = self.0.abs();
-        if size == 0.0 || !(1e-4..1e6).contains(&size) {
-            return write!(f, "{:.*e}", digits.saturating_sub(1), self.0);
-        }
-        let decimals = (digits as i32 - 1 - size.log10().floor() as i32).max(0) as usize;
-        write!(f, "{:.*}", decimals, self.0)
+/// What leaving an effect out multiplies the squared error by.
+fn factor(gain: f64) -> String {
+    match 1.0 / (1.0 - gain).max(1e-9) {
+        times if times >= 9.95 => format!("{times:.0} times as large"),
+        times if times >= 1.095 => format!("{times:.1} times as large"),
+        _ => "hardly larger".into(),
     }
+}
+
+/// The base's parameters in a table, before and after where effects moved them.
+fn base(text: &mut String, finding: &Finding) {
+    if finding.base_after.is_empty() {
+        return;
+    }
+    let changed = !finding.effects.is_empty();
+    let mut rows = vec![["".into(), "before".to_string(), "after".to_string()]];
+    for (before, after) in finding.base_before.iter().zip(&finding.base_after) {
+        rows.push([after.name.clone(), measured(before), measured(after)]);
+    }
+    let width = |at: usize| {
+        rows.iter()
+            .map(|row: &[String; 3]| row[at].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let (name, value) = (width(0), width(1));
+    for (at, [parameter, before, after]) in rows.iter().enumerate() {
+        let label = if at == 0 { "base" } else { "" };
+        let row = match changed {
+            true => format!("  {label:<12}{parameter:<name$}  {before:<value$}  {after}"),
+            false if at == 0 => continue,
+            false => {
+                let label = if at == 1 { "base" } else { "" };
+                format!("  {label:<12}{parameter:<name$}  {after}")
+            }
+        };
+        let _ = writeln!(text, "{}", row.trim_end());
+    }
+}
+
+fn measured(known: &Known) -> String {
+    Measured::new(known.value, known.std_error, known.unit).to_string()
 }

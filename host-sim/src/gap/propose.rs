@@ -187,6 +187,9 @@ impl<'a> Ground<'a> {
     fn in_time(&self, carrier: &[f64]) -> Vec<(f64, f64, f64)> {
         let course = &self.problem.courses[0];
         let n = course.len();
+        if !course.even {
+            return Vec::new();
+        }
         let padded = (2 * n).next_power_of_two();
         let mut bins: Vec<Complex<f64>> = (0..padded)
             .map(|at| match at < n {
@@ -297,7 +300,7 @@ fn peaks(power: &[f64], lowest: usize, apart: usize) -> Vec<usize> {
     chosen
 }
 
-fn remove(own: &mut [f64], basis: &[Vec<f64>]) {
+pub(super) fn remove(own: &mut [f64], basis: &[Vec<f64>]) {
     for one in basis {
         let share = dot(own, one);
         own.iter_mut()
@@ -343,7 +346,7 @@ fn is_size(id: EffectId, at: usize) -> bool {
 }
 
 /// A term with its first `count` numbers free.
-fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: usize) -> Term {
+pub(super) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: usize) -> Term {
     Term {
         id,
         row,
@@ -354,7 +357,7 @@ fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: usize) -> Term {
 
 /// Whether an effect can be added: it needs something to touch unless it acts on the load path, and
 /// a second one of a kind means nothing but in a spectrum.
-fn is_possible(id: EffectId, shape: &Shape) -> bool {
+pub(super) fn is_possible(id: EffectId, shape: &Shape) -> bool {
     use EffectId as E;
     let touches = shape.base.law != EnvironmentLaw::Free;
     let own = matches!(id.info().place, Place::LoadPath | Place::ForceReading);
@@ -367,7 +370,7 @@ fn is_possible(id: EffectId, shape: &Shape) -> bool {
 }
 
 /// Starts of an effect; none if it means nothing on this law.
-fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
+pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
     use EffectId as E;
     let law = &shape.base.law;
     let linear = matches!(

@@ -58,7 +58,7 @@ struct Tally {
 }
 
 /// The phase that the probe is in.
-pub(super) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, usual_mps: f64) -> &'static str {
+pub(crate) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, usual_mps: f64) -> &'static str {
     let near_m = NEAR * deepest_m;
     if depth_m <= -near_m {
         "free"
@@ -204,7 +204,7 @@ fn lines(log: &Sorted<'_>) -> Vec<Region> {
         .process(&mut bins);
     let power = |at: usize| 2.0 * bins[at].norm_sqr() / (count * energy.max(f64::MIN_POSITIVE));
     let strongest = (4..bins.len() / 2).max_by(|a, b| power(*a).total_cmp(&power(*b)));
-    if let Some(at) = strongest.filter(|at| power(*at) > LEAST_LINE) {
+    if let Some(at) = strongest.filter(|at| course.even && power(*at) > LEAST_LINE) {
         let hz = at as f64 / (count * course.period_s);
         found.push(region("line", power(at).min(1.0), Some(hz), None));
     }
@@ -258,9 +258,10 @@ pub fn words(regions: &[Region]) -> String {
         .iter()
         .filter(|region| !phases.contains(&region.id) && region.share > 1.3 * region.samples)
         .take(2);
-    said.extend(
-        telling.map(|region| format!("{:.0} % {}", 100.0 * region.share, place(region.id))),
-    );
+    for region in telling {
+        let of = if said.is_empty() { "of the excess is " } else { "" };
+        said.push(format!("{:.0} % {of}{}", 100.0 * region.share, place(region.id)));
+    }
     for line in regions {
         match (line.hz, line.pitch_m) {
             (Some(hz), _) => said.push(format!(

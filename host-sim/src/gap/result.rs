@@ -131,3 +131,27 @@ pub struct Finding {
     /// What a reader must know.
     pub notes: Vec<String>,
 }
+
+impl Finding {
+    /// The effects that the base model had already, with their refitted parameters.
+    pub fn given(&self) -> Vec<(EffectId, Vec<Known>)> {
+        let count = self.model.effects.len().saturating_sub(self.effects.len());
+        let given = self.model.effects.iter().take(count);
+        given
+            .filter_map(|own| {
+                let id = EffectId::ALL.iter().find(|id| id.name() == own.id)?;
+                let known = id.info().parameters.iter().filter_map(|info| {
+                    let of = |(name, _): &&(String, f64)| name == info.name;
+                    let (name, value) = own.parameters.iter().find(of)?;
+                    Some(Known {
+                        name: name.clone(),
+                        value: *value,
+                        std_error: own.fit.std_error.iter().find(of).map(|own| own.1),
+                        unit: info.unit.symbol(),
+                    })
+                });
+                Some((*id, known.collect()))
+            })
+            .collect()
+    }
+}

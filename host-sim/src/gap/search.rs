@@ -8,6 +8,7 @@ use super::course::{Course, Scales};
 use super::fit::{Fit, Problem};
 use super::floor::Floor;
 use super::low_pass::LowPass;
+use super::progress::Progress;
 use super::propose::{Ground, Proposal};
 use super::result::Tried;
 use super::shape::{Shape, Term};
@@ -44,6 +45,8 @@ pub(super) struct Search<'a> {
     pub(super) given: &'a [Term],
     pub(super) scales: &'a Scales,
     pub(super) ids: &'a [EffectId],
+    /// Who is told how far it is.
+    pub(super) progress: &'a dyn Progress,
     /// Σ w r² of nothing but noise.
     pub(super) floor: f64,
     /// Blocks per independent residual.
@@ -264,6 +267,10 @@ impl Search<'_> {
         let mut beam = vec![base.clone()];
         let mut level = 0;
         while level < MOST_ADDED && !self.is_adequate(&best) {
+            // Later steps are longer: five effects, with all that is there, are half of the time.
+            let share = 0.1 + 0.5 * level as f64 / MOST_ADDED as f64;
+            let what = format!("effect {} of at most {MOST_ADDED}: {} in the catalogue", level + 1, self.ids.len());
+            self.progress.at(share, &what);
             let mut children: Vec<Fit> = beam.iter().flat_map(|fit| self.expanded(fit)).collect();
             children.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
             let mut seen: Vec<Vec<EffectId>> = Vec::new();
@@ -293,6 +300,7 @@ impl Search<'_> {
             beam = children.iter().map(|fit| self.costed(fit)).collect();
             level += 1;
         }
+        self.progress.at(0.6, "leaving out, swapping");
         best = self.without_idle(best, base_cost);
         let found = self.swapped(best, base_cost);
         self.simpler(found, base_cost)

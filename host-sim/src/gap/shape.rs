@@ -169,10 +169,12 @@ impl Free {
 
     /// Whether a free number lies at its bound: a parameter that wants to be what it cannot be.
     pub(super) fn is_at_bound(&self, number: f64) -> bool {
-        let room = if self.logarithmic {
-            1e-3
-        } else {
-            1e-6 * (self.highest - self.lowest).min(1e300)
+        // A number without a highest value has no range to be near the end of.
+        let range = self.highest - self.lowest;
+        let room = match self.logarithmic {
+            true => 1e-3,
+            false if range.is_finite() => 1e-6 * range,
+            false => 0.0,
         };
         (self.lowest.is_finite() && number <= self.lowest + room)
             || (self.highest.is_finite() && number >= self.highest - room)

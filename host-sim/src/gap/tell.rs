@@ -5,6 +5,7 @@ use std::ops::Range;
 use estimator_core::effect::EffectId;
 
 use super::Options;
+use super::advise::{between, unobserved};
 use super::course::Course;
 use super::decide::{Decision, Evidence, depths};
 use super::error::std_errors;
@@ -54,8 +55,8 @@ pub(super) fn finding(
         floors: evidence.floors.to_vec(),
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,
-        base_before: environment(&told.known(&decision.base)),
-        base_after: environment(&known),
+        base_before: base(&decision.base, &told.known(&decision.base)),
+        base_after: base(&decision.best, &known),
         disagreement,
         remaining,
         advice: String::new(),
@@ -66,7 +67,16 @@ pub(super) fn finding(
         notes: Vec::new(),
         effects,
     };
-    finding.advice = advice(&finding);
+    finding.advice = advice(&finding, evidence, &decision);
+    if let Some(own) = unobserved(evidence, &decision.best, &std_errors(&problem, &decision.best)) {
+        finding.advice.push_str(&format!(
+            " This log hardly observes the {}: record {} as well, which should bring its standard error \
+             to {:.0} %.",
+            own.name,
+            own.further.words,
+            (100.0 * own.share).max(1.0),
+        ));
+    }
     finding
 }
 
@@ -264,11 +274,17 @@ impl Told<'_> {
     }
 }
 
-fn environment(known: &[Owned]) -> Vec<Known> {
-    let own = known
-        .iter()
-        .filter(|owned| matches!(owned.0, Owner::Environment(_)));
-    own.map(|owned| owned.1.clone()).collect()
+/// What the base model says, its own effects included: `tool_inertia.mass`.
+fn base(fit: &Fit, known: &[Owned]) -> Vec<Known> {
+    let each = known.iter().filter_map(|(owner, own)| match owner {
+        Owner::Environment(_) => Some(own.clone()),
+        Owner::Effect(of, _) => {
+            let term = fit.shape.terms.get(*of).filter(|term| term.given)?;
+            let name = format!("{}.{}", term.id.name(), own.name);
+            Some(Known { name, ..own.clone() })
+        }
+    });
+    each.collect()
 }
 
 /// A row as files give it: phases within ±π.
@@ -323,25 +339,28 @@ fn errors(known: &[Owned], own: impl Fn(Owner) -> bool) -> Vec<(String, f64)> {
 }
 
 /// What to do next, in a sentence or two.
-fn advice(finding: &Finding) -> String {
-    let ambiguous = finding
-        .effects
-        .iter()
-        .find(|own| !own.alternatives.is_empty());
+fn advice(finding: &Finding, evidence: &Evidence<'_>, decision: &Decision) -> String {
+    let ambiguous = finding.effects.iter().find(|own| !own.alternatives.is_empty());
     match (finding.verdict, ambiguous) {
         (Verdict::NoMissingEffect, _) => {
             "Nothing is missing: the base model explains this log to its noise.".into()
         }
-        (Verdict::Ambiguous, Some(own)) => format!(
-            "This log does not tell {} from {}. Record {}.",
-            own.id.name(),
-            own.alternatives
-                .iter()
-                .map(|id| id.name())
-                .collect::<Vec<_>>()
-                .join(", "),
-            own.id.info().motion,
-        ),
+        (Verdict::Ambiguous, Some(own)) => match between(evidence, decision) {
+            Some((id, rivals, further)) => format!(
+                "This log does not tell {} from {}. Record {} as well: that should tell them apart by {:.0} \
+                 standard deviations.",
+                id.name(),
+                listed(&rivals),
+                further.words,
+                further.sigma,
+            ),
+            None => format!(
+                "This log does not tell {} from {}. Record {}.",
+                own.id.name(),
+                listed(&own.alternatives),
+                own.id.info().motion,
+            ),
+        },
         (Verdict::Unexplained, _) => format!(
             "Something is there that the catalogue does not explain: {}. Look at the residuals there \
              before trusting the parameters.",
@@ -349,4 +368,8 @@ fn advice(finding: &Finding) -> String {
         ),
         _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
     }
+}
+
+fn listed(ids: &[EffectId]) -> String {
+    ids.iter().map(|id| id.name()).collect::<Vec<_>>().join(", ")
 }

@@ -19,6 +19,14 @@ pub fn suspicions(log: &UniformLog) -> Vec<String> {
     .collect()
 }
 
+/// The same of a rig that touches nothing: its force may fall along the way.
+pub fn suspicions_without_contact(log: &UniformLog) -> Vec<String> {
+    [still_position, still_force, millimetres, milliseconds]
+        .into_iter()
+        .filter_map(|look| look(log))
+        .collect()
+}
+
 fn still_position(log: &UniformLog) -> Option<String> {
     still("position", "x", &log.position_m)
 }
@@ -37,11 +45,16 @@ fn still(name: &str, letter: &str, channel: &[f64]) -> Option<String> {
 }
 
 fn swapped(log: &UniformLog) -> Option<String> {
+    Some(format!("{} (--columns x=f_n,f=x_m)", exchanged(log)?))
+}
+
+/// Position and force in each other's column, without the remedy.
+pub(crate) fn exchanged(log: &UniformLog) -> Option<String> {
     let (travel, span) = (signal::range(&log.position_m), signal::range(&log.force_n));
     // Stiffness below 1 N per 100 m: no contact is that soft, but x and f exchanged look like it.
     (span > 0.0 && travel > 0.1 && span < 0.01 * travel).then(|| {
         format!(
-            "x spans {} and f only {}: position and force may be exchanged (--columns x=f_n,f=x_m)",
+            "x spans {} and f only {}: position and force may be exchanged",
             quantity(travel, 3, "m"),
             quantity(span, 3, "N")
         )

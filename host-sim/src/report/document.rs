@@ -6,7 +6,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use super::html::escape;
-use super::{Figure, Provenance, Table};
+use super::{Figure, HeatMap, Provenance, Table};
 
 const STYLE: &str = include_str!("style.css");
 
@@ -159,6 +159,7 @@ enum Block {
     Text(String),
     List(Vec<String>),
     Table(Table),
+    HeatMap(HeatMap),
     Figure(Figure),
 }
 
@@ -166,7 +167,7 @@ impl Block {
     /// Tables stand beside each other where there is room, and figures.
     fn group(&self) -> Option<&'static str> {
         match self {
-            Block::Table(_) => Some("tables"),
+            Block::Table(_) | Block::HeatMap(_) => Some("tables"),
             Block::Figure(_) => Some("figures"),
             _ => None,
         }
@@ -210,6 +211,12 @@ impl Section {
     /// Adds a table.
     pub fn table(mut self, table: Table) -> Section {
         self.blocks.push(Block::Table(table));
+        self
+    }
+
+    /// Adds a table of shaded cells.
+    pub fn heat_map(mut self, map: HeatMap) -> Section {
+        self.blocks.push(Block::HeatMap(map));
         self
     }
 
@@ -260,6 +267,7 @@ fn push_block(block: &Block, out: &mut String, figures: &mut usize) {
             out.push_str("</ul>\n");
         }
         Block::Table(table) => table.push_html(out),
+        Block::HeatMap(map) => map.push_html(out),
         Block::Figure(figure) => {
             *figures += 1;
             figure.push_html(out, *figures);

@@ -251,7 +251,7 @@ pub fn law_title(name: &str) -> String {
 }
 
 /// Name of a parameter for people, with its symbol in the equations.
-fn label(name: &str) -> String {
+pub(in crate::report) fn label(name: &str) -> String {
     let symbol = match name {
         "stiffness" => " K",
         "damping" => " λ",

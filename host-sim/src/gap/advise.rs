@@ -1,0 +1,256 @@
+//! Which motion to record next: of the menu, the one that would tell most.
+//!
+//! Predicted on the log and the further motion together, with the fit's own numbers, as
+//! [`super::apart`] predicts it.
+
+use estimator_core::effect::{Bounds, EffectId};
+use rayon::prelude::*;
+
+use super::apart::least;
+use super::course::Course;
+use super::decide::{Decision, Evidence};
+use super::fit::{Fit, forces};
+use super::menu::{Dish, Reach, menu};
+use super::plan::{Further, Recorded, Sensor, best};
+use super::shape::{Owner, Shape, Term};
+use crate::dense;
+use crate::model::EnvironmentLaw;
+
+/// Samples of the log on the bench.
+const SAMPLES: usize = 2_000;
+/// A standard error beyond this share of its number: the log does not observe it.
+const UNOBSERVED: f64 = 0.7;
+/// The share of its own standard error that a further motion must leave at most, to be advised.
+const BETTER: f64 = 0.5;
+
+/// The log thinned, and the menu for its rig.
+struct Next {
+    recorded: Recorded,
+    sensor: Sensor,
+    menu: Vec<Dish>,
+}
+
+impl Next {
+    fn new(evidence: &Evidence<'_>, fit: &Fit) -> Next {
+        let scales = evidence.scales;
+        let samples: usize = evidence.courses.iter().map(Course::len).sum();
+        let step = samples.div_ceil(SAMPLES);
+        let courses: Vec<Course> = evidence
+            .courses
+            .iter()
+            .map(|own| own.thinned(step))
+            .collect();
+        let sensor = Sensor {
+            rate_hz: 1.0 / evidence.courses[0].period_s,
+            // A count's error is evenly spread.
+            position_step_m: scales.position_noise_m * 12.0_f64.sqrt(),
+            noise_n: evidence.floors[0].used_n.max(f64::MIN_POSITIVE),
+        };
+        Next {
+            recorded: Recorded {
+                repeats: vec![step as f64; courses.len()],
+                floors: evidence.floors.to_vec(),
+                courses,
+            },
+            sensor,
+            menu: menu(reach(evidence, fit)),
+        }
+    }
+
+    /// The log and a motion, the force on it that the fit predicts.
+    fn with(&self, dish: &Dish, fit: &Fit) -> Recorded {
+        let mut both = self.recorded.and(&dish.motion, self.sensor);
+        if let Some(course) = both.courses.last_mut() {
+            course.force_n = forces(&fit.shape, &fit.numbers, std::slice::from_ref(course));
+        }
+        both
+    }
+
+    fn best(
+        &self,
+        sigma: impl Fn(&Dish) -> Option<f64> + Sync + Send,
+        least: f64,
+    ) -> Option<Further> {
+        let each: Vec<Option<f64>> = self.menu.par_iter().map(sigma).collect();
+        best(&self.menu, |at| each[at], least)
+    }
+}
+
+/// As deep and as fast as the log went.
+fn reach(evidence: &Evidence<'_>, fit: &Fit) -> Reach {
+    let scales = evidence.scales;
+    let touches = fit.shape.base.law != EnvironmentLaw::Free;
+    let parameters = fit
+        .shape
+        .base
+        .parameters()
+        .into_iter()
+        .zip(fit.shape.environment_at(&fit.numbers));
+    let surface = parameters
+        .filter(|(own, _)| own.name == "surface")
+        .map(|(_, value)| value)
+        .next();
+    let surface_m = surface
+        .filter(|_| touches)
+        .unwrap_or(scales.deepest_m - 0.5 * scales.travel_m);
+    let depth = scales.deepest_m - surface_m;
+    let depth_m = if depth > 0.05 * scales.travel_m {
+        depth
+    } else {
+        0.5 * scales.travel_m
+    };
+    // The palpation's fastest stroke is 7.2 depths in a stroke's time: as fast as the log.
+    let stroke_s = 7.2 * depth_m / scales.speed_mps.max(f64::MIN_POSITIVE);
+    let period_s = evidence.courses[0].period_s;
+    Reach {
+        surface_m,
+        touches,
+        depth_m,
+        stroke_s: stroke_s.clamp(100.0 * period_s, scales.duration_s.max(100.0 * period_s)),
+    }
+}
+
+/// What tells the effects of an ambiguous answer from their alternatives.
+pub(super) fn between(
+    evidence: &Evidence<'_>,
+    decision: &Decision,
+) -> Option<(EffectId, Vec<EffectId>, Further)> {
+    let best = &decision.best;
+    let own: Vec<usize> = (0..best.shape.terms.len())
+        .filter(|at| !best.shape.terms[*at].given)
+        .collect();
+    let at = decision
+        .alternatives
+        .iter()
+        .position(|ids| !ids.is_empty())?;
+    let (number, rivals) = (*own.get(at)?, &decision.alternatives[at]);
+    let terms = best.shape.terms_at(&best.numbers);
+    let target = terms[number].clone();
+    let base = without(best, number, evidence);
+    let next = Next::new(evidence, &base);
+    let sigma = |dish: &Dish| {
+        let both = next.with(dish, &base);
+        let bench = both.bench(&base.shape, &base.numbers, evidence.scales);
+        let presence = bench.presence(target.clone())?;
+        let mut rivals_of = bench.presences(rivals);
+        // What repeats starts where the accepted one does.
+        for (id, starts) in rivals.iter().zip(&mut rivals_of) {
+            if repeats(*id) && repeats(target.id) {
+                starts.extend(bench.presence(Term {
+                    id: *id,
+                    ..target.clone()
+                }));
+            }
+        }
+        let apart = rivals_of
+            .iter()
+            .map(|starts| bench.apart(&presence, 1.0, starts));
+        Some(apart.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
+    };
+    let further = next.best(sigma, least(rivals.len()).sqrt())?;
+    Some((target.id, rivals.clone(), further))
+}
+
+fn repeats(id: EffectId) -> bool {
+    use EffectId as E;
+    matches!(
+        id,
+        E::Cogging | E::EncoderPeriodicError | E::PeriodicDisturbance | E::SurfaceMotion
+    )
+}
+
+/// A fit with one effect taken out, everything else as it stands.
+fn without(fit: &Fit, number: usize, evidence: &Evidence<'_>) -> Fit {
+    let mut terms = fit.shape.terms_at(&fit.numbers);
+    terms.remove(number);
+    let shape = Shape::new(&fit.shape.base, terms, evidence.scales);
+    let mut numbers = shape.start();
+    let count = shape.environment_count();
+    numbers[..count].copy_from_slice(&fit.numbers[..count]);
+    Fit {
+        shape,
+        numbers,
+        cost: fit.cost,
+    }
+}
+
+/// A number that the log does not observe, and the motion that would.
+pub(super) struct Unobserved {
+    pub(super) name: String,
+    /// Its standard error as a share of it, predicted with the motion.
+    pub(super) share: f64,
+    pub(super) further: Further,
+}
+
+/// The first number of a fit whose standard error is more than 70 % of it, if a motion would help.
+/// `errors` are those of the free numbers, in the parameters' units.
+pub(super) fn unobserved(
+    evidence: &Evidence<'_>,
+    fit: &Fit,
+    errors: &[Option<f64>],
+) -> Option<Unobserved> {
+    let at = (0..fit.numbers.len()).find(|at| {
+        let value = fit.shape.natural(*at, fit.numbers[*at]).abs();
+        has_size(&fit.shape, *at)
+            && value > 0.0
+            && errors[*at].is_some_and(|e| e > UNOBSERVED * value)
+    })?;
+    let next = Next::new(evidence, fit);
+    let before = share(&next.recorded, fit, evidence, at)?;
+    let sigma = |dish: &Dish| Some(1.0 / share(&next.with(dish, fit), fit, evidence, at)?);
+    let further = next.best(sigma, 1.0 / (BETTER * before))?;
+    Some(Unobserved {
+        name: name(&fit.shape, at),
+        share: 1.0 / further.sigma,
+        further,
+    })
+}
+
+/// Whether a number's size means something: not a place, a phase or an angle.
+fn has_size(shape: &Shape, at: usize) -> bool {
+    match shape.free[at].owner {
+        Owner::Environment(own) => shape.base.parameters()[own].name != "surface",
+        Owner::Effect(number, own) => {
+            let infos = shape.terms[number].id.info().parameters;
+            infos
+                .get(own)
+                .is_some_and(|info| info.bounds != Bounds::Angle && info.usual.is_none())
+        }
+    }
+}
+
+fn name(shape: &Shape, at: usize) -> String {
+    match shape.free[at].owner {
+        Owner::Environment(own) => shape.base.parameters()[own].name.clone(),
+        Owner::Effect(number, own) => {
+            let info = shape.terms[number].id.info();
+            format!("{} of {}", info.parameters[own].name, info.name)
+        }
+    }
+}
+
+/// Standard error of a number as a share of it, if the noise is all there is.
+fn share(recorded: &Recorded, fit: &Fit, evidence: &Evidence<'_>, at: usize) -> Option<f64> {
+    let bench = recorded.bench(&fit.shape, &fit.numbers, evidence.scales);
+    let n = fit.numbers.len();
+    let curvature = bench.curvature();
+    let size: Vec<f64> = (0..n)
+        .map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt())
+        .collect();
+    let scaled: Vec<f64> = (0..n * n)
+        .map(|k| {
+            curvature[k] / (size[k / n] * size[k % n]) + if k % (n + 1) == 0 { 1e-12 } else { 0.0 }
+        })
+        .collect();
+    let factor = dense::cholesky(&scaled, n)?;
+    let mut unit = vec![0.0; n];
+    unit[at] = 1.0;
+    let variance = dense::solve(&factor, n, &unit)[at] / (size[at] * size[at]);
+    let value = fit.shape.natural(at, fit.numbers[at]).abs();
+    let scale = if fit.shape.free[at].logarithmic {
+        1.0
+    } else {
+        value
+    };
+    Some(variance.sqrt() / scale).filter(|share| share.is_finite() && *share > 0.0)
+}

@@ -1,0 +1,121 @@
+use std::path::Path;
+
+use estimator_core::effect::EffectId as E;
+
+use super::*;
+use crate::motion::Segment;
+use crate::toml_reader::TomlFile;
+
+fn model(environment: &str) -> Model {
+    let path = Path::new("model.toml");
+    Model::from_toml(&TomlFile::parse(environment.into(), path).unwrap(), path).unwrap()
+}
+
+fn gel() -> Model {
+    model("[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 10.0\n")
+}
+
+fn of<'a>(plan: &'a Plan, id: E) -> &'a Planned {
+    plan.effects.iter().find(|own| own.id == id).unwrap()
+}
+
+fn apart(plan: &Plan, id: E, rival: E) -> f64 {
+    of(plan, id)
+        .rivals
+        .iter()
+        .find(|(own, _)| *own == rival)
+        .unwrap()
+        .1
+}
+
+#[test]
+fn a_palpation_shows_friction_and_a_slow_sine_in_contact_does_not_tell_drag_from_damping() {
+    // GIVEN a palpation with free air, and one slow sine that never leaves the material
+    let palpation = plan(&gel(), None, None, &E::ALL).unwrap();
+    let sine = Motion::new(
+        1e-3,
+        vec![Segment::Sine {
+            mean_m: 2.5e-3,
+            amplitude_m: 1.5e-3,
+            frequency_hz: 0.5,
+            seconds: 10.0,
+        }],
+    )
+    .unwrap();
+    let slow = plan(&gel(), Some(&sine), None, &E::ALL).unwrap();
+    // THEN the first shows friction and drag, and tells friction from everything
+    for id in [
+        E::CoulombFriction,
+        E::ViscousDrag,
+        E::ForceOffset,
+        E::StressRelaxation,
+    ] {
+        assert!(palpation.counts(of(&palpation, id).seen_sigma), "{id:?}");
+    }
+    let friction = of(&palpation, E::CoulombFriction);
+    assert!(
+        palpation.counts(friction.rivals[0].1),
+        "{:?}",
+        friction.rivals[0]
+    );
+    // the second does not show drag (the damper does the same), nor an offset (the surface does),
+    for id in [E::ViscousDrag, E::ForceOffset, E::CableStiffness] {
+        let own = of(&slow, id);
+        assert!(!slow.counts(own.seen_sigma), "{id:?}: {} σ", own.seen_sigma);
+        // and the menu has a motion that does.
+        assert!(own.further.is_some(), "{id:?}");
+    }
+}
+
+#[test]
+fn lag_and_series_compliance_are_one_group_on_a_linear_contact_that_lasts() {
+    // Both move the force of a Kelvin–Voigt contact by a time: K/k_s·… and T are the same derivative.
+    let sine = Motion::new(
+        1e-3,
+        vec![Segment::Sine {
+            mean_m: 2.5e-3,
+            amplitude_m: 1.5e-3,
+            frequency_hz: 1.0,
+            seconds: 10.0,
+        }],
+    )
+    .unwrap();
+    let plan = plan(&gel(), Some(&sine), Some(0.2), &E::ALL).unwrap();
+    let groups = plan.groups();
+    let lag = of(&plan, E::ForceLag);
+    let together = |ids: &Vec<E>| ids.contains(&E::ForceLag) && ids.contains(&E::SeriesCompliance);
+    assert!(
+        !plan.counts(lag.seen_sigma) || groups.iter().any(together),
+        "{} σ, {groups:?}",
+        lag.seen_sigma
+    );
+}
+
+#[test]
+fn a_plan_is_the_same_at_any_scale() {
+    // GIVEN the same rig a million times smaller and ten thousand times weaker
+    let small = model(
+        "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 0.2\ndamping = 1e-3\nreference_depth = 1e-6\n\
+         [sensors]\nforce_noise = 2e-9\nposition_step = 1e-9\nforce_step = 1e-10\n",
+    );
+    let large = model(
+        "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 10.0\n\
+         [sensors]\nforce_noise = 0.02\nposition_step = 1e-6\nforce_step = 1e-3\n",
+    );
+    let (small, large) = (
+        plan(&small, None, None, &E::ALL).unwrap(),
+        plan(&large, None, None, &E::ALL).unwrap(),
+    );
+    for (a, b) in small.effects.iter().zip(&large.effects) {
+        // 10 nm and 10 N over 5 mm are no exact multiples of the counts: a tenth.
+        let near = (a.seen_sigma - b.seen_sigma).abs() <= 0.1 * b.seen_sigma.max(1.0);
+        assert!(
+            a.id == b.id && near,
+            "{:?}: {} and {} σ",
+            a.id,
+            a.seen_sigma,
+            b.seen_sigma
+        );
+    }
+    assert!(apart(&large, E::ForceOffset, E::ViscousDrag) > large.least_sigma);
+}

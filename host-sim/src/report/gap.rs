@@ -1,0 +1,94 @@
+//! The report of `palpate gap`: what is missing, where that shows, and what is left with it.
+//!
+//! [`GapReport`] borrows a [`Finding`]; [`GapReport::document`] says the verdict first, then the
+//! proof: tables of regions, effects and parameters, and for every log residuals over time, depth,
+//! speed and frequency, before and after.
+
+mod bins;
+mod figures;
+mod map;
+mod regions;
+mod spectrum;
+mod tables;
+mod verdict;
+
+use super::estimate::label;
+use super::{Document, Provenance, Section};
+use crate::gap::{Curves, Finding};
+
+/// Of more logs than this only the first are drawn: the tables hold for all.
+const MOST_LOGS: usize = 4;
+
+/// What the report is made of.
+#[derive(Clone, Debug)]
+pub struct GapReport<'a> {
+    /// The heading: what was compared with what.
+    pub title: &'a str,
+    /// What was found.
+    pub finding: &'a Finding,
+    /// Names of the logs, in the order of [`Finding::curves`].
+    pub names: &'a [String],
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+impl GapReport<'_> {
+    /// The report.
+    pub fn document(&self) -> Document {
+        let finding = self.finding;
+        let (tone, badge) = verdict::badge(finding);
+        let sections = [
+            tables::summary(finding),
+            tables::effects(finding),
+            regions::place(finding),
+            tables::base(finding),
+        ];
+        let document = Document::new(self.title).verdict(tone, badge, verdict::sentence(finding));
+        let logs = finding.curves.iter().enumerate().take(MOST_LOGS);
+        let logs = logs.flat_map(|(at, curves)| {
+            let name = match finding.curves.len() {
+                1 => "",
+                _ => self.names.get(at).map_or("", String::as_str),
+            };
+            self.log(name, curves)
+        });
+        sections
+            .into_iter()
+            .chain(logs)
+            .chain([tables::ladder(finding), tables::floors(finding, self.names)])
+            .filter(|section| !section.is_empty())
+            .fold(document, Document::section)
+            .provenance(self.provenance.clone())
+    }
+
+    fn log(&self, name: &str, curves: &Curves) -> [Section; 2] {
+        let course = bins::Course::of(curves);
+        let heading = |what: &str| match name {
+            "" => what.to_string(),
+            name => format!("{what}: {name}"),
+        };
+        let mut over_time = figures::residuals_over_time(&course)
+            .into_iter()
+            .chain([figures::force_over_time(&course)])
+            .fold(Section::new(heading("Over time")), Section::figure);
+        if self.finding.curves.len() > MOST_LOGS && !name.is_empty() {
+            over_time = over_time.text(format!(
+                "The first {MOST_LOGS} of {} logs are drawn; gap_N.csv has the curves of all.",
+                self.finding.curves.len()
+            ));
+        }
+        let mut by = Section::new(heading("By depth, speed and frequency"));
+        for map in map::maps(&course) {
+            by = by.heat_map(map);
+        }
+        let spectrum = spectrum::figure(&course, self.finding);
+        by = figures::by_depth_and_speed(&course)
+            .into_iter()
+            .chain([spectrum])
+            .fold(by, Section::figure);
+        [over_time, by]
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,132 @@
+//! A log's residuals, and their means over depth or speed: what a cloud of dots hides.
+
+use crate::gap::{Curves, phase};
+
+/// Fewest samples that make a mean.
+const FEWEST: usize = 8;
+/// Speeds below this share of the usual are no motion; the regions take the same.
+const STILL: f64 = 0.02;
+
+/// A log as the report sees it.
+pub(super) struct Course<'a> {
+    pub(super) curves: &'a Curves,
+    /// Measured less modelled force (N); NaN where the sample says nothing.
+    pub(super) before_n: Vec<f64>,
+    pub(super) after_n: Vec<f64>,
+    /// Whether they differ: else there is one model to show.
+    pub(super) changed: bool,
+    /// Largest penetration (m), 0 without contact.
+    pub(super) deepest_m: f64,
+    /// Speed that 95 % of the samples do not exceed (m/s).
+    pub(super) usual_mps: f64,
+    /// Median speed of the moving samples (m/s).
+    pub(super) typical_mps: f64,
+}
+
+impl<'a> Course<'a> {
+    pub(super) fn of(curves: &'a Curves) -> Course<'a> {
+        let residuals = |modelled_n: &[f64]| -> Vec<f64> {
+            let pairs = curves.measured_n.iter().zip(modelled_n);
+            let told = pairs.zip(&curves.allowed_n);
+            told.map(|((f, own), allowed)| if *allowed > 0.0 { f - own } else { f64::NAN })
+                .collect()
+        };
+        let speeds: Vec<f64> = curves.speed_mps.iter().map(|v| v.abs()).collect();
+        let usual_mps = quantile(speeds.clone(), 0.95);
+        let moving = speeds.into_iter().filter(|v| *v > STILL * usual_mps);
+        Course {
+            curves,
+            before_n: residuals(&curves.before_n),
+            after_n: residuals(&curves.after_n),
+            changed: curves.before_n != curves.after_n,
+            deepest_m: curves.depth_m.iter().copied().fold(0.0, f64::max),
+            usual_mps,
+            typical_mps: quantile(moving.collect(), 0.5),
+        }
+    }
+
+    /// What the probe does, run by run: phase, first and last time (s). Touch and lift-off are
+    /// instants at the scale of a picture and count to loading and unloading.
+    pub(super) fn phases(&self) -> Vec<(&'static str, f64, f64)> {
+        let mut runs: Vec<(&'static str, f64, f64)> = Vec::new();
+        let samples = self.curves.depth_m.iter().zip(&self.curves.speed_mps);
+        for ((depth, speed), time) in samples.zip(&self.curves.time_s) {
+            let now = match phase(*depth, *speed, self.deepest_m, self.usual_mps) {
+                "touch" => "loading",
+                "lift_off" => "unloading",
+                other => other,
+            };
+            match runs.last_mut() {
+                Some(last) => {
+                    last.2 = *time;
+                    if last.0 != now {
+                        runs.push((now, *time, *time));
+                    }
+                }
+                None => runs.push((now, *time, *time)),
+            }
+        }
+        runs
+    }
+
+    /// The parts that the RMSE was taken on (s).
+    pub(super) fn held_out(&self) -> Vec<(f64, f64)> {
+        let mut parts: Vec<(f64, f64)> = Vec::new();
+        let mut before = false;
+        for (out, time) in self.curves.held_out.iter().zip(&self.curves.time_s) {
+            match parts.last_mut() {
+                Some(last) if before && *out => last.1 = *time,
+                _ if *out => parts.push((*time, *time)),
+                _ => {}
+            }
+            before = *out;
+        }
+        parts
+    }
+
+    /// −1 outward, 0 still, 1 inward, of a sample.
+    pub(super) fn direction(&self, at: usize) -> i8 {
+        let speed = self.curves.speed_mps[at];
+        match speed.abs() <= STILL * self.usual_mps {
+            true => 0,
+            false => speed.signum() as i8,
+        }
+    }
+
+    /// Mean of `residuals` (N) in `count` equal bins of `x` over the range [low, high], for the samples
+    /// that are `wanted`: middles and means, NaN where there are too few.
+    pub(super) fn means(
+        &self,
+        residuals: &[f64],
+        x: &[f64],
+        (low, high): (f64, f64),
+        count: usize,
+        wanted: impl Fn(usize) -> bool,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let width = (high - low) / count as f64;
+        let mut bins = vec![(0.0, 0_usize); count];
+        for (at, (x, residual)) in x.iter().zip(residuals).enumerate() {
+            let bin = ((x - low) / width).floor();
+            if residual.is_finite() && bin >= 0.0 && bin < count as f64 && wanted(at) {
+                let bin = &mut bins[bin as usize];
+                *bin = (bin.0 + residual, bin.1 + 1);
+            }
+        }
+        let middles = (0..count).map(|at| low + (at as f64 + 0.5) * width);
+        let mean = |(sum, many): (f64, usize)| match many >= FEWEST {
+            true => sum / many as f64,
+            false => f64::NAN,
+        };
+        (middles.collect(), bins.into_iter().map(mean).collect())
+    }
+}
+
+/// The value that this share of the values does not exceed; 0 of none.
+pub(super) fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.retain(|v| v.is_finite());
+    if values.is_empty() {
+        return 0.0;
+    }
+    let at = (share * (values.len() - 1) as f64).round() as usize;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
+}

@@ -1,0 +1,119 @@
+//! Where on the plane of depth and speed the residuals exceed what is allowed.
+
+use super::bins::Course;
+use crate::report::number::quantity;
+use crate::report::{HeatMap, Shaded};
+
+/// Rows of equal depth in contact.
+const DEPTHS: usize = 5;
+const COLUMNS: [&str; 5] = ["out, fast", "out, slow", "still", "in, slow", "in, fast"];
+/// Fewest samples that make a cell.
+const FEWEST: f64 = 20.0;
+/// From here on a cell is a shade darker, each.
+const SHADES: [f64; 6] = [1.15, 1.5, 2.5, 5.0, 10.0, 25.0];
+
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    /// Σ r²/σ², Σ (r² − σ²) (N²), samples.
+    ratio: f64,
+    excess_n2: f64,
+    count: f64,
+}
+
+/// The map of the base model, and that with the effects.
+pub(super) fn maps(course: &Course<'_>) -> Vec<HeatMap> {
+    let (before, after) = (
+        tally(course, &course.before_n),
+        tally(course, &course.after_n),
+    );
+    let all: f64 = before
+        .iter()
+        .flatten()
+        .map(|own| own.excess_n2.max(0.0))
+        .sum();
+    let what = format!(
+        "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
+        quantity(course.typical_mps, 2, "m/s")
+    );
+    let first = if course.changed {
+        "Before"
+    } else {
+        "Base model"
+    };
+    let mut maps = vec![map(course, &before, all).caption(format!("{first}: {what}"))];
+    if course.changed {
+        let caption = "After: the same, on the same scale, as shares of the excess before";
+        maps.push(map(course, &after, all).caption(caption));
+    }
+    maps
+}
+
+fn tally(course: &Course<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {
+    let curves = course.curves;
+    let mut tallies = vec![[Tally::default(); COLUMNS.len()]; DEPTHS + 1];
+    for (at, residual) in residuals.iter().enumerate().filter(|(_, r)| r.is_finite()) {
+        let deep = DEPTHS as f64 * curves.depth_m[at] / course.deepest_m.max(f64::MIN_POSITIVE);
+        let row = match curves.depth_m[at] > 0.0 {
+            true => 1 + (deep as usize).min(DEPTHS - 1),
+            false => 0,
+        };
+        let fast = curves.speed_mps[at].abs() > course.typical_mps;
+        let column = match (course.direction(at), fast) {
+            (-1, true) => 0,
+            (-1, false) => 1,
+            (0, _) => 2,
+            (_, false) => 3,
+            (_, true) => 4,
+        };
+        let (tally, allowed_n2) = (&mut tallies[row][column], curves.allowed_n[at].powi(2));
+        tally.ratio += residual * residual / allowed_n2;
+        tally.excess_n2 += residual * residual - allowed_n2;
+        tally.count += 1.0;
+    }
+    tallies
+}
+
+fn map(course: &Course<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> HeatMap {
+    let filled = tallies
+        .iter()
+        .enumerate()
+        .filter(|(_, row)| row.iter().any(|own| own.count >= FEWEST));
+    filled.fold(
+        HeatMap::new("depth \\ motion", COLUMNS),
+        |map, (at, row)| {
+            let cells = row.iter().map(|own| cell(own, all_n2)).collect();
+            map.row(depth(at, course.deepest_m), cells)
+        },
+    )
+}
+
+/// The depths of a row, both ends in the unit of the deepest.
+fn depth(row: usize, deepest_m: f64) -> String {
+    let end = |at: usize| at as f64 / DEPTHS as f64 * deepest_m;
+    match row {
+        0 => "free air".into(),
+        1 => format!("to {}", quantity(end(1), 2, "m")),
+        row => format!("to {}", quantity(end(row), 3, "m")),
+    }
+}
+
+fn cell(own: &Tally, all_n2: f64) -> Option<Shaded> {
+    if own.count < FEWEST {
+        return None;
+    }
+    let times = (own.ratio / own.count).sqrt();
+    let share = own.excess_n2 / all_n2.max(f64::MIN_POSITIVE);
+    Some(Shaded {
+        text: if times < 10.0 {
+            format!("{times:.2} ×")
+        } else {
+            format!("{times:.0} ×")
+        },
+        small: if share >= 0.005 {
+            format!("{:.0} %", 100.0 * share)
+        } else {
+            String::new()
+        },
+        shade: SHADES.iter().filter(|from| times > **from).count(),
+    })
+}

@@ -1,0 +1,150 @@
+//! Where the base model is off, and what remains.
+
+use super::tables::spaced;
+use crate::gap::{Finding, Region, Verdict, words};
+use crate::report::number::{column, fixed, quantity};
+use crate::report::{Cell, Section, Table};
+
+/// Where it was, and where it still is.
+pub(super) fn place(finding: &Finding) -> Section {
+    let section = Section::new("Where the base model and the measurement disagree");
+    if finding.disagreement.is_empty() {
+        return section.text(
+            "Nowhere: in no phase, at no depth, speed, time or frequency are the residuals significantly \
+             larger than noise and the errors of the motion allow (false discoveries below 1 %).",
+        );
+    }
+    let section = section.text(spaced(&format!("{}.", words(&finding.disagreement))));
+    let section = match (
+        finding.verdict,
+        finding.effects.is_empty(),
+        finding.remaining.is_empty(),
+    ) {
+        (Verdict::NoMissingEffect, ..) => {
+            section.text("All of it is within what the floor itself may be wrong by.")
+        }
+        (_, true, _) => section,
+        (_, _, true) => section.text("With the effects, nothing significant remains anywhere."),
+        _ => section.text(spaced(&format!(
+            "With the effects {} of the excess remains: {}.",
+            remaining_share(finding),
+            words(&finding.remaining).replace("of the excess is", "of it")
+        ))),
+    };
+    section.table(table(finding))
+}
+
+/// Of the excess on held-out parts.
+fn remaining_share(finding: &Finding) -> String {
+    let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
+    let share = 100.0 * excess(finding.ratio_after) / excess(finding.ratio_before);
+    match share {
+        share if share >= 9.5 => format!("{share:.0} %"),
+        share if share >= 0.1 => format!("{share:.1} %"),
+        _ => "less than 0.1 %".into(),
+    }
+}
+
+/// The order of a reader: what the probe does, depth, speed, time, lines.
+const ORDER: [&str; 15] = [
+    "free",
+    "touch",
+    "loading",
+    "hold",
+    "unloading",
+    "lift_off",
+    "depth_low",
+    "depth_mid",
+    "depth_high",
+    "slow",
+    "fast",
+    "early",
+    "late",
+    "line",
+    "pitch",
+];
+
+/// Every region in which either model is off.
+fn table(finding: &Finding) -> Table {
+    let only_base = finding.effects.is_empty();
+    let (before, after) = (&finding.disagreement, &finding.remaining);
+    let of = |regions: &[Region], id: &str| regions.iter().find(|own| own.id == id).cloned();
+    let mut rows: Vec<(Option<Region>, Option<Region>)> = ORDER
+        .iter()
+        .map(|id| (of(before, id), of(after, id).filter(|_| !only_base)))
+        .collect();
+    rows.retain(|(before, after)| before.is_some() || after.is_some());
+    let all = rows
+        .iter()
+        .flat_map(|(before, after)| [before, after])
+        .flatten();
+    let (unit, errors) = column(&all.map(|own| own.rms_n).collect::<Vec<_>>(), 3, "N");
+    let mut errors = errors.into_iter().map(Cell::Number);
+    let percent = |share: f64| Cell::Number(format!("{} %", fixed(100.0 * share, 0)));
+    let none = || Cell::Missing("–".into());
+    let cells = rows.iter().map(|(before, after)| {
+        let named = before.as_ref().or(after.as_ref());
+        let is_line = named.is_some_and(|own| own.hz.is_some() || own.pitch_m.is_some());
+        let mut rms = |own: &Option<Region>| {
+            own.as_ref()
+                .and_then(|_| errors.next())
+                .unwrap_or_else(none)
+        };
+        let (rms_before, rms_after) = (rms(before), rms(after));
+        let row = [
+            Cell::from(named.map_or(String::new(), name)),
+            named
+                .filter(|_| !is_line)
+                .map_or_else(none, |own| percent(own.samples)),
+            before.as_ref().map_or_else(none, |own| percent(own.share)),
+            rms_before,
+        ];
+        row.into_iter()
+            .chain((!only_base).then_some(rms_after))
+            .collect::<Vec<_>>()
+    });
+    let cells: Vec<_> = cells.collect();
+    let columns = ["Region", "Samples", "Share of the excess"].map(String::from);
+    let first = if only_base {
+        "Residual, rms"
+    } else {
+        "Residual before, rms"
+    };
+    let last = (!only_base).then(|| format!("after [{unit}]"));
+    Table::new(
+        columns
+            .into_iter()
+            .chain([format!("{first} [{unit}]")])
+            .chain(last),
+    )
+    .caption(
+        "Regions in which the residual is significantly larger than what is allowed; –: it is not.",
+    )
+    .rows(cells)
+}
+
+fn name(region: &Region) -> String {
+    if let Some(hz) = region.hz {
+        return format!("Line at {}", quantity(hz, 4, "Hz"));
+    }
+    if let Some(pitch_m) = region.pitch_m {
+        return format!("Repeats every {} of way", quantity(pitch_m, 4, "m"));
+    }
+    match region.id {
+        "free" => "Free air",
+        "touch" => "Touch",
+        "loading" => "Loading",
+        "hold" => "Holds",
+        "unloading" => "Unloading",
+        "lift_off" => "Lift-off",
+        "depth_low" => "Shallow third",
+        "depth_mid" => "Middle third",
+        "depth_high" => "Deep third",
+        "slow" => "Slower half of the speeds",
+        "fast" => "Faster half of the speeds",
+        "early" => "First half of the log",
+        "late" => "Second half of the log",
+        other => other,
+    }
+    .into()
+}

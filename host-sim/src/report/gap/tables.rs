@@ -1,0 +1,334 @@
+//! The tables: errors before and after, effects, base parameters, candidates, floors.
+
+use super::label;
+use super::verdict::{heading, title};
+use crate::gap::{Finding, Known, Named, Tried};
+use crate::report::number::Measured;
+use crate::report::{Cell, Section, Table};
+
+/// A parameter has moved when it did so by more than this many of its standard errors.
+const MOVED: f64 = 3.0;
+/// Half a 95 % interval in standard errors.
+const INTERVAL: f64 = 1.96;
+/// Sets of the ladder that are shown.
+const MOST_SETS: usize = 14;
+
+/// Errors before and after, advice and notes.
+pub(super) fn summary(finding: &Finding) -> Section {
+    let has_effects = !finding.effects.is_empty();
+    let errors = super::verdict::errors(finding);
+    let times = |ratio: f64| format!("{ratio:.2} ×");
+    let multiple = |rmse_n: f64| times(rmse_n / finding.noise_floor_n);
+    let row = |name: &str, before: String, after: String| {
+        let after = has_effects.then_some(Cell::Number(after));
+        [Cell::from(name), Cell::Number(before)]
+            .into_iter()
+            .chain(after)
+            .collect::<Vec<_>>()
+    };
+    let columns = match has_effects {
+        true => vec!["Held-out parts", "Before", "After"],
+        false => vec!["Held-out parts", "Base model"],
+    };
+    let table = Table::new(columns)
+        .row(row("Error, rms", errors.0, errors.1))
+        .row(row(
+            "over the noise of the force",
+            multiple(finding.rmse_before_n),
+            multiple(finding.rmse_after_n),
+        ))
+        .row(row(
+            "over noise and errors of the motion",
+            times(finding.ratio_before),
+            times(finding.ratio_after),
+        ));
+    let what = match finding.bandwidth_hz {
+        None => "the measured force".to_string(),
+        Some(hz) => format!("both forces below {hz} Hz"),
+    };
+    let said = match has_effects {
+        true => "Before: the base model, refitted. After: with the effects, everything refitted.",
+        false => "The base model, refitted.",
+    };
+    Section::new("What to know")
+        .text(spaced(&finding.advice))
+        .list(finding.notes.iter().map(|note| spaced(note)))
+        .text(format!(
+            "Errors are taken of {what}, on parts of the log that the fits do not see. {said}"
+        ))
+        .table(table)
+}
+
+/// A number stays with its percent sign.
+pub(super) fn spaced(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
+}
+
+/// What is missing: every effect with its parameters.
+pub(super) fn effects(finding: &Finding) -> Section {
+    let mut section = Section::new("What it is");
+    for own in &finding.effects {
+        section = section.table(table(&heading(own.id), &own.parameters));
+    }
+    section.list(finding.effects.iter().map(told))
+}
+
+/// Parameters with their intervals.
+fn table(caption: &str, parameters: &[Known]) -> Table {
+    let rows = parameters.iter().map(|known| {
+        [
+            Cell::from(label(&known.name)),
+            measured(known),
+            interval(known),
+        ]
+    });
+    Table::new(["Parameter", "Value ± standard error", "95 % interval"])
+        .caption(caption)
+        .rows(rows)
+}
+
+fn told(own: &Named) -> String {
+    let mut text = format!(
+        "{}: {}. Without it, all else refitted, the squared error on held-out parts is {}. {}.",
+        heading(own.id),
+        own.id.info().law,
+        times_larger(own.held_out_gain),
+        where_it_shows(&own.place),
+    );
+    if !own.alternatives.is_empty() {
+        let others: Vec<String> = own.alternatives.iter().map(|id| title(*id)).collect();
+        text += &format!(
+            " This log explains as well: {}. To tell them apart, record {}.",
+            others.join(", "),
+            own.id.info().motion
+        );
+    }
+    spaced(&text)
+}
+
+/// `1 − (RMSE with/without)²` as what leaving the effect out costs.
+fn times_larger(gain: f64) -> String {
+    let share = format!("(held-out gain {:.1} %)", 100.0 * gain);
+    match 1.0 / (1.0 - gain).max(1e-9) {
+        times if times >= 1.095 => format!("{times:.1} times as large {share}"),
+        _ => format!("hardly larger {share}"),
+    }
+}
+
+fn where_it_shows(place: &str) -> String {
+    match place {
+        "" => "It shows nowhere in particular".into(),
+        place => format!(
+            "Of what it explains, {}",
+            place.replace("of the excess ", "")
+        ),
+    }
+}
+
+fn measured(known: &Known) -> Cell {
+    Cell::measured(known.value, known.std_error, known.unit)
+}
+
+/// Both ends in the digits and the unit of the value.
+fn interval(known: &Known) -> Cell {
+    let Some(error) = known.std_error.filter(|own| *own > 0.0 && own.is_finite()) else {
+        return Cell::Missing("not fitted, or at a bound".into());
+    };
+    let end = |sign: f64| {
+        let own = Measured::new(
+            known.value + sign * INTERVAL * error,
+            Some(error),
+            known.unit,
+        );
+        (own.value, own.unit)
+    };
+    let ((low, low_unit), (high, unit)) = (end(-1.0), end(1.0));
+    let low = if low_unit == unit {
+        low
+    } else {
+        format!("{low} {low_unit}")
+    };
+    Cell::Number(format!("{low} … {high} {unit}").trim_end().into())
+}
+
+/// The base's parameters before and after, and whether they moved.
+pub(super) fn base(finding: &Finding) -> Section {
+    let given = finding.given();
+    let given = given
+        .iter()
+        .map(|(id, parameters)| table(&heading(*id), parameters));
+    given.fold(environment(finding), Section::table)
+}
+
+fn environment(finding: &Finding) -> Section {
+    if finding.base_after.is_empty() {
+        return Section::new("The effects that the base model had already");
+    }
+    let pairs = finding.base_before.iter().zip(&finding.base_after);
+    if finding.effects.is_empty() {
+        let rows = pairs.map(|(_, after)| {
+            [
+                Cell::from(label(&after.name)),
+                measured(after),
+                interval(after),
+            ]
+        });
+        let table = Table::new(["Parameter", "Value ± standard error", "95 % interval"]).rows(rows);
+        return Section::new("The base model's parameters")
+            .text("The whole log, fitted.")
+            .table(table);
+    }
+    let rows = pairs.map(|(before, after)| {
+        [
+            Cell::from(label(&after.name)),
+            measured(before),
+            measured(after),
+            interval(after),
+            Cell::Number(change(before, after)),
+            moved(before, after),
+        ]
+    });
+    let columns = [
+        "Parameter",
+        "Before",
+        "After",
+        "95 % interval after",
+        "Change",
+        "Moved?",
+    ];
+    Section::new("What that does to the base model's parameters")
+        .text(
+            "A model without the effect bends its own parameters to imitate it, and its standard errors do \
+             not tell. Moved: by more than three standard errors (σ) of both fits together.",
+        )
+        .table(Table::new(columns).rows(rows))
+}
+
+fn change(before: &Known, after: &Known) -> String {
+    let change = (after.value - before.value) / before.value.abs();
+    match change {
+        // Of what may lie at 0, such as the surface, no share says anything.
+        c if !c.is_finite() || before.name == "surface" => {
+            let difference = after.value - before.value;
+            let sign = if difference > 0.0 { "+" } else { "" };
+            format!(
+                "{sign}{}",
+                Measured::new(difference, after.std_error, after.unit)
+            )
+        }
+        c if c.abs() >= 0.0995 => format!("{:+.0} %", 100.0 * c),
+        c => format!("{:+.1} %", 100.0 * c),
+    }
+    .replacen('-', "\u{2212}", 1)
+}
+
+fn moved(before: &Known, after: &Known) -> Cell {
+    match (before.std_error, after.std_error) {
+        (Some(a), Some(b)) if a.hypot(b) > 0.0 => {
+            let errors = (after.value - before.value).abs() / a.hypot(b);
+            match errors > MOVED {
+                true => Cell::Number(format!("yes, by {errors:.0} σ")),
+                false => Cell::Number(format!("no, {errors:.1} σ")),
+            }
+        }
+        (None, None) => Cell::Missing("not fitted".into()),
+        _ => Cell::Missing("at a bound in one fit".into()),
+    }
+}
+
+/// The sets that were tried, best first.
+pub(super) fn ladder(finding: &Finding) -> Section {
+    if finding.ladder.is_empty() {
+        return Section::new("");
+    }
+    let chosen: Vec<_> = finding.effects.iter().map(|own| own.id).collect();
+    let rows = finding.ladder.iter().map(|tried| {
+        [
+            Cell::from(set(tried)),
+            Cell::Number(format!("{:.3} ×", tried.ratio)),
+            Cell::from(role(finding, tried, &chosen)),
+        ]
+    });
+    let table = Table::new([
+        "Added to the base model",
+        "Residual over what is allowed",
+        "",
+    ])
+    .caption("Everything refitted jointly, on the whole log, at the resolution of the search.")
+    .rows(rows)
+    .at_most(MOST_SETS);
+    Section::new("What was tried").table(table)
+}
+
+fn set(tried: &Tried) -> String {
+    match tried.ids.is_empty() {
+        true => "nothing".into(),
+        false => tried
+            .ids
+            .iter()
+            .map(|id| title(*id))
+            .collect::<Vec<_>>()
+            .join(" + "),
+    }
+}
+
+/// Whether it is the answer, cannot be told from it, or neither.
+fn role(
+    finding: &Finding,
+    tried: &Tried,
+    chosen: &[estimator_core::effect::EffectId],
+) -> &'static str {
+    let same = |one: &[_], other: &[_]| {
+        one.len() == other.len() && one.iter().all(|id| other.contains(id))
+    };
+    if same(&tried.ids, chosen) {
+        return if chosen.is_empty() {
+            "base model, and the answer"
+        } else {
+            "the answer"
+        };
+    }
+    if tried.ids.is_empty() {
+        return "base model";
+    }
+    let swapped = finding.effects.iter().any(|own| {
+        own.alternatives.iter().any(|other| {
+            let ids: Vec<_> = chosen
+                .iter()
+                .map(|id| if *id == own.id { *other } else { *id })
+                .collect();
+            same(&tried.ids, &ids)
+        })
+    });
+    if swapped {
+        "not told apart from it"
+    } else {
+        ""
+    }
+}
+
+/// How the floor was found.
+pub(super) fn floors(finding: &Finding, names: &[String]) -> Section {
+    let rows = finding.floors.iter().enumerate().map(|(at, floor)| {
+        [
+            Cell::from(names.get(at).map_or("the log", String::as_str)),
+            Cell::quantity(floor.high_pass_n, 3, "N"),
+            match floor.rest_n {
+                Some(rest) => Cell::quantity(rest, 3, "N"),
+                None => Cell::Missing("no rest".into()),
+            },
+            Cell::quantity(floor.used_n, 3, "N"),
+            Cell::from(floor.why.as_str()),
+        ]
+    });
+    let columns = [
+        "Log",
+        "Second differences",
+        "At rest in free air",
+        "Used",
+        "Why",
+    ];
+    Section::new("The floor of the noise")
+        .text("What the force does without any cause, found without a model.")
+        .table(Table::new(columns).rows(rows).at_most(MOST_SETS))
+}

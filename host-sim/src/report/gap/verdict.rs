@@ -1,0 +1,106 @@
+//! The sentence to read if only one is read.
+
+use estimator_core::effect::EffectId;
+
+use crate::gap::{Finding, Named, Verdict};
+use crate::report::Tone;
+use crate::report::number::{Measured, column};
+
+/// How good the news is, and the verdict in a word or two.
+pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
+    match finding.verdict {
+        Verdict::NoMissingEffect => (Tone::Good, "nothing missing"),
+        Verdict::MissingEffects if finding.effects.len() == 1 => (Tone::Good, "missing effect"),
+        Verdict::MissingEffects => (Tone::Good, "missing effects"),
+        Verdict::Ambiguous => (Tone::Warning, "ambiguous"),
+        Verdict::Unexplained => (Tone::Bad, "unexplained"),
+    }
+}
+
+/// The verdict with its figures.
+pub(super) fn sentence(finding: &Finding) -> String {
+    let (before, after) = errors(finding);
+    let times =
+        |ratio: f64| format!("{ratio:.2} times what noise and the errors of the motion allow");
+    let names: Vec<String> = finding.effects.iter().map(named).collect();
+    let names = names.join(" and ");
+    let shrinks = format!(
+        "With {} the error on held-out parts falls from {before} to {after}: {}.",
+        if finding.effects.len() == 1 {
+            "it"
+        } else {
+            "them"
+        },
+        times(finding.ratio_after)
+    );
+    match finding.verdict {
+        Verdict::NoMissingEffect => format!(
+            "The base model explains the measurement once its parameters are fitted: its error on \
+             held-out parts is {after}, {}.",
+            times(finding.ratio_after)
+        ),
+        Verdict::MissingEffects => format!("The model lacks {names}. {shrinks}"),
+        Verdict::Ambiguous => format!(
+            "The model lacks {names}, or {}: this log does not tell them apart. {shrinks}",
+            rivals(finding)
+        ),
+        Verdict::Unexplained if finding.effects.is_empty() => format!(
+            "Something is missing that no effect of the catalogue explains: with its parameters fitted \
+             the base model's error on held-out parts is {before}, {}.",
+            times(finding.ratio_before)
+        ),
+        Verdict::Unexplained => format!(
+            "The model lacks {names}, and something that no effect of the catalogue explains. {shrinks}"
+        ),
+    }
+}
+
+/// Both with the same prefix and decimals.
+pub(super) fn errors(finding: &Finding) -> (String, String) {
+    let (unit, values) = column(&[finding.rmse_before_n, finding.rmse_after_n], 4, "N");
+    let text = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
+    (text(0), text(1))
+}
+
+/// An effect with its leading parameter.
+fn named(own: &Named) -> String {
+    let title = title(own.id);
+    match own.parameters.first() {
+        Some(first) => {
+            let value = Measured::new(first.value, first.std_error, first.unit);
+            format!("{title} ({} {value})", first.name.replace('_', " "))
+        }
+        None => title,
+    }
+}
+
+fn rivals(finding: &Finding) -> String {
+    let mut ids: Vec<String> = Vec::new();
+    for id in finding.effects.iter().flat_map(|own| &own.alternatives) {
+        if !ids.contains(&title(*id)) {
+            ids.push(title(*id));
+        }
+    }
+    ids.join(" or ")
+}
+
+/// An effect's name for people, within a sentence.
+pub(super) fn title(id: EffectId) -> String {
+    let words = id.name().replace('_', " ");
+    // Two of them are named after people.
+    words
+        .replace("coulomb", "Coulomb")
+        .replace("stribeck", "Stribeck")
+}
+
+/// The same at the start of a cell.
+pub(super) fn heading(id: EffectId) -> String {
+    let title = title(id);
+    let mut letters = title.chars();
+    let first: String = letters
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
+    first + letters.as_str()
+}

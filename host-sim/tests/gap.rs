@@ -1,0 +1,248 @@
+//! `gap` on rigs with a known truth, by the command: verdict, effect, parameters, files. Only these
+//! tests read the truth.
+
+mod common;
+
+use common::{Folder, complained, flowing, record, said};
+use serde_json::Value;
+
+/// A finding with its files.
+struct Found {
+    folder: Folder,
+    said: String,
+    json: Value,
+    truth: Value,
+}
+
+impl Found {
+    fn of(rig: &str) -> Found {
+        let folder = Folder::new();
+        let file = |name: &str| record(&format!("hidden-effects/{rig}/{name}"));
+        let line = format!(
+            "gap --model {} --log {} --out out",
+            file("base.toml"),
+            file("measured.csv.gz")
+        );
+        let done = folder.palpate(&line);
+        assert_eq!(done.status.code(), Some(0), "{rig}: {}", complained(&done));
+        let truth = std::fs::read_to_string(file("truth.json")).unwrap();
+        Found {
+            json: serde_json::from_str(&folder.read("out/gap.json")).unwrap(),
+            truth: serde_json::from_str(&truth).unwrap(),
+            said: said(&done),
+            folder,
+        }
+    }
+
+    fn verdict(&self) -> &str {
+        self.json["verdict"].as_str().unwrap()
+    }
+
+    fn ids(&self) -> Vec<&str> {
+        let effects = self.json["effects"].as_array().unwrap();
+        effects
+            .iter()
+            .map(|own| own["id"].as_str().unwrap())
+            .collect()
+    }
+
+    fn true_ids(&self) -> Vec<&str> {
+        let ids = self.truth["effects"].as_array().unwrap();
+        ids.iter().map(|id| id.as_str().unwrap()).collect()
+    }
+
+    fn number(&self, path: &str) -> f64 {
+        let value = self.json.pointer(path).and_then(Value::as_f64);
+        value.unwrap_or_else(|| panic!("{path} in {}", self.json))
+    }
+
+    /// Within three standard errors or `floor` of the truth, whichever is more: the encoder of 1 µm and
+    /// the other integration of these rigs are in no standard error.
+    fn assert_near(&self, path: &str, truth: f64, floor: f64) {
+        let value = self.number(&format!("{path}/value"));
+        let error = self.number(&format!("{path}/std_error"));
+        assert!(error > 0.0, "{path}");
+        let most = f64::max(3.0 * error, floor);
+        assert!(
+            (value - truth).abs() <= most,
+            "{path}: {value} ± {error}, truly {truth}"
+        );
+    }
+
+    fn truth(&self, path: &str) -> f64 {
+        self.truth.pointer(path).and_then(Value::as_f64).unwrap()
+    }
+
+    /// What the base model really was: 1 %, and two counts of the encoder for the surface.
+    fn assert_base(&self, parameters: &[(&str, &str)]) {
+        for (name, key) in parameters {
+            let truth = self.truth(&format!("/base/{key}"));
+            let floor = if *key == "x0" { 2e-6 } else { 0.01 * truth };
+            self.assert_near(&format!("/base/after/{name}"), truth, floor);
+        }
+    }
+
+    /// The parameter of the first effect within three standard errors or 1 %.
+    fn assert_effect(&self, name: &str, key: &str) {
+        let truth = self.truth(&format!("/params/{key}"));
+        self.assert_near(&format!("/effects/0/params/{name}"), truth, 0.01 * truth);
+    }
+
+    /// Held-out residuals at the floor, from below as well.
+    fn assert_explained(&self) {
+        let ratio = self.number("/floor_ratio/after");
+        // Every rig's own noise scatters by 1 %; the goal is 1.04 at the same form.
+        assert!((0.95..1.06).contains(&ratio), "{ratio}");
+        assert_eq!(self.ids(), self.true_ids());
+        let floor = self.number("/noise_floor_n") / self.truth("/floor_n");
+        assert!((0.97..1.03).contains(&floor), "{floor}");
+    }
+}
+
+const KELVIN_VOIGT: [(&str, &str); 3] = [("stiffness", "K"), ("damping", "lam"), ("surface", "x0")];
+const HUNT_CROSSLEY: [(&str, &str); 4] = [
+    ("stiffness", "K"),
+    ("damping", "lam"),
+    ("exponent", "n"),
+    ("surface", "x0"),
+];
+
+#[test]
+fn where_nothing_is_missing_nothing_is_named_and_the_base_model_is_found() {
+    for (rig, parameters) in [("rig-06", &KELVIN_VOIGT[..]), ("rig-13", &HUNT_CROSSLEY)] {
+        let found = Found::of(rig);
+        assert_eq!(found.verdict(), "no_missing_effect", "{rig}");
+        found.assert_explained();
+        found.assert_base(parameters);
+        assert_eq!(found.json["remaining"], Value::Array(Vec::new()));
+        assert!(
+            found.said.starts_with("nothing is missing"),
+            "{}",
+            found.said
+        );
+    }
+}
+
+#[test]
+fn a_compliance_in_series_is_named_and_every_file_is_written() {
+    let found = Found::of("rig-01");
+    assert_eq!(found.verdict(), "missing_effects");
+    found.assert_explained();
+    found.assert_effect("stiffness", "comp_k");
+    found.assert_base(&HUNT_CROSSLEY);
+    // Without it the base's damping is half of the truth.
+    let before = found.number("/base/before/damping/value") / found.truth("/base/lam");
+    assert!((0.2..0.8).contains(&before), "{before}");
+    every_field(&found.json);
+    the_model_reads_back(&found);
+    the_report_says_it(&found);
+}
+
+#[test]
+fn dry_friction_and_a_relaxation_are_named_with_their_parameters() {
+    let found = Found::of("rig-09");
+    assert_eq!(found.verdict(), "missing_effects");
+    found.assert_explained();
+    found.assert_effect("force", "coul_f");
+    found.assert_base(&[
+        ("stiffness", "K"),
+        ("exponent", "n"),
+        ("relaxation_fraction_1", "c"),
+        ("relaxation_rate_1", "nu"),
+        ("surface", "x0"),
+    ]);
+    let found = Found::of("rig-15");
+    assert_eq!(found.verdict(), "missing_effects");
+    found.assert_explained();
+    found.assert_effect("fraction", "relax_c");
+    found.assert_effect("rate", "relax_nu");
+    found.assert_base(&KELVIN_VOIGT);
+}
+
+/// Every field that gap.json promises, with its type.
+fn every_field(json: &Value) {
+    let numbers = [
+        "/rmse_n/before",
+        "/rmse_n/after",
+        "/noise_floor_n",
+        "/floor_ratio/before",
+        "/floor_ratio/after",
+        "/seconds",
+        "/effects/0/held_out_gain",
+        "/effects/0/params/stiffness/value",
+        "/effects/0/params/stiffness/std_error",
+        "/base/before/stiffness/value",
+        "/base/after/stiffness/std_error",
+        "/disagreement/0/share",
+        "/candidates/0/floor_ratio",
+    ];
+    for path in numbers {
+        assert!(
+            json.pointer(path).is_some_and(Value::is_number),
+            "{path} in {json}"
+        );
+    }
+    for path in [
+        "/verdict",
+        "/advice",
+        "/effects/0/where",
+        "/effects/0/id",
+        "/disagreement/0/region",
+    ] {
+        let text = json.pointer(path).and_then(Value::as_str);
+        assert!(
+            text.is_some_and(|text| !text.is_empty()),
+            "{path} in {json}"
+        );
+    }
+    for path in [
+        "/remaining",
+        "/notes",
+        "/effects/0/alternatives",
+        "/candidates/0/effects",
+    ] {
+        assert!(
+            json.pointer(path).is_some_and(Value::is_array),
+            "{path} in {json}"
+        );
+    }
+    assert_eq!(json["bandwidth_hz"], Value::Null);
+    assert_eq!(json["effects"][0]["params"]["stiffness"]["unit"], "N/m");
+    let gain = json["effects"][0]["held_out_gain"].as_f64().unwrap();
+    assert!((0.9..1.0).contains(&gain), "{gain}");
+}
+
+/// `model.toml` is a model: it simulates, and holds the effect.
+fn the_model_reads_back(found: &Found) {
+    let model = found.folder.read("out/model.toml");
+    assert!(model.contains("id = \"series_compliance\""), "{model}");
+    let done = found
+        .folder
+        .palpate("simulate --model out/model.toml --out simulated");
+    assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
+    assert!(found.folder.read("simulated/log.csv").lines().count() > 1000);
+}
+
+fn the_report_says_it(found: &Found) {
+    let report = found.folder.read("out/report.html");
+    assert!(
+        (40_000..2_000_000).contains(&report.len()),
+        "{}",
+        report.len()
+    );
+    let text = flowing(&report);
+    for words in [
+        "The model lacks series compliance",
+        "the answer",
+        "sha256:",
+        "measured.csv.gz",
+        "base.toml",
+    ] {
+        assert!(text.contains(words), "{words}");
+    }
+    assert!(!report.contains("src="), "the report asks for another file");
+    let said = &found.said;
+    assert!(said.contains("out/report.html"), "{said}");
+    let widest = said.lines().map(|line| line.chars().count()).max();
+    assert!(widest <= Some(100), "{said}");
+}
