@@ -268,9 +268,7 @@ impl<T: Real> State<T> {
             .iter_mut()
             .for_each(|parameter| parameter.std_error *= misfit);
         let law = self.identifier.law(params);
-        let own = judged
-            .get(..law.parameters().len() - 1)
-            .unwrap_or(&[]);
+        let own = judged.get(..law.parameters().len() - 1).unwrap_or(&[]);
         let event = self
             .judge
             .update(&params.status, own, innovation.test_ratio);

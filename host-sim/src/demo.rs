@@ -138,7 +138,11 @@ fn hidden(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     let mut rig = Rig::default();
     rig.effects[0] = Some(Effect::CoulombFriction(friction));
     let once = Motion::palpation(GEL.peak_depth_m);
-    let run = rig.run(&Stage::throughout(GEL.at(0.0)), &once.then(&once), args.seed)?;
+    let run = rig.run(
+        &Stage::throughout(GEL.at(0.0)),
+        &once.then(&once),
+        args.seed,
+    )?;
     let log = run.log.uniform()?;
     write_log(&args.out.join("hidden.csv"), &log)?;
     let path = args.out.join("base.toml");
@@ -147,7 +151,9 @@ fn hidden(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     let finding = gap(&model, &[log], &Options::default())?;
     say("Then the guide rubs, and the model does not know it (gel to a tenth, no friction):\n")?;
     say(format!("{}\n", gap::summary(&finding)))?;
-    say(format!("  true        coulomb_friction force {HIDDEN_FRICTION_N} N\n\n"))?;
+    say(format!(
+        "  true        coulomb_friction force {HIDDEN_FRICTION_N} N\n\n"
+    ))?;
     Ok(())
 }
 

@@ -35,8 +35,8 @@ mod weights;
 
 pub use command::{GapArgs, run};
 pub use floor::Floor;
-pub use print::summary;
 pub use plan::{Further, Plan, Planned, plan};
+pub use print::summary;
 pub use progress::{Progress, Silent};
 pub(crate) use regions::phase;
 pub use regions::{Region, words};

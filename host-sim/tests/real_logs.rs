@@ -242,7 +242,7 @@ fn fields(object: &Value) -> Vec<&str> {
 fn estimate_json_has_the_documented_fields_and_units() {
     let json = Estimated::of(RIG_13, "").json;
     let documented = "law method reference_depth_m status parameters force_rmse_n force_noise_n \
-                      settled_at_s segments touches events selection notes";
+                      settled_at_s segments touches events selection compensated notes";
     assert_eq!(fields(&json).join(" "), documented);
     let parameters = json["parameters"].as_object().unwrap();
     let units: Vec<_> = parameters

@@ -29,7 +29,12 @@ pub struct GapArgs {
     #[arg(long, value_name = "FILE")]
     pub model: PathBuf,
     /// A log of the rig; several logs of one rig are fitted together.
-    #[arg(long = "log", value_name = "LOG", required_unless_present = "plan", conflicts_with = "plan")]
+    #[arg(
+        long = "log",
+        value_name = "LOG",
+        required_unless_present = "plan",
+        conflicts_with = "plan"
+    )]
     pub logs: Vec<PathBuf>,
     /// Before any log: which effects a motion will show and tell apart, and what to record as well.
     #[arg(long)]
@@ -68,9 +73,17 @@ fn positive_n(text: &str) -> Result<f64, String> {
 /// What a motion will show, before any log.
 fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     let model = Model::read(&args.model)?;
-    let named = args.motion.as_ref().filter(|path| path.as_os_str() != "palpation");
+    let named = args
+        .motion
+        .as_ref()
+        .filter(|path| path.as_os_str() != "palpation");
     let motion = named.map(|path| Motion::read(path)).transpose()?;
-    let plan = plan(&model, motion.as_ref(), args.noise, &Options::default().catalogue)?;
+    let plan = plan(
+        &model,
+        motion.as_ref(),
+        args.noise,
+        &Options::default().catalogue,
+    )?;
     if let Some(folder) = &args.out {
         write_atomically(&folder.join("plan.json"), |writer| {
             serde_json::to_writer_pretty(&mut *writer, &plan_say::json(&plan))?;
@@ -115,7 +128,10 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     say(print::summary(&finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;
     if let Some(folder) = &args.out {
-        say(format!("  report      {}\n", folder.join("report.html").display()))?;
+        say(format!(
+            "  report      {}\n",
+            folder.join("report.html").display()
+        ))?;
     }
     Ok(())
 }

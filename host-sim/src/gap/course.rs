@@ -59,7 +59,8 @@ impl Course {
 
     /// The samples at some places of it.
     pub(super) fn picked(&self, places: impl Iterator<Item = usize> + Clone) -> Course {
-        let every = |channel: &[f64]| -> Vec<f64> { places.clone().map(|at| channel[at]).collect() };
+        let every =
+            |channel: &[f64]| -> Vec<f64> { places.clone().map(|at| channel[at]).collect() };
         Course {
             period_s: self.period_s,
             even: self.even,

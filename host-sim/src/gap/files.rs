@@ -13,7 +13,12 @@ use crate::report::gap::GapReport;
 use crate::report::{Document, Input, Provenance};
 
 /// Writes all of them into a folder.
-pub(super) fn write(folder: &Path, finding: &Finding, read: &Read<'_>, seconds: f64) -> io::Result<()> {
+pub(super) fn write(
+    folder: &Path,
+    finding: &Finding,
+    read: &Read<'_>,
+    seconds: f64,
+) -> io::Result<()> {
     write_atomically(&folder.join("gap.json"), |writer| {
         serde_json::to_writer_pretty(&mut *writer, &json(finding, seconds))?;
         writeln!(writer)
@@ -38,7 +43,12 @@ pub(super) struct Read<'a> {
 }
 
 fn report(finding: &Finding, read: &Read<'_>) -> io::Result<Document> {
-    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = |path: &Path| {
+        path.file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
     let names: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
     let command: Vec<String> = std::env::args().skip(1).collect();
     let mut provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());

@@ -63,7 +63,10 @@ pub(super) fn along<S: Scalar>(
         } else {
             course.motion(at)
         };
-        each(at, rig.step(&mut state, motion, S::from_f64(course.step_s(at))));
+        each(
+            at,
+            rig.step(&mut state, motion, S::from_f64(course.step_s(at))),
+        );
     }
 }
 

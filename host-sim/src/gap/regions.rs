@@ -259,8 +259,16 @@ pub fn words(regions: &[Region]) -> String {
         .filter(|region| !phases.contains(&region.id) && region.share > 1.3 * region.samples)
         .take(2);
     for region in telling {
-        let of = if said.is_empty() { "of the excess is " } else { "" };
-        said.push(format!("{:.0} % {of}{}", 100.0 * region.share, place(region.id)));
+        let of = if said.is_empty() {
+            "of the excess is "
+        } else {
+            ""
+        };
+        said.push(format!(
+            "{:.0} % {of}{}",
+            100.0 * region.share,
+            place(region.id)
+        ));
     }
     for line in regions {
         match (line.hz, line.pitch_m) {

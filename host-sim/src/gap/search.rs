@@ -269,7 +269,11 @@ impl Search<'_> {
         while level < MOST_ADDED && !self.is_adequate(&best) {
             // Later steps are longer: five effects, with all that is there, are half of the time.
             let share = 0.1 + 0.5 * level as f64 / MOST_ADDED as f64;
-            let what = format!("effect {} of at most {MOST_ADDED}: {} in the catalogue", level + 1, self.ids.len());
+            let what = format!(
+                "effect {} of at most {MOST_ADDED}: {} in the catalogue",
+                level + 1,
+                self.ids.len()
+            );
             self.progress.at(share, &what);
             let mut children: Vec<Fit> = beam.iter().flat_map(|fit| self.expanded(fit)).collect();
             children.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
@@ -317,7 +321,9 @@ impl Search<'_> {
                 .map(|at| self.without(&best, at))
                 .min_by(|a, b| a.cost.total_cmp(&b.cost));
             match without {
-                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => best = fit,
+                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => {
+                    best = fit
+                }
                 _ => return best,
             }
         }
@@ -352,7 +358,10 @@ impl Search<'_> {
         };
         let simple = coulomb.expanded(&self.without(&found.best, at));
         match simple.into_iter().next() {
-            Some(fit) if fit.cost - found.best.cost < self.price(fit.cost, found.best.cost, base_cost) => {
+            Some(fit)
+                if fit.cost - found.best.cost
+                    < self.price(fit.cost, found.best.cost, base_cost) =>
+            {
                 Found { best: fit, ..found }
             }
             _ => found,

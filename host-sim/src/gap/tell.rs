@@ -68,7 +68,11 @@ pub(super) fn finding(
         effects,
     };
     finding.advice = advice(&finding, evidence, &decision);
-    if let Some(own) = unobserved(evidence, &decision.best, &std_errors(&problem, &decision.best)) {
+    if let Some(own) = unobserved(
+        evidence,
+        &decision.best,
+        &std_errors(&problem, &decision.best),
+    ) {
         finding.advice.push_str(&format!(
             " This log hardly observes the {}: record {} as well, which should bring its standard error \
              to {:.0} %.",
@@ -281,7 +285,10 @@ fn base(fit: &Fit, known: &[Owned]) -> Vec<Known> {
         Owner::Effect(of, _) => {
             let term = fit.shape.terms.get(*of).filter(|term| term.given)?;
             let name = format!("{}.{}", term.id.name(), own.name);
-            Some(Known { name, ..own.clone() })
+            Some(Known {
+                name,
+                ..own.clone()
+            })
         }
     });
     each.collect()
@@ -340,7 +347,10 @@ fn errors(known: &[Owned], own: impl Fn(Owner) -> bool) -> Vec<(String, f64)> {
 
 /// What to do next, in a sentence or two.
 fn advice(finding: &Finding, evidence: &Evidence<'_>, decision: &Decision) -> String {
-    let ambiguous = finding.effects.iter().find(|own| !own.alternatives.is_empty());
+    let ambiguous = finding
+        .effects
+        .iter()
+        .find(|own| !own.alternatives.is_empty());
     match (finding.verdict, ambiguous) {
         (Verdict::NoMissingEffect, _) => {
             "Nothing is missing: the base model explains this log to its noise.".into()
@@ -371,5 +381,8 @@ fn advice(finding: &Finding, evidence: &Evidence<'_>, decision: &Decision) -> St
 }
 
 fn listed(ids: &[EffectId]) -> String {
-    ids.iter().map(|id| id.name()).collect::<Vec<_>>().join(", ")
+    ids.iter()
+        .map(|id| id.name())
+        .collect::<Vec<_>>()
+        .join(", ")
 }

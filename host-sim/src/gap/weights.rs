@@ -56,8 +56,10 @@ pub(super) fn variances(
         along(&fit.shape, &fit.numbers, course, |at, reading| {
             let row = variances.len();
             // Within a sample of the surface a force that jumps is somewhere in between.
-            let near_m = course.step_s(at) * course.speed_mps[at].abs() + 2.0 * course.position_noise_m;
-            let touching = contact && reading.touch.depth_m.abs() < near_m && course.speed_mps[at] != 0.0;
+            let near_m =
+                course.step_s(at) * course.speed_mps[at].abs() + 2.0 * course.position_noise_m;
+            let touching =
+                contact && reading.touch.depth_m.abs() < near_m && course.speed_mps[at] != 0.0;
             let motion = of_position[row] + of_speed[row] + of_acceleration[row];
             variances.push(if course.count[at] == 0.0 || touching {
                 0.0
