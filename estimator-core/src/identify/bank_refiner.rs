@@ -44,10 +44,10 @@ const REFINER_BETA: f64 = 0.99984;
 const SURELY: f64 = 3.0;
 const INSIDE: f64 = 0.2;
 /// Prior standard deviation of the skew (s), if it is asked for, and if it is not: no two converters
-/// start within a hundredth of a sample, and on a log where they are 23 µs apart K is off by three
-/// of its standard errors if the skew is held at 0.
+/// start at once, and on a log where they are 23 µs apart K is off by three of its standard errors if
+/// the skew is held at 0. With 10 µs plastic's λ, which a skew imitates, loses its last per cent.
 const SKEW_S: f64 = 3e-3;
-const ALIGNED_S: f64 = 1e-5;
+const ALIGNED_S: f64 = 4e-6;
 /// The size that an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
