@@ -2,7 +2,7 @@
 //!
 //! The steps, a file a word: `floor` says what noise leaves without any model; `course` is a log as
 //! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
-//! says what a residual may be; `propose` says where a candidate starts and what it promises;
+//! says what a residual may be; `start` says where a candidate may start, `propose` what it promises there;
 //! `search` adds, swaps and drops effects, each time refitting everything; `decide` judges on
 //! held-out parts; `regions` says where, `error` how well; `files` writes it down. `plan` says before
 //! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart. Before all that
@@ -10,6 +10,7 @@
 
 mod advise;
 mod apart;
+mod basis;
 mod budget;
 mod command;
 mod course;
@@ -30,6 +31,7 @@ mod regions;
 mod result;
 mod search;
 mod shape;
+mod start;
 mod tell;
 mod weights;
 

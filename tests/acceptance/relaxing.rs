@@ -7,19 +7,17 @@
 //! E5 is the chapter's press of polyurethane and its hold of 50 s. The rig adds its motor, 20 mN of
 //! noise in 5 mN steps and an encoder of 1 µm.
 
-use estimator_core::config::{Config, Method, Surface};
-use estimator_core::estimate::{Estimate, Event};
+use estimator_core::config::Method;
+use estimator_core::estimate::Estimate;
 use estimator_core::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
-use estimator_core::{State, step};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
 use palpate::plant::{Contact, Law, MODES, Rig, Stage};
-use palpate::replay::samples;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::cases::Stroke;
-use crate::score::quantile;
+use crate::score::{Ran, largest, quantile, run};
 
 /// Length of a case (s).
 const SECONDS: f64 = 8.0;
@@ -243,29 +241,13 @@ pub(crate) struct Score {
 
 /// Runs a method over a case, its surface told if `known`.
 pub(crate) fn score(case: &Case, method: Method, known: bool) -> Score {
-    let mut config = Config {
-        method,
-        ..Config::default()
-    };
-    if known {
-        config.contact.surface = Surface::Known {
-            position_m: case.surface_m as f32,
-        };
-    }
-    let params = config.validate::<f32>().expect("the defaults are valid");
-    let mut state = State::new(&params);
-    let mut unsettled_s = case.touched_s;
-    let mut changes = 0;
-    let mut end = None;
-    for (time_s, sample) in case.log.time_s.iter().zip(samples(&case.log)) {
-        let estimate = step(&params, &mut state, sample);
-        changes += u32::from(estimate.event == Some(Event::MaterialChange));
-        if errors(&estimate, &case.truth).any(|error| error > 0.05) {
-            unsettled_s = *time_s;
-        }
-        end = Some(estimate);
-    }
-    let end = end.expect("the log is not empty");
+    let surface_m = known.then_some(case.surface_m);
+    let worst = |estimate: &Estimate<f32>| largest(errors(estimate, &case.truth));
+    let Ran {
+        end,
+        unsettled_s,
+        changes,
+    } = run(&case.log, case.touched_s, method, surface_m, worst);
     let own = case.truth.len();
     let surface = end.parameters[own].map_or(f64::INFINITY, |p| f64::from(p.value));
     Score {

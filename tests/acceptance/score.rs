@@ -3,6 +3,7 @@
 use estimator_core::config::{Config, Method, Surface};
 use estimator_core::estimate::{Estimate, Event};
 use estimator_core::{State, step};
+use palpate::log::UniformLog;
 use palpate::replay::samples;
 
 use super::cases::Case;
@@ -27,38 +28,67 @@ pub(crate) struct Score {
     pub(crate) floor: Floor,
 }
 
-/// Runs a method over a case, its surface told if `known`.
-pub(crate) fn score(case: &Case, method: Method, known: bool) -> Score {
+/// A method's way through a log.
+pub(crate) struct Ran {
+    /// Its last estimate.
+    pub(crate) end: Estimate<f32>,
+    /// The last time (s) at which an error was more than 5 %; not before the first touch.
+    pub(crate) unsettled_s: f64,
+    /// Material changes.
+    pub(crate) changes: u32,
+}
+
+/// Runs a method over a log that touches at `touched_s`, the surface told if given; `worst` is the
+/// largest relative error of an estimate.
+pub(crate) fn run(
+    log: &UniformLog,
+    touched_s: f64,
+    method: Method,
+    surface_m: Option<f64>,
+    worst: impl Fn(&Estimate<f32>) -> f64,
+) -> Ran {
     let mut config = Config {
         method,
         ..Config::default()
     };
-    if known {
+    if let Some(surface_m) = surface_m {
         config.contact.surface = Surface::Known {
-            position_m: case.truth[3] as f32,
+            position_m: surface_m as f32,
         };
     }
     let params = config.validate::<f32>().expect("the defaults are valid");
     let mut state = State::new(&params);
-    let mut unsettled_s = case.touched_s;
+    let mut unsettled_s = touched_s;
     let mut changes = 0;
     let mut end = None;
-    for (time_s, sample) in case.log.time_s.iter().zip(samples(&case.log)) {
+    for (time_s, sample) in log.time_s.iter().zip(samples(log)) {
         let estimate = step(&params, &mut state, sample);
         changes += u32::from(estimate.event == Some(Event::MaterialChange));
-        if errors(&estimate, &case.truth)
-            .into_iter()
-            .any(|error| error > 0.05)
-        {
+        if worst(&estimate) > 0.05 {
             unsettled_s = *time_s;
         }
         end = Some(estimate);
     }
-    let end = end.expect("the log is not empty");
+    Ran {
+        end: end.expect("the log is not empty"),
+        unsettled_s,
+        changes,
+    }
+}
+
+/// Runs a method over a case, its surface told if `known`.
+pub(crate) fn score(case: &Case, method: Method, known: bool) -> Score {
+    let surface_m = known.then_some(case.truth[3]);
+    let worst = |estimate: &Estimate<f32>| largest(errors(estimate, &case.truth));
+    let Ran {
+        end,
+        unsettled_s,
+        changes,
+    } = run(&case.log, case.touched_s, method, surface_m, worst);
     let last_slot = end.law.parameters().len() - 1;
     let surface = end.parameters[last_slot].map(|p| (f64::from(p.value) - case.truth[3]).abs());
     Score {
-        worst: errors(&end, &case.truth).into_iter().fold(0.0, f64::max),
+        worst: worst(&end),
         settles_s: unsettled_s - case.touched_s,
         surface_m: surface,
         covered: std::array::from_fn(|slot| {
@@ -71,6 +101,11 @@ pub(crate) fn score(case: &Case, method: Method, known: bool) -> Score {
         changes,
         floor: Floor::of(case, known),
     }
+}
+
+/// The largest of errors.
+pub(crate) fn largest(errors: impl IntoIterator<Item = f64>) -> f64 {
+    errors.into_iter().fold(0.0, f64::max)
 }
 
 /// Relative errors of K, λ, n.

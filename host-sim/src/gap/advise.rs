@@ -161,12 +161,7 @@ fn repeats(id: EffectId) -> bool {
 
 /// A fit with one effect taken out, everything else as it stands.
 fn without(fit: &Fit, number: usize, evidence: &Evidence<'_>) -> Fit {
-    let mut terms = fit.shape.terms_at(&fit.numbers);
-    terms.remove(number);
-    let shape = Shape::new(&fit.shape.base, terms, evidence.scales);
-    let mut numbers = shape.start();
-    let count = shape.environment_count();
-    numbers[..count].copy_from_slice(&fit.numbers[..count]);
+    let (shape, numbers) = fit.without(number, evidence.scales);
     Fit {
         shape,
         numbers,

@@ -9,11 +9,12 @@
 use estimator_core::effect::{EffectId, MOST_PARAMETERS};
 use rayon::prelude::*;
 
+use super::basis::{extend, remove};
 use super::course::{Course, Scales};
 use super::fit::{Problem, dot, forces};
 use super::floor::Floor;
-use super::propose::{is_possible, remove, starts, whole};
 use super::shape::{Shape, Term};
+use super::start::{is_possible, starts, whole};
 use super::weights::{variances, weights};
 
 /// A difference of χ² that counts, like the search's price: 5 σ, and the catalogue's size.
@@ -201,20 +202,5 @@ impl<'a> Bench<'a> {
             .map(|((with, without), root)| (root * (with - without)).powi(2))
             .sum();
         (square / self.samples.max(1.0)).sqrt()
-    }
-}
-
-/// Adds a column to an orthonormal set, if anything of it is new.
-fn extend(set: &mut Vec<Vec<f64>>, mut column: Vec<f64>, basis: &[Vec<f64>]) {
-    let before = dot(&column, &column);
-    for _ in 0..2 {
-        remove(&mut column, basis);
-        remove(&mut column, set);
-    }
-    let size = dot(&column, &column);
-    if size.is_finite() && size > 1e-10 * before && size > 0.0 {
-        let scale = 1.0 / size.sqrt();
-        column.iter_mut().for_each(|value| *value *= scale);
-        set.push(column);
     }
 }

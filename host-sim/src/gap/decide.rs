@@ -13,7 +13,6 @@ use super::floor::Floor;
 use super::low_pass::LowPass;
 use super::result::Verdict;
 use super::search::{Found, added};
-use super::shape::Shape;
 use super::weights::{variances, weights};
 
 /// Windows of a log, of which every third is held out.
@@ -73,8 +72,7 @@ impl Evidence<'_> {
         let mut found = found;
         loop {
             let decision = self.judge(base, &found);
-            let count = decision.best.shape.terms.len() - given(&decision.best);
-            if count == 0 || decision.verdict != Verdict::Unexplained {
+            if decision.without.is_empty() || decision.verdict != Verdict::Unexplained {
                 return decision;
             }
             let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
@@ -103,17 +101,12 @@ impl Evidence<'_> {
         let (all, train) = (self.problem(&all), self.problem(&train));
         let refit = |fit: &Fit| all.fit(&fit.shape, fit.numbers.clone());
         let (base, best) = rayon::join(|| refit(base), || refit(&found.best));
-        let own: Vec<usize> = (0..best.shape.terms.len())
-            .filter(|at| !best.shape.terms[*at].given)
-            .collect();
+        let own = best.added();
         let without: Vec<Fit> = own
             .par_iter()
             .map(|at| {
-                all.walk(
-                    &without(&best, *at, self.scales),
-                    start_without(&best, *at, self.scales),
-                    12,
-                )
+                let (shape, start) = best.without(*at, self.scales);
+                all.walk(&shape, start, 12)
             })
             .collect();
         let trained: Vec<Fit> = [&base, &best]
@@ -245,16 +238,10 @@ impl Evidence<'_> {
             .into_par_iter()
             .map(|fit| all.walk(&fit.shape, fit.numbers.clone(), 10))
             .collect();
-        let mut order: Vec<EffectId> = best
-            .shape
-            .terms
-            .iter()
-            .filter(|t| !t.given)
-            .map(|t| t.id)
-            .collect();
-        order
-            .drain(..)
-            .map(|own| {
+        best.added()
+            .into_iter()
+            .map(|at| {
+                let own = best.shape.terms[at].id;
                 let mut alternatives = Vec::new();
                 for fit in &refitted {
                     let others = added(fit);
@@ -295,24 +282,6 @@ pub(super) fn related(one: EffectId, other: EffectId) -> bool {
         _ => 0,
     };
     one == other || (family(one) != 0 && family(one) == family(other))
-}
-
-fn given(fit: &Fit) -> usize {
-    fit.shape.terms.iter().filter(|term| term.given).count()
-}
-
-fn without(fit: &Fit, at: usize, scales: &Scales) -> Shape {
-    let mut terms = fit.shape.terms_at(&fit.numbers);
-    terms.remove(at);
-    Shape::new(&fit.shape.base, terms, scales)
-}
-
-fn start_without(fit: &Fit, at: usize, scales: &Scales) -> Vec<f64> {
-    let shape = without(fit, at, scales);
-    let mut start = shape.start();
-    let own = shape.environment_count();
-    start[..own].copy_from_slice(&fit.numbers[..own]);
-    start
 }
 
 /// Depths (m) of a fit along the courses, log after log.

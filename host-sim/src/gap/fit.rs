@@ -3,13 +3,13 @@
 //! A kept crate has neither bounds nor the block-wise gradients of dual numbers: the Jacobian is
 //! filled eight columns at a time by the rig itself, run over the whole log.
 
-use estimator_core::effect::Motion;
+use estimator_core::effect::{EffectId, Motion};
 use estimator_core::rig::Reading;
 use estimator_core::scalar::{Dual, Scalar};
 
-use super::course::Course;
+use super::course::{Course, Scales};
 use super::low_pass::LowPass;
-use super::shape::Shape;
+use super::shape::{Shape, Term};
 use crate::dense;
 
 /// Most steps of a fit.
@@ -40,6 +40,31 @@ pub(super) struct Fit {
     pub(super) cost: f64,
 }
 
+impl Fit {
+    /// Which of its terms the base model does not have.
+    pub(super) fn added(&self) -> Vec<usize> {
+        (0..self.shape.terms.len())
+            .filter(|at| !self.shape.terms[*at].given)
+            .collect()
+    }
+
+    /// The law with other terms, and where a fit of them starts: the environment as it stands here.
+    pub(super) fn with_terms(&self, terms: Vec<Term>, scales: &Scales) -> (Shape, Vec<f64>) {
+        let shape = Shape::new(&self.shape.base, terms, scales);
+        let mut start = shape.start();
+        let environment = shape.environment_count();
+        start[..environment].copy_from_slice(&self.numbers[..environment]);
+        (shape, start)
+    }
+
+    /// The same without one of its terms.
+    pub(super) fn without(&self, at: usize, scales: &Scales) -> (Shape, Vec<f64>) {
+        let mut terms = self.shape.terms_at(&self.numbers);
+        terms.remove(at);
+        self.with_terms(terms, scales)
+    }
+}
+
 /// A linearisation: residuals (N), and the force's derivatives, a column per free number.
 pub(super) struct Linear {
     pub(super) residuals: Vec<f64>,
@@ -56,7 +81,8 @@ pub(super) fn along<S: Scalar>(
     let rig = shape.rig(numbers);
     let mut state = rig.at_rest();
     let delay = rig.delay_s();
-    let delayed = delay.to_f64() != 0.0 || shape.terms.iter().any(|term| is_delay(term.id));
+    let is_delay = |term: &Term| term.id == EffectId::TimeDelay;
+    let delayed = shape.terms.iter().any(is_delay);
     for at in 0..course.len() {
         let motion = if delayed {
             course.delayed(at, delay)
@@ -68,10 +94,6 @@ pub(super) fn along<S: Scalar>(
             rig.step(&mut state, motion, S::from_f64(course.step_s(at))),
         );
     }
-}
-
-fn is_delay(id: estimator_core::effect::EffectId) -> bool {
-    id == estimator_core::effect::EffectId::TimeDelay
 }
 
 impl Course {

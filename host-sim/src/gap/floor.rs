@@ -46,7 +46,9 @@ impl Floor {
     /// The floor of a log.
     pub fn of(log: &UniformLog) -> Floor {
         let high_pass_n = high_pass(log);
-        let (rest_n, lines_n) = rest(log).map_or((None, 0.0), |(own, lines)| (Some(own), lines));
+        let rests = rests(log);
+        let (rest_n, lines_n) =
+            rest(log, &rests).map_or((None, 0.0), |(own, lines)| (Some(own), lines));
         let (used_n, why) = match rest_n {
             None => (
                 high_pass_n,
@@ -65,7 +67,7 @@ impl Floor {
         Floor {
             coloured,
             correlation: if coloured {
-                resting_correlation(log)
+                resting_correlation(log, &rests)
             } else {
                 1.0
             },
@@ -120,8 +122,7 @@ fn high_pass(log: &UniformLog) -> f64 {
     if fine > 0.0 { fine } else { coarse }
 }
 
-fn rest(log: &UniformLog) -> Option<(f64, f64)> {
-    let rests = rests(log);
+fn rest(log: &UniformLog, rests: &[Range<usize>]) -> Option<(f64, f64)> {
     let mut total = [0.0; 3];
     for rest in rests {
         // What the motion leaves behind has gone after a tenth of the rest.
@@ -143,8 +144,8 @@ fn rest(log: &UniformLog) -> Option<(f64, f64)> {
 }
 
 /// Integrated autocorrelation of the longest rest (samples).
-fn resting_correlation(log: &UniformLog) -> f64 {
-    let longest = rests(log).into_iter().max_by_key(Range::len);
+fn resting_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
+    let longest = rests.iter().max_by_key(|rest| rest.len());
     longest.map_or(1.0, |rest| {
         let settled = rest.start + rest.len() / 10..rest.end;
         correlation(&detrended(&log.force_n[settled]))

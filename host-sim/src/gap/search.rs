@@ -62,13 +62,8 @@ pub(super) struct Found {
 
 /// The effects that a fit adds to the base model, in order.
 pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
-    let mut ids: Vec<EffectId> = fit
-        .shape
-        .terms
-        .iter()
-        .filter(|t| !t.given)
-        .map(|t| t.id)
-        .collect();
+    let own = fit.added().into_iter();
+    let mut ids: Vec<EffectId> = own.map(|at| fit.shape.terms[at].id).collect();
     ids.sort();
     ids
 }
@@ -147,15 +142,16 @@ impl Search<'_> {
 
     /// Cost with a price on free numbers: BIC in units of independent residuals.
     pub(super) fn score(&self, fit: &Fit) -> f64 {
-        let count = self.problem().weights.iter().filter(|w| **w > 0.0).count() as f64;
-        let independent = (count / self.correlation).max(2.0);
+        // The floor of Σ w r² is the number of samples that count.
+        let independent = (self.floor / self.correlation).max(2.0);
         fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
     }
 
     /// What an effect must take off Σ w r² to be there, when `after` is left.
     fn price(&self, without: f64, after: f64, base: f64) -> f64 {
         // Significance, with the catalogue's size; 4 % of what is left, for the errors of the noise's
-        // own model, 10 % where that is coloured; and a share of what the base left, for the errors of the effects' forms.
+        // own model, 10 % where that is coloured; and a share of what the base left, for the errors
+        // of the effects' forms.
         let catalogue = 2.0 * (self.ids.len() as f64).ln();
         let significant = self.correlation * (25.0 + catalogue) * (after / self.floor).max(1.0);
         let form = 0.02 * (base - self.floor).max(0.0);
@@ -218,28 +214,6 @@ impl Search<'_> {
             .map(|fit| self.problem().fit(&fit.shape, fit.numbers))
             .collect();
         done.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
-        if std::env::var("PALPATE_TRACE").is_ok() {
-            eprintln!(
-                "from {:?} {:.4}",
-                added(from),
-                (from.cost / self.floor).sqrt()
-            );
-            for own in &proposals {
-                eprintln!(
-                    "   proposed {:?} {:.4} {:?}",
-                    own[0].term.id,
-                    own[0].gain / from.cost,
-                    own[0].term.row
-                );
-            }
-            for fit in &done {
-                eprintln!(
-                    "   fitted {:?} {:.4}",
-                    added(fit),
-                    (fit.cost / self.floor).sqrt()
-                );
-            }
-        }
         done
     }
 
@@ -247,13 +221,8 @@ impl Search<'_> {
     fn starts(&self, from: &Fit, proposal: &Proposal) -> Vec<(Shape, Vec<f64>)> {
         let mut terms = from.shape.terms_at(&from.numbers);
         terms.push(proposal.term.clone());
-        let shape = Shape::new(self.base, terms, self.scales);
-        let mut start = shape.start();
-        let filed = start.clone();
-        let own = from.numbers.len();
-        // The environment's numbers come first, in both.
-        let environment = shape.environment_count();
-        start[..environment].copy_from_slice(&from.numbers[..environment.min(own)]);
+        let (shape, start) = from.with_terms(terms, self.scales);
+        let filed = shape.start();
         if filed == start {
             return vec![(shape, start)];
         }
@@ -313,10 +282,8 @@ impl Search<'_> {
     /// Leaves out what does not pay.
     fn without_idle(&self, mut best: Fit, base_cost: f64) -> Fit {
         loop {
-            let own: Vec<usize> = (0..best.shape.terms.len())
-                .filter(|at| !best.shape.terms[*at].given)
-                .collect();
-            let without: Option<Fit> = own
+            let without: Option<Fit> = best
+                .added()
                 .into_par_iter()
                 .map(|at| self.without(&best, at))
                 .min_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -331,13 +298,8 @@ impl Search<'_> {
 
     /// The best fit without a term.
     pub(super) fn without(&self, fit: &Fit, at: usize) -> Fit {
-        let mut terms = fit.shape.terms_at(&fit.numbers);
-        terms.remove(at);
-        let shape = Shape::new(self.base, terms, self.scales);
-        let mut start = shape.start();
-        let environment = shape.environment_count();
-        let filed = start.clone();
-        start[..environment].copy_from_slice(&fit.numbers[..environment]);
+        let (shape, start) = fit.without(at, self.scales);
+        let filed = shape.start();
         let (a, b) = rayon::join(
             || self.problem().fit(&shape, start),
             || self.problem().fit(&shape, filed),
@@ -372,13 +334,11 @@ impl Search<'_> {
     fn swapped(&self, best: Fit, base_cost: f64) -> Found {
         let mut best = best;
         for _ in 0..3 {
-            let own: Vec<usize> = (0..best.shape.terms.len())
-                .filter(|at| !best.shape.terms[*at].given)
-                .collect();
-            let rivals: Vec<Vec<Fit>> = own
-                .iter()
+            let rivals: Vec<Vec<Fit>> = best
+                .added()
+                .into_iter()
                 .map(|at| {
-                    let mut fits = self.expanded(&self.without(&best, *at));
+                    let mut fits = self.expanded(&self.without(&best, at));
                     let ids = added(&best);
                     fits.retain(|fit| added(fit) != ids);
                     fits

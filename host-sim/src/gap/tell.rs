@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use estimator_core::effect::EffectId;
+use estimator_core::effect::{Bounds, EffectId, MOST_PARAMETERS};
 
 use super::Options;
 use super::advise::{between, unobserved};
@@ -134,7 +134,7 @@ impl Told<'_> {
             })
             .collect();
         for (number, term) in fit.shape.terms_at(&fit.numbers).iter().enumerate() {
-            let (row, _) = canonical(term.id, term.row);
+            let row = canonical(term.id, term.row);
             for (at, info) in term.id.info().parameters.iter().enumerate() {
                 // An optional number that is not part of this form is not said.
                 if info.usual == Some(row[at]) && !term.free[at] {
@@ -295,16 +295,13 @@ fn base(fit: &Fit, known: &[Owned]) -> Vec<Known> {
 }
 
 /// A row as files give it: phases within ±π.
-fn canonical(
-    id: EffectId,
-    mut row: [f64; estimator_core::effect::MOST_PARAMETERS],
-) -> ([f64; estimator_core::effect::MOST_PARAMETERS], EffectId) {
+fn canonical(id: EffectId, mut row: [f64; MOST_PARAMETERS]) -> [f64; MOST_PARAMETERS] {
     for (value, info) in row.iter_mut().zip(id.info().parameters) {
-        if info.bounds == estimator_core::effect::Bounds::Angle {
+        if info.bounds == Bounds::Angle {
             *value -= std::f64::consts::TAU * (*value / std::f64::consts::TAU).round();
         }
     }
-    (row, id)
+    row
 }
 
 /// The base model with the effects, refitted values and standard errors.
