@@ -201,8 +201,8 @@ pub struct Motion<S> {
 
 /// A sine and the rate of it: A sin(ωu + φ), Aω cos(ωu + φ).
 fn wave<S: Scalar>(amplitude: S, angular: S, phase: S, at: S) -> (S, S) {
-    let angle = angular * at + phase;
-    (amplitude * angle.sin(), amplitude * angular * angle.cos())
+    let (sin, cos) = (angular * at + phase).sin_cos();
+    (amplitude * sin, amplitude * angular * cos)
 }
 
 /// 2π/`period`.

@@ -14,7 +14,7 @@ pub use hunt_crossley::HuntCrossley;
 pub use kelvin_voigt::KelvinVoigt;
 pub use quasi_linear::{Elastic, QuasiLinear, QuasiLinearState};
 pub use relaxation::RelaxationMode;
-pub(crate) use relaxation::{growth, high_passed};
+pub(crate) use relaxation::high_passed;
 pub use zener::{Zener, ZenerState};
 
 use crate::scalar::Scalar;

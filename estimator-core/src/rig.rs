@@ -143,10 +143,13 @@ impl<S: Scalar> Rig<S> {
 
     /// The motor side behind its encoder.
     pub fn motor_side(&self, read: Motion<S>) -> Motion<S> {
-        self.effects().fold(read, |motion, effect| match effect {
-            Effect::EncoderPeriodicError(own) => own.motor_side(motion),
-            _ => motion,
-        })
+        let mut motion = read;
+        for effect in self.effects() {
+            if let Effect::EncoderPeriodicError(own) = effect {
+                motion = own.motor_side(motion);
+            }
+        }
+        motion
     }
 
     /// From the motor side to the contact force.
@@ -234,11 +237,13 @@ impl<S: Scalar> Rig<S> {
             }
         }
         (state.load_n, state.reading_n) = (load_n, lagged_n);
-        self.effects()
-            .fold(lagged_n, |force_n, effect| match effect {
-                Effect::ForceSaturation(own) => own.reading_n(force_n),
-                _ => force_n,
-            })
+        let mut force_n = lagged_n;
+        for effect in self.effects() {
+            if let Effect::ForceSaturation(own) = effect {
+                force_n = own.reading_n(force_n);
+            }
+        }
+        force_n
     }
 }
 

@@ -36,10 +36,23 @@ pub trait Scalar:
     /// `self` to the power of `exponent`, for `self` > 0; 0 for `self` ≤ 0, derivatives included:
     /// a depth that is not in the material has no power and no slope.
     fn pow_positive(self, exponent: Self) -> Self;
-    /// Sine of an angle in rad.
-    fn sin(self) -> Self;
-    /// Cosine of an angle in rad.
-    fn cos(self) -> Self;
+    /// Sine and cosine of an angle in rad: together, since a derivative of one is the other.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// (eˣ − 1)/x, 1 at x = 0: without the cancellation that costs f32 its last four digits at
+    /// x = 10⁻³, a rate of 1/s at 1 kHz.
+    fn growth(self) -> Self {
+        /// The first term left out is x⁹/10!, 3·10⁻¹⁶ at the series' end.
+        const TERMS: u32 = 9;
+        if is_far(self) {
+            return (self.exp() - Self::unit()) / self;
+        }
+        let mut sum = Self::unit();
+        for k in (2..=TERMS).rev() {
+            sum = Self::unit() + sum * self / Self::from_f64(f64::from(k));
+        }
+        sum
+    }
 
     /// The larger of two numbers; the first of two that are equal.
     fn max_of(self, other: Self) -> Self {
@@ -78,6 +91,12 @@ pub trait Scalar:
     fn unit() -> Self {
         Self::from_f64(1.0)
     }
+}
+
+/// Whether (eˣ − 1)/x is taken as it stands, and not as a series.
+fn is_far<S: Scalar>(x: S) -> bool {
+    const SERIES_BELOW: f64 = 0.1;
+    !(-SERIES_BELOW..SERIES_BELOW).contains(&x.to_f64())
 }
 
 /// A real number that an estimator can run on: `f32` or `f64`.
@@ -135,12 +154,8 @@ macro_rules! real {
                 }
             }
             #[inline]
-            fn sin(self) -> Self {
-                libm::$sin(self)
-            }
-            #[inline]
-            fn cos(self) -> Self {
-                libm::$cos(self)
+            fn sin_cos(self) -> (Self, Self) {
+                (libm::$sin(self), libm::$cos(self))
             }
         }
 

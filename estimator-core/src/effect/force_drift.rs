@@ -1,7 +1,6 @@
 //! A load cell whose zero wanders.
 
 use super::effect;
-use crate::law::growth;
 use crate::scalar::Scalar;
 
 effect! {
@@ -21,7 +20,7 @@ impl<S: Scalar> ForceDrift<S> {
     /// Its force (N).
     pub(crate) fn force_n(&self, time_s: S) -> S {
         if self.time_constant_s > S::nil() {
-            self.rate_n_per_s * time_s * growth(-(time_s / self.time_constant_s))
+            self.rate_n_per_s * time_s * (-(time_s / self.time_constant_s)).growth()
         } else {
             self.rate_n_per_s * time_s
         }

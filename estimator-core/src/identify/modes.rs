@@ -2,7 +2,7 @@
 
 use super::ForceNoise;
 use crate::config::Params;
-use crate::law::{RelaxationMode, growth};
+use crate::law::RelaxationMode;
 use crate::rls::Excitation;
 use crate::scalar::{Real, Scalar};
 
@@ -110,7 +110,7 @@ pub(super) struct PerPeriod<S> {
 impl<S: Scalar> PerPeriod<S> {
     pub(super) fn of(rate_per_s: S, period_s: S) -> Self {
         let x = rate_per_s * period_s;
-        let mean = growth(-x);
+        let mean = (-x).growth();
         PerPeriod {
             decayed: x * mean,
             lag: S::unit() - mean,

@@ -2,7 +2,7 @@
 //! equations (9)–(17).
 
 use super::RelaxingLaw;
-use super::relaxation::{RelaxationMode, growth, high_passed};
+use super::relaxation::{RelaxationMode, high_passed};
 use crate::scalar::Scalar;
 
 /// The elastic response F⁽ᵉ⁾(δ): the force at once, before anything relaxes.
@@ -44,7 +44,7 @@ impl<S: Scalar> Elastic<S> {
             Elastic::Exponential {
                 stiffness_n_per_m,
                 stiffening_rate_per_m,
-            } => stiffness_n_per_m * depth_m * growth(stiffening_rate_per_m * depth_m),
+            } => stiffness_n_per_m * depth_m * (stiffening_rate_per_m * depth_m).growth(),
         }
     }
 }

@@ -11,27 +11,10 @@ pub struct RelaxationMode<S> {
     pub rate_per_s: S,
 }
 
-/// (eˣ − 1)/x, 1 at x = 0: without the cancellation that costs f32 its last four digits at
-/// x = 10⁻³, a rate of 1/s at 1 kHz.
-pub(crate) fn growth<S: Scalar>(x: S) -> S {
-    /// Below it the series; its first term left out is x⁹/10!, 3·10⁻¹⁶ at x = 0.1.
-    const SERIES_BELOW: f64 = 0.1;
-    const TERMS: u32 = 9;
-    let value = x.to_f64();
-    if !(-SERIES_BELOW..SERIES_BELOW).contains(&value) {
-        return (x.exp() - S::unit()) / x;
-    }
-    let mut sum = S::unit();
-    for k in (2..=TERMS).rev() {
-        sum = S::unit() + sum * x / S::from_f64(f64::from(k));
-    }
-    sum
-}
-
 /// ẇ = u̇ − νw over one period in which u changes by `change`, evenly: exact, however long.
 pub(crate) fn high_passed<S: Scalar>(w: S, change: S, rate_per_s: S, period_s: S) -> S {
     let x = -(rate_per_s * period_s);
-    w * x.exp() + change * growth(x)
+    w * x.exp() + change * x.growth()
 }
 
 #[cfg(test)]
@@ -43,14 +26,14 @@ mod tests {
         for x in [-0.1, -0.099_999_999, 0.099_999_999, 0.1, 1e-9, -3.0, 0.0] {
             let exact = if x == 0.0 { 1.0 } else { libm::expm1(x) / x };
             // 10⁻¹⁶ over 0.1 on the side of the exponential.
-            assert!((growth(x) - exact).abs() < 2e-15 * exact, "{x}");
+            assert!((x.growth() - exact).abs() < 2e-15 * exact, "{x}");
         }
     }
 
     #[test]
     fn single_precision_keeps_its_digits_at_slow_rates() {
         let x = -1.3e-4_f64;
-        let error = f64::from(growth(x as f32)) / (libm::expm1(x) / x) - 1.0;
+        let error = f64::from((x as f32).growth()) / (libm::expm1(x) / x) - 1.0;
         assert!(error.abs() < 1.2e-7, "{error}");
     }
 }

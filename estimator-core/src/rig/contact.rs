@@ -158,16 +158,12 @@ impl<S: Scalar> Rig<S> {
     }
 
     fn damping(&self) -> Option<Damping<S>> {
-        let damping = self.environment.damping?;
-        Some(
-            self.effects()
-                .fold(damping, |damping, effect| match effect {
-                    Effect::DepthDependentDamping(own) => Damping {
-                        exponent: own.exponent,
-                        ..damping
-                    },
-                    _ => damping,
-                }),
-        )
+        let mut damping = self.environment.damping?;
+        for effect in self.effects() {
+            if let Effect::DepthDependentDamping(own) = effect {
+                damping.exponent = own.exponent;
+            }
+        }
+        Some(damping)
     }
 }

@@ -10,7 +10,6 @@ use nalgebra::SVector;
 
 use super::course::Block;
 use super::fit::{EXPONENT, MODES, STIFFNESS, SURFACE, Theta};
-use crate::law::growth;
 use crate::scalar::Real;
 
 /// Exponents of the grid, 1 to 2: from the linear law to the cone's.
@@ -212,7 +211,7 @@ fn courses<T: Real>(duration_s: T) -> [(T, T); RATES] {
     let mut courses = [(T::nil(), T::nil()); RATES];
     let mut x = duration_s * T::from_f64(SLOWEST);
     for course in &mut courses {
-        let mean = growth(-x);
+        let mean = (-x).growth();
         *course = ((-x).exp(), mean);
         x *= T::from_f64(RATE_RATIO);
     }

@@ -16,7 +16,7 @@
 use nalgebra::SVector;
 
 use super::course::Block;
-use crate::law::{LawKind, growth};
+use crate::law::LawKind;
 use crate::rls::Ud;
 use crate::scalar::Real;
 
@@ -90,7 +90,7 @@ impl<T: Real> Pace<T> {
                 duration_s,
                 x,
                 decayed: (-x).exp(),
-                mean: growth(-x),
+                mean: (-x).growth(),
             };
         }
         *self
