@@ -131,6 +131,7 @@ pub fn gap_watched(
         ids: &options.catalogue,
         progress,
         floor: 0.0,
+        tried: Vec::new(),
         correlation: floors
             .iter()
             .map(|own| own.correlation / samples.div_ceil(SEARCHED) as f64)

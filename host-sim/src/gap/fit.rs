@@ -13,7 +13,7 @@ use super::shape::{Shape, Term};
 use crate::dense;
 
 /// Most steps of a fit.
-const MOST_STEPS: usize = 40;
+pub(super) const MOST_STEPS: usize = 40;
 /// Converged: a step promises less than this share of Σ w r², or less than `STILL` of it.
 const LEAST_SHARE: f64 = 3e-5;
 /// 1 is worth one standard error.

@@ -215,26 +215,19 @@ impl<'a> Ground<'a> {
         // Cycles over the travel, in quarters; up to a pitch of 16 counts or as many as 400 cycles.
         let finest = (travel_m / (16.0 * self.scales.position_noise_m)).min(400.0);
         let quarters = (4.0 * finest) as usize;
-        // Enough blocks to see a pitch, no more.
-        let stride = (n / 3000).max(1);
-        let power: Vec<f64> = (0..quarters)
-            .into_par_iter()
-            .map(|at| {
-                if at < 8 {
-                    return 0.0;
-                }
-                let per_m = TAU * 0.25 * at as f64 / travel_m;
-                let (mut re, mut im, mut size) = (0.0, 0.0, 0.0);
-                for row in (0..n).step_by(stride) {
-                    let own = self.roots[row] * carrier[row];
-                    let (sin, cos) = (per_m * course.position_m[row]).sin_cos();
-                    re += self.residuals[row] * own * cos;
-                    im += self.residuals[row] * own * sin;
-                    size += own * own;
-                }
-                (re * re + im * im) / size.max(f64::MIN_POSITIVE)
-            })
-            .collect();
+        // On a grid of four travels, at least eight cells a pitch: 3 % of the finest is lost.
+        let cells = (8 * quarters).next_power_of_two();
+        let per_cell_m = 4.0 * travel_m / cells as f64;
+        let mut bins = vec![Complex::new(0.0, 0.0); cells];
+        for row in 0..n {
+            let at = (course.position_m[row] / per_cell_m).floor() as i64;
+            let own = self.residuals[row] * self.roots[row] * carrier[row];
+            bins[at.rem_euclid(cells as i64) as usize].re += own;
+        }
+        FftPlanner::new()
+            .plan_fft_forward(cells)
+            .process(&mut bins);
+        let power: Vec<f64> = bins[..quarters].iter().map(|bin| bin.norm_sqr()).collect();
         let wave = |at: usize| {
             let per_m = 0.25 * at as f64 / travel_m;
             let angle = |row: usize| TAU * per_m * course.position_m[row];

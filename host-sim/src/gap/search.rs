@@ -5,7 +5,7 @@ use estimator_core::effect::EffectId;
 use rayon::prelude::*;
 
 use super::course::{Course, Scales};
-use super::fit::{Fit, Problem};
+use super::fit::{Fit, MOST_STEPS, Problem};
 use super::floor::Floor;
 use super::low_pass::LowPass;
 use super::progress::Progress;
@@ -17,17 +17,21 @@ use crate::model;
 
 /// Candidates that are refitted jointly in a forward step.
 const REFITTED: usize = 8;
-/// And fits that are followed to their minimum.
-const FOLLOWED: usize = 5;
+/// Fits that are followed further, and those of them that are followed to their minimum.
+const FOLLOWED: [usize; 2] = [5, 3];
 /// Candidates that also start from the model file's values: a base that ran away alone drags a joint
 /// fit with it.
 const FROM_FILE: usize = 4;
+/// A fit with so many times the floor's Σ w r² may have run away.
+const RAN_AWAY: f64 = 4.0;
 /// Fits that the next step goes on from.
 const BEAM: usize = 3;
+/// They leave at most so many times the excess of the best.
+const BEHIND: f64 = 4.0;
 /// Most effects that are added.
 const MOST_ADDED: usize = 5;
-/// Steps of a joint refit before it has to be among the best.
-const FIRST_STEPS: usize = 4;
+/// Steps of a joint refit before it has to be among the best, and before it has to be again.
+const FIRST_STEPS: [usize; 2] = [4, 8];
 
 /// Σ w r² in units of the floor's at which names suffice: the square of `decide`'s bound.
 const SUFFICIENT: f64 = 1.25;
@@ -51,6 +55,8 @@ pub(super) struct Search<'a> {
     pub(super) floor: f64,
     /// Blocks per independent residual.
     pub(super) correlation: f64,
+    /// Fits of the forward steps, for the report.
+    pub(super) tried: Vec<Fit>,
 }
 
 /// What came of it.
@@ -66,6 +72,16 @@ pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
     let mut ids: Vec<EffectId> = own.map(|at| fit.shape.terms[at].id).collect();
     ids.sort();
     ids
+}
+
+/// Whether its numbers mean what their names say: a friction that is smaller at rest than sliding is
+/// no Stribeck's, but imitates a drag.
+fn is_physical(fit: &Fit) -> bool {
+    let terms = fit.shape.terms_at(&fit.numbers);
+    terms.iter().all(|term| match term.id {
+        EffectId::StribeckFriction => term.given || term.row[1] >= term.row[0],
+        _ => true,
+    })
 }
 
 impl Search<'_> {
@@ -92,7 +108,8 @@ impl Search<'_> {
     pub(super) fn ladder(&self, base: &Fit, found: &Found) -> Vec<Tried> {
         let all = [base, &found.best]
             .into_iter()
-            .chain(found.rivals.iter().flatten());
+            .chain(found.rivals.iter().flatten())
+            .chain(&self.tried);
         let mut ladder: Vec<Tried> = all
             .map(|fit| Tried {
                 ids: added(fit),
@@ -100,7 +117,12 @@ impl Search<'_> {
             })
             .collect();
         ladder.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
-        ladder.dedup_by(|a, b| a.ids == b.ids);
+        let mut seen: Vec<Vec<EffectId>> = Vec::new();
+        ladder.retain(|own| {
+            let new = !seen.contains(&own.ids);
+            seen.push(own.ids.clone());
+            new
+        });
         ladder
     }
 
@@ -178,24 +200,10 @@ impl Search<'_> {
 
     /// The best fit with each effect that promises anything added to `from`, best first.
     pub(super) fn expanded(&self, from: &Fit) -> Vec<Fit> {
-        let ground = Ground::new(self.problem(), from, self.scales);
-        let mut proposals = ground.proposals(self.ids);
-        let least = 1e-3 * (from.cost - self.floor).max(0.0);
-        proposals.retain(|own| own[0].gain > least);
-        proposals.truncate(REFITTED);
-        let tasks: Vec<(Shape, Vec<f64>)> = proposals
-            .iter()
-            .enumerate()
-            .flat_map(|(rank, own)| own.iter().take(2).map(move |proposal| (rank, proposal)))
-            .flat_map(|(rank, proposal)| {
-                let mut starts = self.starts(from, proposal);
-                starts.truncate(if rank < FROM_FILE { 2 } else { 1 });
-                starts
-            })
-            .collect();
-        let walked: Vec<Fit> = tasks
+        let walked: Vec<Fit> = self
+            .starts(from)
             .into_par_iter()
-            .map(|(shape, start)| self.problem().walk(&shape, start, FIRST_STEPS))
+            .map(|(shape, start)| self.problem().walk(&shape, start, FIRST_STEPS[0]))
             .collect();
         // The best start of each effect goes on, if it has a chance.
         let mut fits: Vec<Fit> = Vec::new();
@@ -208,25 +216,73 @@ impl Search<'_> {
             }
         }
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        fits.truncate(FOLLOWED);
-        let mut done: Vec<Fit> = fits
-            .into_par_iter()
-            .map(|fit| self.problem().fit(&fit.shape, fit.numbers))
-            .collect();
-        done.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
+        fits.truncate(FOLLOWED[0]);
+        let mut fits = self.walked(fits, FIRST_STEPS[1]);
+        fits.truncate(FOLLOWED[1]);
+        let mut done = self.walked(fits, MOST_STEPS);
+        done.retain(is_physical);
         done
     }
 
-    /// Where a joint refit starts: from the fit, and from the model file's values.
-    fn starts(&self, from: &Fit, proposal: &Proposal) -> Vec<(Shape, Vec<f64>)> {
+    /// Fits some steps further, the best first.
+    fn walked(&self, fits: Vec<Fit>, steps: usize) -> Vec<Fit> {
+        let mut fits: Vec<Fit> = fits
+            .into_par_iter()
+            .map(|fit| self.problem().walk(&fit.shape, fit.numbers, steps))
+            .collect();
+        fits.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
+        fits
+    }
+
+    /// Where joint refits with one effect more start: from the fit, and from the model file's values.
+    fn starts(&self, from: &Fit) -> Vec<(Shape, Vec<f64>)> {
+        let mut starts = Vec::new();
+        for (rank, own) in self.proposals(from, REFITTED).iter().enumerate() {
+            for proposal in own {
+                let (shape, start) = self.with(from, proposal);
+                let filed = shape.start();
+                if rank < FROM_FILE && filed != start {
+                    starts.push((shape.clone(), filed));
+                }
+                starts.push((shape, start));
+            }
+        }
+        // A base that ran away hides what is missing from its own linearisation.
+        if from.cost > RAN_AWAY * self.floor {
+            let filed = self.filed(from);
+            for own in self.proposals(&filed, FROM_FILE) {
+                starts.push(self.with(&filed, &own[0]));
+            }
+        }
+        starts
+    }
+
+    /// What promises most beside a fit.
+    fn proposals(&self, from: &Fit, most: usize) -> Vec<Vec<Proposal>> {
+        let mut proposals = Ground::new(self.problem(), from, self.scales).proposals(self.ids);
+        let least = 1e-3 * (from.cost - self.floor).max(0.0);
+        proposals.retain(|own| own[0].gain > least);
+        proposals.truncate(most);
+        proposals
+    }
+
+    /// The fit with one effect more.
+    fn with(&self, from: &Fit, proposal: &Proposal) -> (Shape, Vec<f64>) {
         let mut terms = from.shape.terms_at(&from.numbers);
         terms.push(proposal.term.clone());
-        let (shape, start) = from.with_terms(terms, self.scales);
-        let filed = shape.start();
-        if filed == start {
-            return vec![(shape, start)];
+        from.with_terms(terms, self.scales)
+    }
+
+    /// The fit's effects on the model file's law.
+    fn filed(&self, fit: &Fit) -> Fit {
+        let mut numbers = fit.numbers.clone();
+        let law = fit.shape.environment_count();
+        numbers[..law].copy_from_slice(&fit.shape.start()[..law]);
+        Fit {
+            cost: self.problem().cost(&fit.shape, &numbers),
+            shape: fit.shape.clone(),
+            numbers,
         }
-        vec![(shape.clone(), start), (shape, filed)]
     }
 
     /// Finds what is there.
@@ -236,6 +292,11 @@ impl Search<'_> {
         let mut beam = vec![base.clone()];
         let mut level = 0;
         while level < MOST_ADDED && !self.is_adequate(&best) {
+            // What explains little in two steps is in no catalogue.
+            let excess = (base_cost - self.floor).max(1.0);
+            if level >= 2 && best.cost - self.floor > HOPELESS * excess {
+                break;
+            }
             // Later steps are longer: five effects, with all that is there, are half of the time.
             let share = 0.1 + 0.5 * level as f64 / MOST_ADDED as f64;
             let what = format!(
@@ -253,13 +314,9 @@ impl Search<'_> {
                 seen.push(ids);
                 new
             });
+            self.tried.extend_from_slice(&children);
             let Some(child) = children.first() else { break };
             let gained = best.cost - child.cost;
-            // What explains little in two steps is in no catalogue.
-            let excess = (base_cost - self.floor).max(1.0);
-            if level >= 2 && best.cost - self.floor > HOPELESS * excess {
-                break;
-            }
             let accepted = gained > self.price(best.cost, child.cost, base_cost);
             if accepted {
                 best = child.clone();
@@ -269,6 +326,8 @@ impl Search<'_> {
             } else if level > 0 {
                 break;
             }
+            let least = children[0].cost - self.floor;
+            children.retain(|fit| fit.cost - self.floor <= BEHIND * least.max(0.25 * self.floor));
             children.truncate(BEAM);
             beam = children.iter().map(|fit| self.costed(fit)).collect();
             level += 1;
@@ -316,6 +375,7 @@ impl Search<'_> {
         let coulomb = Search {
             ids: &[EffectId::CoulombFriction],
             weights: self.weights.clone(),
+            tried: Vec::new(),
             ..*self
         };
         let simple = coulomb.expanded(&self.without(&found.best, at));
