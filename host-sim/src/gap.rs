@@ -150,7 +150,7 @@ pub fn gap_watched(
     };
     let ladder = search.ladder(&base, &found);
     progress.at(0.8, "held-out part and rivals");
-    let decision = evidence.decide(&base, found);
+    let decision = evidence.decide(&base, found, &ladder);
     progress.at(0.95, "regions and errors");
     let mut finding = tell::finding(model, &evidence, decision, ladder, options);
     said.extend(notes);

@@ -184,7 +184,11 @@ mod tests {
 
     /// d^n·e^d / (d + n) at (d, n), by hand and by central differences.
     fn function<S: Scalar>(d: S, n: S) -> S {
-        d.pow_positive(n) * d.exp() / (d + n) - d.ln() * n + (d * n).sin_cos().0 * d.sin_cos().1 + d.tanh() + (d * n).growth() + (d * S::from_f64(0.02)).growth()
+        d.pow_positive(n) * d.exp() / (d + n) - d.ln() * n
+            + (d * n).sin_cos().0 * d.sin_cos().1
+            + d.tanh()
+            + (d * n).growth()
+            + (d * S::from_f64(0.02)).growth()
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::course::{Course, Scales};
 use super::fit::{Fit, Problem, along};
 use super::floor::Floor;
 use super::low_pass::LowPass;
-use super::result::Verdict;
+use super::result::{Tried, Verdict};
 use super::search::{Found, added};
 use super::weights::{variances, weights};
 
@@ -27,6 +27,11 @@ const NOTHING_LEFT: f64 = 1.08;
 const COLOURED: f64 = 1.25;
 /// Share of the base's excess that names must explain together to stand where something is left.
 const CERTAIN: f64 = 0.95;
+/// Or they stand if they leave at most this share of the excess, and any other set as large at least
+/// so many times as much: 3.1 for the nearest effect to a crackling that is in no catalogue, 4.7 for a
+/// soft limit.
+const AHEAD_LEFT: f64 = 0.25;
+const AHEAD: f64 = 4.0;
 /// Rivals whose Σ w r² is within so many independent standard errors squared are not told apart.
 const APART: f64 = 12.0;
 
@@ -68,7 +73,8 @@ impl Evidence<'_> {
         }
     }
 
-    pub(super) fn decide(&self, base: &Fit, found: Found) -> Decision {
+    /// `tried` are the sets of effects that were fitted.
+    pub(super) fn decide(&self, base: &Fit, found: Found, tried: &[Tried]) -> Decision {
         let mut found = found;
         loop {
             let decision = self.judge(base, &found);
@@ -77,7 +83,8 @@ impl Evidence<'_> {
             }
             let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
             let explained = 1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(1e-12);
-            if explained >= CERTAIN && decision.alternatives.iter().all(Vec::is_empty) {
+            let stands = explained >= CERTAIN || is_ahead(&added(&found.best), tried);
+            if stands && decision.alternatives.iter().all(Vec::is_empty) {
                 return decision;
             }
             // Names that leave much unexplained are no names.
@@ -257,6 +264,22 @@ impl Evidence<'_> {
             })
             .collect()
     }
+}
+
+/// Whether a set of effects that leaves something explains most of the excess, and every other set as
+/// large leaves several times as much: the form of one of them is another than the catalogue's.
+fn is_ahead(ids: &[EffectId], tried: &[Tried]) -> bool {
+    let excess = |own: &Tried| (own.ratio * own.ratio - 1.0).max(0.0);
+    let of = |ids: &[EffectId]| tried.iter().find(|own| own.ids == ids).map(excess);
+    let (Some(base), Some(left)) = (of(&[]), of(ids)) else {
+        return false;
+    };
+    let others = tried
+        .iter()
+        .filter(|own| own.ids.len() == ids.len() && own.ids != ids)
+        .filter(|own| !own.ids.iter().zip(ids).all(|(a, b)| related(*a, *b)));
+    let next = others.map(excess).fold(base, f64::min);
+    left <= AHEAD_LEFT * base && next >= AHEAD * left
 }
 
 /// The id that stands in `others` where `own` stands in `ids`, if all else is the same.

@@ -224,9 +224,7 @@ impl<'a> Ground<'a> {
             let own = self.residuals[row] * self.roots[row] * carrier[row];
             bins[at.rem_euclid(cells as i64) as usize].re += own;
         }
-        FftPlanner::new()
-            .plan_fft_forward(cells)
-            .process(&mut bins);
+        FftPlanner::new().plan_fft_forward(cells).process(&mut bins);
         let power: Vec<f64> = bins[..quarters].iter().map(|bin| bin.norm_sqr()).collect();
         let wave = |at: usize| {
             let per_m = 0.25 * at as f64 / travel_m;

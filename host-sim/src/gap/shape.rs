@@ -55,7 +55,10 @@ impl Shape {
     /// A law with these effects: free is what the base model does not fix.
     pub(super) fn new(base: &model::Environment, terms: Vec<Term>, scales: &Scales) -> Shape {
         let mut free = Vec::new();
-        for (at, parameter) in base.parameters().iter().enumerate() {
+        let parameters = base.parameters();
+        let surface = parameters.iter().find(|own| own.name == "surface");
+        let depth_m = surface.map_or(0.0, |own| scales.deepest_m - own.value);
+        for (at, parameter) in parameters.iter().enumerate() {
             if !base.fit.fixed.contains(&parameter.name) {
                 let mut own = of_environment(at, parameter, scales);
                 if matches!(base.law, model::EnvironmentLaw::Zener { .. })
@@ -69,7 +72,7 @@ impl Shape {
         }
         for (number, term) in terms.iter().enumerate() {
             for at in (0..term.id.info().parameters.len()).filter(|at| term.free[*at]) {
-                free.push(of_effect(term.id, number, at, scales));
+                free.push(of_effect(term.id, number, at, scales, depth_m));
             }
         }
         Shape {
@@ -301,18 +304,21 @@ fn of_environment(at: usize, parameter: &model::Parameter, scales: &Scales) -> F
     }
 }
 
-fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales) -> Free {
+/// `depth_m` is the deepest press as the model file has the surface.
+fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f64) -> Free {
     use EffectId as E;
     let owner = Owner::Effect(number, at);
     let anything = f64::INFINITY;
     let s = scales;
     let (slowest, fastest) = rates(s);
     let stiffness = s.force_n / s.travel_m;
-    let pitch = |at: usize| match at {
+    let pitch = |at: usize, longest_m: f64| match at {
         0 => None,
-        1 => Some(linear(owner, 4.0 * s.position_noise_m, s.travel_m / 2.0)),
+        1 => Some(linear(owner, 4.0 * s.position_noise_m, longest_m)),
         _ => Some(linear(owner, -anything, anything)),
     };
+    // An encoder's error shows in contact alone: a cycle and a half there, or it is any law's form.
+    let seen_m = (depth_m / 1.5).clamp(0.05 * s.travel_m, 0.5 * s.travel_m);
     let frequency = |at: usize| match at {
         0 => None,
         1 => Some(linear(owner, 2.0 / s.duration_s, 0.5 / s.period_s)),
@@ -350,7 +356,7 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales) -> Free {
         (E::ForceDrift, 0) => linear(owner, -anything, anything),
         (E::ForceDrift, _) => logarithmic(owner, 10.0 * s.period_s, 3.0 * s.duration_s),
         (E::Cogging, 0) => linear(owner, 0.0, s.force_n),
-        (E::Cogging, at) => pitch(at).unwrap_or(linear(owner, 0.0, anything)),
+        (E::Cogging, at) => pitch(at, 0.5 * s.travel_m).unwrap_or(linear(owner, 0.0, anything)),
         (E::PeriodicDisturbance, 0) => linear(owner, 0.0, s.force_n),
         (E::PeriodicDisturbance, at) => frequency(at).unwrap_or(linear(owner, 0.0, anything)),
         (E::SeriesCompliance, _) => logarithmic(owner, 0.1 * stiffness, 1e3 * stiffness),
@@ -359,6 +365,6 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales) -> Free {
         (E::TimeDelay, _) => linear(owner, -s.duration_s / 40.0, s.duration_s / 40.0),
         (E::ForceSaturation, _) => linear(owner, 0.2 * s.highest_n, s.highest_n),
         (E::EncoderPeriodicError, 0) => linear(owner, 0.0, 0.05 * s.travel_m),
-        (E::EncoderPeriodicError, at) => pitch(at).unwrap_or(linear(owner, 0.0, anything)),
+        (E::EncoderPeriodicError, at) => pitch(at, seen_m).unwrap_or(linear(owner, 0.0, anything)),
     }
 }

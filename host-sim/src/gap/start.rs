@@ -53,14 +53,18 @@ pub(super) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: usize) -> 
 }
 
 /// Whether an effect can be added: it needs something to touch unless it acts on the load path, and
-/// a second one of a kind means nothing but in a spectrum.
+/// a second one of a kind means nothing but in a spectrum: relaxation, harmonics.
 pub(super) fn is_possible(id: EffectId, shape: &Shape) -> bool {
     use EffectId as E;
     let touches = shape.base.law != EnvironmentLaw::Free;
     let own = matches!(id.info().place, Place::LoadPath | Place::ForceReading);
     let twice = matches!(
         id,
-        E::StressRelaxation | E::PeriodicDisturbance | E::Cogging
+        E::StressRelaxation
+            | E::PeriodicDisturbance
+            | E::Cogging
+            | E::EncoderPeriodicError
+            | E::SurfaceMotion
     );
     let has = shape.terms.iter().any(|term| term.id == id);
     (touches || own) && (twice || !has)
