@@ -153,6 +153,14 @@ impl Friction {
         }
     }
 
+    /// The same friction if it did not fall with the speed.
+    pub(crate) fn level(&self) -> Self {
+        Friction {
+            stat: self.kinetic,
+            ..*self
+        }
+    }
+
     /// g(v) (N).
     pub(crate) fn steady(&self, v: f64) -> f64 {
         let u = v / self.speed;
