@@ -139,7 +139,7 @@ impl Case {
         Case::first_that_shows(kind, seed, index, false)
     }
 
-    /// The same with a log of 5 s (poor: of one slow sine) at 250 Hz (poor: 50 Hz), which a workflow
+    /// The same with a log of 5 s (poor: of one slow sine) at 250 Hz (poor: 100 Hz), which a workflow
     /// is done with in a second or two.
     pub(crate) fn brief(kind: Kind, seed: u64, index: u64) -> Case {
         Case::first_that_shows(kind, seed, index, true)
@@ -181,7 +181,7 @@ impl Case {
         let law = law(&ids, stranger, &mut random);
         let (profile, every) = match (kind.profile(&mut random), brief) {
             (usual, false) => (usual, 1),
-            (Profile::Slow, true) => (Profile::Slow, 20),
+            (Profile::Slow, true) => (Profile::Slow, 10),
             (_, true) => (Profile::Brief, 4),
         };
         let mut rig = Bare::draw(law, profile, &mut random);

@@ -46,9 +46,8 @@ pub(crate) fn mark(truth: &Truth, answer: &Answer) -> Mark {
 
 fn named(truth: &Truth, answer: &Answer) -> Mark {
     let ids = answer.ids();
-    let only = ids
-        .iter()
-        .all(|named| truth.effects.iter().any(|id| truth.same(id, named)));
+    let one = |named: &&str| truth.effects.iter().any(|id| truth.same(id, named));
+    let only = ids.len() <= truth.effects.len() && ids.iter().all(one);
     let stand = |id: &str, at: usize| truth.same(id, ids[at]);
     // One name for each effect: a Stribeck friction is not said by Coulomb and Stribeck.
     let the_set = ids.len() == truth.effects.len() && paired(&truth.effects, ids.len(), &stand);
