@@ -106,3 +106,20 @@ fn base_and_effect_fitted_together_leave_the_noise_alone() {
         );
     }
 }
+
+#[test]
+fn another_form_is_still_what_it_is_called() {
+    // A progressive spring: drawn on a linear material first, where the base hides its linear part.
+    let case = Case::generate(Kind::Mismatched, 1, 20);
+    assert_eq!(case.hidden[0].id, "series_compliance");
+    let excess = |ratio: f64| ratio * ratio - 1.0;
+    let form = case.form_rmse_n.unwrap_or(f64::INFINITY) / case.floor_n;
+    assert!(
+        excess(form) < 0.5 * excess(case.gap_ratio()),
+        "{form} of {}",
+        case.gap_ratio()
+    );
+    // A low-pass of second order that a delay describes as well is called either.
+    let either = Case::generate(Kind::Mismatched, 1, 22);
+    assert_eq!(either.truth()["accepts"]["force_lag"][0], "time_delay");
+}

@@ -223,6 +223,9 @@ impl Case {
         if matches!(kind, Kind::Single | Kind::Mismatched) {
             let own_n = form::best_rmse_n(&case, &case.hidden[0]);
             case.form_rmse_n = Some(own_n);
+            if !case.deserves_its_name() {
+                return None;
+            }
             case.also = form::as_good(&case, own_n);
         }
         // What Coulomb describes nearly as well, as the rule for nested relatives has it.
@@ -260,26 +263,34 @@ impl Case {
         self.nothing_masked(rig, &fit) && self.more_than_coulomb(rig, &target, &fit, &v)
     }
 
-    /// Every effect of several adds at least 1.2 floors that the base (linearised) cannot follow.
+    /// Whether the effect, in the catalogue's form, explains at least half (in power) of what the base
+    /// leaves. Of a progressive spring on a linear material the base takes the linear part, and what
+    /// is left to see is a stiffening: nobody would call that a compliance.
+    fn deserves_its_name(&self) -> bool {
+        let excess = |rmse_n: f64| rmse_n.powi(2) - self.floor_n.powi(2);
+        let left = self.form_rmse_n.map_or(0.0, excess);
+        left < 0.5 * excess(self.base_rmse_n)
+    }
+
+    /// Every effect of several adds at least 1.2 floors that the base and another strength of the others
+    /// (linearised) cannot follow: where they can, the answer without it is as right.
     fn nothing_masked(&self, rig: &Bare, fit: &Fit) -> bool {
-        let effects = |without: usize| -> Vec<Effect> {
-            let others = self
-                .hidden
-                .iter()
-                .enumerate()
-                .filter(|(k, _)| *k != without);
-            others.map(|(_, h)| h.effect.clone()).collect()
-        };
         if self.hidden.len() < 2 {
             return true;
         }
-        let all = rig
-            .plant(effects(usize::MAX), None)
-            .samples(&rig.track, COARSE);
-        (0..self.hidden.len()).all(|k| {
-            let less = rig.plant(effects(k), None).samples(&rig.track, COARSE);
-            let added: Vec<f64> = all.iter().zip(&less).map(|(a, l)| a - l).collect();
-            fit.beyond_n(&added) > 1.2 * self.floor_n
+        let force = |without: usize| -> Vec<f64> {
+            let others = self.hidden.iter().enumerate();
+            let others = others.filter(|(k, _)| *k != without);
+            let effects = others.map(|(_, h)| h.effect.clone()).collect();
+            rig.plant(effects, None).samples(&rig.track, COARSE)
+        };
+        let all = force(usize::MAX);
+        let added: Vec<Vec<f64>> = (0..self.hidden.len())
+            .map(|k| all.iter().zip(force(k)).map(|(a, l)| a - l).collect())
+            .collect();
+        (0..added.len()).all(|k| {
+            let others = [&added[..k], &added[k + 1..]].concat();
+            fit.beyond_with_n(&added[k], &others) > 1.2 * self.floor_n
         })
     }
 

@@ -180,12 +180,7 @@ impl<'a> Target<'a> {
 }
 
 impl Fit {
-    /// RMS (N) of what the base cannot follow of a further force.
-    pub(crate) fn beyond_n(&self, force: &[f64]) -> f64 {
-        self.beyond_with_n(force, &[])
-    }
-
-    /// The same of the base and further `columns`.
+    /// RMS (N) of what the base and further `columns` cannot follow of a force.
     pub(crate) fn beyond_with_n(&self, force: &[f64], columns: &[Vec<f64>]) -> f64 {
         let others = [self.jacobian.as_slice(), columns].concat();
         rms(&without(&[force.to_vec()], &others).remove(0))
