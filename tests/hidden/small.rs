@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Draws the rigs.
 const SEED: u64 = 1;
 
-/// 3 of 26 effects and one set of two, each at its place in the catalogue.
+/// Places in the catalogue, in the list for poor excitation, and among the strangers.
 const COULOMB: u64 = 10;
 const DRIFT: u64 = 16;
 /// With a buried layer.

@@ -196,7 +196,7 @@ pub(crate) enum Stranger {
     GainWalk,
     /// Every touch meets another stiffness.
     TouchStiffness,
-    /// A lateral motion that nobody records leaks into the force.
+    /// A lateral motion of what is touched, which nobody records, leaks into the force.
     Crosstalk,
     /// Zero wanders up and down with the temperature.
     ThermalWalk,

@@ -91,6 +91,16 @@ macro_rules! line {
     ($to:expr, $($what:tt)*) => {{ let _ = writeln!($to, $($what)*); }};
 }
 
+/// A kind, and its close and crude forms by themselves where there are crude ones.
+fn with_forms<'a>(kind: &'static str, runs: Runs<'a>) -> Vec<(&'static str, Runs<'a>)> {
+    let (crude, close): (Runs<'_>, Runs<'_>) = runs.iter().partition(|s| s.truth.crude);
+    let mut rows = vec![(kind, runs)];
+    if !crude.is_empty() {
+        rows.extend([("  close form", close), ("  crude form", crude)]);
+    }
+    rows
+}
+
 /// One, two or three effects of the catalogue.
 fn names<'a>(of: &dyn Fn(&str) -> Runs<'a>) -> String {
     let mut text = format!(
@@ -138,12 +148,8 @@ fn names<'a>(of: &dyn Fn(&str) -> Runs<'a>) -> String {
         text.push('\n');
     };
     for kind in NAMED {
-        let runs = of(kind);
-        let (crude, close): (Runs<'_>, Runs<'_>) = runs.iter().partition(|s| s.truth.crude);
-        row(kind, runs);
-        if !crude.is_empty() {
-            row("  close form", close);
-            row("  crude form", crude);
+        for (name, runs) in with_forms(kind, of(kind)) {
+            row(name, runs);
         }
     }
     if rows == 0 {
@@ -335,8 +341,10 @@ fn errors_and_times<'a>(of: &dyn Fn(&str) -> Runs<'a>) -> String {
         "p90",
         "most"
     );
-    for kind in KINDS {
-        let runs = of(kind);
+    for (kind, runs) in KINDS
+        .into_iter()
+        .flat_map(|kind| with_forms(kind, of(kind)))
+    {
         if runs.is_empty() {
             continue;
         }
