@@ -13,14 +13,16 @@ use rig::write::Units;
 use std::path::{Path, PathBuf};
 
 const USAGE: &str = "\
-hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J]
+hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J] [--brief]
              [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
+hidden record RIG --motion FILE --out DIR   (the same rig under another motion, to DIR/further.csv)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.first().map(String::as_str) {
         Some("write") => write(&arguments[1..]),
+        Some("record") => record(&arguments[1..]),
         Some("score") => score(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
@@ -71,20 +73,26 @@ fn write(arguments: &[String]) -> Result<(), String> {
         .find(|(_, name)| *name == kind)
         .ok_or(USAGE)?
         .0;
+    let brief = arguments.iter().any(|a| a == "--brief");
+    let draw = if brief { Case::brief } else { Case::generate };
     std::thread::scope(|scope| {
         for job in 0..jobs {
             scope.spawn(move || {
                 for index in (job..cases).step_by(jobs as usize) {
-                    save(
-                        Path::new(dir),
-                        units,
-                        Case::generate(kind, seed, index),
-                        index,
-                    );
+                    save(Path::new(dir), units, draw(kind, seed, index), index);
                 }
             });
         }
     });
+    Ok(())
+}
+
+fn record(arguments: &[String]) -> Result<(), String> {
+    let rig = arguments.first().ok_or(USAGE)?;
+    let file = |name: &str| option(arguments, name).map(Path::new).ok_or(USAGE);
+    let (motion, out) = (file("--motion")?, file("--out")?);
+    let log = score::further::record(Path::new(rig), motion, out)?;
+    println!("{}", log.display());
     Ok(())
 }
 
@@ -112,7 +120,7 @@ fn score(arguments: &[String]) -> Result<(), String> {
             .collect(),
     };
     let scored = score::run::all(&rigs, &options)?;
-    score::table::print(&scored, flag("--list"));
+    print!("{}", score::table::text(&scored, flag("--list")));
     Ok(())
 }
 
@@ -134,7 +142,7 @@ fn save(dir: &Path, units: Units, case: Case, index: u64) {
         to.display(),
         case.material.law.name(),
         case.profile.name(),
-        case.noise.name(),
+        case.sensor.noise.name(),
         if ids.is_empty() {
             stranger.to_string()
         } else {

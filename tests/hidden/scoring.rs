@@ -2,7 +2,10 @@
 
 use crate::score::answer::Answer;
 use crate::score::judge::{Mark, errors, mark};
+use crate::score::process::cpu;
+use crate::score::run::Scored;
 use crate::score::share::{Share, quantile};
+use crate::score::table::{self, WIDE};
 use crate::score::truth::Truth;
 
 fn truth(effects: &str, forms: &str) -> Truth {
@@ -76,6 +79,20 @@ fn answers_get_the_mark_that_they_deserve() {
             r#"[{"id": "stribeck_friction"}]"#,
             Mark::Exact,
         ),
+        // Either name is right, both together are one too many.
+        (
+            r#"["coulomb_friction"]"#,
+            "missing_effects",
+            r#"[{"id": "coulomb_friction"}, {"id": "stribeck_friction"}]"#,
+            Mark::ConfidentWrong,
+        ),
+        // One name does not stand for two effects, by its alternative.
+        (
+            r#"["force_lag", "time_delay"]"#,
+            "ambiguous",
+            LAG_OR_DELAY,
+            Mark::Incomplete,
+        ),
     ];
     for (effects, verdict, named, expected) in rows {
         let given = mark(&truth(effects, "{}"), &answer(verdict, named));
@@ -129,4 +146,206 @@ fn shares_carry_the_interval_that_wilson_gives() {
     );
     assert_eq!(quantile(&[3.0, 1.0, 2.0, f64::NAN], 0.5), 2.0);
     assert!(quantile(&[], 0.5).is_nan());
+}
+
+/// A run of a kind, by made-up files.
+fn run(kind: &str, effects: &str, more: &str, verdict: &str, named: &str) -> Scored {
+    let ids: Vec<String> = serde_json::from_str(effects).unwrap_or_else(|e| panic!("{e}"));
+    let form = |id: &String| format!(r#""{id}": "catalogue""#);
+    let forms = ids.iter().map(form).collect::<Vec<_>>().join(", ");
+    let text = format!(
+        r#"{{"kind": "{kind}", "effects": {effects}, "forms": {{{forms}}}, "floor_n": 0.01{more}}}"#
+    );
+    Scored {
+        rig: format!("{kind}/rig-001").into(),
+        truth: Truth::parse(&text).unwrap_or_else(|e| panic!("{e}")),
+        answer: Ok(answer(verdict, named)),
+        further: None,
+    }
+}
+
+/// The words of the first line that starts so.
+fn words(text: &str, start: &str) -> Vec<String> {
+    let line = text.lines().find(|line| line.starts_with(start));
+    let line = line.unwrap_or_else(|| panic!("no {start} in\n{text}"));
+    line.split_whitespace().map(String::from).collect()
+}
+
+#[test]
+fn names_are_counted_alone_adequate_and_left_open_apart() {
+    let one = |more, verdict, named| run("single", r#"["cogging"]"#, more, verdict, named);
+    let text = table::text(
+        &[
+            one("", "missing_effects", COGGING),
+            one("", "missing_effects", COGGING),
+            one("", "unexplained", COGGING),
+            run("single", r#"["time_delay"]"#, "", "ambiguous", LAG_OR_DELAY),
+            one("", "no_missing_effect", "[]"),
+            one(r#", "gap_ratio": 1.4"#, "no_missing_effect", "[]"),
+            run(
+                "mismatched",
+                r#"["cogging"]"#,
+                r#", "form_ratio": 1.3"#,
+                "unexplained",
+                COGGING,
+            ),
+        ],
+        false,
+    );
+    let row = words(&text, "single");
+    assert_eq!((row[1].as_str(), row[2].as_str()), ("5", "60.0"), "{text}");
+    assert_eq!(
+        (row[4].as_str(), row[6].as_str()),
+        ("40.0", "80.0"),
+        "{text}"
+    );
+    // inad, open, part, bad, iffy, null, fail
+    assert_eq!(row[8..], ["1", "1", "0", "0", "0", "1", "0"], "{text}");
+    // Nearly hidden by the base: in no bar.
+    assert_eq!(words(&text, "weak")[1], "1");
+    // A form that the catalogue cannot follow counts among all, and again apart.
+    assert_eq!(words(&text, "mismatched")[1..3], ["1", "100.0"]);
+    assert_eq!(words(&text, "  crude form")[2..4], ["1", "100.0"]);
+}
+
+#[test]
+fn false_alarms_have_their_bound_and_coloured_noise_its_row() {
+    let quiet = |noise: &str| {
+        let noise = format!(r#", "noise": "{noise}""#);
+        run("none", "[]", &noise, "no_missing_effect", "[]")
+    };
+    let mut runs: Vec<Scored> = (0..298).map(|_| quiet("white")).collect();
+    runs.push(quiet("pink"));
+    runs.push(run(
+        "none",
+        "[]",
+        r#", "noise": "ar1_5_hz""#,
+        "unexplained",
+        "[]",
+    ));
+    let text = table::text(&runs, false);
+    // 1 of 300: 1 − p such that (1−p)³⁰⁰ + 300·p·(1−p)²⁹⁹ = 0.05.
+    assert_eq!(
+        words(&text, "all")[1..],
+        ["300", "1", "1.57", "0", "1", "0"]
+    );
+    // 298 without one: 1 − 0.05^(1/298).
+    assert_eq!(words(&text, "white")[1..4], ["298", "0", "1.00"]);
+    assert_eq!(words(&text, "coloured")[1..3], ["2", "1"]);
+    assert_eq!(words(&text, "  ar1")[1..3], ["1", "1"]);
+}
+
+#[test]
+fn what_is_in_no_catalogue_is_counted_by_kind() {
+    let one = |form: &str, verdict, named| {
+        let mut one = run("unknown", r#"["unknown"]"#, "", verdict, named);
+        one.truth.label = form.into();
+        one
+    };
+    let text = table::text(
+        &[
+            one("spikes", "unexplained", "[]"),
+            one("spikes", "unexplained", COGGING),
+            one("chatter", "missing_effects", COGGING),
+            one("chatter", "ambiguous", LAG_OR_DELAY),
+        ],
+        false,
+    );
+    let row = words(&text, "2 kinds");
+    let shares = [&row[3], &row[5], &row[7], &row[9]];
+    assert_eq!(shares, ["50.0", "25.0", "25.0", "1"], "{text}");
+    assert_eq!(words(&text, "  spikes")[1..3], ["2", "100.0"]);
+}
+
+#[test]
+fn an_advised_motion_resolves_if_both_logs_together_give_the_name() {
+    let open = |further: Option<(&str, &str)>| Scored {
+        further: further.map(|(verdict, named)| Ok(answer(verdict, named))),
+        ..run("poor", r#"["time_delay"]"#, "", "ambiguous", LAG_OR_DELAY)
+    };
+    let delay = r#"[{"id": "time_delay"}]"#;
+    let text = table::text(
+        &[
+            open(Some(("missing_effects", delay))),
+            open(Some(("ambiguous", LAG_OR_DELAY))),
+            open(None),
+            run("poor", r#"["backlash"]"#, "", "missing_effects", COGGING),
+        ],
+        false,
+    );
+    let lines: Vec<&str> = text.lines().take(5).collect();
+    assert!(
+        lines[0].contains("of 4") && lines[0].contains("75.0"),
+        "{text}"
+    );
+    assert!(lines[1].contains("median 2, most 2"), "{text}");
+    assert!(
+        lines[2].contains("for 2 of them") && lines[2].contains("33.3"),
+        "{text}"
+    );
+    assert!(text.contains("time_delay → no motion advised"), "{text}");
+    assert!(text.contains("time_delay → force_lag?"), "{text}");
+}
+
+#[test]
+fn whoever_was_taken_for_another_has_a_row_and_no_line_is_too_wide() {
+    let long = r#"["encoder_periodic_error", "depth_dependent_damping", "exponential_stiffening"]"#;
+    let text = table::text(
+        &[
+            run("single", r#"["backlash"]"#, "", "missing_effects", COGGING),
+            run("single", r#"["backlash"]"#, "", "no_missing_effect", "[]"),
+            run("single", r#"["cogging"]"#, "", "missing_effects", COGGING),
+            run("none", "[]", "", "missing_effects", COGGING),
+            run("triple", long, "", "unexplained", COGGING),
+            run("unknown", r#"["unknown"]"#, "", "unexplained", "[]"),
+            run("poor", r#"["time_delay"]"#, "", "ambiguous", LAG_OR_DELAY),
+        ],
+        true,
+    );
+    // n, itself, open, null, taken for
+    let row = ["backlash", "2", "0", "0", "1", "cogging", "1"];
+    assert_eq!(words(&text, "  backlash"), row, "{text}");
+    assert!(text.contains("always right: "), "{text}");
+    for line in text.lines() {
+        assert!(line.chars().count() <= WIDE, "{line}");
+    }
+}
+
+#[test]
+fn two_modes_in_parallel_have_no_order() {
+    let text = r#"{"kind": "single", "effects": ["stress_relaxation"],
+        "forms": {"stress_relaxation": "catalogue"}, "floor_n": 0.01,
+        "params": {"stress_relaxation": {"fraction": 0.1, "rate": 10.0}},
+        "base": {"relaxation_fraction_1": 0.4, "relaxation_rate_1": 1.0}}"#;
+    let truth = Truth::parse(text).unwrap_or_else(|e| panic!("{e}"));
+    let number = |value: f64| (value, 0.1);
+    let mut given = answer(
+        "missing_effects",
+        r#"[{"id": "stress_relaxation", "params": {"fraction": {"value": 0.4, "std_error": 0.1},
+            "rate": {"value": 1.1, "std_error": 0.1}}}]"#,
+    );
+    given
+        .base
+        .insert("relaxation_fraction_1".into(), number(0.1));
+    given.base.insert("relaxation_rate_1".into(), number(9.9));
+    let (added, base) = errors(&truth, &given);
+    let sizes = added.iter().chain(&base).map(|(_, error)| error.abs());
+    assert_eq!(sizes.clone().count(), 4);
+    assert!(sizes.fold(0.0, f64::max) < 1.1);
+}
+
+#[test]
+fn the_bound_on_a_share_is_the_one_of_clopper_and_pearson() {
+    // 1 of 10: 0.3942; none of 30: 1 − 0.05^(1/30) = 0.0950; all: 1.
+    for (hits, of, upper) in [(1, 10, 0.3942), (0, 30, 0.0950), (5, 5, 1.0)] {
+        let found = Share { hits, of }.upper();
+        assert!((found - upper).abs() < 1e-4, "{hits} of {of}: {found}");
+    }
+}
+
+#[test]
+fn processor_time_is_that_of_the_whole_process_whatever_it_is_called() {
+    let stat = "4711 (a (b) c) S 1 2 3 4 5 6 7 8 9 10 123 27 0 0 20 0 4 0";
+    assert_eq!(cpu(stat), Some(1.5));
+    assert_eq!(cpu("4711 (a"), None);
 }

@@ -10,6 +10,7 @@ mod score;
 mod catalogue;
 mod physics;
 mod scoring;
+mod small;
 
 use rig::case::{Case, Kind, LEAST_RATIO};
 use rig::form;
@@ -50,7 +51,7 @@ fn a_best_fit_of_the_base_leaves_a_hidden_effect_and_nothing_else() {
         assert!(
             (0.99..1.02).contains(&ratio),
             "{}: {ratio}",
-            case.noise.name()
+            case.sensor.noise.name()
         );
     }
 }
@@ -96,7 +97,7 @@ fn base_and_effect_fitted_together_leave_the_noise_alone() {
     ] {
         let case = Case::generate(Kind::Single, 4, index);
         assert_eq!(case.hidden[0].id, id);
-        let ratio = form::best_rmse_n(&case) / case.floor_n;
+        let ratio = form::best_rmse_n(&case, &case.hidden[0]) / case.floor_n;
         // A few parameters fit 0.1 % of 10 000 samples' noise; 2 kHz in place of 20 kHz leave 1 %.
         assert!(
             (0.99..1.02).contains(&ratio),
@@ -104,4 +105,21 @@ fn base_and_effect_fitted_together_leave_the_noise_alone() {
             case.gap_ratio()
         );
     }
+}
+
+#[test]
+fn another_form_is_still_what_it_is_called() {
+    // A progressive spring: drawn on a linear material first, where the base hides its linear part.
+    let case = Case::generate(Kind::Mismatched, 1, 20);
+    assert_eq!(case.hidden[0].id, "series_compliance");
+    let excess = |ratio: f64| ratio * ratio - 1.0;
+    let form = case.form_rmse_n.unwrap_or(f64::INFINITY) / case.floor_n;
+    assert!(
+        excess(form) < 0.5 * excess(case.gap_ratio()),
+        "{form} of {}",
+        case.gap_ratio()
+    );
+    // A low-pass of second order that a delay describes as well is called either.
+    let either = Case::generate(Kind::Mismatched, 1, 22);
+    assert_eq!(either.truth()["accepts"]["force_lag"][0], "time_delay");
 }

@@ -3,16 +3,14 @@
 use super::case::{Case, Kind};
 use super::draw::{self, Hidden, Scale};
 use super::effect::{Effect, Stranger};
-use super::fit::{Target, rms};
+use super::fit::Target;
 use super::material::{Law, Material};
 use super::motion::{Profile, SUBSTEPS, Track};
 use super::plant::Plant;
 use super::random::Random;
-use super::sensor::{Noise, code_n};
+use super::sensor::{Noise, Sensor, code_n};
 use super::write::Units;
 
-/// An encoder count (m).
-const COUNT_M: f64 = 1e-6;
 /// Sub-steps of a sample while strengths are sought: 4 kHz will do for 10 %.
 pub(super) const COARSE: usize = 4;
 
@@ -126,40 +124,34 @@ impl Bare {
         Some((which, strength))
     }
 
-    /// Noise, codes and counts.
+    /// The rig's log: a converter whose codes fit this motion's forces, noise and counts.
     pub(super) fn record(&self, plant: &Plant, noise: Noise, random: &mut Random) -> Case {
         let clean = plant.samples(&self.track, SUBSTEPS);
         let top_n = clean.iter().fold(0.0, |top: f64, f| f.abs().max(top));
-        let code = code_n(top_n);
-        let noise_at = noise.samples(clean.len(), random);
-        let row = |(k, (clean, noise)): (usize, (&f64, &f64))| {
-            let x = plant.read_m(self.track.x[k * SUBSTEPS]);
-            // The drawn surface lies anywhere between two counts.
-            let position = (x / COUNT_M).round() * COUNT_M;
-            let force = ((clean + self.noise_n * noise) / code).round() * code;
-            [k as f64 * 1e-3, position, force]
+        let sensor = Sensor {
+            noise,
+            noise_n: self.noise_n,
+            code_n: code_n(top_n),
         };
-        let rows: Vec<[f64; 3]> = clean.iter().zip(&noise_at).enumerate().map(row).collect();
-        let wrong: Vec<f64> = rows
-            .iter()
-            .zip(&clean)
-            .map(|(row, clean)| row[2] - clean)
-            .collect();
+        let recorded = sensor.recorded(&clean, plant, &self.track, random);
         Case {
             kind: Kind::None,
             seed: 0,
+            index: 0,
+            every: 1,
             material: self.material,
             hidden: Vec::new(),
             stranger: None,
             profile: self.profile,
-            noise,
+            sensor,
             plant: plant.clone(),
             track: self.track.clone(),
-            rows,
+            rows: recorded.rows,
             units: Units::SI,
             richer: None,
             start: self.start.clone(),
-            floor_n: rms(&wrong),
+            floor_n: recorded.floor_n,
+            also: Vec::new(),
             base_rmse_n: 0.0,
             form_rmse_n: None,
         }

@@ -153,6 +153,14 @@ impl Friction {
         }
     }
 
+    /// The same friction if it did not fall with the speed.
+    pub(crate) fn level(&self) -> Self {
+        Friction {
+            stat: self.kinetic,
+            ..*self
+        }
+    }
+
     /// g(v) (N).
     pub(crate) fn steady(&self, v: f64) -> f64 {
         let u = v / self.speed;
@@ -188,7 +196,7 @@ pub(crate) enum Stranger {
     GainWalk,
     /// Every touch meets another stiffness.
     TouchStiffness,
-    /// A lateral motion that nobody records leaks into the force.
+    /// A lateral motion of what is touched, which nobody records, leaks into the force.
     Crosstalk,
     /// Zero wanders up and down with the temperature.
     ThermalWalk,

@@ -180,10 +180,10 @@ impl<'a> Target<'a> {
 }
 
 impl Fit {
-    /// RMS (N) of what the base cannot follow of a further force.
-    pub(crate) fn beyond_n(&self, force: &[f64]) -> f64 {
-        let left = without(&[force.to_vec()], &self.jacobian).remove(0);
-        rms(&left)
+    /// RMS (N) of what the base and further `columns` cannot follow of a force.
+    pub(crate) fn beyond_with_n(&self, force: &[f64], columns: &[Vec<f64>]) -> f64 {
+        let others = [self.jacobian.as_slice(), columns].concat();
+        rms(&without(&[force.to_vec()], &others).remove(0))
     }
 }
 

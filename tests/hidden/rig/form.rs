@@ -8,15 +8,59 @@ use super::case::Case;
 use super::draw::Hidden;
 use super::effect::{Effect, Friction};
 use super::fit::{Limit, Target, base_limits, speed};
-use super::material::Material;
+use super::material::{Law, Material};
+use super::motion::Track;
 use super::plant::Plant;
 
 /// Sub-steps of a sample: enough for a ratio to 1 %.
 const EVERY: usize = 2;
 
-/// RMSE (N) of the base with the effect in the catalogue's form, fitted to the log.
-pub(crate) fn best_rmse_n(case: &Case) -> f64 {
+/// Another effect of the catalogue whose best fit leaves no more than this times the own one's is
+/// as right a name: the rig is neither.
+const AS_GOOD: f64 = 1.005;
+
+/// Pairs (own id, other id) of what describes the form of this rig as well.
+pub(crate) fn as_good(case: &Case, own_n: f64) -> Vec<(&'static str, &'static str)> {
     let hidden = &case.hidden[0];
+    let rivals = rivals(hidden, case.material.law, &case.track);
+    let good = rivals
+        .iter()
+        .filter(|rival| best_rmse_n(case, rival) < AS_GOOD * own_n);
+    good.map(|rival| (hidden.id, rival.id)).collect()
+}
+
+/// The relatives that another form of an effect may come close to, with guesses: a low-pass of
+/// second order is nearly a delay, and one bent curve nearly the other.
+fn rivals(hidden: &Hidden, law: Law, track: &Track) -> Vec<Hidden> {
+    if hidden.form == "catalogue" {
+        return Vec::new();
+    }
+    let rival = |id, name, guess: f64| Hidden {
+        id,
+        form: "catalogue",
+        params: vec![(name, guess)],
+        ..hidden.clone()
+    };
+    let deepest_m = track.range_m().1;
+    let p = hidden.params[0].1;
+    match hidden.id {
+        "force_lag" => vec![rival("time_delay", "delay", p)],
+        "exponential_stiffening" if law == Law::KelvinVoigt => {
+            vec![rival("power_law_stiffness", "exponent", 1.2)]
+        }
+        "power_law_stiffness" => {
+            vec![rival(
+                "exponential_stiffening",
+                "rate",
+                (p - 1.0) / deepest_m,
+            )]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// RMSE (N) of the base with an effect in the catalogue's form, fitted to the log.
+pub(crate) fn best_rmse_n(case: &Case, hidden: &Hidden) -> f64 {
     let (own, own_limits) = start(hidden);
     let law = case.material.law;
     let bases = law.parameters().len();

@@ -27,6 +27,10 @@ pub(crate) enum Profile {
     Mixed,
     /// One slow sine that stays in contact: poor excitation.
     Slow,
+    /// A touch with two depths and one with sines, 5 s: for the version in every test run.
+    Brief,
+    /// A motion file.
+    Told,
 }
 
 impl Profile {
@@ -37,6 +41,8 @@ impl Profile {
             Profile::Sines => "sines",
             Profile::Mixed => "mixed",
             Profile::Slow => "slow",
+            Profile::Brief => "brief",
+            Profile::Told => "told",
         }
     }
 }
@@ -131,6 +137,16 @@ pub(crate) struct Track {
     pub(crate) a: Vec<f64>,
     /// Samples at 1 kHz.
     pub(crate) samples: usize,
+    motor: Motor,
+}
+
+/// x″ = ω²(r − x) − 2ζωx′
+#[derive(Clone, Copy, Debug)]
+struct Motor {
+    /// ω/2π (Hz)
+    hz: f64,
+    /// ζ
+    damping: f64,
 }
 
 impl Track {
@@ -152,31 +168,42 @@ impl Track {
             }
             Profile::Sines => {
                 for _ in 0..2 {
-                    waves(&mut set, surface_m, depth_m, random);
+                    waves(&mut set, surface_m, depth_m, (3.5, 5.5), random);
                 }
             }
             Profile::Mixed => mixed(&mut set, surface_m, depth_m, random),
             Profile::Slow => slow(&mut set, surface_m, depth_m, random),
+            Profile::Brief | Profile::Told => brief(&mut set, surface_m, depth_m, random),
         }
         set.hold(random.between(0.4, 0.7));
         let seconds = (set.at_s * 1000.0).round() / 1000.0;
-        let (hz, damping) = (random.between(18.0, 35.0), random.between(0.8, 1.1));
-        Track::follow(&set, seconds, hz, damping)
+        let motor = Motor {
+            hz: random.between(18.0, 35.0),
+            damping: random.between(0.8, 1.1),
+        };
+        Track::follow(&set.sampled(2 * count(seconds) + 1), seconds, motor)
+    }
+
+    /// The same motor on another set point (m) of time (s).
+    pub(crate) fn told(&self, seconds: f64, set_m: impl Fn(f64) -> f64) -> Self {
+        let nodes = 0..2 * count(seconds) + 1;
+        let r: Vec<f64> = nodes.map(|k| set_m(k as f64 / (2.0 * FINE_HZ))).collect();
+        Track::follow(&r, seconds, self.motor)
     }
 
     /// Runge–Kutta through nodes and midpoints of the set point.
-    fn follow(set: &SetPoint, seconds: f64, hz: f64, damping: f64) -> Self {
+    fn follow(r: &[f64], seconds: f64, motor: Motor) -> Self {
         let samples = (seconds * 1000.0).round() as usize + 1;
-        let count = ((seconds + TAIL_S) * FINE_HZ).round() as usize + 1;
-        let r = set.sampled(2 * count + 1);
-        let (w, dt) = (std::f64::consts::TAU * hz, 1.0 / FINE_HZ);
-        let pull = |r: f64, x: f64, v: f64| w * w * (r - x) - 2.0 * damping * w * v;
-        let (mut x, mut v) = (START_M, 0.0);
+        let count = count(seconds);
+        let (w, dt) = (std::f64::consts::TAU * motor.hz, 1.0 / FINE_HZ);
+        let pull = |r: f64, x: f64, v: f64| w * w * (r - x) - 2.0 * motor.damping * w * v;
+        let (mut x, mut v) = (r[0], 0.0);
         let mut track = Track {
             x: Vec::with_capacity(count),
             v: Vec::with_capacity(count),
             a: Vec::with_capacity(count),
             samples,
+            motor,
         };
         for k in 0..count {
             let a1 = pull(r[2 * k], x, v);
@@ -218,6 +245,11 @@ impl Track {
     }
 }
 
+/// Sub-steps of a motion.
+fn count(seconds: f64) -> usize {
+    ((seconds + TAIL_S) * FINE_HZ).round() as usize + 1
+}
+
 fn leave(set: &mut SetPoint, surface_m: f64, random: &mut Random) {
     let out_m = surface_m - random.between(0.9e-3, 2.2e-3);
     set.ramp(out_m, random.log_between(6e-3, FASTEST_MPS));
@@ -238,10 +270,16 @@ fn touch_and_hold(set: &mut SetPoint, surface_m: f64, depth_m: f64, random: &mut
 }
 
 /// Two sines, or one chirp, about a mean depth; amplitudes leave a little depth at the top.
-fn waves(set: &mut SetPoint, surface_m: f64, depth_m: f64, random: &mut Random) {
+fn waves(
+    set: &mut SetPoint,
+    surface_m: f64,
+    depth_m: f64,
+    lasting_s: (f64, f64),
+    random: &mut Random,
+) {
     let mean_m = surface_m + depth_m * random.between(0.45, 0.6);
     set.ramp(mean_m, random.log_between(6e-3, 20e-3));
-    let seconds = random.between(3.5, 5.5);
+    let seconds = random.between(lasting_s.0, lasting_s.1);
     let largest_m = 0.38 * depth_m;
     let chirp = random.chance(0.3);
     let slow_hz = random.log_between(0.4, 1.5);
@@ -278,9 +316,18 @@ fn mixed(set: &mut SetPoint, surface_m: f64, depth_m: f64, random: &mut Random) 
     while set.at_s < until_s {
         touch_and_hold(set, surface_m, depth_m, random);
         if set.at_s < until_s {
-            waves(set, surface_m, depth_m, random);
+            waves(set, surface_m, depth_m, (3.5, 5.5), random);
         }
     }
+}
+
+fn brief(set: &mut SetPoint, surface_m: f64, depth_m: f64, random: &mut Random) {
+    for (share, speed_mps, seconds) in [(0.55, 8e-3, 0.5), (1.0, 25e-3, 0.5)] {
+        set.ramp(surface_m + share * depth_m, speed_mps);
+        set.hold(seconds);
+    }
+    leave(set, surface_m, random);
+    waves(set, surface_m, depth_m, (1.5, 2.0), random);
 }
 
 fn slow(set: &mut SetPoint, surface_m: f64, depth_m: f64, random: &mut Random) {

@@ -1,5 +1,8 @@
 //! What is added to the force: noise, white or coloured, and the converter's codes.
 
+use super::fit::rms;
+use super::motion::{SUBSTEPS, Track};
+use super::plant::Plant;
 use super::random::Random;
 
 /// Spectrum of the noise.
@@ -10,9 +13,10 @@ pub(crate) enum Noise {
     Corner(f64),
     /// Five first-order stages, 0.7–180 Hz: close to 1/f.
     Pink,
-    /// White, and a share (of the power) in a band of this width about this line (Hz): a hum
-    /// whose phase wanders, so that it is no `periodic_disturbance`.
-    Hum {
+    /// White, and a share (of the power) in a broad hump: a load cell's own resonance that the
+    /// floor excites. Half of the hump's power lies within ± a width (Hz) about its middle, 20 to 60 Hz,
+    /// so that nobody would call it a line: the mains' hum is a `periodic_disturbance`, not nothing.
+    Hump {
         hz: f64,
         width_hz: f64,
         share: f64,
@@ -24,13 +28,13 @@ impl Noise {
     pub(crate) fn draw(coloured: bool, random: &mut Random) -> Self {
         let which = random.unit();
         let corner = random.log_between(5.0, 150.0);
-        let hz = *random.pick(&[50.0, 60.0]);
-        let (width_hz, share) = (random.between(1.5, 4.0), random.between(0.2, 0.6));
+        let hz = random.log_between(80.0, 250.0);
+        let (width_hz, share) = (random.between(20.0, 60.0), random.between(0.2, 0.6));
         match (coloured, which) {
             (false, _) => Noise::White,
             (true, w) if w < 0.4 => Noise::Corner(corner),
             (true, w) if w < 0.7 => Noise::Pink,
-            (true, _) => Noise::Hum {
+            (true, _) => Noise::Hump {
                 hz,
                 width_hz,
                 share,
@@ -44,7 +48,7 @@ impl Noise {
             Noise::White => "white".into(),
             Noise::Corner(hz) => format!("ar1_{hz:.0}_hz"),
             Noise::Pink => "pink".into(),
-            Noise::Hum { hz, .. } => format!("hum_{hz:.0}_hz"),
+            Noise::Hump { hz, .. } => format!("hump_{hz:.0}_hz"),
         }
     }
 
@@ -54,7 +58,7 @@ impl Noise {
             Noise::White => (0..count).map(|_| random.normal()).collect(),
             Noise::Corner(hz) => coloured(&[hz], count, random),
             Noise::Pink => coloured(&[0.7, 2.8, 11.2, 45.0, 180.0], count, random),
-            Noise::Hum {
+            Noise::Hump {
                 hz,
                 width_hz,
                 share,
@@ -89,6 +93,60 @@ fn coloured(corners_hz: &[f64], count: usize, random: &mut Random) -> Vec<f64> {
             states.iter().sum::<f64>() / scale
         })
         .collect()
+}
+
+/// Force and position as they are recorded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sensor {
+    pub(crate) noise: Noise,
+    /// Its standard deviation wanted (N).
+    pub(crate) noise_n: f64,
+    /// Of the force (N).
+    pub(crate) code_n: f64,
+}
+
+/// An encoder count (m).
+const COUNT_M: f64 = 1e-6;
+
+/// A log.
+#[derive(Clone, Debug)]
+pub(crate) struct Recorded {
+    /// Time (s), position (m), force (N).
+    pub(crate) rows: Vec<[f64; 3]>,
+    /// What noise and codes added to the force (N rms).
+    pub(crate) floor_n: f64,
+}
+
+impl Sensor {
+    /// Noise, codes and counts on a rig under a motion.
+    pub(crate) fn record(&self, plant: &Plant, track: &Track, random: &mut Random) -> Recorded {
+        let clean = plant.samples(track, SUBSTEPS);
+        self.recorded(&clean, plant, track, random)
+    }
+
+    /// The same of a force that is known already.
+    pub(crate) fn recorded(
+        &self,
+        clean: &[f64],
+        plant: &Plant,
+        track: &Track,
+        random: &mut Random,
+    ) -> Recorded {
+        let noise = self.noise.samples(clean.len(), random);
+        let row = |(k, (clean, noise)): (usize, (&f64, &f64))| {
+            let x = plant.read_m(track.x[k * SUBSTEPS]);
+            // The drawn surface lies anywhere between two counts.
+            let position = (x / COUNT_M).round() * COUNT_M;
+            let force = ((clean + self.noise_n * noise) / self.code_n).round() * self.code_n;
+            [k as f64 * 1e-3, position, force]
+        };
+        let rows: Vec<[f64; 3]> = clean.iter().zip(&noise).enumerate().map(row).collect();
+        let wrong: Vec<f64> = rows.iter().zip(clean).map(|(r, c)| r[2] - c).collect();
+        Recorded {
+            floor_n: rms(&wrong),
+            rows,
+        }
+    }
 }
 
 /// The step (N) of a 12-bit converter that reaches 1.3 times the peak both ways, in whole millinewtons.

@@ -97,6 +97,9 @@ impl Running {
                 self.phase += 6.0 * dt.sqrt() * self.random.normal();
                 self.strength * (v.abs() / 10e-3) * self.phase.sin()
             }
+            // A specimen that moves sideways takes the tip along only while they touch. In free air as
+            // well it would be coloured noise, which is nothing hidden.
+            Stranger::Crosstalk if depth <= 0.0 => 0.0,
             Stranger::Crosstalk => self.strength * self.wander(1.5, dt),
             Stranger::ThermalWalk => self.strength * self.wander(0.08, dt),
             Stranger::StickSlip => self.stick_slip(v, dt),

@@ -1,6 +1,6 @@
 //! A case as files, in the format of `data/hidden-effects`.
 
-use super::case::Case;
+use super::case::{Case, Kind};
 use super::draw::accepted;
 use super::material::{Law, REFERENCE_M};
 use serde_json::{Map, Value, json};
@@ -32,10 +32,10 @@ impl Units {
         }
     }
 
-    fn csv(self, rows: &[[f64; 3]]) -> String {
-        let mut text = String::with_capacity(26 * rows.len());
+    fn csv(self, rows: &[[f64; 3]], every: usize) -> String {
+        let mut text = String::with_capacity(26 * rows.len() / every);
         text.push_str("t_s,x_m,f_n\n");
-        for [t, x, f] in rows {
+        for [t, x, f] in rows.iter().step_by(every) {
             // Writing to a String cannot fail.
             let _ = if self == Units::SI {
                 writeln!(text, "{t:.3},{x:.6},{f:.3}")
@@ -79,7 +79,13 @@ impl Case {
 
     /// What the rig recorded.
     pub(crate) fn csv(&self) -> String {
-        self.units.csv(&self.rows)
+        self.units.csv(&self.rows, self.every)
+    }
+
+    /// What the same rig recorded under another set point (m of s), see [`Case::again`].
+    pub(crate) fn further_csv(&self, seconds: f64, set_m: impl Fn(f64) -> f64) -> String {
+        let again = self.again(seconds, set_m);
+        self.units.csv(&again.rows, self.every)
     }
 
     /// What was really there: parameters of the catalogue's forms in the catalogue's names and units.
@@ -101,7 +107,10 @@ impl Case {
                 params.insert(hidden.id.into(), object(&hidden.params));
             }
             forms.insert(hidden.id.into(), json!(hidden.form));
-            accepts.insert(hidden.id.into(), json!(accepted(hidden.id, hidden.form)));
+            let also = self.also.iter().filter(|(id, _)| *id == hidden.id);
+            let mut right: Vec<&str> = also.map(|(_, also)| *also).collect();
+            right.extend(accepted(hidden.id, hidden.form));
+            accepts.insert(hidden.id.into(), json!(right));
         }
         if let Some((stranger, strength)) = self.stranger {
             effects.push("unknown");
@@ -126,10 +135,31 @@ impl Case {
             "gap_ratio": self.gap_ratio(),
             "form_ratio": self.form_rmse_n.map(|rmse_n| rmse_n / self.floor_n),
             "profile": self.profile.name(),
-            "noise": self.noise.name(),
+            "noise": self.sensor.noise.name(),
             "seconds": self.seconds() * self.units.time,
+            // Whoever wants the same rig again: `again`.
             "seed": self.seed,
+            "index": self.index,
+            "brief": self.every > 1,
+            "units": [self.units.length, self.units.force, self.units.time],
         })
+    }
+
+    /// The case that a truth.json is of, drawn again; None if it was not drawn here.
+    pub(crate) fn of_truth(truth: &Value) -> Option<Case> {
+        let kind = Kind::ALL.iter().find(|(_, name)| truth["kind"] == *name)?.0;
+        let (seed, index) = (truth["seed"].as_u64()?, truth["index"].as_u64()?);
+        let unit = |at: usize| truth["units"][at].as_f64();
+        let case = match truth["brief"].as_bool()? {
+            true => Case::brief(kind, seed, index),
+            false => Case::generate(kind, seed, index),
+        };
+        let units = Units {
+            length: unit(0)?,
+            force: unit(1)?,
+            time: unit(2)?,
+        };
+        Some(Case { units, ..case })
     }
 
     /// Writes the three files.
@@ -138,7 +168,7 @@ impl Case {
         std::fs::write(dir.join("base.toml"), self.base_toml())?;
         std::fs::write(dir.join("measured.csv"), self.csv())?;
         if let Some(rows) = &self.richer {
-            std::fs::write(dir.join("richer.csv"), self.units.csv(rows))?;
+            std::fs::write(dir.join("richer.csv"), self.units.csv(rows, self.every))?;
         }
         std::fs::write(dir.join("truth.json"), format!("{:#}\n", self.truth()))
     }

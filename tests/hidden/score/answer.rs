@@ -1,6 +1,7 @@
 //! gap.json, as far as it is scored.
 
 use super::truth::strings;
+use palpate::gap::{Finding, Known};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,7 +13,10 @@ pub(crate) type Estimates = BTreeMap<String, (f64, f64)>;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Named {
     pub(crate) id: String,
+    /// Those with a standard error.
     pub(crate) params: Estimates,
+    /// How many have none.
+    pub(crate) without_error: usize,
     pub(crate) alternatives: Vec<String>,
 }
 
@@ -28,6 +32,8 @@ pub(crate) struct Answer {
     pub(crate) base: Estimates,
     /// Wall clock of the process (s).
     pub(crate) seconds: f64,
+    /// Of all its threads (s); NaN where the system does not say.
+    pub(crate) cpu_s: f64,
 }
 
 impl Answer {
@@ -57,8 +63,13 @@ impl Answer {
         let named = |effect: &Value| Named {
             id: effect["id"].as_str().unwrap_or_default().to_string(),
             params: estimates(&effect["params"]),
+            without_error: effect["params"].as_object().map_or(0, serde_json::Map::len)
+                - estimates(&effect["params"]).len(),
             alternatives: strings(&effect["alternatives"]),
         };
+        let rmse_after_n = json["rmse_n"]["after"]
+            .as_f64()
+            .ok_or("rmse_n.after: a number is expected")?;
         Ok(Answer {
             verdict,
             effects: json["effects"]
@@ -67,11 +78,50 @@ impl Answer {
                 .flatten()
                 .map(named)
                 .collect(),
-            rmse_after_n: json["rmse_n"]["after"].as_f64().unwrap_or(f64::NAN),
+            rmse_after_n,
             floor_n: json["noise_floor_n"].as_f64().unwrap_or(f64::NAN),
             base: estimates(&json["base"]["after"]),
             seconds: json["seconds"].as_f64().unwrap_or(f64::NAN),
+            cpu_s: f64::NAN,
         })
+    }
+
+    /// The answer of the library.
+    pub(crate) fn of(finding: &Finding, seconds: f64) -> Answer {
+        let estimates = |known: &[Known]| -> Estimates {
+            let one = |own: &Known| Some((own.name.clone(), (own.value, own.std_error?)));
+            known.iter().filter_map(one).collect()
+        };
+        let names = |ids: &[estimator_core::effect::EffectId]| -> Vec<String> {
+            ids.iter().map(|id| id.name().to_string()).collect()
+        };
+        let named = finding.effects.iter().map(|own| Named {
+            id: own.id.name().to_string(),
+            params: estimates(&own.parameters),
+            without_error: own
+                .parameters
+                .iter()
+                .filter(|p| p.std_error.is_none())
+                .count(),
+            alternatives: names(&own.alternatives),
+        });
+        Answer {
+            verdict: finding.verdict.name().to_string(),
+            effects: named.collect(),
+            rmse_after_n: finding.rmse_after_n,
+            floor_n: finding.noise_floor_n,
+            base: estimates(&finding.base_after),
+            seconds,
+            cpu_s: f64::NAN,
+        }
+    }
+
+    /// Names and alternatives, each once: what an ambiguous answer leaves open.
+    pub(crate) fn group(&self) -> usize {
+        let named = self.effects.iter().map(|own| own.id.as_str());
+        let also = self.effects.iter().flat_map(|own| &own.alternatives);
+        let all: std::collections::BTreeSet<&str> = named.chain(also.map(String::as_str)).collect();
+        all.len()
     }
 
     /// Ids in order, each once: a spectrum of several modes is one name.

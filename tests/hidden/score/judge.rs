@@ -3,13 +3,14 @@
 use super::answer::{Answer, Estimates};
 use super::truth::{Numbers, Truth};
 
-/// What an answer is worth. The first three name what is there.
+/// What an answer is worth. The first three hold what is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Mark {
     /// Exactly what is there, and adequate; for nothing, `no_missing_effect`; for a stranger,
     /// `unexplained` without any name.
     Exact,
-    /// `ambiguous`, and every name stands for something that is there, by itself or an alternative.
+    /// Left open: `ambiguous`, and every name stands for another effect that is there, by itself or
+    /// through an alternative.
     InGroup,
     /// Exactly what is there, but the verdict is `unexplained`.
     NotAdequate,
@@ -45,16 +46,14 @@ pub(crate) fn mark(truth: &Truth, answer: &Answer) -> Mark {
 
 fn named(truth: &Truth, answer: &Answer) -> Mark {
     let ids = answer.ids();
-    let all = truth
-        .effects
-        .iter()
-        .all(|id| ids.iter().any(|named| truth.same(id, named)));
-    let only = ids
-        .iter()
-        .all(|named| truth.effects.iter().any(|id| truth.same(id, named)));
+    let one = |named: &&str| truth.effects.iter().any(|id| truth.same(id, named));
+    let only = ids.len() <= truth.effects.len() && ids.iter().all(one);
+    let stand = |id: &str, at: usize| truth.same(id, ids[at]);
+    // One name for each effect: a Stribeck friction is not said by Coulomb and Stribeck.
+    let the_set = ids.len() == truth.effects.len() && paired(&truth.effects, ids.len(), &stand);
     match answer.verdict.as_str() {
-        "missing_effects" if all && only => Mark::Exact,
-        "unexplained" if all && only => Mark::NotAdequate,
+        "missing_effects" if the_set => Mark::Exact,
+        "unexplained" if the_set => Mark::NotAdequate,
         "ambiguous" if in_group(truth, answer) => Mark::InGroup,
         _ if only && !ids.is_empty() => Mark::Incomplete,
         "missing_effects" => Mark::ConfidentWrong,
@@ -62,25 +61,35 @@ fn named(truth: &Truth, answer: &Answer) -> Mark {
     }
 }
 
-/// Every effect that is there is named or an alternative, and every name stands for one of them.
+/// Each name, by itself or through an alternative, stands for another effect that is there, and all
+/// that are there have one.
 fn in_group(truth: &Truth, answer: &Answer) -> bool {
-    let stands = |id: &str, named: &super::answer::Named| {
-        truth.same(id, &named.id) || named.alternatives.iter().any(|also| truth.same(id, also))
+    let ids = answer.ids();
+    let stands = |id: &str, at: usize| {
+        let own = answer.effects.iter().filter(|named| named.id == ids[at]);
+        let mut also = own.flat_map(|named| &named.alternatives);
+        truth.same(id, ids[at]) || also.any(|also| truth.same(id, also))
     };
-    truth
-        .effects
-        .iter()
-        .all(|id| answer.effects.iter().any(|named| stands(id, named)))
-        && answer
-            .effects
-            .iter()
-            .all(|named| truth.effects.iter().any(|id| stands(id, named)))
+    ids.len() == truth.effects.len() && paired(&truth.effects, ids.len(), &stands)
 }
 
-/// Whether the first name is one of those that are there.
-pub(crate) fn first(truth: &Truth, answer: &Answer) -> bool {
-    let first = answer.effects.first();
-    first.is_some_and(|named| truth.effects.iter().any(|id| truth.same(id, &named.id)))
+/// Whether every one of `effects` finds a partner of its own among `count` names.
+fn paired(effects: &[String], count: usize, stand: &dyn Fn(&str, usize) -> bool) -> bool {
+    fn rest(effects: &[String], free: &mut [bool], stand: &dyn Fn(&str, usize) -> bool) -> bool {
+        let Some((id, others)) = effects.split_first() else {
+            return true;
+        };
+        (0..free.len()).any(|at| {
+            if !free[at] || !stand(id, at) {
+                return false;
+            }
+            free[at] = false;
+            let done = rest(others, free, stand);
+            free[at] = true;
+            done
+        })
+    }
+    rest(effects, &mut vec![true; count], stand)
 }
 
 /// Names, and errors over standard errors.
@@ -88,6 +97,7 @@ pub(crate) type Errors = Vec<(String, f64)>;
 
 /// Of the added and of the base's parameters, each with both a truth and a standard error.
 pub(crate) fn errors(truth: &Truth, answer: &Answer) -> (Errors, Errors) {
+    let truth = &exchanged(truth, answer);
     let mut added = Vec::new();
     for (id, numbers) in &truth.params {
         let mut found = answer.effects.iter().filter(|named| named.id == *id);
@@ -99,6 +109,47 @@ pub(crate) fn errors(truth: &Truth, answer: &Answer) -> (Errors, Errors) {
     let mut base = Vec::new();
     compare("", &truth.base, &answer.base, &mut base);
     (added, base)
+}
+
+/// Two modes in parallel have no order: the base's own and the hidden one change places if the
+/// answer's rates are nearer to each other's.
+fn exchanged(truth: &Truth, answer: &Answer) -> Truth {
+    let mut truth = truth.clone();
+    let modes = || -> Option<([f64; 2], [f64; 2], f64, f64)> {
+        let hidden = truth.params.get("stress_relaxation")?;
+        let mut named = answer
+            .effects
+            .iter()
+            .filter(|own| own.id == "stress_relaxation");
+        let named = named.next()?;
+        let own =
+            |of: &Numbers, fraction: &str, rate: &str| Some([*of.get(fraction)?, *of.get(rate)?]);
+        let hidden = own(hidden, "fraction", "rate")?;
+        let base = own(&truth.base, "relaxation_fraction_1", "relaxation_rate_1")?;
+        Some((
+            hidden,
+            base,
+            named.params.get("rate")?.0,
+            answer.base.get("relaxation_rate_1")?.0,
+        ))
+    };
+    if let Some((hidden, base, named, own)) = modes() {
+        let far = |a: f64, b: f64| (a / b).ln().abs();
+        if far(named, base[1]) + far(own, hidden[1]) < far(named, hidden[1]) + far(own, base[1]) {
+            let pair = |names: [&str; 2], values: [f64; 2]| -> Numbers {
+                names
+                    .iter()
+                    .map(|name| (*name).to_string())
+                    .zip(values)
+                    .collect()
+            };
+            let effect = pair(["fraction", "rate"], base);
+            truth.params.insert("stress_relaxation".into(), effect);
+            let names = ["relaxation_fraction_1", "relaxation_rate_1"];
+            truth.base.extend(pair(names, hidden));
+        }
+    }
+    truth
 }
 
 fn compare(prefix: &str, numbers: &Numbers, estimates: &Estimates, into: &mut Vec<(String, f64)>) {

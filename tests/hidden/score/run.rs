@@ -1,15 +1,14 @@
 //! Runs `palpate gap` on every rig below some folders.
 
 use super::answer::Answer;
+use super::further::{self, MOTION};
+use super::process::{self, Took};
 use super::truth::Truth;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-/// A run that takes longer has failed (s).
-const TOO_LONG_S: u64 = 300;
 
 /// How to run.
 #[derive(Clone, Debug)]
@@ -31,6 +30,9 @@ pub(crate) struct Scored {
     pub(crate) rig: PathBuf,
     pub(crate) truth: Truth,
     pub(crate) answer: Result<Answer, String>,
+    /// Poor excitation that was left open: the answer with the advised motion's log as well; None
+    /// if no motion was advised.
+    pub(crate) further: Option<Result<Answer, String>>,
 }
 
 /// Folders with a truth.json, sorted, at any depth.
@@ -55,7 +57,7 @@ pub(crate) fn all(rigs: &[PathBuf], options: &Options) -> Result<Vec<Scored>, St
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(rig) = rigs.get(index) else { break };
                     let one = score(rig, index, options);
-                    eprint!("\r{} of {}", index + 1, rigs.len());
+                    eprint!("\r{} of {} ", index + 1, rigs.len());
                     if let Ok(mut scored) = scored.lock() {
                         scored.push((index, one));
                     }
@@ -78,62 +80,67 @@ fn score(rig: &Path, index: usize, options: &Options) -> Result<Scored, String> 
         parent.display(),
         name.display()
     ));
-    let answer = if options.reuse {
-        Answer::read(&out.join("gap.json"))
-    } else {
-        run(rig, &out, options)
-    };
+    let measured = rig.join("measured.csv");
+    let richer = Some(rig.join("richer.csv")).filter(|path| options.richer && path.is_file());
+    let logs: Vec<PathBuf> = std::iter::once(measured.clone()).chain(richer).collect();
+    let answer = answered(rig, &logs, &out, options);
+    let open = answer.as_ref().is_ok_and(|a| a.verdict == "ambiguous");
+    let motion = out.join(MOTION);
+    let further = (truth.kind == "poor" && open && motion.is_file()).then(|| {
+        let log = match out.join("further.csv") {
+            old if options.reuse => old,
+            _ => further::record(rig, &motion, &out)?,
+        };
+        answered(rig, &[measured, log], &out.join("further"), options)
+    });
     Ok(Scored {
         rig: rig.to_path_buf(),
         truth,
         answer,
+        further,
     })
 }
 
-fn run(rig: &Path, out: &Path, options: &Options) -> Result<Answer, String> {
-    std::fs::create_dir_all(out).map_err(|e| format!("{}: {e}", out.display()))?;
-    let gap_json = out.join("gap.json");
-    // An old answer must not stand for a run that fails; that there is none is no error.
-    let _ = std::fs::remove_file(&gap_json);
-    let log = std::fs::File::create(out.join("stderr.txt")).map_err(|e| e.to_string())?;
-    let started = Instant::now();
-    let mut command = Command::new(&options.palpate);
-    let richer = rig.join("richer.csv");
-    if options.richer && richer.is_file() {
-        command.arg("gap").arg("--log").arg(richer);
+/// The answer to some logs of a rig, new or of the last run.
+fn answered(rig: &Path, logs: &[PathBuf], out: &Path, options: &Options) -> Result<Answer, String> {
+    let took = if options.reuse {
+        took(out)
     } else {
-        command.arg("gap");
-    }
-    let mut child = command
-        .args(["--model".as_ref(), rig.join("base.toml").as_os_str()])
-        .args(["--log".as_ref(), rig.join("measured.csv").as_os_str()])
-        .args(["--out".as_ref(), out.as_os_str()])
-        .args(&options.arguments)
-        .stdout(Stdio::null())
-        .stderr(log)
-        .spawn()
-        .map_err(|e| format!("{}: {e}", options.palpate.display()))?;
-    let status = loop {
-        if let Some(status) = child.try_wait().map_err(|e| e.to_string())? {
-            break status;
-        }
-        if started.elapsed() > Duration::from_secs(TOO_LONG_S) {
-            // It may have ended meanwhile.
-            let _ = child.kill();
-            let _ = child.wait();
-            return Err(format!("longer than {TOO_LONG_S} s"));
-        }
-        std::thread::sleep(Duration::from_millis(5));
+        let took = run(rig, logs, out, options)?;
+        let text = json!({ "wall_s": took.seconds, "cpu_s": took.cpu_s }).to_string();
+        let path = out.join("took.json");
+        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+        took
     };
-    let seconds = started.elapsed().as_secs_f64();
-    if !status.success() {
-        return Err(format!(
-            "{status}, see {}",
-            out.join("stderr.txt").display()
-        ));
-    }
     Ok(Answer {
-        seconds,
-        ..Answer::read(&gap_json)?
+        seconds: took.seconds,
+        cpu_s: took.cpu_s,
+        ..Answer::read(&out.join("gap.json"))?
     })
+}
+
+/// What the last run took; NaN if nobody wrote it down.
+fn took(out: &Path) -> Took {
+    let text = std::fs::read_to_string(out.join("took.json")).unwrap_or_default();
+    let json: Value = serde_json::from_str(&text).unwrap_or_default();
+    let number = |name: &str| json[name].as_f64().unwrap_or(f64::NAN);
+    Took {
+        seconds: number("wall_s"),
+        cpu_s: number("cpu_s"),
+    }
+}
+
+fn run(rig: &Path, logs: &[PathBuf], out: &Path, options: &Options) -> Result<Took, String> {
+    std::fs::create_dir_all(out).map_err(|e| format!("{}: {e}", out.display()))?;
+    for old in ["gap.json", MOTION, "further.csv"] {
+        // An old answer must not stand for a run that fails; that there is none is no error.
+        let _ = std::fs::remove_file(out.join(old));
+    }
+    let mut command = Command::new(&options.palpate);
+    command.arg("gap").arg("--model").arg(rig.join("base.toml"));
+    for log in logs {
+        command.arg("--log").arg(log);
+    }
+    command.arg("--out").arg(out).args(&options.arguments);
+    process::run(&mut command, &out.join("stderr.txt"))
 }

@@ -27,6 +27,39 @@ impl Share {
     }
 }
 
+impl Share {
+    /// The share that is exceeded with less than 5 % probability to see so few (Clopper and Pearson,
+    /// one-sided): what "at most 1 % at 95 % confidence" asks for.
+    pub(crate) fn upper(self) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0);
+        if self.hits >= self.of {
+            return high;
+        }
+        // 40 halvings: 10⁻¹².
+        for _ in 0..40 {
+            let middle: f64 = 0.5 * (low + high);
+            if self.so_few(middle) > 0.05 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
+    /// Probability of no more hits than these at a share 0 < p < 1.
+    fn so_few(self, p: f64) -> f64 {
+        let n = self.of as f64;
+        let (mut log, mut sum) = (n * (-p).ln_1p(), 0.0);
+        for k in 0..=self.hits {
+            sum += f64::exp(log);
+            let k = k as f64;
+            log += ((n - k) / (k + 1.0) * p / (1.0 - p)).ln();
+        }
+        sum
+    }
+}
+
 impl std::fmt::Display for Share {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.of == 0 {

@@ -23,11 +23,19 @@ pub(crate) struct Truth {
     /// The base's parameters.
     pub(crate) base: Numbers,
     pub(crate) floor_n: f64,
+    /// Spectrum of the noise; empty where nobody wrote it down.
+    pub(crate) noise: String,
+    /// Whether the best fit of the catalogue's own form leaves more than [`CRUDE`].
+    pub(crate) crude: bool,
 }
 
 /// Where the best fit of the catalogue's form leaves more than this multiple of the floor, the
-/// catalogue does not explain the rig: `unexplained` with the right name is then right.
+/// catalogue does not explain the rig: `unexplained` with the right name is then the honest answer.
 pub(crate) const CRUDE: f64 = 1.15;
+
+/// Where the best fit of the base alone leaves less than this multiple of the floor, an effect of
+/// the bars' rows is one of the row `weak`. Both multiples are the generator's, from its own fit.
+pub(crate) const SHOWN: f64 = 1.5;
 
 /// Names of the older rigs: theirs, effect, the catalogue's.
 const OLDER: [(&str, &str, &str); 13] = [
@@ -77,26 +85,28 @@ impl Truth {
         let floor_n = json["floor_n"]
             .as_f64()
             .ok_or("floor_n: a number is expected")?;
+        let ratio = |name: &str| json[name].as_f64();
         let truth = Truth {
             effects,
             floor_n,
+            noise: json["noise"].as_str().unwrap_or_default().to_string(),
+            crude: ratio("form_ratio").is_some_and(|ratio| ratio > CRUDE),
             ..Truth::default()
         };
-        Ok(if json["forms"].is_object() {
+        let mut truth = if json["forms"].is_object() {
             truth.own(&json)
         } else {
             truth.older(&json)
-        })
+        };
+        let something = !["none", "unknown", "poor"].contains(&truth.kind.as_str());
+        if something && ratio("gap_ratio").is_some_and(|ratio| ratio < SHOWN) {
+            truth.kind = "weak".into();
+        }
+        Ok(truth)
     }
 
     fn own(mut self, json: &Value) -> Truth {
         self.kind = json["kind"].as_str().unwrap_or_default().to_string();
-        if json["form_ratio"]
-            .as_f64()
-            .is_some_and(|ratio| ratio > CRUDE)
-        {
-            self.kind = "crude".into();
-        }
         self.base = numbers(&json["base"]);
         let form = |id: &str| json["forms"][id].as_str().unwrap_or_default().to_string();
         for id in &self.effects {
@@ -109,6 +119,7 @@ impl Truth {
         let forms: Vec<String> = self.effects.iter().map(|id| form(id)).collect();
         self.label = match forms.as_slice() {
             [] => "none".into(),
+            [form] if self.effects[0] == "unknown" => form.clone(),
             [form] if form != "catalogue" => format!("{} ({form})", self.effects[0]),
             _ => self.effects.join("+"),
         };

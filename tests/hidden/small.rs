@@ -1,0 +1,162 @@
+//! The whole workflow on short rigs, at least one of each kind of answer, by the scorer of the big
+//! table. Seeds and indices are named; what is hidden is known to the scorer alone.
+
+use crate::rig::case::{Case, Kind};
+use crate::score::further;
+use crate::score::judge::{Mark, errors};
+use crate::score::library;
+use crate::score::run::Scored;
+use std::path::{Path, PathBuf};
+
+/// Draws the rigs.
+const SEED: u64 = 1;
+
+/// Places in the catalogue, in the list for poor excitation, and among the strangers.
+const COULOMB: u64 = 10;
+const DRIFT: u64 = 16;
+/// With a buried layer.
+const COULOMB_OF_TWO: u64 = 10;
+const LAG_UNDER_A_SLOW_SINE: u64 = 0;
+const RINGING: u64 = 6;
+
+/// Held-out RMSE after over the true floor: gap.md's 1.04 (same form) and 1.10 are medians and quantiles
+/// of logs of 20 s at 1 kHz. These have a tenth of the samples and a quarter of the rate, so that
+/// touches weigh more; measured 0.98 to 1.10. A residual below the noise would be a fit of it.
+const AT_THE_FLOOR: std::ops::Range<f64> = 0.93..1.15;
+
+/// Standard errors that an estimate may be off: 6·10⁻⁵ of all by chance.
+const FAR: f64 = 4.0;
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("hidden-{name}"))
+}
+
+/// The rig `index` of a kind as files, and the answer to them.
+fn scored(kind: Kind, index: u64) -> Scored {
+    let folder = folder(&format!("{}-{index}", kind.name()));
+    let written = Case::brief(kind, SEED, index).save(&folder);
+    written.unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    library::score(&folder).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Named, all and nothing else, adequate, and at the floor on the held-out part.
+fn exactly_right(one: &Scored) {
+    assert_eq!(one.mark(), Mark::Exact, "{:?}", one.answer);
+    assert!(AT_THE_FLOOR.contains(&one.ratio()), "{}", one.ratio());
+}
+
+/// The truth lies within the intervals; gives how many were compared.
+fn within_its_intervals(one: &Scored) -> usize {
+    let answer = one.answer.as_ref().unwrap_or_else(|e| panic!("{e}"));
+    let (added, base) = errors(&one.truth, answer);
+    for (name, error) in added.iter().chain(&base) {
+        assert!(error.abs() < FAR, "{name} is {error} standard errors off");
+    }
+    added.len()
+}
+
+#[test]
+fn one_effect_in_the_catalogues_form_is_named_alone_with_its_parameters() {
+    let one = scored(Kind::Single, COULOMB);
+    exactly_right(&one);
+    assert!(within_its_intervals(&one) > 0);
+}
+
+#[test]
+fn one_effect_in_another_form_is_named_alone() {
+    exactly_right(&scored(Kind::Mismatched, DRIFT));
+}
+
+#[test]
+fn of_two_effects_both_and_only_both_are_named() {
+    let pair = scored(Kind::Pair, COULOMB_OF_TWO);
+    exactly_right(&pair);
+    assert!(within_its_intervals(&pair) > 3);
+}
+
+#[test]
+fn where_nothing_is_hidden_nothing_is_missing_whatever_the_noise() {
+    let mut noises = Vec::new();
+    for index in 0..6 {
+        let one = scored(Kind::None, index);
+        assert_eq!(
+            one.mark(),
+            Mark::Exact,
+            "{}: {:?}",
+            one.truth.noise,
+            one.answer
+        );
+        assert!((0.93..1.07).contains(&one.ratio()), "{}", one.ratio());
+        noises.push(one.truth.noise);
+    }
+    let coloured = noises.iter().filter(|noise| *noise != "white").count();
+    assert_eq!(coloured, 3, "{noises:?}");
+}
+
+#[test]
+fn what_is_in_no_catalogue_is_unexplained_and_has_no_name() {
+    let one = scored(Kind::Unknown, RINGING);
+    assert_eq!(one.mark(), Mark::Exact, "{:?}", one.answer);
+    assert!(one.ratio() > 1.5, "{}", one.ratio());
+}
+
+#[test]
+fn one_slow_sine_leaves_the_right_group_open_at_most() {
+    let one = scored(Kind::Poor, LAG_UNDER_A_SLOW_SINE);
+    assert!(
+        [Mark::Exact, Mark::InGroup].contains(&one.mark()),
+        "{:?}",
+        one.answer
+    );
+    // Lag, delay, a soft tip: a group of everything would hold the right name as well.
+    let group = one.answer.map_or(0, |answer| answer.group());
+    assert!((1..=3).contains(&group), "{group} names");
+}
+
+/// What `gap` is to write as OUT/motion.toml.
+const MOTION: &str = "start = -0.001\n\
+    [[segment]]\nkind = \"hold\"\nseconds = 1.5\n\
+    [[segment]]\nkind = \"ramp\"\nto = 0.001\nspeed = 0.01\n\
+    [[segment]]\nkind = \"hold\"\nseconds = 0.5\n";
+
+/// Rows of a log.
+fn rows(path: &Path) -> Vec<[f64; 3]> {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let row = |line: &str| -> [f64; 3] {
+        let mut cells = line.split(',').filter_map(|cell| cell.parse().ok());
+        std::array::from_fn(|_| cells.next().unwrap_or(f64::NAN))
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn a_rig_that_is_recorded_again_follows_the_motion_and_is_the_same_rig() {
+    let case = Case::brief(Kind::Poor, SEED, 3);
+    let (rig, out) = (folder("again"), folder("again-out"));
+    let write = |path: PathBuf, text: &str| std::fs::write(path, text);
+    let made = case
+        .save(&rig)
+        .and_then(|()| std::fs::create_dir_all(&out))
+        .and_then(|()| write(out.join("motion.toml"), MOTION));
+    made.unwrap_or_else(|e| panic!("{e}"));
+    let record = || further::record(&rig, &out.join("motion.toml"), &out);
+    let log = record().unwrap_or_else(|e| panic!("{e}"));
+    let rows = rows(&log);
+    // 1.5 s, 2 mm at 10 mm/s with its blend, 0.5 s, at 100 Hz.
+    assert!((2.2..2.24).contains(&rows[rows.len() - 1][0]));
+    // A motor of 18 Hz and more has arrived after half a second; a count is 1 µm.
+    let end = rows[rows.len() - 1];
+    assert!((rows[0][1] + 1e-3).abs() < 1.1e-6 && (end[1] - 1e-3).abs() < 1.1e-6);
+    // At rest in free air there is the noise of the first log alone: 150 samples tell it to 6 %.
+    let free: Vec<f64> = rows.iter().take(150).map(|row| row[2]).collect();
+    let noise_n = crate::rig::fit::rms(&free);
+    assert!(
+        (0.75..1.3).contains(&(noise_n / case.floor_n)),
+        "{noise_n} N of {} N",
+        case.floor_n
+    );
+    assert!(end[2] > 20.0 * noise_n, "in contact: {} N", end[2]);
+    // Another rig's log, and nothing is recorded.
+    let other = write(rig.join("measured.csv"), "t_s,x_m,f_n\n");
+    assert!(other.is_ok() && record().is_err_and(|e| e.contains("another generator")));
+}
