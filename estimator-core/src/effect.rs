@@ -205,6 +205,19 @@ fn wave<S: Scalar>(amplitude: S, angular: S, phase: S, at: S) -> (S, S) {
     (amplitude * sin, amplitude * angular * cos)
 }
 
+/// max(x, 0), its corner rounded over a width w: w ln(1 + e^{x/w}).
+fn ramp<S: Scalar>(x: S, width: S) -> S {
+    if width <= S::nil() {
+        return x.max_of(S::nil());
+    }
+    let far = x / width;
+    // Beyond this the rounding is 10⁻¹³ of its width.
+    if far > S::from_f64(30.0) {
+        return x;
+    }
+    width * (S::unit() + far.exp()).ln()
+}
+
 /// 2π/`period`.
 fn angular_of<S: Scalar>(period: S) -> S {
     S::from_f64(core::f64::consts::TAU) / period

@@ -318,7 +318,11 @@ impl<T: Real> Compensation<T> {
     /// Whether the force stands at the cell's limit, or did within the window.
     fn saturates(&self, state: &mut CompensationState<T>, reading_n: T) -> bool {
         let at_limit = self.effects.iter().flatten().any(|effect| match effect {
-            Effect::ForceSaturation(own) => reading_n >= own.limit_n * T::from_f64(AT_LIMIT),
+            Effect::ForceSaturation(own) => {
+                // A rounded limit is e⁻³ of its softness off where this begins.
+                let rounded_n = T::from_f64(3.0) * own.softness_n;
+                reading_n >= own.limit_n * T::from_f64(AT_LIMIT) - rounded_n
+            }
             _ => false,
         });
         let memory = self.window.map_or(0, |window| 2 * window.late()) + self.delay.0;

@@ -335,6 +335,7 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
         (E::PermanentSet, 0) => linear(owner, 0.0, 0.95),
         (E::PermanentSet, _) => linear(owner, 0.0, s.travel_m),
         (E::BuriedLayer, 0) => linear(owner, 0.0, 1e3 * stiffness),
+        (E::BuriedLayer, 2) => logarithmic(owner, s.position_noise_m, 0.2 * s.travel_m),
         (E::BuriedLayer, _) => linear(owner, 0.02 * s.travel_m, 0.98 * s.travel_m),
         (E::SurfaceMotion, 0) => linear(owner, 0.0, 0.3 * s.travel_m),
         (E::SurfaceMotion, at) => frequency(at).unwrap_or(linear(owner, 0.0, anything)),
@@ -363,7 +364,9 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
         (E::Backlash, _) => linear(owner, 0.0, 0.3 * s.travel_m),
         (E::ForceLag, _) => linear(owner, 0.02 * s.period_s, s.duration_s / 20.0),
         (E::TimeDelay, _) => linear(owner, -s.duration_s / 40.0, s.duration_s / 40.0),
-        (E::ForceSaturation, _) => linear(owner, 0.2 * s.highest_n, s.highest_n),
+        // A rounded limit is never quite reached.
+        (E::ForceSaturation, 0) => linear(owner, 0.2 * s.highest_n, 1.5 * s.highest_n),
+        (E::ForceSaturation, _) => logarithmic(owner, 1e-4 * s.highest_n, 0.3 * s.highest_n),
         (E::EncoderPeriodicError, 0) => linear(owner, 0.0, 0.05 * s.travel_m),
         (E::EncoderPeriodicError, at) => pitch(at, seen_m).unwrap_or(linear(owner, 0.0, anything)),
     }

@@ -130,15 +130,15 @@ pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
             2,
         ),
         E::PermanentSet => grid(&[&[0.1, 0.0], &[0.1, 0.3 * depth], &[0.1, 0.6 * depth]], 2),
-        E::BuriedLayer => (2..10)
-            .map(|k| {
-                whole(
-                    id,
-                    row(&[0.3 * stiffness, 0.1 * f64::from(k) * s.travel_m]),
-                    2,
-                )
-            })
-            .collect(),
+        E::BuriedLayer => {
+            let layer = |k: u8, rounding_m: f64, count: usize| {
+                let depth_m = 0.1 * f64::from(k) * s.travel_m;
+                whole(id, row(&[0.3 * stiffness, depth_m, rounding_m]), count)
+            };
+            let mut starts: Vec<Term> = (2..10).map(|k| layer(k, 0.0, 2)).collect();
+            starts.extend([2, 4, 6].map(|k| layer(k, 0.03 * s.travel_m, 3)));
+            starts
+        }
         E::HystereticDamping => (1..8)
             .map(|k| whole(id, row(&[force, depth * 0.5_f64.powi(k)]), 2))
             .collect(),
@@ -216,6 +216,11 @@ pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
             &[&[s.period_s], &[6.0 * s.period_s], &[-6.0 * s.period_s]],
             1,
         ),
-        E::ForceSaturation => grid(&[&[0.97 * s.highest_n], &[0.9 * s.highest_n]], 1),
+        E::ForceSaturation => {
+            let mut starts = grid(&[&[0.97 * s.highest_n], &[0.9 * s.highest_n]], 1);
+            let rounded = [s.highest_n, 0.03 * s.highest_n];
+            starts.push(whole(id, row(&rounded), 2));
+            starts
+        }
     }
 }
