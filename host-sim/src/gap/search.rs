@@ -29,8 +29,6 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best.
 const FIRST_STEPS: usize = 4;
 
-/// Σ w r² in units of the floor's at which names suffice: the square of `decide`'s bound.
-const SUFFICIENT: f64 = 1.25;
 /// Share of the base's excess that is left after two effects when a third is not tried.
 const HOPELESS: f64 = 0.5;
 
@@ -147,31 +145,6 @@ impl Search<'_> {
         fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
     }
 
-    /// What an effect must take off Σ w r² to be there, when `after` is left.
-    fn price(&self, without: f64, after: f64, base: f64) -> f64 {
-        // Significance, with the catalogue's size; 4 % of what is left, for the errors of the noise's
-        // own model, 10 % where that is coloured; and a share of what the base left, for the errors
-        // of the effects' forms.
-        let catalogue = 2.0 * (self.ids.len() as f64).ln();
-        let significant = self.correlation * (25.0 + catalogue) * (after / self.floor).max(1.0);
-        let form = 0.02 * (base - self.floor).max(0.0);
-        let coloured = self
-            .floors
-            .iter()
-            .any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
-        // Beside names that suffice another one has to earn its place: what is left then is mostly
-        // the form of the first (a Stribeck's where the catalogue says Coulomb's).
-        let suffices = without < SUFFICIENT * self.floor && without < 0.5 * base;
-        let least = if suffices {
-            0.15
-        } else if coloured {
-            0.10
-        } else {
-            0.04
-        };
-        significant.max(least * after).max(form)
-    }
-
     fn is_adequate(&self, fit: &Fit) -> bool {
         fit.cost <= 1.02 * self.floor
     }
@@ -182,7 +155,14 @@ impl Search<'_> {
         let mut proposals = ground.proposals(self.ids);
         let least = 1e-3 * (from.cost - self.floor).max(0.0);
         proposals.retain(|own| own[0].gain > least);
-        proposals.truncate(REFITTED);
+        // One more mode needs the others to make room: neither a first order nor a few steps show what
+        // it is worth, and it always gets its refit.
+        let is_more = |id: EffectId| from.shape.terms.iter().any(|term| term.id == id);
+        let mut rank = 0;
+        proposals.retain(|own| {
+            rank += 1;
+            rank <= REFITTED || is_more(own[0].term.id)
+        });
         let tasks: Vec<(Shape, Vec<f64>)> = proposals
             .iter()
             .enumerate()
@@ -208,11 +188,16 @@ impl Search<'_> {
             }
         }
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        fits.truncate(FOLLOWED);
+        let mut rank = 0;
+        fits.retain(|fit| {
+            rank += 1;
+            rank <= FOLLOWED || fit.shape.terms.last().is_some_and(|term| is_more(term.id))
+        });
         let mut done: Vec<Fit> = fits
             .into_par_iter()
             .map(|fit| self.problem().fit(&fit.shape, fit.numbers))
             .collect();
+        done.retain(|fit| self.reads_forwards(fit));
         done.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
         done
     }
@@ -260,7 +245,11 @@ impl Search<'_> {
             if level >= 2 && best.cost - self.floor > HOPELESS * excess {
                 break;
             }
-            let accepted = gained > self.price(best.cost, child.cost, base_cost);
+            let accepted = child
+                .shape
+                .terms
+                .last()
+                .is_some_and(|term| gained > self.price(term.id, best.cost, child, base_cost));
             if accepted {
                 best = child.clone();
                 self.weigh(&best);
@@ -276,20 +265,22 @@ impl Search<'_> {
         self.progress.at(0.6, "leaving out, swapping");
         best = self.without_idle(best, base_cost);
         let found = self.swapped(best, base_cost);
-        self.simpler(found, base_cost)
+        self.sharper(self.simpler(found, base_cost), base_cost)
     }
 
     /// Leaves out what does not pay.
     fn without_idle(&self, mut best: Fit, base_cost: f64) -> Fit {
         loop {
-            let without: Option<Fit> = best
+            let without: Option<(EffectId, Fit)> = best
                 .added()
                 .into_par_iter()
-                .map(|at| self.without(&best, at))
-                .min_by(|a, b| a.cost.total_cmp(&b.cost));
+                .map(|at| (best.shape.terms[at].id, self.without(&best, at)))
+                .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
             match without {
-                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => {
-                    best = fit
+                Some((id, fit))
+                    if fit.cost - best.cost < self.price(id, fit.cost, &best, base_cost) =>
+                {
+                    best = fit;
                 }
                 _ => return best,
             }
@@ -322,12 +313,34 @@ impl Search<'_> {
         match simple.into_iter().next() {
             Some(fit)
                 if fit.cost - found.best.cost
-                    < self.price(fit.cost, found.best.cost, base_cost) =>
+                    < self.price(EffectId::StribeckFriction, fit.cost, &found.best, base_cost) =>
             {
                 Found { best: fit, ..found }
             }
             _ => found,
         }
+    }
+
+    /// Dry friction turns round at once where a transition does not pay.
+    fn sharper(&self, found: Found, base_cost: f64) -> Found {
+        let best = &found.best;
+        let mut terms = best.shape.terms_at(&best.numbers);
+        let smooth =
+            |term: &&mut Term| term.id == EffectId::CoulombFriction && !term.given && term.free[2];
+        let Some(friction) = terms.iter_mut().find(smooth) else {
+            return found;
+        };
+        (friction.row[2], friction.free[2]) = (0.0, false);
+        let (shape, start) = best.with_terms(terms, self.scales);
+        let sharp = self.problem().fit(&shape, start);
+        let price = self.form_price(EffectId::CoulombFriction, sharp.cost, best, base_cost);
+        if sharp.cost - best.cost < price {
+            return Found {
+                best: sharp,
+                ..found
+            };
+        }
+        found
     }
 
     /// Tries every other effect in the place of each; what is better takes its place.
