@@ -3,8 +3,8 @@
 //! The steps, a file a word: `floor` says what noise leaves without any model; `course` is a log as
 //! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
 //! says what a residual may be; `start` says where a candidate may start, `propose` what it promises there;
-//! `search` adds, swaps and drops effects, each time refitting everything; `decide` judges on
-//! held-out parts; `regions` says where, `error` how well; `files` writes it down. `plan` says before
+//! `search` adds, swaps and drops effects, each time refitting everything, for a `price`; `decide` judges
+//! on held-out parts; `regions` says where, `error` how well; `files` writes it down. `plan` says before
 //! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart. Before all that
 //! `input` refuses what cannot be fitted.
 
@@ -24,6 +24,7 @@ mod low_pass;
 mod menu;
 mod plan;
 mod plan_say;
+mod price;
 mod print;
 mod progress;
 mod propose;

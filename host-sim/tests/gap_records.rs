@@ -75,7 +75,9 @@ fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
         "{} N",
         finding.rmse_after_n
     );
-    // Published: 95.1 kg, 203.5 N s/m, 20.4 N, by a fit of another structure with other weights: 3 %.
+    // Published: 95.1 kg, 203.5 N s/m, 20.4 N, by a fit of another structure with other weights: 2 %.
+    // (A transition of 0.4 mm/s instead of the sign takes 2 % off the squared residual and 2 % off both:
+    // it does not pay.)
     let own = |name: &str| {
         finding
             .base_after
@@ -101,7 +103,7 @@ fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
     for (found, published) in known {
         let off = found.value / published - 1.0;
         assert!(
-            off.abs() < 0.03,
+            off.abs() < 0.02,
             "{}: {} is not {published}",
             found.name,
             found.value
@@ -157,6 +159,73 @@ fn foam_relaxes_over_decades_and_does_not_stick() {
     // Half an hour of hold after 8 s of ramp: most of the hold is thinned, and said to be.
     let notes = json["notes"].to_string();
     assert!(notes.contains("of the log is rest"), "{notes}");
+}
+
+#[test]
+fn irradiated_foam_relaxes_and_is_bonded_to_the_plate() {
+    let json = answer("nist_foam_relaxation", "data_3da.csv");
+    // THEN several modes, a curve that bends, and a bond; nothing that a relaxed bond only looks like
+    // (a drift, a set, a softening).
+    let names = names(&json);
+    let known = ["stress_relaxation", "power_law_stiffness", "adhesion"];
+    assert!(names.iter().all(|id| known.contains(id)), "{names:?}");
+    let modes = names.iter().filter(|id| **id == "stress_relaxation");
+    assert!(modes.count() >= 2, "{names:?}");
+    // It pulls to −4.93 N and is still attached at the end.
+    let effects = json["effects"].as_array().unwrap();
+    let bond = effects.iter().find(|own| own["id"] == "adhesion").unwrap();
+    let force_n = number(&bond["params"]["force"]["value"]);
+    assert!((4.5..5.5).contains(&force_n), "{force_n} N");
+    let (before, after) = (
+        number(&json["rmse_n"]["before"]),
+        number(&json["rmse_n"]["after"]),
+    );
+    assert!(
+        (0.05..0.15).contains(&after) && before > 2.0,
+        "{before} N to {after} N"
+    );
+}
+
+#[test]
+fn a_cell_layer_under_a_cantilever_relaxes_and_sticks() {
+    // GIVEN micronewtons over micrometres at 5 kHz, and the effects that soft contacts have (the whole
+    // catalogue names the same, in half a minute)
+    let base = Model::read(Path::new(&record("afm_relaxation_rheos/base.toml"))).unwrap();
+    let options = Options {
+        catalogue: vec![
+            EffectId::StressRelaxation,
+            EffectId::PowerLawStiffness,
+            EffectId::Adhesion,
+            EffectId::HystereticDamping,
+            EffectId::CableStiffness,
+            EffectId::ForceOffset,
+        ],
+        ..Options::default()
+    };
+    let finding = gap(&base, &[read("afm_relaxation_rheos/data.csv.gz")], &options).unwrap();
+    let named: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+    let modes = named.iter().filter(|id| **id == EffectId::StressRelaxation);
+    assert!(modes.count() >= 2, "{named:?}");
+    let value = |id: EffectId, name: &str| {
+        let own = finding.effects.iter().find(|own| own.id == id);
+        let own = own.unwrap_or_else(|| panic!("no {id:?} in {named:?}"));
+        own.parameters
+            .iter()
+            .find(|own| own.name == name)
+            .unwrap()
+            .value
+    };
+    // The force falls to −0.615 µN before it lets go, at a micrometre of depth.
+    let pull_n = value(EffectId::Adhesion, "force");
+    assert!((5e-7..8e-7).contains(&pull_n), "{pull_n} N");
+    // By a fit of approach and hold alone: 1.7.
+    let exponent = value(EffectId::PowerLawStiffness, "exponent");
+    assert!((1.45..1.85).contains(&exponent), "{exponent}");
+    let (before, after) = (finding.rmse_before_n, finding.rmse_after_n);
+    assert!(
+        (5e-9..1.5e-8).contains(&after) && before > 1e-7,
+        "{before} N to {after} N"
+    );
 }
 
 #[test]

@@ -69,7 +69,11 @@ impl<S: Scalar> Rig<S> {
         let mut force_n = if touches { pushed_n } else { S::nil() };
         for (effect, memory) in self.effects.iter().zip(&mut state.memories) {
             if let Some(Effect::Adhesion(own)) = effect {
-                force_n = force_n + own.force_n(memory, depth_m);
+                force_n = if own.bond > S::nil() {
+                    own.bonded_n(memory, depth_m, pushed_n)
+                } else {
+                    force_n + own.force_n(memory, depth_m)
+                };
             }
         }
         Touch {

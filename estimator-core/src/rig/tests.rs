@@ -282,3 +282,40 @@ fn a_damper_behind_a_spring_takes_its_time() {
         assert!((force - exact).abs() < 4e-3, "{at}: {force} {exact}");
     }
 }
+
+#[test]
+fn a_bond_pulls_as_far_as_a_hold_has_relaxed_and_tears() {
+    // GIVEN a gel that relaxes by half and is bonded up to 0.2 N, pressed by 1 mm, held for 3 s and left
+    let rig = Rig::bare(Environment::from(GEL))
+        .with(Effect::new(
+            EffectId::StressRelaxation,
+            &[0.5, 5.0, 0.0, 0.0],
+        ))
+        .with(Effect::new(EffectId::Adhesion, &[0.2, 1e-4, 1.0, 0.0]));
+    let mut state = rig.at_rest();
+    let (mut lowest_n, mut torn_at_m, mut last_n) = (0.0, 0.0, 0.0);
+    for at in 0..5000 {
+        let (position_m, speed_mps) = match at {
+            0..1000 => (-1e-3 + 2e-6 * f64::from(at), 2e-3),
+            1000..4000 => (1e-3, 0.0),
+            _ => (1e-3 - 2e-6 * f64::from(at - 4000), -2e-3),
+        };
+        let motion = Motion {
+            time_s: f64::from(at) * PERIOD_S,
+            position_m,
+            speed_mps,
+            acceleration_mps2: 0.0,
+        };
+        let Reading { force_n, touch } = rig.step(&mut state, motion, PERIOD_S);
+        // THEN it pulls neither before touch nor while it is pressed, unlike −F_a in all contact,
+        assert!(at >= 4000 || force_n >= 0.0, "{at}: {force_n} N");
+        if force_n < lowest_n {
+            (lowest_n, torn_at_m) = (force_n, touch.depth_m);
+        }
+        last_n = force_n;
+    }
+    // then up to F_a, before the depth at which the gel was touched, and not for ever.
+    assert!((lowest_n + 0.2).abs() < 1e-9, "{lowest_n} N");
+    assert!((1e-5..5e-4).contains(&torn_at_m), "{torn_at_m} m");
+    assert_eq!(last_n, 0.0);
+}

@@ -107,6 +107,8 @@ pub(super) struct Scales {
     pub(super) force_n: f64,
     /// Largest force (N).
     pub(super) highest_n: f64,
+    /// Smallest force (N).
+    pub(super) lowest_n: f64,
     /// 95 % of the speeds' sizes while it moves (m/s).
     pub(super) speed_mps: f64,
     /// The same of the accelerations (m/s²).
@@ -157,6 +159,7 @@ impl Scales {
             travel_m: quantile(&position, 1.0) - quantile(&position, 0.0),
             force_n: (quantile(&force, 0.995) - quantile(&force, 0.005)).max(f64::MIN_POSITIVE),
             highest_n: quantile(&force, 1.0),
+            lowest_n: quantile(&force, 0.0),
             speed_mps: sizes(|own| &own.speed_mps, 3.0 * speed_noise_mps),
             acceleration_mps2: sizes(|own| &own.acceleration_mps2, 0.0),
             duration_s: courses.iter().map(duration).fold(0.0, f64::max),

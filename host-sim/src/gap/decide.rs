@@ -83,16 +83,40 @@ impl Evidence<'_> {
             }
             let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
             let explained = 1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(1e-12);
+            let certain = decision.alternatives.iter().all(Vec::is_empty);
             let stands = explained >= CERTAIN || is_ahead(&added(&found.best), tried);
-            if stands && decision.alternatives.iter().all(Vec::is_empty) {
+            if stands && certain {
                 return decision;
             }
-            // Names that leave much unexplained are no names.
+            // Names that leave much unexplained are no names; of those that explain most, the ones
+            // that another name could replace are none.
             found = Found {
-                best: base.clone(),
+                best: if stands {
+                    self.certain(&decision)
+                } else {
+                    base.clone()
+                },
                 rivals: Vec::new(),
             };
         }
+    }
+
+    /// The best fit without the effects that others could replace.
+    fn certain(&self, decision: &Decision) -> Fit {
+        let best = &decision.best;
+        let own = best.added();
+        let mut terms = best.shape.terms_at(&best.numbers);
+        for (at, _) in own
+            .iter()
+            .zip(&decision.alternatives)
+            .rev()
+            .filter(|own| !own.1.is_empty())
+        {
+            terms.remove(*at);
+        }
+        let (shape, start) = best.with_terms(terms, self.scales);
+        self.problem(&weights(&decision.variances))
+            .fit(&shape, start)
     }
 
     fn judge(&self, base: &Fit, found: &Found) -> Decision {

@@ -114,7 +114,7 @@ impl<'a> Ground<'a> {
             // The wrong way; the base may turn it round, but rarely.
             gain *= 0.05;
         }
-        if is_proportional(term.id) {
+        if is_proportional(&term) {
             let share = if signed { share } else { share.max(0.05) };
             let factor = share.signum() * share.abs().clamp(0.02, 50.0);
             for (at, own) in term.row.iter_mut().enumerate() {

@@ -34,8 +34,6 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best, and before it has to be again.
 const FIRST_STEPS: [usize; 2] = [4, 8];
 
-/// Σ w r² in units of the floor's at which names suffice: the square of `decide`'s bound.
-const SUFFICIENT: f64 = 1.25;
 /// Share of the base's excess that strong effects leave, and how much of what a further one explains
 /// others must explain for it to be their form: 81 % on a locking spring, up to 73 % in true pairs
 /// with one as weak.
@@ -81,13 +79,35 @@ pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
 }
 
 /// Whether its numbers mean what their names say: a friction that is smaller at rest than sliding is
-/// no Stribeck's, but imitates a drag.
+/// no Stribeck's, but imitates a drag; and where an encoder's reading falls with the position, its
+/// error is any curve at all (70 nm that repeat every 140 nm).
 fn is_physical(fit: &Fit) -> bool {
     let terms = fit.shape.terms_at(&fit.numbers);
-    terms.iter().all(|term| match term.id {
-        EffectId::StribeckFriction => term.given || term.row[1] >= term.row[0],
-        _ => true,
+    terms.iter().all(|term| {
+        let [first, second, ..] = term.row;
+        term.given
+            || match term.id {
+                EffectId::StribeckFriction => second >= first,
+                EffectId::EncoderPeriodicError => std::f64::consts::TAU * first < second,
+                _ => true,
+            }
     })
+}
+
+/// Whether its last effect stands in it twice.
+fn is_one_more(fit: &Fit) -> bool {
+    let terms = &fit.shape.terms;
+    let last = terms.last().map(|term| term.id);
+    terms.iter().filter(|term| Some(term.id) == last).count() > 1
+}
+
+/// The first so many, and whatever else is to stay.
+fn truncate<T>(list: &mut Vec<T>, most: usize, stays: impl Fn(&T) -> bool) {
+    let mut rank = 0;
+    list.retain(|own| {
+        rank += 1;
+        rank <= most || stays(own)
+    });
 }
 
 impl Search<'_> {
@@ -175,31 +195,6 @@ impl Search<'_> {
         fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
     }
 
-    /// What an effect must take off Σ w r² to be there, when `after` is left.
-    fn price(&self, without: f64, after: f64, base: f64) -> f64 {
-        // Significance, with the catalogue's size; 4 % of what is left, for the errors of the noise's
-        // own model, 10 % where that is coloured; and a share of what the base left, for the errors
-        // of the effects' forms.
-        let catalogue = 2.0 * (self.ids.len() as f64).ln();
-        let significant = self.correlation * (25.0 + catalogue) * (after / self.floor).max(1.0);
-        let form = 0.02 * (base - self.floor).max(0.0);
-        let coloured = self
-            .floors
-            .iter()
-            .any(|own| own.coloured || own.lines_n > 0.3 * own.used_n);
-        // Beside names that suffice another one has to earn its place: what is left then is mostly
-        // the form of the first (a Stribeck's where the catalogue says Coulomb's).
-        let suffices = without < SUFFICIENT * self.floor && without < 0.5 * base;
-        let least = if suffices {
-            0.15
-        } else if coloured {
-            0.10
-        } else {
-            0.04
-        };
-        significant.max(least * after).max(form)
-    }
-
     fn is_adequate(&self, fit: &Fit) -> bool {
         fit.cost <= 1.02 * self.floor
     }
@@ -222,9 +217,9 @@ impl Search<'_> {
             }
         }
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        fits.truncate(FOLLOWED[0]);
+        truncate(&mut fits, FOLLOWED[0], |fit| is_one_more(fit));
         let mut fits = self.walked(fits, FIRST_STEPS[1]);
-        fits.truncate(FOLLOWED[1]);
+        truncate(&mut fits, FOLLOWED[1], |fit| is_one_more(fit));
         let mut done = self.walked(fits, MOST_STEPS);
         done.retain(is_physical);
         done
@@ -268,7 +263,10 @@ impl Search<'_> {
         let mut proposals = Ground::new(self.problem(), from, self.scales).proposals(self.ids);
         let least = 1e-3 * (from.cost - self.floor).max(0.0);
         proposals.retain(|own| own[0].gain > least);
-        proposals.truncate(most);
+        // One more mode needs the others to make room: neither a first order nor a few steps show what
+        // it is worth, and it always gets its refit.
+        let has = |id: EffectId| from.shape.terms.iter().any(|term| term.id == id);
+        truncate(&mut proposals, most, |own| has(own[0].term.id));
         proposals
     }
 
@@ -323,7 +321,11 @@ impl Search<'_> {
             self.tried.extend_from_slice(&children);
             let Some(child) = children.first() else { break };
             let gained = best.cost - child.cost;
-            let accepted = gained > self.price(best.cost, child.cost, base_cost);
+            let accepted = child
+                .shape
+                .terms
+                .last()
+                .is_some_and(|term| gained > self.price(term.id, best.cost, child, base_cost));
             if accepted {
                 best = child.clone();
                 self.weigh(&best);
@@ -341,21 +343,23 @@ impl Search<'_> {
         self.progress.at(0.6, "leaving out, swapping");
         best = self.without_idle(best, base_cost);
         let found = self.swapped(best, base_cost);
-        let found = self.simpler(found, base_cost);
+        let found = self.sharper(self.simpler(found, base_cost), base_cost);
         self.without_imitator(found, base_cost)
     }
 
     /// Leaves out what does not pay.
     fn without_idle(&self, mut best: Fit, base_cost: f64) -> Fit {
         loop {
-            let without: Option<Fit> = best
+            let without: Option<(EffectId, Fit)> = best
                 .added()
                 .into_par_iter()
-                .map(|at| self.without(&best, at))
-                .min_by(|a, b| a.cost.total_cmp(&b.cost));
+                .map(|at| (best.shape.terms[at].id, self.without(&best, at)))
+                .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
             match without {
-                Some(fit) if fit.cost - best.cost < self.price(fit.cost, best.cost, base_cost) => {
-                    best = fit
+                Some((id, fit))
+                    if fit.cost - best.cost < self.price(id, fit.cost, &best, base_cost) =>
+                {
+                    best = fit;
                 }
                 _ => return best,
             }
@@ -389,7 +393,7 @@ impl Search<'_> {
         match simple.into_iter().next() {
             Some(fit)
                 if fit.cost - found.best.cost
-                    < self.price(fit.cost, found.best.cost, base_cost) =>
+                    < self.price(EffectId::StribeckFriction, fit.cost, &found.best, base_cost) =>
             {
                 Found { best: fit, ..found }
             }
@@ -431,6 +435,28 @@ impl Search<'_> {
         let share = (less.cost - closest) / (less.cost - best.cost).max(f64::MIN_POSITIVE);
         if strong && IMITATED.contains(&share) {
             return self.swapped(less, base_cost);
+        }
+        found
+    }
+
+    /// Dry friction turns round at once where a transition does not pay.
+    fn sharper(&self, found: Found, base_cost: f64) -> Found {
+        let best = &found.best;
+        let mut terms = best.shape.terms_at(&best.numbers);
+        let smooth =
+            |term: &&mut Term| term.id == EffectId::CoulombFriction && !term.given && term.free[2];
+        let Some(friction) = terms.iter_mut().find(smooth) else {
+            return found;
+        };
+        (friction.row[2], friction.free[2]) = (0.0, false);
+        let (shape, start) = best.with_terms(terms, self.scales);
+        let sharp = self.problem().fit(&shape, start);
+        let price = self.form_price(EffectId::CoulombFriction, sharp.cost, best, base_cost);
+        if sharp.cost - best.cost < price {
+            return Found {
+                best: sharp,
+                ..found
+            };
         }
         found
     }

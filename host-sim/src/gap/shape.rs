@@ -331,7 +331,9 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
         (E::DepthDependentDamping, _) => linear(owner, 0.0, 4.0),
         (E::ExponentialStiffening, _) => linear(owner, 0.0, 20.0 / s.travel_m),
         (E::Adhesion, 0) => linear(owner, 0.0, s.force_n),
-        (E::Adhesion, _) => linear(owner, 2.0 * s.position_noise_m, s.travel_m),
+        (E::Adhesion, 1) => linear(owner, 2.0 * s.position_noise_m, s.travel_m),
+        // A form, not a number.
+        (E::Adhesion, _) => linear(owner, 1.0, 1.0),
         (E::PermanentSet, 0) => linear(owner, 0.0, 0.95),
         (E::PermanentSet, _) => linear(owner, 0.0, s.travel_m),
         (E::BuriedLayer, 0) => linear(owner, 0.0, 1e3 * stiffness),

@@ -22,19 +22,21 @@ pub(super) fn is_signed(id: EffectId) -> bool {
 }
 
 /// Effects whose force is proportional to their sizes.
-pub(super) fn is_proportional(id: EffectId) -> bool {
+pub(super) fn is_proportional(term: &Term) -> bool {
     use EffectId as E;
-    !matches!(
-        id,
-        E::PowerLawStiffness
-            | E::DepthDependentDamping
-            | E::SeriesCompliance
-            | E::ForceSaturation
-            | E::SurfaceMotion
-            | E::EncoderPeriodicError
-            | E::Cogging
-            | E::PeriodicDisturbance
-    )
+    let is_bond = term.id == E::Adhesion && term.row[2] > 0.0;
+    !is_bond
+        && !matches!(
+            term.id,
+            E::PowerLawStiffness
+                | E::DepthDependentDamping
+                | E::SeriesCompliance
+                | E::ForceSaturation
+                | E::SurfaceMotion
+                | E::EncoderPeriodicError
+                | E::Cogging
+                | E::PeriodicDisturbance
+        )
 }
 
 /// The parameters that are sizes.
@@ -121,14 +123,23 @@ pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
                 grid(&[&[0.1 / depth], &[0.5 / depth]], 1)
             }
         }
-        E::Adhesion => grid(
-            &[
-                &[force, 0.03 * depth],
-                &[force, 0.1 * depth],
-                &[force, 0.3 * depth],
-            ],
-            2,
-        ),
+        E::Adhesion => {
+            let mut starts = grid(
+                &[
+                    &[force, 0.03 * depth],
+                    &[force, 0.1 * depth],
+                    &[force, 0.3 * depth],
+                ],
+                2,
+            );
+            // A bond carries what was pulled at most.
+            if -s.lowest_n > 0.5 * force {
+                for share in [0.1, 0.3] {
+                    starts.push(whole(id, row(&[-s.lowest_n, share * depth, 1.0]), 2));
+                }
+            }
+            starts
+        }
         E::PermanentSet => grid(&[&[0.1, 0.0], &[0.1, 0.3 * depth], &[0.1, 0.6 * depth]], 2),
         E::BuriedLayer => {
             let layer = |k: u8, rounding_m: f64, count: usize| {

@@ -202,6 +202,8 @@ fn every_effect_of_the_catalogue_runs_on_the_rig() {
                 "1/m" => 100.0,
                 "Hz" | "1/s" => 5.0,
                 _ if info.name == "exponent" => 1.7,
+                // A form: a bond pulls what has relaxed, and this gel does not.
+                _ if info.name == "bond" => 0.0,
                 _ => 0.2,
             };
         }
