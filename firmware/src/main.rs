@@ -83,7 +83,7 @@ mod app {
         )
     }
 
-    /// 1 kHz, above everything else: read, convert, step, push.
+    /// 1 kHz, above everything else: read, convert, compensate, step, push.
     #[task(binds = DMA2_STREAM0, priority = 3, local = [sensors, sampler, outbox, changes], shared = [budget])]
     fn sample(mut cx: sample::Context) {
         let start = Selected::now();
@@ -102,7 +102,9 @@ mod app {
             }
         };
         let converted = Selected::now();
-        let estimate = sampler.step(sample);
+        let contact = sampler.compensate(sample);
+        let compensated = Selected::now();
+        let estimate = sampler.step(contact);
         let stepped = Selected::now();
         let record = Record {
             codes,
@@ -114,6 +116,7 @@ mod app {
             start,
             acquired,
             converted,
+            compensated,
             stepped,
             queued: Selected::now(),
         };

@@ -23,13 +23,14 @@
 //!
 //! The result is late by the half width and one sample (6 ms at 1 kHz), and by a `time_delay`; a rig
 //! whose effects need no derivative has neither window nor lateness. Noise that went through the
-//! window is no longer white: give the estimator the raw one (`contact.force_noise_n`).
+//! window is no longer white: give the estimator the raw one (`contact.force_noise_n`, or
+//! [`crate::State::hear`]). What is wrong with a sample is wrong with every result that it is in.
 
 use super::MOST_EFFECTS;
 use crate::effect::{Effect, EffectId, Motion, Place};
 use crate::error::{ConfigError, require};
 use crate::filter::{Aligned, SavitzkyGolay, SavitzkyGolayParams};
-use crate::sample::{Fault, Sample};
+use crate::sample::{Fault, Faults, Sample};
 use crate::scalar::{Real, Scalar};
 
 /// Longest `time_delay` (samples), either way.
@@ -40,6 +41,13 @@ const HALF_WINDOW_S: f64 = 5e-3;
 
 /// A reading within this share of the cell's limit stands at it: 1 %, noise and steps included.
 const AT_LIMIT: f64 = 0.99;
+
+/// Faults of one sample that are in every result whose window it is in.
+const LINGER: [Fault; 3] = [
+    Fault::ForceSaturated,
+    Fault::ForceStuck,
+    Fault::PositionStuck,
+];
 
 /// Whether the effect belongs to the rig and is taken off; else it belongs to what is touched.
 pub const fn compensates(id: EffectId) -> bool {
@@ -84,7 +92,8 @@ pub struct CompensationState<T> {
     sliding: [T; MOST_EFFECTS],
     motor_m: T,
     far_m: T,
-    /// Samples until the window has forgotten a force at the cell's limit.
+    /// What was wrong with a sample, and how many more samples the window remembers it for.
+    lingering: Faults,
     distrust: usize,
     last_time_us: Option<u64>,
 }
@@ -128,7 +137,8 @@ impl<T: Real> Compensation<T> {
             .sum();
         let steps = delay_s.magnitude() * rate;
         require(
-            steps <= LONGEST_DELAY as f64,
+            // 64 ms in f32, as a setting has it, are 64.000 000 3 samples.
+            steps <= LONGEST_DELAY as f64 * (1.0 + 1e-6),
             "time_delay.delay",
             delay_s as f32,
             "must be at most 64 samples long, either way",
@@ -168,6 +178,7 @@ impl<T: Real> Compensation<T> {
             sliding: [nil; MOST_EFFECTS],
             motor_m: nil,
             far_m: nil,
+            lingering: Faults::NONE,
             distrust: 0,
             last_time_us: None,
         }
@@ -180,14 +191,13 @@ impl<T: Real> Compensation<T> {
             return read;
         }
         let position_m = self.motor_side_m(read.position_m);
-        if state.interrupted(read.time_us, self.period_us) {
+        let interrupted =
+            state.interrupted(read.time_us, self.period_us) || read.faults.has(Fault::PositionJump);
+        if interrupted {
             state.restart(position_m, &read, self.position_waits);
         }
-        state.last_time_us = Some(read.time_us);
-        let faults = match self.saturates(state, read.force_n) {
-            true => read.faults.with(Fault::ForceSaturated),
-            false => read.faults,
-        };
+        let started = state.last_time_us.replace(read.time_us).is_some();
+        let faults = self.faults(state, &read, interrupted && started);
         let time_s = T::from_f64(read.time_us as f64 * 1e-6 - self.delay_s);
         let together = self.together(state, position_m, read.force_n);
         let moment = self.moment(state, time_s, together);
@@ -315,18 +325,41 @@ impl<T: Real> Compensation<T> {
             })
     }
 
-    /// Whether the force stands at the cell's limit, or did within the window.
-    fn saturates(&self, state: &mut CompensationState<T>, reading_n: T) -> bool {
-        let at_limit = self.effects.iter().flatten().any(|effect| match effect {
+    /// What is wrong with the result: all that is wrong with the sample, and what lingers of those
+    /// before it. A window that started anew is not to be learned from until it is full.
+    fn faults(
+        &self,
+        state: &mut CompensationState<T>,
+        read: &Sample<T>,
+        restarted: bool,
+    ) -> Faults {
+        let mut lingering = Faults::NONE;
+        for fault in LINGER.into_iter().filter(|fault| read.faults.has(*fault)) {
+            lingering = lingering.with(fault);
+        }
+        if self.is_at_limit(read.force_n) {
+            lingering = lingering.with(Fault::ForceSaturated);
+        }
+        if restarted {
+            lingering = lingering.with(Fault::SampleMissed);
+        }
+        if lingering != Faults::NONE {
+            state.lingering = state.lingering | lingering;
+            state.distrust = self.window.map_or(0, |window| 2 * window.late()) + self.delay.0 + 1;
+        } else {
+            state.distrust = state.distrust.saturating_sub(1);
+        }
+        if state.distrust == 0 {
+            state.lingering = Faults::NONE;
+        }
+        read.faults | state.lingering
+    }
+
+    fn is_at_limit(&self, reading_n: T) -> bool {
+        self.effects.iter().flatten().any(|effect| match effect {
             Effect::ForceSaturation(own) => reading_n >= own.limit_n * T::from_f64(AT_LIMIT),
             _ => false,
-        });
-        let memory = self.window.map_or(0, |window| 2 * window.late()) + self.delay.0;
-        state.distrust = match at_limit {
-            true => memory + 1,
-            false => state.distrust.saturating_sub(1),
-        };
-        state.distrust > 0
+        })
     }
 }
 

@@ -178,7 +178,8 @@ impl SimulatedBoard {
             .expect("nobody panics with the world in hand")
             .codes(self.ticks);
         let sample = self.sampler.convert(&codes);
-        let estimate = self.sampler.step(sample);
+        let contact = self.sampler.compensate(sample);
+        let estimate = self.sampler.step(contact);
         let record = Record {
             codes: Some(codes),
             sample,
@@ -195,6 +196,7 @@ impl SimulatedBoard {
             start,
             acquired: start,
             converted: start,
+            compensated: start,
             stepped: start,
             queued: start,
         };
