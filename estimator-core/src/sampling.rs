@@ -45,6 +45,7 @@ impl Sampler {
     }
 
     /// Takes over other settings.
+    #[inline(never)]
     pub fn apply(&mut self, change: &Change) {
         self.setup = change.setup;
         if change.restart {

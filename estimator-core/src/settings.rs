@@ -57,7 +57,8 @@ impl fmt::Display for Invalid {
 impl core::error::Error for Invalid {}
 
 impl Settings {
-    /// The value of a setting.
+    /// The value of a setting. Never inlined, as all that runs once in a while: it is in 128 KiB.
+    #[inline(never)]
     pub fn get(&self, key: Key) -> f32 {
         self.values
             .get(key.slot())
@@ -119,7 +120,9 @@ impl Settings {
         Ok(())
     }
 
-    /// The estimator's part of it; what is no setting of a board has its default.
+    /// The estimator's part of it; what is no setting of a board has its default. Inlined, so that a
+    /// board has no code for filters and methods that no setting chooses: 7 KiB.
+    #[inline(always)]
     pub fn config(&self) -> Config {
         let mut config = Config {
             method: method(self.get(Key::EstimatorMethod)),

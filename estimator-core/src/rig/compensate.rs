@@ -52,7 +52,7 @@ const LINGER: [Fault; 3] = [
 /// Whether the effect belongs to the rig and is taken off; else it belongs to what is touched.
 pub const fn compensates(id: EffectId) -> bool {
     matches!(
-        id.info().place,
+        id.place(),
         Place::PositionReading | Place::Transmission | Place::LoadPath | Place::ForceReading
     )
 }
@@ -61,6 +61,8 @@ pub const fn compensates(id: EffectId) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensation<T> {
     effects: [Option<Effect<T>>; MOST_EFFECTS],
+    /// The last of them that is one, and one more.
+    used: usize,
     rate_hz: T,
     period_us: u64,
     /// F(t − T_d) in whole samples and a part of one; of the position if the force is late.
@@ -118,6 +120,17 @@ impl<T: Real> Compensation<T> {
         rate_hz: f32,
         position_step_m: f64,
     ) -> Result<Self, ConfigError> {
+        let own = |effect: &Effect<f64>| compensates(effect.id());
+        let effects = effects.map(|slot| slot.filter(own).map(|effect| cast(&effect)));
+        Compensation::of(effects, rate_hz, position_step_m)
+    }
+
+    /// The same of effects that are the rig's and in its precision already: a board has no others.
+    pub(crate) fn of(
+        effects: [Option<Effect<T>>; MOST_EFFECTS],
+        rate_hz: f32,
+        position_step_m: f64,
+    ) -> Result<Self, ConfigError> {
         require(
             rate_hz > 0.0 && rate_hz <= 1e6,
             "rate_hz",
@@ -125,16 +138,11 @@ impl<T: Real> Compensation<T> {
             "must lie between 0 and 1 MHz",
         )?;
         let rate = f64::from(rate_hz);
-        let own = |effect: &Effect<f64>| compensates(effect.id());
-        let effects = effects.map(|slot| slot.filter(own));
-        let delay_s: f64 = effects
-            .iter()
-            .flatten()
-            .map(|effect| match effect {
-                Effect::TimeDelay(own) => own.delay_s,
-                _ => 0.0,
-            })
-            .sum();
+        let delays = effects.iter().flatten().map(|effect| match effect {
+            Effect::TimeDelay(own) => own.delay_s.to_f64(),
+            _ => 0.0,
+        });
+        let delay_s: f64 = delays.sum();
         let steps = delay_s.magnitude() * rate;
         require(
             // 64 ms in f32, as a setting has it, are 64.000 000 3 samples.
@@ -147,8 +155,10 @@ impl<T: Real> Compensation<T> {
         let window = effects.iter().flatten().any(needs_motion);
         let window = window.then(|| Window::new(rate, position_step_m));
         let late = window.map_or(0, |window| window.late());
+        let last = effects.iter().rposition(Option::is_some);
         Ok(Compensation {
-            effects: effects.map(|slot| slot.map(|effect| cast(&effect))),
+            used: last.map_or(0, |last| last + 1),
+            effects,
             rate_hz: T::from_f64(rate),
             period_us: (1e6 / rate) as u64,
             delay: (whole, T::from_f64(steps - whole as f64)),
@@ -160,7 +170,11 @@ impl<T: Real> Compensation<T> {
 
     /// The effects that are taken off.
     pub fn ids(&self) -> impl Iterator<Item = EffectId> + '_ {
-        self.effects.iter().flatten().map(Effect::id)
+        self.own().map(Effect::id)
+    }
+
+    fn own(&self) -> impl Iterator<Item = &Effect<T>> {
+        self.effects.iter().take(self.used).flatten()
     }
 
     /// How long before the newest sample the instant lies that a result belongs to (s).
@@ -212,13 +226,10 @@ impl<T: Real> Compensation<T> {
 
     /// The motor side (m) behind the encoder's error.
     fn motor_side_m(&self, read_m: T) -> T {
-        self.effects
-            .iter()
-            .flatten()
-            .fold(read_m, |at_m, effect| match effect {
-                Effect::EncoderPeriodicError(own) => own.motor_side(still(at_m)).position_m,
-                _ => at_m,
-            })
+        self.own().fold(read_m, |at_m, effect| match effect {
+            Effect::EncoderPeriodicError(own) => own.motor_side(still(at_m)).position_m,
+            _ => at_m,
+        })
     }
 
     /// Position and force of one instant: the one that is early waits.
@@ -268,14 +279,10 @@ impl<T: Real> Compensation<T> {
         state.averages = [newest, before, oldest];
         let half_rate = T::from_f64(0.5) * self.rate_hz;
         let rate_nps = (newest.force_n - oldest.force_n) * half_rate;
-        let lag_s = self
-            .effects
-            .iter()
-            .flatten()
-            .fold(T::nil(), |sum, effect| match effect {
-                Effect::ForceLag(own) => sum + own.time_constant_s,
-                _ => sum,
-            });
+        let lag_s = self.own().fold(T::nil(), |sum, effect| match effect {
+            Effect::ForceLag(own) => sum + own.time_constant_s,
+            _ => sum,
+        });
         Moment {
             motion: Motion {
                 time_s,
@@ -294,7 +301,7 @@ impl<T: Real> Compensation<T> {
         let change_m = mean.position_m - state.motor_m;
         state.motor_m = mean.position_m;
         let mut force_n = T::nil();
-        for (effect, z) in self.effects.iter().zip(&mut state.sliding) {
+        for (effect, z) in self.effects.iter().take(self.used).zip(&mut state.sliding) {
             let Some(effect) = effect else { continue };
             force_n += match &self.window {
                 // A force that follows the way has its memory at one end of the window.
@@ -310,19 +317,16 @@ impl<T: Real> Compensation<T> {
     /// Where the tip is (m): behind the play and the springs.
     fn tip_m(&self, state: &mut CompensationState<T>, motor_m: T, force_n: T) -> T {
         let mut tip_m = motor_m;
-        for effect in self.effects.iter().flatten() {
+        for effect in self.own() {
             if let Effect::Backlash(own) = effect {
                 state.far_m = own.follow(state.far_m, motor_m).0;
                 tip_m = state.far_m;
             }
         }
-        self.effects
-            .iter()
-            .flatten()
-            .fold(tip_m, |tip_m, effect| match effect {
-                Effect::SeriesCompliance(own) => tip_m - force_n / own.stiffness_n_per_m,
-                _ => tip_m,
-            })
+        self.own().fold(tip_m, |tip_m, effect| match effect {
+            Effect::SeriesCompliance(own) => tip_m - force_n / own.stiffness_n_per_m,
+            _ => tip_m,
+        })
     }
 
     /// What is wrong with the result: all that is wrong with the sample, and what lingers of those
@@ -356,7 +360,7 @@ impl<T: Real> Compensation<T> {
     }
 
     fn is_at_limit(&self, reading_n: T) -> bool {
-        self.effects.iter().flatten().any(|effect| match effect {
+        self.own().any(|effect| match effect {
             Effect::ForceSaturation(own) => reading_n >= own.limit_n * T::from_f64(AT_LIMIT),
             _ => false,
         })
@@ -389,6 +393,7 @@ impl<T: Real> Window<T> {
     }
 
     /// Σ hₖ f(kT) along the parabola whose mean over the window is that of the moment.
+    #[inline(never)]
     fn mean(&self, rate_hz: T, moment: &Moment<T>, force: impl Fn(&Motion<T>) -> T) -> T {
         let mean = &moment.motion;
         let half = T::from_f64(0.5);
@@ -442,9 +447,9 @@ impl<T: Real> CompensationState<T> {
 }
 
 /// Whether an effect cannot be taken off without speed, acceleration or the rate of the force.
-fn needs_motion(effect: &Effect<f64>) -> bool {
+fn needs_motion<T: Scalar>(effect: &Effect<T>) -> bool {
     match effect {
-        Effect::CoulombFriction(own) => own.width_m <= 0.0,
+        Effect::CoulombFriction(own) => own.width_m <= T::nil(),
         Effect::StribeckFriction(_)
         | Effect::ViscousDrag(_)
         | Effect::AsymmetricDrag(_)

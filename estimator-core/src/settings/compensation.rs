@@ -9,6 +9,7 @@
 //! log, and a board that was switched on knows nothing of it. Its resting force follows a slow drift.
 
 use super::{Bounds, Info, Invalid, Key, Settings};
+use crate::config::Config;
 use crate::effect::{self, Effect, EffectId, MOST_PARAMETERS};
 use crate::error::ConfigError;
 use crate::rig::{Compensation, MOST_EFFECTS, compensates};
@@ -33,6 +34,7 @@ struct Row {
     id: u8,
     effect: EffectId,
     place: u8,
+    bounds: effect::Bounds,
     info: Info,
 }
 
@@ -86,10 +88,13 @@ impl Settings {
     ///
     /// # Errors
     /// The first value that cannot be used.
+    #[inline(never)]
     pub(super) fn compensation(&self) -> Result<Option<Compensation<f32>>, Invalid> {
         let mut effects = [None; MOST_EFFECTS];
         let mut free = effects.iter_mut();
-        for id in EffectId::ALL.iter().copied().filter(|id| has_place(*id)) {
+        // From the rows and not from the catalogue, whose texts a board has no flash for.
+        for row in ROWS.iter().filter(|row| row.place == 0) {
+            let id = row.effect;
             let Some(effect) = self.effect(id)? else {
                 continue;
             };
@@ -102,25 +107,25 @@ impl Settings {
             return Ok(None);
         }
         let count_m = self.get(Key::PositionPerCode).abs() * CODES_PER_COUNT;
-        Compensation::new(&effects, self.config().rate_hz, f64::from(count_m))
+        Compensation::of(effects, Config::default().rate_hz, f64::from(count_m))
             .map(Some)
             .map_err(|error| self.named(&error))
     }
 
     /// An effect of the section; `None` while all its parameters are 0.
-    fn effect(&self, id: EffectId) -> Result<Option<Effect<f64>>, Invalid> {
+    #[inline(never)]
+    fn effect(&self, id: EffectId) -> Result<Option<Effect<f32>>, Invalid> {
+        let own = || ROWS.iter().filter(|row| row.effect == id);
         let mut row = [0.0; MOST_PARAMETERS];
-        for parameter in Parameter::ALL.into_iter().filter(|one| one.effect() == id) {
-            if let Some(value) = row.get_mut(usize::from(parameter.0.place)) {
-                *value = f64::from(self.get(Key::Compensation(parameter)));
-            }
+        for (value, at) in row.iter_mut().zip(own()) {
+            *value = self.get(Key::Compensation(Parameter(at)));
         }
         if row.iter().all(|value| *value == 0.0) {
             return Ok(None);
         }
-        for (place, (info, value)) in id.info().parameters.iter().zip(row).enumerate() {
-            if !info.bounds.allow(value) {
-                return Err(self.invalid(id, place, info.bounds.name()));
+        for (value, at) in row.iter().zip(own()) {
+            if !at.bounds.allow(f64::from(*value)) {
+                return Err(self.invalid(id, usize::from(at.place), at.bounds.name()));
             }
         }
         Ok(Some(Effect::new(id, &row)))
@@ -178,6 +183,7 @@ const NOTHING: Row = Row {
     id: 0,
     effect: EffectId::CoulombFriction,
     place: 0,
+    bounds: effect::Bounds::Any,
     info: Info {
         name: "",
         unit: "1",
@@ -200,6 +206,7 @@ const fn rows() -> [Row; COUNT] {
                 id: FIRST + 4 * (effect as u8 - EffectId::CoulombFriction as u8) + place as u8,
                 effect,
                 place: place as u8,
+                bounds: effect.info().parameters[place].bounds,
                 info: info(effect, place, &NAMES[row]),
             };
             place += 1;
@@ -225,7 +232,7 @@ const fn info(effect: EffectId, place: usize, name: &'static ([u8; NAME], usize)
             effect::Bounds::Fraction => Bounds::Within(0.0, 1.0),
         },
         default: 0.0,
-        about: effect.info().law,
+        about: "of an effect of the rig that is taken off; 0: not",
     }
 }
 

@@ -66,6 +66,7 @@ pub enum Bounds {
 
 impl Bounds {
     /// Whether a value is one of them; NaN never is.
+    #[inline(never)]
     pub fn hold(self, value: f32) -> bool {
         match self {
             Bounds::Within(low, high) => (low..=high).contains(&value),
@@ -179,6 +180,7 @@ impl Key {
     }
 
     /// Name, unit, bounds and default.
+    #[inline(never)]
     pub const fn info(self) -> Info {
         use Bounds::{Signed, Whole, Within};
         let (name, unit, bounds, default, about) = match self {

@@ -27,8 +27,8 @@ const QUEUE: usize = 64;
 const LINE: usize = 1024;
 const RECORD: usize = CODES_ENCODED + SAMPLE_ENCODED + MAX_ENCODED;
 const RATE_HZ: u16 = 1000;
-/// Four slots a sector: every fourth save erases.
-const SECTOR: u32 = 4 * SLOT as u32;
+/// Four slots a sector, as in the emulator: every fourth save erases.
+pub const SECTOR: u32 = 4 * SLOT as u32;
 
 /// Flash in memory.
 #[derive(Clone, Debug)]
@@ -37,6 +37,13 @@ pub struct Memory(Vec<u8>);
 impl Default for Memory {
     fn default() -> Self {
         Memory(vec![0xff; 2 * SECTOR as usize])
+    }
+}
+
+impl Memory {
+    /// What it holds: the emulator's `settings.flash`.
+    pub fn bytes(&self) -> &[u8] {
+        &self.0
     }
 }
 

@@ -168,14 +168,13 @@ fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
 
 fn line(key: Key, value: f32) -> String {
     let info = key.info();
+    let about = match key {
+        Key::Compensation(parameter) => parameter.effect().info().law,
+        _ => info.about,
+    };
     let unit = if info.unit == "1" { "" } else { info.unit };
     let valued = format!("{value} {unit}");
-    format!(
-        "{:<24} {:<18} {}\n",
-        info.name,
-        valued.trim_end(),
-        info.about
-    )
+    format!("{:<24} {:<18} {about}\n", info.name, valued.trim_end())
 }
 
 fn key_of(name: &str) -> Result<Key, Diagnostic> {

@@ -223,11 +223,12 @@ impl<P: Port> Device<P> {
     pub fn settings(&mut self) -> Result<Settings, Box<dyn std::error::Error>> {
         let mut settings = Settings::default();
         for key in Key::ALL {
-            let unknown = Answer::Refused(Refusal::UnknownSetting, key.id());
-            if matches!(key, Key::Compensation(_)) && self.ask(Command::Get(key.id()))? == unknown {
-                break;
+            match (key, self.ask(Command::Get(key.id()))?) {
+                (Key::Compensation(_), Answer::Refused(Refusal::UnknownSetting, _)) => break,
+                (_, Answer::Value(id, value)) if id == key.id() => settings.put(key, value),
+                // Busy, or refused for a reason: asked again, and said.
+                _ => settings.put(key, self.get(key)?),
             }
-            settings.put(key, self.get(key)?);
         }
         Ok(settings)
     }
