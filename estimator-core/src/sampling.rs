@@ -33,7 +33,8 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Before the first sample.
+    /// Before the first sample. Never inlined: 2 KiB of flash each time, and 10 KiB of stack.
+    #[inline(never)]
     pub fn new(setup: Setup) -> Self {
         Sampler {
             setup,
@@ -47,11 +48,9 @@ impl Sampler {
     /// Takes over other settings.
     #[inline(never)]
     pub fn apply(&mut self, change: &Change) {
-        self.setup = change.setup;
-        if change.restart {
-            self.watch = Watch::default();
-            self.memory = at_rest(&self.setup);
-            self.state = State::new(&self.setup.params);
+        match change.restart {
+            true => *self = Sampler::new(change.setup),
+            false => self.setup = change.setup,
         }
     }
 
