@@ -421,6 +421,31 @@ mod tests {
     }
 
     #[test]
+    fn the_noise_is_that_of_the_cell_where_samples_went_through_a_window() {
+        let params = ContactParams::<f64>::validate(&Config::default()).unwrap();
+        let noise = |i: u32| if i.is_multiple_of(2) { 0.02 } else { -0.02 };
+        let settled = |hears: bool| {
+            let mut state = ContactState::new(&params);
+            for i in 0..300 {
+                if hears {
+                    state.hear(noise(i));
+                }
+                let averaged = Sample {
+                    time_us: u64::from(i) * 1000,
+                    force_n: 0.01 * noise(i),
+                    ..Sample::default()
+                };
+                state.update(&params, &averaged);
+            }
+            state.force_noise_n()
+        };
+        // Alternating signs have second differences of four times their size.
+        let white = 0.08 / libm::sqrt(6.0);
+        assert!((settled(true) / white - 1.0).abs() < 1e-6);
+        assert!((settled(false) / white - 0.01).abs() < 1e-6);
+    }
+
+    #[test]
     fn the_resting_force_is_taken_off() {
         let (contacts, _) = approach(&params(Surface::AtImpact), -0.4);
         assert!((contacts[899].rest_n + 0.4).abs() < 1e-3);
