@@ -73,11 +73,10 @@ impl Sampler {
     /// of the instant that it belongs to: the filter's delay, and the compensation's, before the
     /// newest sample.
     pub fn step(&mut self, sample: Sample<f32>) -> Estimate<f32> {
-        let estimate = isolated_step(&self.setup.params, &mut self.state, sample);
-        Estimate {
-            time_us: estimate.time_us.saturating_sub(self.setup.late_us),
-            ..estimate
-        }
+        // Changed where it is: a copy costs 300 instructions.
+        let mut estimate = isolated_step(&self.setup.params, &mut self.state, sample);
+        estimate.time_us = estimate.time_us.saturating_sub(self.setup.late_us);
+        estimate
     }
 
     /// Whether this record is one of those that are sent: every so many, and those in which
