@@ -1,8 +1,10 @@
 //! What firmware/README.md says in numbers and names is what the code has.
 
 use estimator_core::Fault;
+use estimator_core::effect::EffectId;
 use estimator_core::frame::{CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED, encode};
 use estimator_core::law::LawKind;
+use estimator_core::settings::compensation::Parameter;
 use estimator_core::settings::store::SLOT;
 use estimator_core::settings::{Key, Settings};
 use estimator_core::{Config, Sample, State, step};
@@ -40,6 +42,36 @@ fn its_table_of_faults_has_every_fault_with_its_number_and_its_setting() {
             ),
         }
     }
+}
+
+#[test]
+fn its_table_of_compensations_has_every_effect_with_its_numbers() {
+    let readme = of_the_firmware("README.md");
+    let (_, table) = readme.split_once("## Compensation").expect("a section");
+    let (table, _) = table.split_once("\n## ").expect("another section");
+    let rows: Vec<&str> = table.lines().filter(|row| row.starts_with("| `")).collect();
+    for id in EffectId::ALL.iter().copied() {
+        let name = format!("`{}`", id.name());
+        let row = rows.iter().find(|row| row.contains(&name));
+        let keys = (0..id.info().parameters.len()).filter_map(|place| Parameter::of(id, place));
+        let numbers: Vec<u8> = keys.map(|own| Key::Compensation(own).id()).collect();
+        assert_eq!(row.is_some(), !numbers.is_empty(), "{name}");
+        for (row, number) in row
+            .iter()
+            .flat_map(|row| [(row, numbers[0]), (row, numbers[numbers.len() - 1])])
+        {
+            let cell = row.split('|').nth(2).expect("numbers");
+            let mut listed = cell.split([',', '–']).map(|word| word.trim().parse::<u8>());
+            assert!(listed.any(|own| own == Ok(number)), "{row}: {number}");
+        }
+    }
+    let late = {
+        let mut settings = Settings::default();
+        let mass = Key::from_name("compensation.tool_inertia.mass").expect("a setting");
+        settings.put(mass, 0.1);
+        settings.setup().expect("valid").late_us
+    };
+    assert!(table.contains(&format!("estimates {} ms later", late / 1000)));
 }
 
 /// Bytes of an estimate on the wire.

@@ -4,10 +4,13 @@
 use estimator_core::estimate::PARAMETER_SLOTS;
 use estimator_core::frame::Frame;
 use estimator_core::link::{Answer, Command, Health, Identity, Name, Refusal};
+use estimator_core::sampling::Sampler;
 use estimator_core::sensing::{Codes, Watch};
+use estimator_core::settings::store::Store;
 use estimator_core::settings::{Key, Settings};
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
 use palpate::link::Device;
+use palpate::link::board::{Memory, SECTOR};
 use palpate::link::port::Files;
 use palpate::link::record::{convert, record};
 use std::ops::RangeInclusive;
@@ -137,6 +140,87 @@ static FROM_CODES: LazyLock<(Vec<Codes>, Run, Budget)> = LazyLock::new(|| {
     println!("{budget:?}");
     (codes, run, budget)
 });
+
+/// The same with eight effects to be taken off, as many as a board can, each of another law: what was
+/// found on a rig and saved. Small, so that what is left is still a palpation.
+static COMPENSATED: LazyLock<(Settings, Vec<Codes>, Run, Budget)> = LazyLock::new(|| {
+    let mut settings = Settings::default();
+    for (name, value) in [
+        ("coulomb_friction.force", 0.05),
+        ("coulomb_friction.transition_speed", 5e-4),
+        ("viscous_drag.coefficient", 0.5),
+        ("tool_inertia.mass", 0.02),
+        ("cogging.amplitude", 0.01),
+        ("cogging.pitch", 2e-3),
+        ("cogging.phase", 0.3),
+        ("series_compliance.stiffness", 2e5),
+        ("force_lag.time_constant", 1e-3),
+        ("time_delay.delay", 1.3e-3),
+        ("encoder_periodic_error.amplitude", 2e-6),
+        ("encoder_periodic_error.pitch", 1e-3),
+    ] {
+        let key = Key::from_name(&format!("compensation.{name}")).expect(name);
+        settings.put(key, value);
+    }
+    let mut codes = codes(&palpation(SAMPLES / 4, 5));
+    codes[10_000].force_high = 4095;
+    codes[15_000..]
+        .iter_mut()
+        .for_each(|c| c.position += 32 * 6000);
+    codes.drain(20_000..20_250);
+    let frames: Vec<Frame> = codes.iter().copied().map(Frame::Codes).collect();
+    let emulator = Emulator::from_env("compensated").expect("set-up");
+    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    store.save(&settings).expect("memory");
+    let flash = emulator.directory.join("settings.flash");
+    fs::write(flash, store.release().bytes()).expect("settings.flash");
+    let run = emulator.run_frames(&frames, |_| {}).expect("run");
+    let budget = Budget::from_log(&run.log).expect("budget");
+    println!("{budget:?}");
+    (settings, codes, run, budget)
+});
+
+#[test]
+fn with_what_was_saved_taken_off_the_emulator_has_the_bits_of_the_host() {
+    let (settings, codes, run, _) = &*COMPENSATED;
+    let mut host = Sampler::new(settings.setup().expect("eight effects"));
+    every_frame_is_numbered(&run.frames);
+    let frames = records(&run.frames);
+    assert_eq!(frames.len(), 3 * codes.len());
+    let (mut contacts, mut taken_off) = (0, 0);
+    for (index, (codes, frames)) in codes.iter().zip(frames.chunks(3)).enumerate() {
+        let read = host.convert(codes);
+        let contact = host.compensate(read);
+        let estimate = host.step(contact);
+        taken_off += usize::from((contact.force_n - read.force_n).abs() > 0.02);
+        contacts += usize::from(estimate.event == Some(estimator_core::estimate::Event::Contact));
+        let [
+            Frame::Codes(_),
+            Frame::Sample(input),
+            Frame::Estimate(output),
+        ] = frames
+        else {
+            panic!("sample {index}: not codes, sample and estimate: {frames:?}");
+        };
+        // What is sent is what was read: it can be replayed with other settings.
+        if let Some(difference) = differs(&sample_fields(&read), &sample_fields(input))
+            .or_else(|| differs(&estimate_fields(&estimate), &estimate_fields(output)))
+        {
+            panic!("sample {index}: {difference}\nhost: {estimate:?}\nQEMU: {output:?}");
+        }
+    }
+    assert!(contacts > 10, "{contacts}");
+    assert!(taken_off > codes.len() / 4, "{taken_off}");
+}
+
+#[test]
+fn eight_effects_at_once_cost_what_the_budget_says() {
+    let (_, _, _, budget) = &*COMPENSATED;
+    within("compensate", &budget.compensate);
+    contains("stack_free", budget.stack_free);
+    // And none costs next to nothing.
+    contains("compensate.none", FROM_CODES.2.compensate.max);
+}
 
 #[test]
 fn from_codes_to_frames_the_emulator_has_the_bits_of_the_host() {

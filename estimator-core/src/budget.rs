@@ -67,6 +67,8 @@ pub struct Budget {
     pub period: Meter,
     /// From the codes to SI units.
     pub convert: Meter,
+    /// What the rig adds is taken off.
+    pub compensate: Meter,
     /// `step` alone.
     pub step: Meter,
     /// From the estimate to the queue.
@@ -88,6 +90,8 @@ pub struct Stations {
     pub acquired: u32,
     /// They are in SI units.
     pub converted: u32,
+    /// The rig's own effects are off.
+    pub compensated: u32,
     /// The estimate is there.
     pub stepped: u32,
     /// It is in the queue, or dropped.
@@ -111,6 +115,7 @@ impl Budget {
             missed: 0,
             period: Meter::new(),
             convert: Meter::new(),
+            compensate: Meter::new(),
             step: Meter::new(),
             queue: Meter::new(),
             task: Meter::new(),
@@ -137,7 +142,9 @@ impl Budget {
             self.period.record(at.start.wrapping_sub(last));
         }
         self.convert.record(at.converted.wrapping_sub(at.acquired));
-        self.step.record(at.stepped.wrapping_sub(at.converted));
+        self.compensate
+            .record(at.compensated.wrapping_sub(at.converted));
+        self.step.record(at.stepped.wrapping_sub(at.compensated));
         self.queue.record(at.queued.wrapping_sub(at.stepped));
         let task = at.queued.wrapping_sub(at.start);
         self.task.record(task);
@@ -174,6 +181,7 @@ mod tests {
             start,
             acquired: start.wrapping_add(100),
             converted: start.wrapping_add(150),
+            compensated: start.wrapping_add(170),
             stepped: start.wrapping_add(cost - 10),
             queued: start.wrapping_add(cost),
         };
@@ -227,6 +235,8 @@ mod tests {
         };
         assert_eq!(budget.period.range(), expected);
         assert_eq!(budget.convert.range().max, 50);
+        assert_eq!(budget.compensate.range().max, 20);
+        assert_eq!(budget.step.range().max, 500 - 10 - 170);
         assert_eq!(budget.queue.range().max, 10);
         assert_eq!(Budget::new().step.range(), Range::default());
     }

@@ -146,6 +146,9 @@ impl<T> Contact<T> {
 #[derive(Clone, Debug)]
 pub struct ContactState<T> {
     noise: Noise<T>,
+    /// The noise of the cell itself, where samples went through a window before they came here.
+    cell: Noise<T>,
+    heard_n: Option<T>,
     rest_n: T,
     /// 1 over the samples that the resting force is worth.
     rest_share: T,
@@ -176,6 +179,8 @@ impl<T: Real> ContactState<T> {
     pub fn new(params: &ContactParams<T>) -> Self {
         ContactState {
             noise: Noise::default(),
+            cell: Noise::default(),
+            heard_n: None,
             rest_n: T::nil(),
             rest_share: T::unit(),
             free: 0,
@@ -208,6 +213,11 @@ impl<T: Real> ContactState<T> {
     /// Standard deviation of the raw force (N).
     pub fn force_noise_n(&self) -> T {
         self.sigma_n
+    }
+
+    /// The force (N) as the cell read it, when the next sample's has gone through a window.
+    pub fn hear(&mut self, force_n: T) {
+        self.heard_n = Some(force_n);
     }
 
     /// Takes one raw sample.
@@ -244,10 +254,14 @@ impl<T: Real> ContactState<T> {
 
     fn settle(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
         self.noise.update(sample.force_n);
+        if let Some(force_n) = self.heard_n.take() {
+            self.cell.update(force_n);
+        }
         if self.noise.seen() >= params.settle_samples {
             self.rest_n = self.noise.mean_n();
             self.rest_share = T::unit() / T::from_f64(f64::from(self.noise.seen()));
-            let sigma = params.configured_noise_n.unwrap_or(self.noise.sigma_n());
+            let measured = self.noise.sigma_n().max_of(self.cell.sigma_n());
+            let sigma = params.configured_noise_n.unwrap_or(measured);
             self.sigma_n = params.noise_floor_n.max_of(sigma);
             self.wander_n = match params.configured_noise_n {
                 Some(_) => self.sigma_n,
@@ -404,6 +418,31 @@ mod tests {
         assert!(surface.position_m.abs() < 11e-6, "{surface:?}");
         // The second sample above 6σ is 70 µm deep: the resting force does not follow the approach.
         assert!((34e-6..36e-6).contains(&surface.std_error_m), "{surface:?}");
+    }
+
+    #[test]
+    fn the_noise_is_that_of_the_cell_where_samples_went_through_a_window() {
+        let params = ContactParams::<f64>::validate(&Config::default()).unwrap();
+        let noise = |i: u32| if i.is_multiple_of(2) { 0.02 } else { -0.02 };
+        let settled = |hears: bool| {
+            let mut state = ContactState::new(&params);
+            for i in 0..300 {
+                if hears {
+                    state.hear(noise(i));
+                }
+                let averaged = Sample {
+                    time_us: u64::from(i) * 1000,
+                    force_n: 0.01 * noise(i),
+                    ..Sample::default()
+                };
+                state.update(&params, &averaged);
+            }
+            state.force_noise_n()
+        };
+        // Alternating signs have second differences of four times their size.
+        let white = 0.08 / libm::sqrt(6.0);
+        assert!((settled(true) / white - 1.0).abs() < 1e-6);
+        assert!((settled(false) / white - 0.01).abs() < 1e-6);
     }
 
     #[test]

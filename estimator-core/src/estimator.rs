@@ -38,6 +38,13 @@ impl<T: Real> State<T> {
         }
     }
 
+    /// The force (N) as the load cell read it, before a sample that went through the window of a
+    /// [`crate::rig::Compensation`]: what is averaged there is no measure of the noise any more, and
+    /// the estimates would look ten times better than they are.
+    pub fn hear(&mut self, force_n: T) {
+        self.contact.hear(force_n);
+    }
+
     /// Whether samples teach: on at the start. Off, the estimates stay as they are, and prediction,
     /// innovation and contact go on.
     pub fn enable_learning(&mut self, on: bool) {

@@ -28,6 +28,14 @@ pub enum Command {
     Defaults,
     /// 7: forget the estimates and settle anew, in contact as well. Answer: [`Answer::Done`].
     Restart,
+    /// 8: forget what was prepared. Answer: [`Answer::Done`].
+    Discard,
+    /// 9: a value for a setting that is to come into force together with others, at
+    /// [`Command::Commit`]. Answer: [`Answer::Value`].
+    Prepare(u8, f32),
+    /// 10: what was prepared comes into force at once and as a whole, or not at all; kept until the
+    /// power goes. Answer: [`Answer::Done`].
+    Commit,
     /// A number that this version does not know. Answer: [`Refusal::UnknownCommand`].
     Unknown(u8),
 }

@@ -4,8 +4,10 @@
 //! so that the host gets exact gradients from the code that the board runs. [`Real`] is what the
 //! estimators need besides: `f32` on the board, `f64` for reference.
 //!
-//! Every transcendental comes from `libm`, never from the platform: host and board agree to the bit.
+//! Every transcendental comes from `libm` or from here, never from the platform: host and board agree to
+//! the bit.
 
+mod circle;
 mod dual;
 
 pub use dual::Dual;
@@ -127,7 +129,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($type:ty, $exp:ident, $log:ident, $sin:ident, $cos:ident, $sqrt:ident, $atan:ident, $tan:ident) => {
+    ($type:ty, $exp:ident, $log:ident, $sin:path, $cos:path, $sqrt:ident, $atan:ident, $tan:ident) => {
         impl Scalar for $type {
             #[inline]
             fn from_f64(value: f64) -> Self {
@@ -155,7 +157,7 @@ macro_rules! real {
             }
             #[inline]
             fn sin_cos(self) -> (Self, Self) {
-                (libm::$sin(self), libm::$cos(self))
+                ($sin(self), $cos(self))
             }
         }
 
@@ -186,8 +188,17 @@ macro_rules! real {
 
 // d^n as exp(n ln d): 114 instructions on the board where libm's powf takes 241. The relative error
 // is |n ln d| ulp at most, 1e-6 in f32 over the depths of a palpation.
-real!(f32, expf, logf, sinf, cosf, sqrtf, atanf, tanf);
-real!(f64, exp, log, sin, cos, sqrt, atan, tan);
+real!(
+    f32,
+    expf,
+    logf,
+    circle::sine,
+    circle::cosine,
+    sqrtf,
+    atanf,
+    tanf
+);
+real!(f64, exp, log, libm::sin, libm::cos, sqrt, atan, tan);
 
 #[cfg(test)]
 mod tests {

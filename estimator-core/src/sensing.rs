@@ -4,6 +4,9 @@
 use crate::sample::{Fault, Faults, Sample};
 use crate::settings::{Key, Settings};
 
+/// Codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
+pub const CODES_PER_COUNT: f32 = 32.0;
+
 /// One instant as the hardware gave it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Codes {

@@ -4,6 +4,7 @@
 //! Every value is one f32: a whole number up to 2²⁴ is exact in it, and that is more than the codes
 //! of a 24-bit converter need. Numbers of settings are stable; they stand in frames and in flash.
 
+pub mod compensation;
 mod key;
 pub mod store;
 
@@ -11,6 +12,7 @@ pub use key::{Bounds, COUNT, Info, Key};
 
 use crate::config::{Config, Filter, Method, Params};
 use crate::error::ConfigError;
+use crate::rig::Compensation;
 use crate::sample::{Fault, Faults};
 use crate::sensing::Conversion;
 use core::fmt;
@@ -45,7 +47,8 @@ impl fmt::Display for Invalid {
         let info = self.key.info();
         write!(f, "{} = {}: must be ", info.name, self.value)?;
         match self.expected {
-            Some(expected) => f.write_str(expected),
+            // The estimator's own errors begin with it.
+            Some(expected) => f.write_str(expected.strip_prefix("must be ").unwrap_or(expected)),
             None => write!(f, "{}", info.bounds),
         }
     }
@@ -54,7 +57,8 @@ impl fmt::Display for Invalid {
 impl core::error::Error for Invalid {}
 
 impl Settings {
-    /// The value of a setting.
+    /// The value of a setting. Never inlined, as all that runs once in a while: it is in 128 KiB.
+    #[inline(never)]
     pub fn get(&self, key: Key) -> f32 {
         self.values
             .get(key.slot())
@@ -94,9 +98,12 @@ impl Settings {
         }
         self.check_pairs()?;
         let params = self.config().validate::<f32>().map_err(named)?;
+        let compensation = self.compensation()?;
         Ok(Setup {
             params,
             conversion: Conversion::new(self),
+            late_us: compensation.map_or(0, |own| (own.delay_s() * 1e6) as u64),
+            compensation,
             every: self.get(Key::TelemetryEvery) as u16,
         })
     }
@@ -113,7 +120,9 @@ impl Settings {
         Ok(())
     }
 
-    /// The estimator's part of it; what is no setting of a board has its default.
+    /// The estimator's part of it; what is no setting of a board has its default. Inlined, so that a
+    /// board has no code for filters and methods that no setting chooses: 7 KiB.
+    #[inline(always)]
     pub fn config(&self) -> Config {
         let mut config = Config {
             method: method(self.get(Key::EstimatorMethod)),
@@ -148,6 +157,10 @@ pub struct Setup {
     pub params: Params<f32>,
     /// Codes to SI.
     pub conversion: Conversion,
+    /// What is taken off the sample before the estimator; `None`: nothing.
+    pub compensation: Option<Compensation<f32>>,
+    /// How much later that makes the estimates (µs).
+    pub late_us: u64,
     /// Every how many samples are sent.
     pub every: u16,
 }

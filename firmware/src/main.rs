@@ -20,6 +20,7 @@ mod app {
     use crate::board::{Acquired, Board, Outcome, Parts, RATE_HZ, Selected, Sensors};
     use crate::service::Service;
     use crate::telemetry::{QUEUE, Telemetry};
+    use core::mem::MaybeUninit;
     use estimator_core::budget::{Budget, Stations};
     use estimator_core::link::Change;
     use estimator_core::sampling::{Record, Sampler};
@@ -35,7 +36,7 @@ mod app {
     #[local]
     struct Local {
         sensors: <Selected as Board>::Sensors,
-        sampler: Sampler,
+        sampler: &'static mut Sampler,
         outbox: Producer<'static, Record>,
         changes: Consumer<'static, Change>,
         inbox: Consumer<'static, Record>,
@@ -46,6 +47,8 @@ mod app {
     #[init(local = [
         records: Queue<Record, QUEUE> = Queue::new(),
         setups: Queue<Change, 2> = Queue::new(),
+        // Made where it stays: 10 KiB that the stack need not hold twice.
+        sampling: MaybeUninit<Sampler> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         defmt::info!(
@@ -73,7 +76,7 @@ mod app {
             },
             Local {
                 sensors,
-                sampler: Sampler::new(setup),
+                sampler: cx.local.sampling.write(Sampler::new(setup)),
                 outbox,
                 changes,
                 inbox,
@@ -83,11 +86,11 @@ mod app {
         )
     }
 
-    /// 1 kHz, above everything else: read, convert, step, push.
+    /// 1 kHz, above everything else: read, convert, compensate, step, push.
     #[task(binds = DMA2_STREAM0, priority = 3, local = [sensors, sampler, outbox, changes], shared = [budget])]
     fn sample(mut cx: sample::Context) {
         let start = Selected::now();
-        let sampler = cx.local.sampler;
+        let sampler = &mut **cx.local.sampler;
         let (codes, sample, acquired) = match cx.local.sensors.sample() {
             Acquired::Codes(codes) => {
                 let acquired = Selected::now();
@@ -102,7 +105,9 @@ mod app {
             }
         };
         let converted = Selected::now();
-        let estimate = sampler.step(sample);
+        let contact = sampler.compensate(sample);
+        let compensated = Selected::now();
+        let estimate = sampler.step(contact);
         let stepped = Selected::now();
         let record = Record {
             codes,
@@ -114,6 +119,7 @@ mod app {
             start,
             acquired,
             converted,
+            compensated,
             stepped,
             queued: Selected::now(),
         };

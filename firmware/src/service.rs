@@ -153,9 +153,10 @@ impl<B: Board> Service<B> {
 
     /// Logs everything, as `key=value` (tests/qemu.rs reads it) with min/mean/max.
     pub fn log(budget: &Budget, encode: &Meter) {
-        let [period, convert, step, queue, task, encode] = [
+        let [period, convert, compensate, step, queue, task, encode] = [
             &budget.period,
             &budget.convert,
+            &budget.compensate,
             &budget.step,
             &budget.queue,
             &budget.task,
@@ -163,7 +164,7 @@ impl<B: Board> Service<B> {
         ]
         .map(|meter| Shown(meter.range()));
         defmt::info!(
-            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} step={} queue={} task={} encode={}",
+            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} compensate={} step={} queue={} task={} encode={}",
             B::COST_UNIT,
             budget.samples,
             budget.ticks,
@@ -174,6 +175,7 @@ impl<B: Board> Service<B> {
             B::TICK,
             period,
             convert,
+            compensate,
             step,
             queue,
             task,

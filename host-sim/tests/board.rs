@@ -383,8 +383,8 @@ fn a_recording_is_a_log_and_replays_to_the_boards_own_estimates() {
     let said = record::convert(&out).unwrap();
     assert!(said.contains("0 samples missing"), "{said}");
     let log = Log::read(&out.join("log.csv"), &ReadOptions::default()).unwrap();
-    // 4 s, and before them the 20 questions for the settings, 10 ms each.
-    assert!((4000..4400).contains(&log.len()), "{}", log.len());
+    // 4 s, and before them the 43 questions for the settings, 10 ms each.
+    assert!((4000..4630).contains(&log.len()), "{}", log.len());
     assert!(log.extra("force_code").is_some());
     // The settings that it was taken with are beside it.
     assert!(
@@ -534,9 +534,11 @@ fn the_monitor_says_what_is_touched_and_what_is_wrong() {
 #[cfg(unix)]
 mod terminal {
     use super::*;
+    use palpate::link::compensate::{self, CompensateArgs};
     use palpate::link::port::Serial;
     use serialport::{SerialPort, TTYPort};
     use std::io::Read;
+    use std::path::Path;
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::thread;
     use std::time::{Duration, Instant};
@@ -573,6 +575,18 @@ mod terminal {
         }
     }
 
+    /// Between two touches of the hand, which touches once a second.
+    fn compensated(device: &mut Device<Serial>, model: &Path) {
+        let args = CompensateArgs {
+            model: Some(model.to_path_buf()),
+            off: false,
+        };
+        let plan = compensate::plan(&args).unwrap();
+        let said = (0..100).find_map(|_| compensate::run(device, plan.as_ref()).ok());
+        let said = said.expect("free air within a second");
+        assert!(said.contains("tool_inertia"), "{said}");
+    }
+
     #[test]
     fn settings_telemetry_and_a_recording_go_over_a_pseudo_terminal() {
         let (master, slave) = TTYPort::pair().unwrap();
@@ -586,6 +600,12 @@ mod terminal {
         assert_eq!(device.settings().unwrap(), Settings::default());
         device.set(Key::TelemetryEvery, 2.0).unwrap();
         assert_eq!(device.get(Key::TelemetryEvery).unwrap(), 2.0);
+        let model =
+            "[environment]\nlaw = \"free\"\n[[effect]]\nid = \"tool_inertia\"\nmass = 0.25\n";
+        let rig = Folder::with("rig.toml", model);
+        compensated(&mut device, &rig.path("rig.toml"));
+        let mass = Key::from_name("compensation.tool_inertia.mass").unwrap();
+        assert_eq!(device.get(mass).unwrap(), 0.25);
         let folder = Folder::new();
         let out = folder.path("run");
         let statistics = record::record(&mut device, &out, Some(500_000)).unwrap();

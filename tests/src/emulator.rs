@@ -171,6 +171,8 @@ pub struct Budget {
     pub period: Meter,
     /// From the codes to SI units.
     pub convert: Meter,
+    /// What the rig adds is taken off.
+    pub compensate: Meter,
     /// `step`.
     pub step: Meter,
     /// From the estimate to the queue.
@@ -207,6 +209,7 @@ impl Budget {
             tick: number(field(line, "tick")?)?,
             period: meter(field(line, "period")?)?,
             convert: meter(field(line, "convert")?)?,
+            compensate: meter(field(line, "compensate")?)?,
             step: meter(field(line, "step")?)?,
             queue: meter(field(line, "queue")?)?,
             task: meter(field(line, "task")?)?,

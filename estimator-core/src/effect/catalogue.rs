@@ -27,6 +27,14 @@ macro_rules! catalogue {
             /// The whole catalogue.
             pub const ALL: &'static [EffectId] = &[$(EffectId::$Effect),+];
 
+            /// Where in the chain it enters, without what else the catalogue says: a board has no
+            /// flash for that.
+            pub const fn place(self) -> Place {
+                match self {
+                    $(EffectId::$Effect => const { $Effect::<f64>::INFO.place },)+
+                }
+            }
+
             /// What the catalogue says of it.
             pub const fn info(self) -> &'static EffectInfo {
                 match self {

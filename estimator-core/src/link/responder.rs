@@ -30,6 +30,8 @@ pub struct Change {
 pub struct Responder<F> {
     settings: Settings,
     saved: Settings,
+    /// What a host is putting together, until it is committed or discarded.
+    prepared: Option<Settings>,
     store: Store<F>,
     identity: Identity,
     decoder: Decoder,
@@ -47,6 +49,7 @@ impl<F: NorFlash> Responder<F> {
         let mut responder = Responder {
             settings: Settings::default(),
             saved: Settings::default(),
+            prepared: None,
             store,
             identity,
             decoder: Decoder::new(),
@@ -155,12 +158,26 @@ impl<F: NorFlash> Responder<F> {
                 permit(in_contact, Refusal::InContact, 0)?;
                 permit(busy, Refusal::Busy, 0)?;
                 self.settings = Settings::default();
+                self.prepared = None;
                 self.restarted()
             }
             // In contact as well: a zero that has crept looks like contact, and this is the way out.
             Command::Restart => {
                 permit(busy, Refusal::Busy, 0)?;
                 self.restarted()
+            }
+            Command::Discard => {
+                self.prepared = None;
+                Ok((Answer::Done, None))
+            }
+            Command::Prepare(id, value) => {
+                let key = Key::from_id(id).ok_or((Refusal::UnknownSetting, id))?;
+                self.prepared.get_or_insert(self.settings).put(key, value);
+                Ok((Answer::Value(id, value), None))
+            }
+            Command::Commit => {
+                permit(busy, Refusal::Busy, 0)?;
+                self.commit(in_contact)
             }
             Command::Unknown(_) => Err((Refusal::UnknownCommand, 0)),
         }
@@ -173,8 +190,28 @@ impl<F: NorFlash> Responder<F> {
             .check()
             .map_err(|invalid| (Refusal::Unusable, invalid.key.id()))?;
         self.settings = changed;
+        self.prepared = None;
         let change = self.change(!key.is_harmless());
         Ok((Answer::Value(key.id(), value), change))
+    }
+
+    /// With nothing prepared, nothing is to be done: the answer to a first attempt was lost.
+    fn commit(&mut self, in_contact: bool) -> Done {
+        let Some(prepared) = self.prepared else {
+            return Ok((Answer::Done, None));
+        };
+        let differs = |key: &Key| prepared.get(*key) != self.settings.get(*key);
+        let disturbing = |key: &Key| differs(key) && !key.is_harmless();
+        let disturbs = Key::ALL.into_iter().find(disturbing);
+        if let Some(key) = disturbs {
+            permit(in_contact, Refusal::InContact, key.id())?;
+        }
+        prepared
+            .check()
+            .map_err(|invalid| (Refusal::Unusable, invalid.key.id()))?;
+        self.settings = prepared;
+        self.prepared = None;
+        Ok((Answer::Done, self.change(disturbs.is_some())))
     }
 
     fn reload(&mut self) -> Done {
@@ -186,6 +223,7 @@ impl<F: NorFlash> Responder<F> {
             Err(_) => return Err((Refusal::FlashFailed, 0)),
         }
         (self.saved, self.standing, self.concerns) = (self.settings, Faults::NONE, None);
+        self.prepared = None;
         self.restarted()
     }
 

@@ -92,6 +92,9 @@ fn commands() -> Vec<Command> {
         Command::Reload,
         Command::Defaults,
         Command::Restart,
+        Command::Discard,
+        Command::Prepare(35, 12.0),
+        Command::Commit,
     ]
 }
 
@@ -302,6 +305,93 @@ fn what_is_refused_is_refused_for_its_reason_and_changes_nothing() {
             .change
             .is_some_and(|change| !change.restart && change.setup.every == 10)
     );
+}
+
+#[test]
+fn what_was_prepared_comes_into_force_as_a_whole_or_not_at_all() {
+    let friction = |parameter: &str| {
+        let name = std::format!("compensation.coulomb_friction.{parameter}");
+        Key::from_name(&name).unwrap().id()
+    };
+    let (force, width) = (friction("force"), friction("width"));
+    let mut responder = responder();
+    let before = *responder.settings();
+    // GIVEN a width without a force, which is no friction
+    let prepare = |id, value| Command::Prepare(id, value);
+    assert_eq!(
+        ask(&mut responder, prepare(width, 1e-5)),
+        Answer::Value(width, 1e-5)
+    );
+    // WHEN it is to come into force, THEN it is refused by name and nothing has changed
+    assert_eq!(
+        ask(&mut responder, Command::Commit),
+        Answer::Refused(Refusal::Unusable, force)
+    );
+    assert_eq!(*responder.settings(), before);
+    // WHEN the force comes too, THEN it is refused in contact and while the board is busy
+    ask(&mut responder, prepare(force, 0.4));
+    let refused = |responder: &mut Responder<Flash>, in_contact, busy| {
+        let answered = responder.answer(1, Command::Commit, in_contact, busy);
+        assert_eq!(answered.change, None);
+        answered.reply.answer
+    };
+    assert_eq!(
+        refused(&mut responder, true, false),
+        Answer::Refused(Refusal::InContact, force)
+    );
+    assert_eq!(
+        refused(&mut responder, false, true),
+        Answer::Refused(Refusal::Busy, 0)
+    );
+    assert_eq!(*responder.settings(), before);
+    // AND in free air both come into force with one restart
+    let answered = responder.answer(1, Command::Commit, false, false);
+    let change = answered.change.unwrap();
+    assert_eq!(answered.reply.answer, Answer::Done);
+    assert!(change.restart && change.setup.compensation.is_some());
+    // AND a second attempt, whose first answer was lost, changes nothing
+    let answered = responder.answer(1, Command::Commit, false, false);
+    assert_eq!(
+        (answered.reply.answer, answered.change),
+        (Answer::Done, None)
+    );
+    assert_eq!(
+        ask(&mut responder, Command::Get(width)),
+        Answer::Value(width, 1e-5)
+    );
+}
+
+#[test]
+fn what_an_earlier_host_prepared_can_be_discarded_and_never_slips_in() {
+    let width = Key::EstimatorHalfWidth.id();
+    for forgotten in [
+        Command::Discard,
+        Command::Set(Key::TelemetryEvery.id(), 2.0),
+        Command::Reload,
+        Command::Defaults,
+    ] {
+        let mut responder = responder();
+        ask(&mut responder, Command::Prepare(width, 12.0));
+        ask(&mut responder, forgotten);
+        assert_eq!(ask(&mut responder, Command::Commit), Answer::Done);
+        assert_eq!(
+            ask(&mut responder, Command::Get(width)),
+            Answer::Value(width, 8.0),
+            "{forgotten:?}"
+        );
+    }
+    assert_eq!(
+        ask(&mut responder(), Command::Prepare(200, 1.0)),
+        Answer::Refused(Refusal::UnknownSetting, 200)
+    );
+    // Telemetry alone may change in contact, and nothing restarts.
+    let mut responder = responder();
+    ask(
+        &mut responder,
+        Command::Prepare(Key::TelemetryEvery.id(), 5.0),
+    );
+    let answered = responder.answer(1, Command::Commit, true, false);
+    assert!(answered.change.is_some_and(|change| !change.restart));
 }
 
 #[test]

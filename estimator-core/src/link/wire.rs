@@ -18,6 +18,12 @@ impl Command {
             Command::Reload => body.put([5]),
             Command::Defaults => body.put([6]),
             Command::Restart => body.put([7]),
+            Command::Discard => body.put([8]),
+            Command::Prepare(id, value) => {
+                body.put([9, id]);
+                body.put(value.to_le_bytes());
+            }
+            Command::Commit => body.put([10]),
             Command::Unknown(tag) => body.put([tag]),
         }
     }
@@ -38,6 +44,12 @@ impl Command {
             5 => Command::Reload,
             6 => Command::Defaults,
             7 => Command::Restart,
+            8 => Command::Discard,
+            9 => {
+                let [id] = reader.take()?;
+                Command::Prepare(id, reader.number()?)
+            }
+            10 => Command::Commit,
             tag => {
                 // Whatever it carries: the answer is that it is not known.
                 reader.skip();

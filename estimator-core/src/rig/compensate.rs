@@ -23,13 +23,14 @@
 //!
 //! The result is late by the half width and one sample (6 ms at 1 kHz), and by a `time_delay`; a rig
 //! whose effects need no derivative has neither window nor lateness. Noise that went through the
-//! window is no longer white: give the estimator the raw one (`contact.force_noise_n`).
+//! window is no longer white: give the estimator the raw one (`contact.force_noise_n`, or
+//! [`crate::State::hear`]). What is wrong with a sample is wrong with every result that it is in.
 
 use super::MOST_EFFECTS;
 use crate::effect::{Effect, EffectId, Motion, Place};
 use crate::error::{ConfigError, require};
 use crate::filter::{Aligned, SavitzkyGolay, SavitzkyGolayParams};
-use crate::sample::{Fault, Sample};
+use crate::sample::{Fault, Faults, Sample};
 use crate::scalar::{Real, Scalar};
 
 /// Longest `time_delay` (samples), either way.
@@ -41,10 +42,17 @@ const HALF_WINDOW_S: f64 = 5e-3;
 /// A reading within this share of the cell's limit stands at it: 1 %, noise and steps included.
 const AT_LIMIT: f64 = 0.99;
 
+/// Faults of one sample that are in every result whose window it is in.
+const LINGER: [Fault; 3] = [
+    Fault::ForceSaturated,
+    Fault::ForceStuck,
+    Fault::PositionStuck,
+];
+
 /// Whether the effect belongs to the rig and is taken off; else it belongs to what is touched.
 pub const fn compensates(id: EffectId) -> bool {
     matches!(
-        id.info().place,
+        id.place(),
         Place::PositionReading | Place::Transmission | Place::LoadPath | Place::ForceReading
     )
 }
@@ -53,6 +61,8 @@ pub const fn compensates(id: EffectId) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensation<T> {
     effects: [Option<Effect<T>>; MOST_EFFECTS],
+    /// The last of them that is one, and one more.
+    used: usize,
     rate_hz: T,
     period_us: u64,
     /// F(t − T_d) in whole samples and a part of one; of the position if the force is late.
@@ -84,7 +94,8 @@ pub struct CompensationState<T> {
     sliding: [T; MOST_EFFECTS],
     motor_m: T,
     far_m: T,
-    /// Samples until the window has forgotten a force at the cell's limit.
+    /// What was wrong with a sample, and how many more samples the window remembers it for.
+    lingering: Faults,
     distrust: usize,
     last_time_us: Option<u64>,
 }
@@ -109,6 +120,17 @@ impl<T: Real> Compensation<T> {
         rate_hz: f32,
         position_step_m: f64,
     ) -> Result<Self, ConfigError> {
+        let own = |effect: &Effect<f64>| compensates(effect.id());
+        let effects = effects.map(|slot| slot.filter(own).map(|effect| cast(&effect)));
+        Compensation::of(effects, rate_hz, position_step_m)
+    }
+
+    /// The same of effects that are the rig's and in its precision already: a board has no others.
+    pub(crate) fn of(
+        effects: [Option<Effect<T>>; MOST_EFFECTS],
+        rate_hz: f32,
+        position_step_m: f64,
+    ) -> Result<Self, ConfigError> {
         require(
             rate_hz > 0.0 && rate_hz <= 1e6,
             "rate_hz",
@@ -116,19 +138,15 @@ impl<T: Real> Compensation<T> {
             "must lie between 0 and 1 MHz",
         )?;
         let rate = f64::from(rate_hz);
-        let own = |effect: &Effect<f64>| compensates(effect.id());
-        let effects = effects.map(|slot| slot.filter(own));
-        let delay_s: f64 = effects
-            .iter()
-            .flatten()
-            .map(|effect| match effect {
-                Effect::TimeDelay(own) => own.delay_s,
-                _ => 0.0,
-            })
-            .sum();
+        let delays = effects.iter().flatten().map(|effect| match effect {
+            Effect::TimeDelay(own) => own.delay_s.to_f64(),
+            _ => 0.0,
+        });
+        let delay_s: f64 = delays.sum();
         let steps = delay_s.magnitude() * rate;
         require(
-            steps <= LONGEST_DELAY as f64,
+            // 64 ms in f32, as a setting has it, are 64.000 000 3 samples.
+            steps <= LONGEST_DELAY as f64 * (1.0 + 1e-6),
             "time_delay.delay",
             delay_s as f32,
             "must be at most 64 samples long, either way",
@@ -137,8 +155,10 @@ impl<T: Real> Compensation<T> {
         let window = effects.iter().flatten().any(needs_motion);
         let window = window.then(|| Window::new(rate, position_step_m));
         let late = window.map_or(0, |window| window.late());
+        let last = effects.iter().rposition(Option::is_some);
         Ok(Compensation {
-            effects: effects.map(|slot| slot.map(|effect| cast(&effect))),
+            used: last.map_or(0, |last| last + 1),
+            effects,
             rate_hz: T::from_f64(rate),
             period_us: (1e6 / rate) as u64,
             delay: (whole, T::from_f64(steps - whole as f64)),
@@ -150,7 +170,11 @@ impl<T: Real> Compensation<T> {
 
     /// The effects that are taken off.
     pub fn ids(&self) -> impl Iterator<Item = EffectId> + '_ {
-        self.effects.iter().flatten().map(Effect::id)
+        self.own().map(Effect::id)
+    }
+
+    fn own(&self) -> impl Iterator<Item = &Effect<T>> {
+        self.effects.iter().take(self.used).flatten()
     }
 
     /// How long before the newest sample the instant lies that a result belongs to (s).
@@ -168,6 +192,7 @@ impl<T: Real> Compensation<T> {
             sliding: [nil; MOST_EFFECTS],
             motor_m: nil,
             far_m: nil,
+            lingering: Faults::NONE,
             distrust: 0,
             last_time_us: None,
         }
@@ -180,14 +205,13 @@ impl<T: Real> Compensation<T> {
             return read;
         }
         let position_m = self.motor_side_m(read.position_m);
-        if state.interrupted(read.time_us, self.period_us) {
+        let interrupted =
+            state.interrupted(read.time_us, self.period_us) || read.faults.has(Fault::PositionJump);
+        if interrupted {
             state.restart(position_m, &read, self.position_waits);
         }
-        state.last_time_us = Some(read.time_us);
-        let faults = match self.saturates(state, read.force_n) {
-            true => read.faults.with(Fault::ForceSaturated),
-            false => read.faults,
-        };
+        let started = state.last_time_us.replace(read.time_us).is_some();
+        let faults = self.faults(state, &read, interrupted && started);
         let time_s = T::from_f64(read.time_us as f64 * 1e-6 - self.delay_s);
         let together = self.together(state, position_m, read.force_n);
         let moment = self.moment(state, time_s, together);
@@ -202,13 +226,10 @@ impl<T: Real> Compensation<T> {
 
     /// The motor side (m) behind the encoder's error.
     fn motor_side_m(&self, read_m: T) -> T {
-        self.effects
-            .iter()
-            .flatten()
-            .fold(read_m, |at_m, effect| match effect {
-                Effect::EncoderPeriodicError(own) => own.motor_side(still(at_m)).position_m,
-                _ => at_m,
-            })
+        self.own().fold(read_m, |at_m, effect| match effect {
+            Effect::EncoderPeriodicError(own) => own.motor_side(still(at_m)).position_m,
+            _ => at_m,
+        })
     }
 
     /// Position and force of one instant: the one that is early waits.
@@ -258,14 +279,10 @@ impl<T: Real> Compensation<T> {
         state.averages = [newest, before, oldest];
         let half_rate = T::from_f64(0.5) * self.rate_hz;
         let rate_nps = (newest.force_n - oldest.force_n) * half_rate;
-        let lag_s = self
-            .effects
-            .iter()
-            .flatten()
-            .fold(T::nil(), |sum, effect| match effect {
-                Effect::ForceLag(own) => sum + own.time_constant_s,
-                _ => sum,
-            });
+        let lag_s = self.own().fold(T::nil(), |sum, effect| match effect {
+            Effect::ForceLag(own) => sum + own.time_constant_s,
+            _ => sum,
+        });
         Moment {
             motion: Motion {
                 time_s,
@@ -284,7 +301,7 @@ impl<T: Real> Compensation<T> {
         let change_m = mean.position_m - state.motor_m;
         state.motor_m = mean.position_m;
         let mut force_n = T::nil();
-        for (effect, z) in self.effects.iter().zip(&mut state.sliding) {
+        for (effect, z) in self.effects.iter().take(self.used).zip(&mut state.sliding) {
             let Some(effect) = effect else { continue };
             force_n += match &self.window {
                 // A force that follows the way has its memory at one end of the window.
@@ -300,37 +317,57 @@ impl<T: Real> Compensation<T> {
     /// Where the tip is (m): behind the play and the springs.
     fn tip_m(&self, state: &mut CompensationState<T>, motor_m: T, force_n: T) -> T {
         let mut tip_m = motor_m;
-        for effect in self.effects.iter().flatten() {
+        for effect in self.own() {
             if let Effect::Backlash(own) = effect {
                 state.far_m = own.follow(state.far_m, motor_m).0;
                 tip_m = state.far_m;
             }
         }
-        self.effects
-            .iter()
-            .flatten()
-            .fold(tip_m, |tip_m, effect| match effect {
-                Effect::SeriesCompliance(own) => tip_m - force_n / own.stiffness_n_per_m,
-                _ => tip_m,
-            })
+        self.own().fold(tip_m, |tip_m, effect| match effect {
+            Effect::SeriesCompliance(own) => tip_m - force_n / own.stiffness_n_per_m,
+            _ => tip_m,
+        })
     }
 
-    /// Whether the force stands at the cell's limit, or did within the window.
-    fn saturates(&self, state: &mut CompensationState<T>, reading_n: T) -> bool {
-        let at_limit = self.effects.iter().flatten().any(|effect| match effect {
+    /// What is wrong with the result: all that is wrong with the sample, and what lingers of those
+    /// before it. A window that started anew is not to be learned from until it is full.
+    fn faults(
+        &self,
+        state: &mut CompensationState<T>,
+        read: &Sample<T>,
+        restarted: bool,
+    ) -> Faults {
+        let mut lingering = Faults::NONE;
+        for fault in LINGER.into_iter().filter(|fault| read.faults.has(*fault)) {
+            lingering = lingering.with(fault);
+        }
+        if self.is_at_limit(read.force_n) {
+            lingering = lingering.with(Fault::ForceSaturated);
+        }
+        if restarted {
+            lingering = lingering.with(Fault::SampleMissed);
+        }
+        if lingering != Faults::NONE {
+            state.lingering = state.lingering | lingering;
+            state.distrust = self.window.map_or(0, |window| 2 * window.late()) + self.delay.0 + 1;
+        } else {
+            state.distrust = state.distrust.saturating_sub(1);
+        }
+        if state.distrust == 0 {
+            state.lingering = Faults::NONE;
+        }
+        read.faults | state.lingering
+    }
+
+    fn is_at_limit(&self, reading_n: T) -> bool {
+        self.own().any(|effect| match effect {
             Effect::ForceSaturation(own) => {
                 // A rounded limit is e⁻³ of its softness off where this begins.
                 let rounded_n = T::from_f64(3.0) * own.softness_n;
                 reading_n >= own.limit_n * T::from_f64(AT_LIMIT) - rounded_n
             }
             _ => false,
-        });
-        let memory = self.window.map_or(0, |window| 2 * window.late()) + self.delay.0;
-        state.distrust = match at_limit {
-            true => memory + 1,
-            false => state.distrust.saturating_sub(1),
-        };
-        state.distrust > 0
+        })
     }
 }
 
@@ -360,6 +397,7 @@ impl<T: Real> Window<T> {
     }
 
     /// Σ hₖ f(kT) along the parabola whose mean over the window is that of the moment.
+    #[inline(never)]
     fn mean(&self, rate_hz: T, moment: &Moment<T>, force: impl Fn(&Motion<T>) -> T) -> T {
         let mean = &moment.motion;
         let half = T::from_f64(0.5);
@@ -413,9 +451,9 @@ impl<T: Real> CompensationState<T> {
 }
 
 /// Whether an effect cannot be taken off without speed, acceleration or the rate of the force.
-fn needs_motion(effect: &Effect<f64>) -> bool {
+fn needs_motion<T: Scalar>(effect: &Effect<T>) -> bool {
     match effect {
-        Effect::CoulombFriction(own) => own.width_m <= 0.0,
+        Effect::CoulombFriction(own) => own.width_m <= T::nil(),
         Effect::StribeckFriction(_)
         | Effect::ViscousDrag(_)
         | Effect::AsymmetricDrag(_)

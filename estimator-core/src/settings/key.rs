@@ -1,53 +1,56 @@
 //! The table of settings: number, name, unit, bounds, default, and what each decides.
 
+use super::compensation::{self, Parameter};
 use core::fmt;
 
 /// How many settings there are.
 pub const COUNT: usize = Key::ALL.len();
+/// How many of them are of the board itself, before the section `compensation`.
+const OWN: usize = 19;
 
-/// A setting, by its stable number. 64…127 are reserved for the section `compensation`: the effect
-/// that was identified on the rig and is taken off on the board.
+/// A setting. Its number ([`Key::id`]) is stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
 pub enum Key {
     /// Newtons per code of the load cell's converter; negative if the code falls with the force.
-    ForcePerCode = 1,
+    ForcePerCode,
     /// The code that stands for 0 N.
-    ForceZeroCode = 2,
+    ForceZeroCode,
     /// A single conversion below this is saturated.
-    ForceLowestCode = 3,
+    ForceLowestCode,
     /// A single conversion above this is saturated.
-    ForceHighestCode = 4,
+    ForceHighestCode,
     /// The same code for this long is a stuck converter; 0: never.
-    ForceStuckS = 5,
+    ForceStuckS,
     /// Whether the two values above came from known weights.
-    ForceCalibrated = 6,
+    ForceCalibrated,
     /// Root mean square of what the calibration left over.
-    ForceResidualN = 7,
+    ForceResidualN,
     /// Metres per code of the encoder; negative if it counts down into the material.
-    PositionPerCode = 16,
+    PositionPerCode,
     /// A faster motion between two samples is a jump; 0: never.
-    PositionFastestMps = 17,
+    PositionFastestMps,
     /// A force that rises by this much over a position that stands still is a stuck encoder; 0: never.
-    PositionStuckN = 18,
+    PositionStuckN,
     /// Whether the encoder's scale and sign were checked.
-    PositionCalibrated = 19,
+    PositionCalibrated,
     /// Number of the [`Method`].
-    EstimatorMethod = 32,
+    EstimatorMethod,
     /// δ₀: the depth that parameters are reported at.
-    EstimatorDepthM = 33,
+    EstimatorDepthM,
     /// A typical force.
-    EstimatorForceN = 34,
+    EstimatorForceN,
     /// Samples on either side of the Savitzky–Golay filter's centre.
-    EstimatorHalfWidth = 35,
+    EstimatorHalfWidth,
     /// Touch at this many standard deviations of the filtered force.
-    EstimatorTouchSigma = 36,
+    EstimatorTouchSigma,
     /// Lift-off below this many.
-    EstimatorReleaseSigma = 37,
+    EstimatorReleaseSigma,
     /// Free air at the start.
-    EstimatorSettleS = 38,
+    EstimatorSettleS,
     /// Every how many samples are sent.
-    TelemetryEvery = 48,
+    TelemetryEvery,
+    /// A parameter of an effect of the rig that is taken off before the estimator.
+    Compensation(Parameter),
 }
 
 /// Which values a setting can have.
@@ -63,6 +66,7 @@ pub enum Bounds {
 
 impl Bounds {
     /// Whether a value is one of them; NaN never is.
+    #[inline(never)]
     pub fn hold(self, value: f32) -> bool {
         match self {
             Bounds::Within(low, high) => (low..=high).contains(&value),
@@ -104,31 +108,65 @@ const EXACT: f32 = 16_777_216.0;
 
 impl Key {
     /// All settings in the order of their numbers.
-    pub const ALL: [Key; 19] = [
-        Key::ForcePerCode,
-        Key::ForceZeroCode,
-        Key::ForceLowestCode,
-        Key::ForceHighestCode,
-        Key::ForceStuckS,
-        Key::ForceCalibrated,
-        Key::ForceResidualN,
-        Key::PositionPerCode,
-        Key::PositionFastestMps,
-        Key::PositionStuckN,
-        Key::PositionCalibrated,
-        Key::EstimatorMethod,
-        Key::EstimatorDepthM,
-        Key::EstimatorForceN,
-        Key::EstimatorHalfWidth,
-        Key::EstimatorTouchSigma,
-        Key::EstimatorReleaseSigma,
-        Key::EstimatorSettleS,
-        Key::TelemetryEvery,
-    ];
+    pub const ALL: [Key; OWN + compensation::COUNT] = {
+        let own: [Key; OWN] = [
+            Key::ForcePerCode,
+            Key::ForceZeroCode,
+            Key::ForceLowestCode,
+            Key::ForceHighestCode,
+            Key::ForceStuckS,
+            Key::ForceCalibrated,
+            Key::ForceResidualN,
+            Key::PositionPerCode,
+            Key::PositionFastestMps,
+            Key::PositionStuckN,
+            Key::PositionCalibrated,
+            Key::EstimatorMethod,
+            Key::EstimatorDepthM,
+            Key::EstimatorForceN,
+            Key::EstimatorHalfWidth,
+            Key::EstimatorTouchSigma,
+            Key::EstimatorReleaseSigma,
+            Key::EstimatorSettleS,
+            Key::TelemetryEvery,
+        ];
+        let mut all = [Key::ForcePerCode; OWN + compensation::COUNT];
+        let mut at = 0;
+        while at < all.len() {
+            all[at] = if at < OWN {
+                own[at]
+            } else {
+                Key::Compensation(Parameter::ALL[at - OWN])
+            };
+            at += 1;
+        }
+        all
+    };
 
-    /// The stable number.
+    /// The stable number. 64…127 are those of the section `compensation`.
     pub const fn id(self) -> u8 {
-        self as u8
+        match self {
+            Key::ForcePerCode => 1,
+            Key::ForceZeroCode => 2,
+            Key::ForceLowestCode => 3,
+            Key::ForceHighestCode => 4,
+            Key::ForceStuckS => 5,
+            Key::ForceCalibrated => 6,
+            Key::ForceResidualN => 7,
+            Key::PositionPerCode => 16,
+            Key::PositionFastestMps => 17,
+            Key::PositionStuckN => 18,
+            Key::PositionCalibrated => 19,
+            Key::EstimatorMethod => 32,
+            Key::EstimatorDepthM => 33,
+            Key::EstimatorForceN => 34,
+            Key::EstimatorHalfWidth => 35,
+            Key::EstimatorTouchSigma => 36,
+            Key::EstimatorReleaseSigma => 37,
+            Key::EstimatorSettleS => 38,
+            Key::TelemetryEvery => 48,
+            Key::Compensation(parameter) => parameter.id(),
+        }
     }
 
     /// The one with a number.
@@ -142,6 +180,7 @@ impl Key {
     }
 
     /// Name, unit, bounds and default.
+    #[inline(never)]
     pub const fn info(self) -> Info {
         use Bounds::{Signed, Whole, Within};
         let (name, unit, bounds, default, about) = match self {
@@ -280,6 +319,7 @@ impl Key {
                 1.0,
                 "send every so many samples",
             ),
+            Key::Compensation(parameter) => return parameter.info(),
         };
         Info {
             name,
@@ -309,7 +349,7 @@ mod tests {
     fn the_numbers_are_stable_and_names_and_numbers_are_unique() {
         let ids = Key::ALL.map(Key::id);
         assert_eq!(
-            ids,
+            ids[..OWN],
             [
                 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 32, 33, 34, 35, 36, 37, 38, 48
             ]

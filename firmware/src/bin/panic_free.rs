@@ -1,8 +1,8 @@
 //! A proof by linking: the panic handler calls a function that does not exist, so this program
 //! links only if the optimiser has shown that no panic can be reached from the sampling task
-//! (the core's `sampling` and `budget`: convert, step, take over other settings, count, queue), from
-//! building its state, from a compensation before the step, from encoding what it returns, and from
-//! taking commands apart. With the feature `panic-control` there is one, and the link must fail;
+//! (the core's `sampling` and `budget`: convert, compensate, step, take over other settings, count,
+//! queue), from making a setup of settings, from encoding what the task returns, and from taking
+//! commands apart. With the feature `panic-control` there is one, and the link must fail;
 //! `cargo xtask test` does both. Release profile only.
 #![no_std]
 #![no_main]
@@ -14,7 +14,6 @@ use cortex_m_rt::entry;
 use estimator_core::budget::{Budget, Stations};
 use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
 use estimator_core::link::{Change, Health};
-use estimator_core::rig::{Compensation, MOST_EFFECTS};
 use estimator_core::sampling::{Record, Sampler};
 use estimator_core::sensing::Codes;
 use estimator_core::settings::{Settings, Setup};
@@ -35,36 +34,35 @@ fn panic(_: &PanicInfo) -> ! {
 /// Codes and settings that the optimiser knows nothing about.
 #[entry]
 fn main() -> ! {
-    let effects = black_box([None; MOST_EFFECTS]);
-    let compensation = Compensation::new(&effects, black_box(1000.0), black_box(1e-6));
-    if let (Ok(setup), Ok(compensation)) = (black_box(Settings::default()).setup(), compensation) {
-        forever(setup, &compensation);
+    if let Ok(setup) = black_box(Settings::default()).setup() {
+        forever(setup);
     }
     stop()
 }
 
-fn forever(setup: Setup, compensation: &Compensation<f32>) -> ! {
+fn forever(setup: Setup) -> ! {
     let mut sampler = Sampler::new(setup);
-    let mut memory = compensation.at_rest();
     let mut budget = Budget::new();
     let mut queue: Queue<Record, 4> = Queue::new();
     let (mut outbox, mut inbox) = queue.split();
     let mut decoder = Decoder::new();
     loop {
         let codes = black_box(Codes::default());
-        let sample = compensation.step(&mut memory, sampler.convert(&codes));
-        let estimate = sampler.step(sample);
+        let sample = sampler.convert(&codes);
+        let contact = sampler.compensate(sample);
+        let estimate = sampler.step(contact);
         let record = Record {
             codes: Some(codes),
             sample,
             estimate,
         };
         let dropped = sampler.is_sent(&estimate) && outbox.enqueue(record).is_err();
-        let [start, acquired, converted, stepped, queued] = black_box([0; 5]);
+        let [start, acquired, converted, compensated, stepped, queued] = black_box([0; 6]);
         let at = Stations {
             start,
             acquired,
             converted,
+            compensated,
             stepped,
             queued,
         };
@@ -85,6 +83,7 @@ fn forever(setup: Setup, compensation: &Compensation<f32>) -> ! {
         black_box((budget.ticks, budget.finished));
         black_box((
             budget.convert.range(),
+            budget.compensate.range(),
             budget.step.range(),
             budget.queue.range(),
         ));

@@ -9,6 +9,8 @@ use crate::diagnostic::Diagnostic;
 use crate::output::write_atomically;
 use crate::toml_reader::{Bounds, Table, TomlFile};
 
+const COMPENSATION: &str = "compensation";
+
 /// The text of a backup.
 pub fn text(settings: &Settings, of: &str) -> String {
     let mut text = format!("# Settings of {of}, for `palpate config restore`.\n");
@@ -53,8 +55,9 @@ fn parse(file: &TomlFile, mut settings: Settings) -> Result<Settings, Diagnostic
         .map(|key| split(key.info().name).0)
         .collect();
     parts.dedup();
+    let compensation = root.table(COMPENSATION)?;
     for part in parts {
-        let Some(table) = root.table(part)? else {
+        let Some(table) = section(&root, compensation.as_ref(), part)? else {
             continue;
         };
         for key in Key::ALL
@@ -67,26 +70,47 @@ fn parse(file: &TomlFile, mut settings: Settings) -> Result<Settings, Diagnostic
         }
         table.finish()?;
     }
+    if let Some(compensation) = &compensation {
+        compensation.finish()?;
+    }
     root.finish()?;
     match settings.check() {
         Ok(()) => Ok(settings),
-        Err(invalid) => Err(unusable(&root, &invalid)?),
+        Err(invalid) => Err(unusable(&root, compensation.as_ref(), &invalid)?),
+    }
+}
+
+/// The table of a section: `[force]`, or `[compensation.coulomb_friction]`.
+fn section<'a>(
+    root: &Table<'a>,
+    compensation: Option<&Table<'a>>,
+    part: &str,
+) -> Result<Option<Table<'a>>, Diagnostic> {
+    match (part.split_once('.'), compensation) {
+        (Some((_, effect)), Some(compensation)) => compensation.table(effect),
+        (Some(_), None) => Ok(None),
+        (None, _) => root.table(part),
     }
 }
 
 /// The error of a value, at its line.
-fn unusable(root: &Table, invalid: &Invalid) -> Result<Diagnostic, Diagnostic> {
+fn unusable(
+    root: &Table,
+    compensation: Option<&Table>,
+    invalid: &Invalid,
+) -> Result<Diagnostic, Diagnostic> {
     let (part, name) = split(invalid.key.info().name);
     let what = format!("`{}` cannot be {}", invalid.key.info().name, invalid.value);
-    let diagnostic = match root.table(part)? {
+    let diagnostic = match section(root, compensation, part)? {
         Some(table) => table.wrong(name, what),
         None => root.wrong(name, what),
     };
     Ok(diagnostic.remedy(invalid.to_string()))
 }
 
+/// Section, whose own parts are sections of it, and name.
 fn split(name: &'static str) -> (&'static str, &'static str) {
-    name.split_once('.').unwrap_or(("", name))
+    name.rsplit_once('.').unwrap_or(("", name))
 }
 
 #[cfg(test)]
@@ -110,6 +134,33 @@ mod tests {
         settings.put(Key::PositionPerCode, -1.0 / 3.0 * 1e-7);
         settings.check().unwrap();
         assert_eq!(of(&text(&settings, "a board")).unwrap(), settings);
+    }
+
+    #[test]
+    fn an_effect_is_a_section_of_its_own_and_comes_back() {
+        let text = "[compensation.coulomb_friction]\nforce = 0.4\nwidth = 1e-5\n";
+        let settings = of(text).unwrap();
+        let force = Key::from_name("compensation.coulomb_friction.force").unwrap();
+        assert_eq!(settings.get(force), 0.4);
+        assert!(
+            super::text(&settings, "a board")
+                .contains("\n[compensation.coulomb_friction]\nforce = 0.4 # N: ")
+        );
+        assert_eq!(of(&super::text(&settings, "a board")).unwrap(), settings);
+        for (text, line, said) in [
+            (
+                "[compensation.coulomb_frict]\nforce = 1\n",
+                1,
+                "coulomb_friction",
+            ),
+            ("[compensation.tool_inertia]\n\nmas = 1\n", 3, "mass"),
+            ("[compensation.tool_inertia]\nmass = -1\n", 2, "from 0"),
+            ("[compensation.cogging]\namplitude = 1\n", 1, "pitch"),
+        ] {
+            let error = of(text).unwrap_err();
+            assert_eq!(error.line, Some(line), "{error}");
+            assert!(error.to_string().contains(said), "{error}");
+        }
     }
 
     #[test]

@@ -27,8 +27,8 @@ const QUEUE: usize = 64;
 const LINE: usize = 1024;
 const RECORD: usize = CODES_ENCODED + SAMPLE_ENCODED + MAX_ENCODED;
 const RATE_HZ: u16 = 1000;
-/// Four slots a sector: every fourth save erases.
-const SECTOR: u32 = 4 * SLOT as u32;
+/// Four slots a sector, as in the emulator: every fourth save erases.
+pub const SECTOR: u32 = 4 * SLOT as u32;
 
 /// Flash in memory.
 #[derive(Clone, Debug)]
@@ -37,6 +37,13 @@ pub struct Memory(Vec<u8>);
 impl Default for Memory {
     fn default() -> Self {
         Memory(vec![0xff; 2 * SECTOR as usize])
+    }
+}
+
+impl Memory {
+    /// What it holds: the emulator's `settings.flash`.
+    pub fn bytes(&self) -> &[u8] {
+        &self.0
     }
 }
 
@@ -178,7 +185,8 @@ impl SimulatedBoard {
             .expect("nobody panics with the world in hand")
             .codes(self.ticks);
         let sample = self.sampler.convert(&codes);
-        let estimate = self.sampler.step(sample);
+        let contact = self.sampler.compensate(sample);
+        let estimate = self.sampler.step(contact);
         let record = Record {
             codes: Some(codes),
             sample,
@@ -195,6 +203,7 @@ impl SimulatedBoard {
             start,
             acquired: start,
             converted: start,
+            compensated: start,
             stepped: start,
             queued: start,
         };

@@ -8,6 +8,7 @@ use estimator_core::link::Command;
 use estimator_core::settings::{Key, Settings};
 
 use super::calibrate::{self, CalibrateArgs};
+use super::compensate::{self, CompensateArgs};
 use super::{Device, Port, backup, port};
 use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::output::say;
@@ -16,7 +17,8 @@ use crate::output::say;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Example:\n  palpate config --port /dev/ttyUSB0 show\n  \
     palpate config --port /dev/ttyUSB0 set estimator.depth_m 0.002\n  \
-    palpate config --port /dev/ttyUSB0 calibrate --weights 0,0.5,1,2\n\n\
+    palpate config --port /dev/ttyUSB0 calibrate --weights 0,0.5,1,2\n  \
+    palpate config --port /dev/ttyUSB0 compensate gap/model.toml\n\n\
     A change is in force at once; `save` keeps it through a power cut. Nothing that restarts the\n\
     estimator is taken while the probe is in contact.")]
 pub struct ConfigArgs {
@@ -64,6 +66,8 @@ enum Verb {
     },
     /// Find scale and zero of the load cell with known weights, and the encoder's scale and sign
     Calibrate(CalibrateArgs),
+    /// Take what `palpate gap` found off on the board: friction, inertia, compliance, lag …
+    Compensate(CompensateArgs),
 }
 
 /// Runs the verb.
@@ -75,6 +79,12 @@ pub fn run(args: &ConfigArgs) -> Result<(), Box<dyn Error>> {
     // What can be refused without a board is refused without one.
     if let Verb::Get { name } | Verb::Set { name, .. } = &args.verb {
         key_of(name)?;
+    }
+    if let Verb::Compensate(wanted) = &args.verb {
+        let plan = compensate::plan(wanted)?;
+        let mut device = Device::new(port::open(&args.port)?);
+        say(compensate::run(&mut device, plan.as_ref())?)?;
+        return Ok(());
     }
     let mut device = Device::new(port::open(&args.port)?);
     say(done(&mut device, &args.verb)?)?;
@@ -116,6 +126,7 @@ fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn 
             Ok(format!("{}: {changed} changed, saved\n", file.display()))
         }
         Verb::Calibrate(args) => calibrate::run(device, args, &mut calibrate::Terminal),
+        Verb::Compensate(args) => compensate::run(device, compensate::plan(args)?.as_ref()),
     }
 }
 
@@ -140,22 +151,30 @@ fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
         "{}, firmware {}, {} Hz; settings {saved}\n",
         identity.board, identity.firmware, identity.rate_hz
     );
-    for key in Key::ALL {
+    // Of the effects, those that are on.
+    let of_an_effect = |key: &Key| matches!(key, Key::Compensation(_));
+    let shown = |key: &Key| !of_an_effect(key) || settings.get(*key) != 0.0;
+    for key in Key::ALL.into_iter().filter(shown) {
         text.push_str(&line(key, settings.get(key)));
+    }
+    if !Key::ALL
+        .into_iter()
+        .any(|key| of_an_effect(&key) && shown(&key))
+    {
+        text.push_str("compensation: none; `config compensate` takes effects of the rig off\n");
     }
     Ok(text)
 }
 
 fn line(key: Key, value: f32) -> String {
     let info = key.info();
+    let about = match key {
+        Key::Compensation(parameter) => parameter.effect().info().law,
+        _ => info.about,
+    };
     let unit = if info.unit == "1" { "" } else { info.unit };
     let valued = format!("{value} {unit}");
-    format!(
-        "{:<24} {:<18} {}\n",
-        info.name,
-        valued.trim_end(),
-        info.about
-    )
+    format!("{:<24} {:<18} {about}\n", info.name, valued.trim_end())
 }
 
 fn key_of(name: &str) -> Result<Key, Diagnostic> {
@@ -171,31 +190,23 @@ fn key_of(name: &str) -> Result<Key, Diagnostic> {
     })
 }
 
-/// Gives every setting its new value, and saves. A value that contradicts one that is still to come
-/// is tried again after it: of two that must be in order, one can always go first.
+/// Gives every setting its new value, all of them at once, and saves. If one is refused, or the line
+/// breaks on the way, nothing has changed.
 pub(super) fn restore<P: Port>(
     device: &mut Device<P>,
     now: &Settings,
     wanted: &Settings,
 ) -> Result<usize, Box<dyn Error>> {
     let differs = |key: &Key| now.get(*key) != wanted.get(*key);
-    let mut left: Vec<Key> = Key::ALL.into_iter().filter(differs).collect();
-    let changed = left.len();
-    while !left.is_empty() {
-        let before = left.len();
-        let mut refusal = None;
-        left.retain(|key| match device.set(*key, wanted.get(*key)) {
-            Ok(()) => false,
-            Err(error) => {
-                refusal = Some(error);
-                true
-            }
-        });
-        match refusal {
-            Some(error) if left.len() == before => return Err(error),
-            _ => {}
-        }
+    let changed: Vec<Key> = Key::ALL.into_iter().filter(differs).collect();
+    // Whatever an earlier host left half said.
+    device.order(Command::Discard)?;
+    for key in &changed {
+        device.prepare(*key, wanted.get(*key))?;
     }
-    device.order(Command::Save)?;
-    Ok(changed)
+    device.order(Command::Commit)?;
+    device.order(Command::Save).map_err(|error| {
+        format!("{error}\nthe new values are in force, and gone with the power")
+    })?;
+    Ok(changed.len())
 }

@@ -205,14 +205,30 @@ impl<P: Port> Device<P> {
         }
     }
 
-    /// All settings.
+    /// A value that is to come into force together with others, at [`Command::Commit`].
+    ///
+    /// # Errors
+    /// [`Device::order`]'s.
+    pub fn prepare(&mut self, key: Key, value: f32) -> Result<(), Box<dyn std::error::Error>> {
+        match self.order(Command::Prepare(key.id(), value))? {
+            Answer::Value(id, taken) if id == key.id() && taken == value => Ok(()),
+            other => Err(unexpected(&other).into()),
+        }
+    }
+
+    /// All settings. One of an effect that an older firmware does not know is off.
     ///
     /// # Errors
     /// [`Device::order`]'s.
     pub fn settings(&mut self) -> Result<Settings, Box<dyn std::error::Error>> {
         let mut settings = Settings::default();
         for key in Key::ALL {
-            settings.put(key, self.get(key)?);
+            match (key, self.ask(Command::Get(key.id()))?) {
+                (Key::Compensation(_), Answer::Refused(Refusal::UnknownSetting, _)) => break,
+                (_, Answer::Value(id, value)) if id == key.id() => settings.put(key, value),
+                // Busy, or refused for a reason: asked again, and said.
+                _ => settings.put(key, self.get(key)?),
+            }
         }
         Ok(settings)
     }
@@ -232,7 +248,7 @@ fn unexpected(answer: &Answer) -> io::Error {
 fn refused(command: Command, reason: Refusal, id: u8) -> Diagnostic {
     let diagnostic = Diagnostic::new(format!("the board refuses: {}", reason.describe()));
     let diagnostic = match command {
-        Command::Set(_, value) => diagnostic.value(value),
+        Command::Set(_, value) | Command::Prepare(_, value) => diagnostic.value(value),
         _ => diagnostic,
     };
     if reason == Refusal::InContact {

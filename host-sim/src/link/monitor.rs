@@ -108,6 +108,10 @@ struct View {
     estimate: Option<Estimate<f32>>,
     health: Option<Health>,
     looked_us: Option<u64>,
+    /// Stamp of the newest sample, and how much older its estimate's is (µs): the delay of filter and
+    /// compensation.
+    sampled_us: u64,
+    late_us: u64,
     samples: u64,
     rate_hz: f64,
     /// Faults since the last look: one of a single sample must not be missed.
@@ -119,8 +123,12 @@ impl View {
     fn take(&mut self, frame: &Frame, every_us: u64) -> bool {
         match frame {
             Frame::Health(health) => self.health = Some(*health),
-            Frame::Sample(_) => self.samples += 1,
+            Frame::Sample(sample) => {
+                self.samples += 1;
+                self.sampled_us = sample.time_us;
+            }
             Frame::Estimate(estimate) => {
+                self.late_us = self.sampled_us.saturating_sub(estimate.time_us);
                 self.estimate = Some(*estimate);
                 self.faults = self.faults | estimate.faults;
                 return self.is_due(estimate.time_us, every_us);
@@ -183,11 +191,12 @@ impl View {
     ) -> std::fmt::Result {
         writeln!(
             text,
-            "{:.1} s  {}  {}  ({})",
+            "{:.1} s  {}  {}  ({}, of {} ms ago)",
             estimate.time_us as f64 * 1e-6,
             phase(estimate.phase),
             estimate.status.name(),
             estimate.law.name(),
+            self.late_us / 1000,
         )?;
         let force = quantity(f64::from(estimate.force_n), 3, "N");
         writeln!(text, "  force      {force:>12}  {}", bar(estimate.force_n))?;
@@ -276,4 +285,28 @@ fn phase(phase: Phase) -> &'static str {
 /// A newton a mark, up to 40.
 fn bar(force_n: f32) -> String {
     "▮".repeat(force_n.clamp(0.0, 40.0) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::{Config, Sample, State, step};
+
+    #[test]
+    fn the_screen_says_how_old_the_estimate_is() {
+        let params = Config::default().validate::<f32>().unwrap();
+        let mut state = State::new(&params);
+        let sample = Sample {
+            time_us: 1_000_000,
+            ..Sample::default()
+        };
+        // 8 samples of filter, and 6 ms of a compensation.
+        let mut estimate = step(&params, &mut state, sample);
+        estimate.time_us -= 6000;
+        let mut view = View::default();
+        view.take(&Frame::Sample(sample), 1);
+        view.take(&Frame::Estimate(estimate), 1);
+        let screen = view.screen(&Statistics::default());
+        assert!(screen.contains("of 14 ms ago"), "{screen}");
+    }
 }

@@ -19,6 +19,11 @@ pub enum Hand {
         /// N
         force_n: f64,
     },
+    /// Does what was recorded of another rig, from this millisecond on, and rests before and after.
+    Repeating {
+        /// ms from the start
+        from: u64,
+    },
 }
 
 /// The sensors and what they are connected to.
@@ -36,6 +41,8 @@ pub struct World {
     pub noise_codes: f64,
     /// Metres per code of the encoder.
     pub m_per_code: f64,
+    /// Positions (m) and forces (N), a millisecond each, for [`Hand::Repeating`].
+    pub recorded: Vec<(f64, f64)>,
     noise: Pcg64,
 }
 
@@ -49,6 +56,7 @@ impl Default for World {
             bend_codes: 0.0,
             noise_codes: 12.0,
             m_per_code: 1e-6 / 32.0,
+            recorded: Vec::new(),
             noise: Pcg64::seed_from_u64(20_261_121),
         }
     }
@@ -67,6 +75,11 @@ impl World {
                 force_n,
             } => (position_m, force_n),
             Hand::Palpating => palpated(tick),
+            Hand::Repeating { from } => {
+                let at = tick.saturating_sub(from) as usize;
+                let then = self.recorded.get(at).or(self.recorded.last());
+                then.copied().unwrap_or_default()
+            }
         };
         let normal: f64 = StandardNormal.sample(&mut self.noise);
         let bend = self.bend_codes * (force_n / 20.0).powi(2);

@@ -259,3 +259,37 @@ fn a_force_at_the_limit_is_marked_until_the_window_has_forgotten_it() {
     // ±5 samples and one on either side for the difference, and itself.
     assert_eq!(marked.count(), 13);
 }
+
+#[test]
+fn what_is_wrong_with_a_sample_is_wrong_with_every_result_it_is_in() {
+    let mut slots = [None; MOST_EFFECTS];
+    slots[0] = Some(Effect::new(EffectId::ViscousDrag, &[1.0, 0.0, 0.0, 0.0]));
+    let compensation = Compensation::<f32>::new(&slots, RATE_HZ, 1e-6).unwrap();
+    // (at instant 50: the fault, the time that is missing (µs), the fault that lingers)
+    for (fault, missing_us, lingers) in [
+        (Some(Fault::ForceSaturated), 0, Fault::ForceSaturated),
+        (Some(Fault::ForceStuck), 0, Fault::ForceStuck),
+        (Some(Fault::PositionStuck), 0, Fault::PositionStuck),
+        // The window starts anew.
+        (Some(Fault::PositionJump), 0, Fault::SampleMissed),
+        (None, 3000, Fault::SampleMissed),
+    ] {
+        let mut state = compensation.at_rest();
+        for at in 0..100_u64 {
+            let read = Sample {
+                time_us: at * 1000 + if at >= 50 { missing_us } else { 0 },
+                force_n: 2.0,
+                faults: fault
+                    .filter(|_| at == 50)
+                    .map_or(Faults::NONE, |fault| Faults::NONE.with(fault)),
+                ..Sample::default()
+            };
+            let faults = compensation.step(&mut state, read).faults;
+            assert_eq!(
+                faults.has(lingers),
+                (50..63).contains(&at),
+                "{fault:?} at {at}"
+            );
+        }
+    }
+}

@@ -308,6 +308,21 @@ fn a_value_out_of_bounds_is_named() {
 }
 
 #[test]
+fn the_record_of_a_firmware_without_compensation_loads_and_nothing_is_taken_off() {
+    // GIVEN all settings that there were before the section `compensation`
+    let before = Key::ALL.into_iter().filter(|key| key.id() < 64);
+    let values: Vec<(u8, f32)> = before.map(|key| (key.id(), settings(5).get(key))).collect();
+    assert_eq!(values.len(), 19);
+    // WHEN today's firmware loads their record
+    let Loaded::Good(found) = loaded(record(1, &values)) else {
+        panic!("not loaded");
+    };
+    // THEN they are as they were, and samples stay as they are read
+    assert_eq!(found, settings(5));
+    assert_eq!(found.setup().unwrap().compensation, None);
+}
+
+#[test]
 fn every_value_of_every_setting_survives() {
     let mut settings = Settings::default();
     for key in Key::ALL {
@@ -318,7 +333,21 @@ fn every_value_of_every_setting_survives() {
     }
     // Two pairs must be in order.
     settings.put(Key::ForceLowestCode, -5.0);
-    let mut store = store(Flash::new(0xff));
-    store.save(&settings).unwrap();
-    assert_eq!(store.load(), Ok(Loaded::Good(settings)));
+    // No more than eight effects at once: a half of them, then the other.
+    let own = Key::ALL.into_iter().filter(|key| key.id() >= 64);
+    let own: Vec<Key> = own.collect();
+    for half in [|id: u8| id < 88, |id: u8| id >= 88] {
+        let mut settings = settings;
+        for key in own.iter().filter(|key| !half(key.id())) {
+            settings.put(*key, 0.0);
+        }
+        // As late as a compensation can be.
+        if half(116) {
+            assert!(own.iter().any(|key| key.id() == 116));
+            settings.put(Key::from_id(116).unwrap(), 0.064);
+        }
+        let mut store = store(Flash::new(0xff));
+        store.save(&settings).unwrap();
+        assert_eq!(store.load(), Ok(Loaded::Good(settings)));
+    }
 }

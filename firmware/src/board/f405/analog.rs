@@ -8,7 +8,7 @@ use super::ring::{self, Memory, Ring};
 use super::{F405, tick};
 use crate::board::{Acquired, Board, RATE_HZ, Sensors};
 use estimator_core::instants::{Counter, Ticks, summed};
-use estimator_core::sensing::Codes;
+use estimator_core::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::settings::Key;
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{
@@ -29,6 +29,7 @@ use stm32f4xx_hal::timer::Timer;
 pub const OVERSAMPLING: u16 = 32;
 // The defaults of the settings are those of this wiring: 0 N at half the range of the sum.
 const _: () = assert!(Key::ForceZeroCode.info().default == 2048.0 * OVERSAMPLING as f32);
+const _: () = assert!(CODES_PER_COUNT == OVERSAMPLING as f32);
 
 /// Conversions and latches per second.
 const EVENT_HZ: u32 = OVERSAMPLING as u32 * RATE_HZ;

@@ -1,0 +1,133 @@
+use super::super::store::SLOT;
+use super::*;
+extern crate std;
+use std::string::ToString;
+use std::vec::Vec;
+
+fn key(name: &str) -> Key {
+    Key::from_name(name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn with(values: &[(&str, f32)]) -> Settings {
+    let mut settings = Settings::default();
+    for (name, value) in values {
+        settings.put(key(&std::format!("compensation.{name}")), *value);
+    }
+    settings
+}
+
+#[test]
+fn every_parameter_of_every_effect_of_the_rig_has_its_place_and_no_other() {
+    let mut named = Vec::new();
+    for id in EffectId::ALL.iter().copied() {
+        for (place, info) in id.info().parameters.iter().enumerate() {
+            let Some(parameter) = Parameter::of(id, place) else {
+                let timed = [EffectId::ForceDrift, EffectId::PeriodicDisturbance];
+                assert!(!compensates(id) || timed.contains(&id), "{id:?}");
+                continue;
+            };
+            let key = Key::Compensation(parameter);
+            let name = std::format!("compensation.{}.{}", id.name(), info.name);
+            assert_eq!(key.info().name, name);
+            assert_eq!(key.info().unit, info.unit.symbol());
+            assert_eq!(key.info().default, 0.0);
+            named.push(key);
+        }
+    }
+    assert_eq!(named.len(), COUNT);
+    assert_eq!(named.len(), Parameter::ALL.len());
+}
+
+#[test]
+fn the_numbers_are_stable() {
+    let ids = Parameter::ALL.map(Parameter::id);
+    assert_eq!(
+        ids,
+        [
+            64, 65, 66, 68, 69, 70, 71, 72, 76, 80, 84, 92, 96, 97, 98, 104, 108, 112, 116, 120,
+            121, 124, 125, 126
+        ]
+    );
+    assert_eq!(key("compensation.coulomb_friction.force").id(), 64);
+    assert_eq!(key("compensation.series_compliance.stiffness").id(), 104);
+    assert_eq!(key("compensation.encoder_periodic_error.phase").id(), 126);
+}
+
+#[test]
+fn a_record_holds_all_settings() {
+    // Eight bytes of head, five for each, four of check sum.
+    assert!(8 + 5 * Key::ALL.len() + 4 <= SLOT, "{}", Key::ALL.len());
+}
+
+#[test]
+fn nothing_is_taken_off_by_default_and_an_effect_is_once_a_parameter_is_not_zero() {
+    assert_eq!(Settings::default().setup().unwrap().compensation, None);
+    let setup = with(&[("coulomb_friction.force", 0.4)]).setup().unwrap();
+    let ids: Vec<_> = setup.compensation.unwrap().ids().collect();
+    assert_eq!(ids, [EffectId::CoulombFriction]);
+    // Half of the window's 11 samples and one: 6 ms.
+    assert_eq!(setup.late_us, 6000);
+    let setup = with(&[("series_compliance.stiffness", 12e3)])
+        .setup()
+        .unwrap();
+    assert_eq!(setup.late_us, 0);
+}
+
+#[test]
+fn an_effect_goes_in_as_the_catalogue_has_it_and_out_again() {
+    let friction = Effect::new(EffectId::CoulombFriction, &[0.5, 0.0, 0.25, 0.0]);
+    let mut settings = Settings::default();
+    assert!(settings.put_effect(&friction));
+    let own = Effect::new(EffectId::CoulombFriction, &[0.5, 0.0, 0.25, 0.0]);
+    assert_eq!(settings.effect(EffectId::CoulombFriction), Ok(Some(own)));
+    assert_eq!(settings.without_compensation(), Settings::default());
+    for id in [EffectId::Adhesion, EffectId::ForceDrift] {
+        let other = Effect::new(id, &[0.5, 0.5, 0.0, 0.0]);
+        let mut settings = Settings::default();
+        assert!(!settings.put_effect(&other));
+        assert_eq!(settings, Settings::default());
+    }
+}
+
+#[test]
+fn values_that_are_no_effect_are_refused_by_name() {
+    for (values, expected) in [
+        (
+            &[("cogging.amplitude", 0.1)][..],
+            "compensation.cogging.pitch = 0: must be more than zero",
+        ),
+        (
+            &[("coulomb_friction.width", 1e-5)],
+            "compensation.coulomb_friction.force = 0: must be more than zero",
+        ),
+        (
+            &[("tool_inertia.mass", -1.0)],
+            "compensation.tool_inertia.mass = -1: must be from 0 to 1000000000",
+        ),
+        (
+            &[("time_delay.delay", 0.065)],
+            "compensation.time_delay.delay = 0.065: must be at most 64 samples long, either way",
+        ),
+    ] {
+        assert_eq!(with(values).check().unwrap_err().to_string(), expected);
+    }
+}
+
+#[test]
+fn eight_effects_at_once_can_be_taken_off_and_nine_cannot() {
+    let nine = [
+        ("coulomb_friction.force", 0.1),
+        ("viscous_drag.coefficient", 1.0),
+        ("asymmetric_drag.coefficient", -1.0),
+        ("tool_inertia.mass", 0.2),
+        ("force_offset.force", 0.2),
+        ("cable_stiffness.stiffness", 20.0),
+        ("series_compliance.stiffness", 1e4),
+        ("force_lag.time_constant", 4e-3),
+        ("time_delay.delay", -3e-3),
+    ];
+    assert_eq!(with(&nine[..8]).check(), Ok(()));
+    let error = with(&nine).check().unwrap_err();
+    assert_eq!(error.key, key("compensation.time_delay.delay"));
+    assert!(error.to_string().contains("no more than 8"), "{error}");
+}
