@@ -48,7 +48,7 @@ impl Floor {
         let high_pass_n = high_pass(log);
         let rests = rests(log);
         let (rest_n, lines_n) =
-            rest(log, &rests, high_pass_n).map_or((None, 0.0), |(own, lines)| (Some(own), lines));
+            rest(log, &rests).map_or((None, 0.0), |(own, lines)| (Some(own), lines));
         let (used_n, why) = match rest_n {
             None => (
                 high_pass_n,
@@ -122,12 +122,12 @@ fn high_pass(log: &UniformLog) -> f64 {
     if fine > 0.0 { fine } else { coarse }
 }
 
-fn rest(log: &UniformLog, rests: &[Range<usize>], high_pass_n: f64) -> Option<(f64, f64)> {
+fn rest(log: &UniformLog, rests: &[Range<usize>]) -> Option<(f64, f64)> {
     let mut total = [0.0; 3];
     for rest in rests {
         // What the motion leaves behind has gone after a tenth of the rest.
         let settled = rest.start + rest.len() / 10..rest.end;
-        let force = without_spikes(&log.force_n[settled], high_pass_n);
+        let force = &log.force_n[settled];
         for window in force
             .chunks(LONGEST)
             .filter(|own| own.len() >= SHORTEST / 2)
@@ -143,17 +143,17 @@ fn rest(log: &UniformLog, rests: &[Range<usize>], high_pass_n: f64) -> Option<(f
     (weight > 0.0).then(|| ((noise / weight).sqrt(), (lines / weight).sqrt()))
 }
 
-/// A force without what stands out of its neighbours by more than any noise does: a spike is no noise, and
-/// a floor that counts it would hide it. The median of five; 6 σ are one sample in 10⁸.
-fn without_spikes(force: &[f64], noise_n: f64) -> Vec<f64> {
-    let mut cleaned = force.to_vec();
-    for (window, own) in force.windows(5).zip(&mut cleaned[2.min(force.len())..]) {
-        let middle = signal::median(window.to_vec());
-        if (*own - middle).abs() > 6.0 * noise_n {
-            *own = middle;
-        }
+/// Without what stands out by more than noise does: spikes are no noise, and a floor that counts them
+/// would hide them. Four robust standard deviations; a line or a coloured noise has no such tails.
+fn clipped(mut detrended: Vec<f64>) -> Vec<f64> {
+    let sizes = detrended.iter().map(|own| own.abs()).collect();
+    let most = 4.0 * 1.4826 * signal::median(sizes);
+    if most > 0.0 {
+        detrended
+            .iter_mut()
+            .for_each(|own| *own = own.clamp(-most, most));
     }
-    cleaned
+    detrended
 }
 
 /// Integrated autocorrelation of the longest rest (samples).
@@ -168,7 +168,7 @@ fn resting_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
 /// Variance of a stretch without its trend and without lines, and that of the lines.
 fn variance(force: &[f64], log_samples: usize) -> (f64, f64) {
     let n = force.len();
-    let mut bins: Vec<Complex<f64>> = detrended(force)
+    let mut bins: Vec<Complex<f64>> = clipped(detrended(force))
         .into_iter()
         .enumerate()
         .map(|(at, value)| {
