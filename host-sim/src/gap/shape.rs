@@ -317,8 +317,8 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
         1 => Some(linear(owner, 4.0 * s.position_noise_m, longest_m)),
         _ => Some(linear(owner, -anything, anything)),
     };
-    // An encoder's error shows in contact alone: a cycle and a half there, or it is any law's form.
-    let seen_m = (depth_m / 1.5).clamp(0.05 * s.travel_m, 0.5 * s.travel_m);
+    // An encoder's error shows in contact alone: a cycle and a quarter there, or it is any law's form.
+    let seen_m = (depth_m / 1.25).clamp(0.05 * s.travel_m, 0.5 * s.travel_m);
     let frequency = |at: usize| match at {
         0 => None,
         1 => Some(linear(owner, 2.0 / s.duration_s, 0.5 / s.period_s)),
