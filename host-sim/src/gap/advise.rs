@@ -23,14 +23,20 @@ use crate::model::EnvironmentLaw;
 const SAMPLES: usize = 2_000;
 /// A standard error beyond this share of its number: the log does not observe it.
 const UNOBSERVED: f64 = 0.7;
+/// A motion this many times as fast as the log is said to be faster.
+const FASTER: f64 = 1.5;
 /// The share of its own standard error that a further motion must leave at most, to be advised.
 const BETTER: f64 = 0.5;
 
-/// The log thinned, and the menu for its rig.
+/// Paces of the menu, in that of the log: a lag of 5 ms and a delay of 5 ms are the same at 0.2 Hz
+/// and at three times that, whatever the motion. The slowest that tells is advised.
+const PACES: [f64; 3] = [1.0, 4.0, 16.0];
+
+/// The log thinned, and the menus for its rig, a pace each.
 struct Next {
     recorded: Recorded,
     sensor: Sensor,
-    menu: Vec<Dish>,
+    menus: Vec<Vec<Dish>>,
 }
 
 impl Next {
@@ -56,7 +62,10 @@ impl Next {
                 courses,
             },
             sensor,
-            menu: menu(reach(evidence, fit)),
+            menus: PACES
+                .iter()
+                .map(|pace| menu(reach(evidence, fit, *pace)))
+                .collect(),
         }
     }
 
@@ -74,13 +83,15 @@ impl Next {
         sigma: impl Fn(&Dish) -> Option<f64> + Sync + Send,
         least: f64,
     ) -> Option<Further> {
-        let each: Vec<Option<f64>> = self.menu.par_iter().map(sigma).collect();
-        best(&self.menu, |at| each[at], least)
+        self.menus.iter().find_map(|menu| {
+            let each: Vec<Option<f64>> = menu.par_iter().map(&sigma).collect();
+            best(menu, |at| each[at], least)
+        })
     }
 }
 
-/// As deep and as fast as the log went.
-fn reach(evidence: &Evidence<'_>, fit: &Fit) -> Reach {
+/// As deep as the log went, and `pace` times as fast.
+fn reach(evidence: &Evidence<'_>, fit: &Fit, pace: f64) -> Reach {
     let scales = evidence.scales;
     let touches = fit.shape.base.law != EnvironmentLaw::Free;
     let parameters = fit
@@ -102,8 +113,8 @@ fn reach(evidence: &Evidence<'_>, fit: &Fit) -> Reach {
     } else {
         0.5 * scales.travel_m
     };
-    // The palpation's fastest stroke is 7.2 depths in a stroke's time: as fast as the log.
-    let stroke_s = 7.2 * depth_m / scales.speed_mps.max(f64::MIN_POSITIVE);
+    // The palpation's fastest stroke is 7.2 depths in a stroke's time.
+    let stroke_s = 7.2 * depth_m / (pace * scales.speed_mps).max(f64::MIN_POSITIVE);
     let period_s = evidence.courses[0].period_s;
     Reach {
         surface_m,
@@ -131,7 +142,7 @@ pub(super) fn advice(
         }
         (Verdict::Ambiguous, Some(own)) => match between(evidence, decision) {
             // One motion at a time: what it leaves unobserved, the next run says.
-            Some(advised) => return (record(&advised), Some(advised)),
+            Some(advised) => return (record(&advised, finding), Some(advised)),
             None => format!(
                 "{} Record {}.",
                 not_told(own.id, &own.alternatives),
@@ -146,7 +157,10 @@ pub(super) fn advice(
         _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
     };
     match unobserved(evidence, &decision.best, errors) {
-        Some(advised) => (format!("{said} {}", record(&advised)), Some(advised)),
+        Some(advised) => (
+            format!("{said} {}", record(&advised, finding)),
+            Some(advised),
+        ),
         None => (said, None),
     }
 }
@@ -160,9 +174,14 @@ fn advised(further: Further, gap: &str, gain: &str) -> Advised {
     }
 }
 
-fn record(advised: &Advised) -> String {
+fn record(advised: &Advised, finding: &Finding) -> String {
+    let times = advised.motion.limits().fastest_mps / finding.limits().fastest_mps;
+    let caution = match times > FASTER {
+        true => format!(" It goes {times:.0} times as fast as the log: check that the rig may."),
+        false => String::new(),
+    };
     format!(
-        "{} Record {MOTION} ({}) and run gap with both logs, `--log OLD --log NEW`.",
+        "{} Record {MOTION} ({}) and run gap with both logs, `--log OLD --log NEW`.{caution}",
         advised.purpose, advised.words
     )
 }

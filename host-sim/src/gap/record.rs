@@ -118,8 +118,8 @@ mod tests {
             .collect();
         let head = head.join(" ");
         for words in [
-            "deepest 5.00 mm, farthest out -1.00 mm, fastest 0.0289 m/s, in 8.6",
-            "The log so far: deepest 4.00 mm, farthest out 1.00 mm, fastest 0.0300 m/s.",
+            "deepest 5.00 mm, farthest out -1.00 mm, fastest 28.9 mm/s, in 8.57 s",
+            "The log so far: deepest 4.00 mm, farthest out 1.00 mm, fastest 30.0 mm/s.",
             "force_lag from series_compliance",
             "in Hz",
             "--log old.csv --log NEW.csv",
