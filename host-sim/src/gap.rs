@@ -5,7 +5,8 @@
 //! says what a residual may be; `start` says where a candidate may start, `propose` what it promises there;
 //! `search` adds, swaps and drops effects, each time refitting everything, for a `price`; `decide` judges
 //! on held-out parts; `regions` says where, `error` how well; `files` writes it down. `plan` says before
-//! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart. Before all that
+//! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart, `record` writes the one to
+//! record next. Before all that
 //! `input` refuses what cannot be fitted.
 
 mod advise;
@@ -28,6 +29,7 @@ mod price;
 mod print;
 mod progress;
 mod propose;
+mod record;
 mod regions;
 mod result;
 mod search;
@@ -43,7 +45,7 @@ pub use print::summary;
 pub use progress::{Progress, Silent};
 pub(crate) use regions::phase;
 pub use regions::{Region, words};
-pub use result::{Curves, Finding, Known, Named, Tried, Verdict};
+pub use result::{Advised, Curves, Finding, Known, Named, Tried, Verdict};
 
 use estimator_core::effect::EffectId;
 use rayon::prelude::*;

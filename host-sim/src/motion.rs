@@ -2,6 +2,7 @@
 
 mod file;
 mod segment;
+mod write;
 
 pub use segment::Segment;
 
@@ -14,6 +15,33 @@ pub struct Motion {
     start_m: f64,
     pieces: Vec<Piece>,
     duration_s: f64,
+}
+
+/// Where a motion goes, and how fast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// The lowest position (m): farthest out of the material.
+    pub lowest_m: f64,
+    /// The highest (m): deepest into it.
+    pub highest_m: f64,
+    /// The highest speed (m/s) either way.
+    pub fastest_mps: f64,
+}
+
+impl Limits {
+    /// Those of positions (m) with their speeds (m/s).
+    pub fn of(states: impl IntoIterator<Item = (f64, f64)>) -> Limits {
+        let none = Limits {
+            lowest_m: f64::INFINITY,
+            highest_m: f64::NEG_INFINITY,
+            fastest_mps: 0.0,
+        };
+        states.into_iter().fold(none, |so_far, (x, v)| Limits {
+            lowest_m: so_far.lowest_m.min(x),
+            highest_m: so_far.highest_m.max(x),
+            fastest_mps: so_far.fastest_mps.max(v.abs()),
+        })
+    }
 }
 
 /// A segment, when it begins and how it takes over from the one before.
@@ -133,11 +161,17 @@ impl Motion {
         piece.position(within_s.min(piece.seconds))
     }
 
-    /// The highest position (m), to a millisecond.
+    /// The highest position (m), as near as [`Motion::limits`].
     pub fn highest_m(&self) -> f64 {
-        let milliseconds = (self.duration_s * 1e3).ceil() as u64;
-        let positions = (0..=milliseconds).map(|ms| self.position(ms as f64 * 1e-3).0);
-        positions.fold(self.start_m, f64::max)
+        self.limits().highest_m
+    }
+
+    /// Where it goes and how fast, looked at every millisecond and 20 000 times at least: motions of
+    /// a microscope last less than a second.
+    pub fn limits(&self) -> Limits {
+        let steps = (self.duration_s * 1e3).ceil().max(2e4) as u64;
+        let step_s = self.duration_s / steps as f64;
+        Limits::of((0..=steps).map(|at| self.position(at as f64 * step_s)))
     }
 }
 
@@ -230,6 +264,23 @@ mod tests {
         let deep = Motion::palpation(4e-3);
         let ratio = deep.position(2.03).0 / motion.position(2.03).0;
         assert!((ratio - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn limits_are_the_wave_s_own_however_fast_it_is() {
+        for hz in [0.1, 600.0] {
+            let sine = Segment::Sine {
+                mean_m: 1e-6,
+                amplitude_m: 3e-6,
+                frequency_hz: hz,
+                seconds: 5.0 / hz,
+            };
+            let limits = Motion::new(-2e-6, vec![sine]).unwrap().limits();
+            let fastest_mps = std::f64::consts::TAU * hz * 3e-6;
+            assert!((limits.lowest_m + 2e-6).abs() < 1e-11, "{limits:?}");
+            assert!((limits.highest_m - 4e-6).abs() < 1e-11, "{limits:?}");
+            assert!((limits.fastest_mps / fastest_mps - 1.0).abs() < 1e-4);
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{Folder, complained, flowing, record, said};
+use palpate::motion::Motion;
 use serde_json::Value;
 
 /// A finding with its files.
@@ -159,6 +160,54 @@ fn dry_friction_and_a_relaxation_are_named_with_their_parameters() {
     found.assert_base(&KELVIN_VOIGT);
 }
 
+/// A delay of 6 ms under one slow sine: a lag of 6 ms does the same.
+const DELAYED: &str = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 3.0\n\
+                       [[effect]]\nid = \"time_delay\"\ndelay = 0.006\n";
+const SLOW_SINE: &str = "start = -0.0005\n[[segment]]\nkind = \"sine\"\nmean = 0.0015\n\
+                         amplitude = 0.002\nfrequency = 0.2\nseconds = 20.0\n";
+
+#[test]
+fn an_ambiguous_log_yields_a_motion_that_runs_and_settles_it() {
+    let folder = Folder::with("rig.toml", DELAYED);
+    let (base, _) = DELAYED.split_once("[[effect]]").unwrap();
+    folder.write("base.toml", base);
+    folder.write("slow.toml", SLOW_SINE);
+    let palpate = |line: &str| {
+        let done = folder.palpate(line);
+        assert_eq!(done.status.code(), Some(0), "{line}: {}", complained(&done));
+        said(&done)
+    };
+    let json = |path: &str| -> Value { serde_json::from_str(&folder.read(path)).unwrap() };
+    // GIVEN a log that does not tell a delay from a lag
+    palpate("simulate --model rig.toml --motion slow.toml --seed 1 --out old");
+    let text = palpate("gap --model base.toml --log old/log.csv --out out");
+    let open = json("out/gap.json");
+    assert_eq!(open["verdict"], "ambiguous", "{text}");
+    // THEN a motion lies beside the answer, and everything names it
+    assert_eq!(open["motion"], "motion.toml");
+    let advice = open["advice"].as_str().unwrap();
+    for said in [advice, &text, &flowing(&folder.read("out/report.html"))] {
+        assert!(said.contains("motion.toml"), "{said}");
+    }
+    // as deep as the log went, to a tenth of a millimetre.
+    let motion = Motion::read(&folder.path("out/motion.toml")).unwrap();
+    let deepest_m = motion.limits().highest_m;
+    assert!((3.0e-3..3.6e-3).contains(&deepest_m), "{deepest_m}");
+    // WHEN it is recorded on the rig
+    palpate("simulate --model rig.toml --motion out/motion.toml --seed 2 --out new");
+    palpate("gap --model base.toml --log old/log.csv --log new/log.csv --out both");
+    // THEN both logs tell what it is.
+    let told = json("both/gap.json");
+    assert_eq!(told["verdict"], "missing_effects", "{told}");
+    assert_eq!(told["effects"][0]["id"], "time_delay");
+    // GIVEN the first folder again, WHEN nothing is advised, THEN no motion stays in it.
+    let log = record("hidden-effects/rig-06/measured.csv.gz");
+    let model = record("hidden-effects/rig-06/base.toml");
+    palpate(&format!("gap --model {model} --log {log} --out out"));
+    assert_eq!(json("out/gap.json")["motion"], Value::Null);
+    assert!(!folder.path("out/motion.toml").exists());
+}
+
 /// Every field that gap.json promises, with its type.
 fn every_field(json: &Value) {
     let numbers = [
@@ -207,6 +256,7 @@ fn every_field(json: &Value) {
         );
     }
     assert_eq!(json["bandwidth_hz"], Value::Null);
+    assert_eq!(json["motion"], Value::Null);
     assert_eq!(json["effects"][0]["params"]["stiffness"]["unit"], "N/m");
     let gain = json["effects"][0]["held_out_gain"].as_f64().unwrap();
     assert!((0.9..1.0).contains(&gain), "{gain}");

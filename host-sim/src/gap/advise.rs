@@ -12,6 +12,9 @@ use super::decide::{Decision, Evidence};
 use super::fit::{Fit, forces};
 use super::menu::{Dish, Reach, menu};
 use super::plan::{Further, Recorded, Sensor, best};
+use super::record::MOTION;
+use super::regions::words;
+use super::result::{Advised, Finding, Verdict};
 use super::shape::{Owner, Shape, Term};
 use crate::dense;
 use crate::model::EnvironmentLaw;
@@ -20,14 +23,20 @@ use crate::model::EnvironmentLaw;
 const SAMPLES: usize = 2_000;
 /// A standard error beyond this share of its number: the log does not observe it.
 const UNOBSERVED: f64 = 0.7;
+/// A motion this many times as fast as the log is said to be faster.
+const FASTER: f64 = 1.5;
 /// The share of its own standard error that a further motion must leave at most, to be advised.
 const BETTER: f64 = 0.5;
 
-/// The log thinned, and the menu for its rig.
+/// Paces of the menu, in that of the log: a lag of 5 ms and a delay of 5 ms are the same at 0.2 Hz
+/// and at three times that, whatever the motion. The slowest that tells is advised.
+const PACES: [f64; 3] = [1.0, 4.0, 16.0];
+
+/// The log thinned, and the menus for its rig, a pace each.
 struct Next {
     recorded: Recorded,
     sensor: Sensor,
-    menu: Vec<Dish>,
+    menus: Vec<Vec<Dish>>,
 }
 
 impl Next {
@@ -53,7 +62,10 @@ impl Next {
                 courses,
             },
             sensor,
-            menu: menu(reach(evidence, fit)),
+            menus: PACES
+                .iter()
+                .map(|pace| menu(reach(evidence, fit, *pace)))
+                .collect(),
         }
     }
 
@@ -71,13 +83,15 @@ impl Next {
         sigma: impl Fn(&Dish) -> Option<f64> + Sync + Send,
         least: f64,
     ) -> Option<Further> {
-        let each: Vec<Option<f64>> = self.menu.par_iter().map(sigma).collect();
-        best(&self.menu, |at| each[at], least)
+        self.menus.iter().find_map(|menu| {
+            let each: Vec<Option<f64>> = menu.par_iter().map(&sigma).collect();
+            best(menu, |at| each[at], least)
+        })
     }
 }
 
-/// As deep and as fast as the log went.
-fn reach(evidence: &Evidence<'_>, fit: &Fit) -> Reach {
+/// As deep as the log went, and `pace` times as fast.
+fn reach(evidence: &Evidence<'_>, fit: &Fit, pace: f64) -> Reach {
     let scales = evidence.scales;
     let touches = fit.shape.base.law != EnvironmentLaw::Free;
     let parameters = fit
@@ -99,8 +113,8 @@ fn reach(evidence: &Evidence<'_>, fit: &Fit) -> Reach {
     } else {
         0.5 * scales.travel_m
     };
-    // The palpation's fastest stroke is 7.2 depths in a stroke's time: as fast as the log.
-    let stroke_s = 7.2 * depth_m / scales.speed_mps.max(f64::MIN_POSITIVE);
+    // The palpation's fastest stroke is 7.2 depths in a stroke's time.
+    let stroke_s = 7.2 * depth_m / (pace * scales.speed_mps).max(f64::MIN_POSITIVE);
     let period_s = evidence.courses[0].period_s;
     Reach {
         surface_m,
@@ -110,11 +124,85 @@ fn reach(evidence: &Evidence<'_>, fit: &Fit) -> Reach {
     }
 }
 
-/// What tells the effects of an ambiguous answer from their alternatives.
-pub(super) fn between(
+/// What to do next, in a sentence or two, and the motion to do it with. `errors` are the standard
+/// errors of the free numbers, in the parameters' units.
+pub(super) fn advice(
+    finding: &Finding,
     evidence: &Evidence<'_>,
     decision: &Decision,
-) -> Option<(EffectId, Vec<EffectId>, Further)> {
+    errors: &[Option<f64>],
+) -> (String, Option<Advised>) {
+    let ambiguous = finding
+        .effects
+        .iter()
+        .find(|own| !own.alternatives.is_empty());
+    let said = match (finding.verdict, ambiguous) {
+        (Verdict::NoMissingEffect, _) => {
+            "Nothing is missing: the base model explains this log to its noise.".into()
+        }
+        (Verdict::Ambiguous, Some(own)) => match between(evidence, decision) {
+            // One motion at a time: what it leaves unobserved, the next run says.
+            Some(advised) => return (record(&advised, finding), Some(advised)),
+            None => format!(
+                "{} Record {}.",
+                not_told(own.id, &own.alternatives),
+                own.id.info().motion,
+            ),
+        },
+        (Verdict::Unexplained, _) => format!(
+            "Something is there that the catalogue does not explain: {}. Look at the residuals there \
+             before trusting the parameters.",
+            words(&finding.remaining)
+        ),
+        _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
+    };
+    match unobserved(evidence, &decision.best, errors) {
+        Some(advised) => (
+            format!("{said} {}", record(&advised, finding)),
+            Some(advised),
+        ),
+        None => (said, None),
+    }
+}
+
+/// A motion, with what the log does not tell and what both together should.
+fn advised(further: Further, gap: &str, gain: &str) -> Advised {
+    Advised {
+        motion: further.motion,
+        words: further.words,
+        purpose: format!("{gap} Both logs together {gain}."),
+    }
+}
+
+fn record(advised: &Advised, finding: &Finding) -> String {
+    let times = advised.motion.limits().fastest_mps / finding.limits().fastest_mps;
+    let caution = match times > FASTER {
+        true => format!(" It goes {times:.0} times as fast as the log: check that the rig may."),
+        false => String::new(),
+    };
+    format!(
+        "{} Record {MOTION} ({}) and run gap with both logs, `--log OLD --log NEW`.{caution}",
+        advised.purpose, advised.words
+    )
+}
+
+fn not_told(id: EffectId, rivals: &[EffectId]) -> String {
+    format!(
+        "This log does not tell {} from {}.",
+        id.name(),
+        listed(rivals)
+    )
+}
+
+fn listed(ids: &[EffectId]) -> String {
+    ids.iter()
+        .map(|id| id.name())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// What tells the effects of an ambiguous answer from their alternatives.
+fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<Advised> {
     let best = &decision.best;
     let own: Vec<usize> = (0..best.shape.terms.len())
         .filter(|at| !best.shape.terms[*at].given)
@@ -148,7 +236,11 @@ pub(super) fn between(
         Some(apart.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
     };
     let further = next.best(sigma, least(rivals.len()).sqrt())?;
-    Some((target.id, rivals.clone(), further))
+    let gain = format!(
+        "should tell them apart by {:.0} standard deviations",
+        further.sigma
+    );
+    Some(advised(further, &not_told(target.id, rivals), &gain))
 }
 
 fn repeats(id: EffectId) -> bool {
@@ -169,21 +261,8 @@ fn without(fit: &Fit, number: usize, evidence: &Evidence<'_>) -> Fit {
     }
 }
 
-/// A number that the log does not observe, and the motion that would.
-pub(super) struct Unobserved {
-    pub(super) name: String,
-    /// Its standard error as a share of it, predicted with the motion.
-    pub(super) share: f64,
-    pub(super) further: Further,
-}
-
 /// The first number of a fit whose standard error is more than 70 % of it, if a motion would help.
-/// `errors` are those of the free numbers, in the parameters' units.
-pub(super) fn unobserved(
-    evidence: &Evidence<'_>,
-    fit: &Fit,
-    errors: &[Option<f64>],
-) -> Option<Unobserved> {
+fn unobserved(evidence: &Evidence<'_>, fit: &Fit, errors: &[Option<f64>]) -> Option<Advised> {
     let at = (0..fit.numbers.len()).find(|at| {
         let value = fit.shape.natural(*at, fit.numbers[*at]).abs();
         has_size(&fit.shape, *at)
@@ -194,11 +273,12 @@ pub(super) fn unobserved(
     let before = share(&next.recorded, fit, evidence, at)?;
     let sigma = |dish: &Dish| Some(1.0 / share(&next.with(dish, fit), fit, evidence, at)?);
     let further = next.best(sigma, 1.0 / (BETTER * before))?;
-    Some(Unobserved {
-        name: name(&fit.shape, at),
-        share: 1.0 / further.sigma,
-        further,
-    })
+    let gap = format!("This log hardly observes the {}.", name(&fit.shape, at));
+    let gain = format!(
+        "should bring its standard error to {:.0} %",
+        (100.0 / further.sigma).max(1.0)
+    );
+    Some(advised(further, &gap, &gain))
 }
 
 /// Whether a number's size means something: not a place, a phase or an angle.

@@ -7,6 +7,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::progress::Bar;
+use super::record::{self, MOTION};
 use super::{Options, files, gap_watched, plan, plan_say, print};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::ReadingArgs;
@@ -48,7 +49,8 @@ pub struct GapArgs {
     /// Compare both forces below this frequency (Hz) only: a zero-phase low-pass on both.
     #[arg(long, value_name = "HZ", value_parser = positive_hz)]
     pub bandwidth: Option<f64>,
-    /// Where report.html, gap.json, model.toml and gap.csv go, or plan.json.
+    /// Where report.html, gap.json, model.toml and gap.csv go, or plan.json; and motion.toml, where a
+    /// motion is advised.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// How the logs are read.
@@ -85,12 +87,23 @@ fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         &Options::default().catalogue,
     )?;
     if let Some(folder) = &args.out {
+        record::put(folder, plan_say::motion(&plan).as_deref())?;
         write_atomically(&folder.join("plan.json"), |writer| {
             serde_json::to_writer_pretty(&mut *writer, &plan_say::json(&plan))?;
             writeln!(writer)
         })?;
     }
     say(plan_say::summary(&plan))?;
+    if let Some(folder) = args
+        .out
+        .as_ref()
+        .filter(|_| !plan_say::advised(&plan).is_empty())
+    {
+        say(format!(
+            "  motion          {}\n",
+            folder.join(MOTION).display()
+        ))?;
+    }
     Ok(())
 }
 
@@ -127,6 +140,12 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     }
     say(print::summary(&finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;
+    if finding.advised.is_some() {
+        say(match &args.out {
+            Some(folder) => format!("  motion      {}\n", folder.join(MOTION).display()),
+            None => format!("  motion      --out DIR writes it to DIR/{MOTION}\n"),
+        })?;
+    }
     if let Some(folder) = &args.out {
         say(format!(
             "  report      {}\n",

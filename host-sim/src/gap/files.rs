@@ -1,10 +1,11 @@
-//! `gap.json`, `model.toml`, `gap.csv` and `report.html`.
+//! `gap.json`, `model.toml`, `gap.csv`, `report.html`, and `motion.toml` where a motion is advised.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use super::record::{self, MOTION};
 use super::regions::Region;
 use super::result::{Curves, Finding, Known, Named, Tried};
 use crate::estimate::files::number;
@@ -19,6 +20,8 @@ pub(super) fn write(
     read: &Read<'_>,
     seconds: f64,
 ) -> io::Result<()> {
+    // First: it may refuse, and then nothing is written.
+    record::put(folder, motion(finding, read).as_deref())?;
     write_atomically(&folder.join("gap.json"), |writer| {
         serde_json::to_writer_pretty(&mut *writer, &json(finding, seconds))?;
         writeln!(writer)
@@ -42,13 +45,31 @@ pub(super) struct Read<'a> {
     pub(super) logs: &'a [PathBuf],
 }
 
-fn report(finding: &Finding, read: &Read<'_>) -> io::Result<Document> {
-    let name = |path: &Path| {
-        path.file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
+/// The motion file, where a motion is advised.
+fn motion(finding: &Finding, read: &Read<'_>) -> Option<String> {
+    let advised = finding.advised.as_ref()?;
+    let logs: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
+    let command = format!(
+        "palpate gap --model {} --log {} --log NEW.csv --out DIR",
+        name(read.model),
+        logs.join(" --log ")
+    );
+    let limits = Some(finding.limits());
+    let note = record::Note {
+        words: &advised.words,
+        purpose: &advised.purpose,
+        command: &command,
+        limits,
     };
+    Some(record::text(&advised.motion, &note))
+}
+
+fn name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+fn report(finding: &Finding, read: &Read<'_>) -> io::Result<Document> {
     let names: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
     let command: Vec<String> = std::env::args().skip(1).collect();
     let mut provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
@@ -121,6 +142,7 @@ pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
         "remaining": finding.remaining.iter().map(region).collect::<Vec<_>>(),
         "candidates": finding.ladder.iter().map(tried).collect::<Vec<_>>(),
         "advice": finding.advice,
+        "motion": finding.advised.as_ref().map(|_| MOTION),
         "notes": finding.notes,
         "seconds": number(seconds),
     })

@@ -74,6 +74,8 @@ pub struct Further {
     pub words: String,
     /// By how many standard deviations the effect then stands out from base and rivals.
     pub sigma: f64,
+    /// The motion itself, at the positions of model and log.
+    pub motion: Motion,
 }
 
 impl Plan {
@@ -395,6 +397,7 @@ pub(super) fn best(
         name: menu[at].name,
         words: menu[at].words.clone(),
         sigma,
+        motion: menu[at].motion.clone(),
     })
 }
 

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::plan::{Plan, Planned};
+use super::plan::{Further, Plan, Planned};
+use super::record::{self, Note};
 use crate::estimate::files::number;
 use crate::report::number::quantity;
 use crate::wrap::wrapped;
@@ -42,11 +43,19 @@ pub(super) fn summary(plan: &Plan) -> String {
         let names: Vec<&str> = group.iter().map(|id| id.name()).collect();
         let _ = writeln!(text, "{}", wrapped("  not told apart  ", &names.join(", ")));
     }
-    for (words, names) in advised(plan) {
+    for (further, effects) in advised(plan) {
+        let names = effects.iter().map(|own| {
+            let sigma_with = own.further.as_ref().map_or(0.0, |own| own.sigma);
+            format!("{} ({})", own.id.name(), sigma(sigma_with))
+        });
+        let names = names.collect::<Vec<_>>().join(", ");
         let _ = writeln!(
             text,
             "{}",
-            wrapped("  record as well  ", &format!("{words}: for {names}"))
+            wrapped(
+                "  record as well  ",
+                &format!("{}: for {names}", further.words)
+            )
         );
     }
     for own in plan
@@ -97,25 +106,37 @@ fn needs(plan: &Plan, own: &Planned) -> bool {
     !plan.counts(own.seen_sigma) || own.rivals.iter().any(|(_, sigma)| !plan.counts(*sigma))
 }
 
-/// Each further motion with the effects that it is for.
-fn advised(plan: &Plan) -> Vec<(String, String)> {
-    let mut motions: Vec<(String, String)> = Vec::new();
+/// Each further motion with the effects that it is for; the one that is for most comes first.
+pub(super) fn advised(plan: &Plan) -> Vec<(&Further, Vec<&Planned>)> {
+    let mut motions: Vec<(&Further, Vec<&Planned>)> = Vec::new();
     for own in plan.effects.iter().filter(|own| needs(plan, own)) {
         let Some(further) = &own.further else {
             continue;
         };
-        let name = format!("{} ({})", own.id.name(), sigma(further.sigma));
-        match motions
-            .iter_mut()
-            .find(|(words, _)| *words == further.words)
-        {
-            Some((_, names)) => {
-                let _ = write!(names, ", {name}");
-            }
-            None => motions.push((further.words.clone(), name)),
+        match motions.iter_mut().find(|(of, _)| of.name == further.name) {
+            Some((_, effects)) => effects.push(own),
+            None => motions.push((further, vec![own])),
         }
     }
+    motions.sort_by_key(|(_, effects)| std::cmp::Reverse(effects.len()));
     motions
+}
+
+/// The file of the motion that helps most effects, if any does.
+pub(super) fn motion(plan: &Plan) -> Option<String> {
+    let (further, effects) = advised(plan).into_iter().next()?;
+    let names: Vec<&str> = effects.iter().map(|own| own.id.name()).collect();
+    let note = Note {
+        words: &further.words,
+        purpose: &format!(
+            "The motion that was planned does not show these, or not apart from others, and both \
+             motions do: {}.",
+            names.join(", ")
+        ),
+        command: "palpate gap --model MODEL.toml --log PLANNED.csv --log NEW.csv --out DIR",
+        limits: None,
+    };
+    Some(record::text(&further.motion, &note))
 }
 
 /// The content of `plan.json`.

@@ -5,6 +5,7 @@ use estimator_core::effect::EffectId;
 use super::floor::Floor;
 use super::regions::Region;
 use crate::model::Model;
+use crate::motion::{Limits, Motion};
 
 /// The four answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +92,17 @@ pub struct Curves {
     pub held_out: Vec<bool>,
 }
 
+/// A motion to record as well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Advised {
+    /// The motion, at the log's positions.
+    pub motion: Motion,
+    /// The same in words.
+    pub words: String,
+    /// What it is for, a sentence.
+    pub purpose: String,
+}
+
 /// All of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
@@ -120,6 +132,8 @@ pub struct Finding {
     pub remaining: Vec<Region>,
     /// What to record next, or what to do with the result.
     pub advice: String,
+    /// The motion that the advice is about, where it is about one.
+    pub advised: Option<Advised>,
     /// The best sets, best first.
     pub ladder: Vec<Tried>,
     /// The base model with the effects and refitted values.
@@ -133,6 +147,15 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Where the logs went and how fast.
+    pub fn limits(&self) -> Limits {
+        let each = self.curves.iter().flat_map(|own| {
+            let speeds = own.speed_mps.iter().copied();
+            own.position_m.iter().copied().zip(speeds)
+        });
+        Limits::of(each)
+    }
+
     /// The effects that the base model had already, with their refitted parameters.
     pub fn given(&self) -> Vec<(EffectId, Vec<Known>)> {
         let count = self.model.effects.len().saturating_sub(self.effects.len());

@@ -5,7 +5,7 @@ use std::ops::Range;
 use estimator_core::effect::{Bounds, EffectId, MOST_PARAMETERS};
 
 use super::Options;
-use super::advise::{between, unobserved};
+use super::advise::advice;
 use super::course::Course;
 use super::decide::{Decision, Evidence, depths};
 use super::error::std_errors;
@@ -60,6 +60,7 @@ pub(super) fn finding(
         disagreement,
         remaining,
         advice: String::new(),
+        advised: None,
         ladder,
         model: after(model, &decision.best, &known),
         bandwidth_hz: options.bandwidth_hz,
@@ -67,20 +68,8 @@ pub(super) fn finding(
         notes: Vec::new(),
         effects,
     };
-    finding.advice = advice(&finding, evidence, &decision);
-    if let Some(own) = unobserved(
-        evidence,
-        &decision.best,
-        &std_errors(&problem, &decision.best),
-    ) {
-        finding.advice.push_str(&format!(
-            " This log hardly observes the {}: record {} as well, which should bring its standard error \
-             to {:.0} %.",
-            own.name,
-            own.further.words,
-            (100.0 * own.share).max(1.0),
-        ));
-    }
+    let errors = std_errors(&problem, &decision.best);
+    (finding.advice, finding.advised) = advice(&finding, evidence, &decision, &errors);
     finding
 }
 
@@ -340,46 +329,4 @@ fn errors(known: &[Owned], own: impl Fn(Owner) -> bool) -> Vec<(String, f64)> {
     known
         .filter_map(|(_, own)| Some((own.name.clone(), own.std_error?)))
         .collect()
-}
-
-/// What to do next, in a sentence or two.
-fn advice(finding: &Finding, evidence: &Evidence<'_>, decision: &Decision) -> String {
-    let ambiguous = finding
-        .effects
-        .iter()
-        .find(|own| !own.alternatives.is_empty());
-    match (finding.verdict, ambiguous) {
-        (Verdict::NoMissingEffect, _) => {
-            "Nothing is missing: the base model explains this log to its noise.".into()
-        }
-        (Verdict::Ambiguous, Some(own)) => match between(evidence, decision) {
-            Some((id, rivals, further)) => format!(
-                "This log does not tell {} from {}. Record {} as well: that should tell them apart by {:.0} \
-                 standard deviations.",
-                id.name(),
-                listed(&rivals),
-                further.words,
-                further.sigma,
-            ),
-            None => format!(
-                "This log does not tell {} from {}. Record {}.",
-                own.id.name(),
-                listed(&own.alternatives),
-                own.id.info().motion,
-            ),
-        },
-        (Verdict::Unexplained, _) => format!(
-            "Something is there that the catalogue does not explain: {}. Look at the residuals there \
-             before trusting the parameters.",
-            words(&finding.remaining)
-        ),
-        _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
-    }
-}
-
-fn listed(ids: &[EffectId]) -> String {
-    ids.iter()
-        .map(|id| id.name())
-        .collect::<Vec<_>>()
-        .join(", ")
 }

@@ -7,6 +7,7 @@
 mod bins;
 mod figures;
 mod map;
+mod next;
 mod regions;
 mod spectrum;
 mod tables;
@@ -39,6 +40,7 @@ impl GapReport<'_> {
         let (tone, badge) = verdict::badge(finding);
         let sections = [
             tables::summary(finding),
+            next::motion(finding),
             tables::effects(finding),
             regions::place(finding),
             tables::base(finding),

@@ -70,7 +70,7 @@ pub(super) fn effects(finding: &Finding) -> Section {
     for own in &finding.effects {
         section = section.table(table(&heading(own.id), &own.parameters));
     }
-    section.list(finding.effects.iter().map(told))
+    section.list(finding.effects.iter().map(|own| told(own, finding)))
 }
 
 /// Parameters with their intervals.
@@ -87,7 +87,7 @@ fn table(caption: &str, parameters: &[Known]) -> Table {
         .rows(rows)
 }
 
-fn told(own: &Named) -> String {
+fn told(own: &Named, finding: &Finding) -> String {
     let mut text = format!(
         "{}: {}. Without it, all else refitted, the squared error on held-out parts is {}. {}.",
         heading(own.id),
@@ -97,10 +97,13 @@ fn told(own: &Named) -> String {
     );
     if !own.alternatives.is_empty() {
         let others: Vec<String> = own.alternatives.iter().map(|id| title(*id)).collect();
+        let motion = match finding.advised {
+            Some(_) => "motion.toml",
+            None => own.id.info().motion,
+        };
         text += &format!(
-            " This log explains as well: {}. To tell them apart, record {}.",
+            " This log explains as well: {}. To tell them apart, record {motion}.",
             others.join(", "),
-            own.id.info().motion
         );
     }
     spaced(&text)

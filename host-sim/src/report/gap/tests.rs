@@ -96,6 +96,7 @@ fn finding(verdict: Verdict) -> Finding {
         disagreement: vec![region],
         remaining: Vec::new(),
         advice: "Use model.toml <now>".into(),
+        advised: None,
         ladder: vec![
             Tried {
                 ids: vec![EffectId::CoulombFriction],
