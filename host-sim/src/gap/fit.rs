@@ -331,7 +331,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Free numbers at a bound that the gradient pushes against.
-fn blocked(shape: &Shape, numbers: &[f64], downhill: &[f64]) -> Vec<bool> {
+pub(super) fn blocked(shape: &Shape, numbers: &[f64], downhill: &[f64]) -> Vec<bool> {
     let each = shape.free.iter().zip(numbers).zip(downhill);
     each.map(|((free, number), down)| {
         (*number <= free.lowest && *down < 0.0) || (*number >= free.highest && *down > 0.0)

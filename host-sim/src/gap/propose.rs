@@ -10,7 +10,7 @@ use rustfft::num_complex::Complex;
 
 use super::basis::{extend, remove};
 use super::course::Scales;
-use super::fit::{Fit, Problem, dot, forces};
+use super::fit::{Fit, Problem, blocked, dot, forces};
 use super::shape::{Shape, Term};
 use super::start::{is_possible, is_proportional, is_signed, is_size, starts, whole};
 
@@ -41,8 +41,11 @@ impl<'a> Ground<'a> {
         let weighted = |column: &[f64]| -> Vec<f64> {
             column.iter().zip(&roots).map(|(c, w)| c * w).collect()
         };
+        let (_, downhill) = problem.normal(&linear);
+        let blocked = blocked(&fit.shape, &fit.numbers, &downhill);
         let mut basis: Vec<Vec<f64>> = Vec::new();
-        for column in &linear.columns {
+        // What a bound keeps from moving can do nothing: a damping of 0 that a lag would have negative.
+        for (column, _) in linear.columns.iter().zip(&blocked).filter(|own| !own.1) {
             extend(&mut basis, weighted(column), &[]);
         }
         let mut residuals = weighted(&linear.residuals);
