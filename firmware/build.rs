@@ -1,5 +1,5 @@
-//! Hands the linker its scripts: the memory map of the repository's root, cortex-m-rt's layout and,
-//! for the application, defmt's section of log strings.
+//! Hands the linker its scripts: the memory map of the repository's root, cortex-m-rt's layout and
+//! defmt's section of log strings.
 
 use std::{env, fs, path::PathBuf};
 
@@ -15,5 +15,5 @@ fn main() {
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     // Vectors and code stay in flash pages that probe-rs and QEMU load: no page alignment of the ELF.
     println!("cargo:rustc-link-arg-bins=--nmagic");
-    println!("cargo:rustc-link-arg-bin=palpate-firmware=-Tdefmt.x");
+    println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
 }

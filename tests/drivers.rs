@@ -1,8 +1,9 @@
 //! The drivers of the second set of sensors against the sequences of their data sheets.
 
-// The firmware is a workspace of its own for another target; its drivers know only embedded-hal.
+// The firmware is a workspace of its own for another target; its drivers know only embedded-hal. The
+// clocks are tests/clock.rs's.
 #[path = "../firmware/src/driver/mod.rs"]
-#[allow(missing_docs, unreachable_pub)]
+#[allow(missing_docs, unreachable_pub, dead_code)]
 mod driver;
 
 use driver::as5047p::{Diagnosis, Error, Reported, angle, diagnose};

@@ -3,9 +3,9 @@
 //! PC10 to PC12 are the bus (on the ODrive's header); both motor drivers' select lines (PC13, PC14)
 //! are held high, so that they stay out of it. 5.25 MHz, mode 1: within both data sheets.
 
+use super::Clock;
 use super::clock::CORE_HZ;
-use super::{F405, tick};
-use crate::board::{Acquired, Board, RATE_HZ, Sensors};
+use crate::board::{Acquired, RATE_HZ, Sensors};
 use crate::driver::pair::Pair;
 use crate::driver::{ads1220, as5047p};
 use core::cell::RefCell;
@@ -14,7 +14,6 @@ use cortex_m::peripheral::{NVIC, SYST};
 use cortex_m_rt::exception;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorType, MODE_1, Operation, SpiBus, SpiDevice};
-use estimator_core::instants::Ticks;
 use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PB2, PC10, PC11, PC12};
 use stm32f4xx_hal::pac::{self, SPI3};
 use stm32f4xx_hal::prelude::*;
@@ -44,11 +43,11 @@ pub struct SpiSensors {
     bridge: PA3<Output>,
     ready: PB2<Input>,
     pair: Pair,
-    ticks: Ticks,
+    clock: Clock,
 }
 
 /// Sets both sensors up, says in the log what is wrong with them, and starts the tick.
-pub fn start(wires: Wires, rcc: &mut Rcc) -> SpiSensors {
+pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
     let (sck, miso, mosi) = wires.bus;
     let pins = (Some(sck), Some(miso), Some(mosi));
     // 42 MHz / 8.
@@ -59,7 +58,7 @@ pub fn start(wires: Wires, rcc: &mut Rcc) -> SpiSensors {
         bridge: wires.bridge,
         ready: wires.ready,
         pair: Pair::default(),
-        ticks: Ticks::new(F405::TICK),
+        clock,
     };
     sensors.set_up();
     let mut tick = wires.tick;
@@ -121,7 +120,7 @@ impl SpiSensors {
 
 impl Sensors for SpiSensors {
     fn sample(&mut self) -> Acquired {
-        let Some((time_us, faults)) = tick(&mut self.ticks) else {
+        let Some((time_us, faults)) = self.clock.tick() else {
             return Acquired::Nothing;
         };
         let ready = self.ready.is_low();
