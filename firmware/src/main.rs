@@ -9,6 +9,12 @@
 
 mod halt;
 
+// Where the log goes.
+#[cfg(feature = "f405")]
+use defmt_rtt as _;
+#[cfg(feature = "qemu")]
+use defmt_semihosting as _;
+
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX])]
 mod app {
     use core::mem::MaybeUninit;
@@ -17,7 +23,7 @@ mod app {
     use estimator_core::sampling::{Record, Sampler};
     use heapless::spsc::{Consumer, Queue};
     use palpate_firmware::board::{Board, Outcome, Parts, Selected};
-    use palpate_firmware::sampling::{Sampling, Tick};
+    use palpate_firmware::sampling::{CHANGES, Sampling, Tick};
     use palpate_firmware::service::Service;
     use palpate_firmware::telemetry::{QUEUE, Telemetry};
 
@@ -36,7 +42,7 @@ mod app {
 
     #[init(local = [
         records: Queue<Record, QUEUE> = Queue::new(),
-        setups: Queue<Change, 2> = Queue::new(),
+        setups: Queue<Change, CHANGES> = Queue::new(),
         // Made where it stays: 10 KiB that the stack need not hold twice.
         sampler: MaybeUninit<Sampler> = MaybeUninit::uninit(),
     ])]

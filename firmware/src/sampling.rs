@@ -2,6 +2,7 @@
 //! holds it free of panics, the reading of the board's sensors included.
 
 use crate::board::{Acquired, Board, RATE_HZ, Selected, Sensors};
+use crate::telemetry::QUEUE;
 use estimator_core::Sample;
 use estimator_core::budget::{Budget, Stations};
 use estimator_core::link::Change;
@@ -10,15 +11,18 @@ use heapless::spsc::{Consumer, Producer};
 
 const PERIOD_US: u64 = 1_000_000 / RATE_HZ as u64;
 
+/// Settings that wait to be taken over, and one more.
+pub const CHANGES: usize = 2;
+
 /// All that the sampling task owns.
 pub struct Sampling {
     /// Read at every tick.
     pub sensors: <Selected as Board>::Sensors,
     /// From codes to estimates; where it was made, since it is 10 KiB.
     pub sampler: &'static mut Sampler,
-    /// To the telemetry task.
+    /// To the telemetry task: of a queue of [`QUEUE`].
     pub outbox: Producer<'static, Record>,
-    /// From it: other settings.
+    /// From it: other settings, of a queue of [`CHANGES`].
     pub changes: Consumer<'static, Change>,
 }
 
@@ -62,7 +66,7 @@ impl Sampling {
             sample,
             estimate,
         };
-        let dropped = self.sampler.is_sent(&estimate) && self.outbox.enqueue(record).is_err();
+        let dropped = self.sampler.is_sent(&estimate) && !self.queue(record);
         let at = Stations {
             start,
             acquired,
@@ -81,9 +85,17 @@ impl Sampling {
     /// Takes over other settings, if there are any. After the sample, and after the stopwatch: a
     /// change comes once in a while.
     pub fn change(&mut self) {
-        if let Some(change) = self.changes.dequeue() {
+        if self.changes.capacity() == CHANGES - 1
+            && let Some(change) = self.changes.dequeue()
+        {
             self.sampler.apply(&change);
         }
+    }
+
+    /// Whether there was room. Both ends of a queue know its length only while the program runs, and
+    /// divide by it: asked for it first, they cannot divide by zero, which would be a panic.
+    fn queue(&mut self, record: Record) -> bool {
+        self.outbox.capacity() == QUEUE - 1 && self.outbox.enqueue(record).is_ok()
     }
 }
 

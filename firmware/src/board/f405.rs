@@ -21,7 +21,6 @@ mod uart;
 use super::{Board, Outcome, Parts, RATE_HZ, Watchdog};
 use crate::driver::clock::Source;
 use cortex_m::peripheral::DWT;
-use defmt_rtt as _;
 use estimator_core::instants::Ticks;
 use estimator_core::settings::store::Store;
 use estimator_core::{Fault, Faults};

@@ -8,7 +8,6 @@ use super::clock::CORE_HZ;
 use crate::board::{Acquired, RATE_HZ, Sensors};
 use crate::driver::pair::Pair;
 use crate::driver::{ads1220, as5047p};
-use core::cell::RefCell;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{NVIC, SYST};
 use cortex_m_rt::exception;
@@ -79,8 +78,7 @@ fn SysTick() {
 impl SpiSensors {
     /// A sensor that does not answer now may do so later: its samples are faulty until then.
     fn set_up(&mut self) {
-        let bus = RefCell::new(&mut self.bus);
-        let mut bridge = Chip(&bus, &mut self.bridge);
+        let mut bridge = Chip(&mut self.bus, &mut self.bridge);
         // Field by field: `Debug` of the drivers' types costs 4 KiB of flash.
         match ads1220::set_up(&mut bridge) {
             Ok(()) => {}
@@ -92,7 +90,7 @@ impl SpiSensors {
                 );
             }
         }
-        let mut encoder = Chip(&bus, &mut self.encoder);
+        let mut encoder = Chip(&mut self.bus, &mut self.encoder);
         match as5047p::diagnose(&mut encoder) {
             Ok(magnet) if magnet.too_strong || magnet.too_weak || magnet.overflow => {
                 defmt::warn!(
@@ -124,10 +122,9 @@ impl Sensors for SpiSensors {
             return Acquired::Nothing;
         };
         let ready = self.ready.is_low();
-        let bus = RefCell::new(&mut self.bus);
-        let mut encoder = Chip(&bus, &mut self.encoder);
-        let mut bridge = Chip(&bus, &mut self.bridge);
-        match self.pair.sample(time_us, ready, &mut encoder, &mut bridge) {
+        let angle = as5047p::angle(&mut Chip(&mut self.bus, &mut self.encoder)).ok();
+        let force = ads1220::fetch_and_start(&mut Chip(&mut self.bus, &mut self.bridge)).ok();
+        match self.pair.sample(time_us, ready, angle, force) {
             Some(mut codes) => {
                 codes.faults = codes.faults | faults;
                 Acquired::Codes(codes)
@@ -138,16 +135,15 @@ impl Sensors for SpiSensors {
 }
 
 /// A chip on the bus that it shares: select line low, operations, high again.
-struct Chip<'a, 'b, B, P>(&'a RefCell<&'b mut B>, &'a mut P);
+struct Chip<'a, B, P>(&'a mut B, &'a mut P);
 
-impl<B: SpiBus, P> ErrorType for Chip<'_, '_, B, P> {
+impl<B: SpiBus, P> ErrorType for Chip<'_, B, P> {
     type Error = B::Error;
 }
 
-impl<B: SpiBus, P: OutputPin> SpiDevice for Chip<'_, '_, B, P> {
+impl<B: SpiBus, P: OutputPin> SpiDevice for Chip<'_, B, P> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), B::Error> {
-        // Never borrowed twice: a transaction ends before the next begins.
-        select(&mut **self.0.borrow_mut(), self.1, operations)
+        select(self.0, self.1, operations)
     }
 }
 
