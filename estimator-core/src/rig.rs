@@ -187,8 +187,10 @@ impl<S: Scalar> Rig<S> {
         softness: S,
         period_s: S,
     ) -> Touch<S> {
-        /// Newton's steps. The gradients of dual numbers lag one step behind the value.
+        /// Newton's steps at most, and the share of the deflection below which a step is the last: it
+        /// squares. The gradients of dual numbers lag one step behind the value.
         const STEPS: usize = 4;
+        const LAST: f64 = 1e-6;
         let [u1, u2] = state.deflection_m;
         let (now, then) = (S::unit() / period_s, S::unit() / state.period_s);
         let both = S::unit() / (period_s + state.period_s);
@@ -211,6 +213,9 @@ impl<S: Scalar> Rig<S> {
                 .slope(touch.depth_m, touch.speed_mps, slope);
             let error = u - touch.force_n * softness;
             u = u - error / (S::unit() + stiffness * softness);
+            if error.absolute() <= S::from_f64(LAST) * u.absolute() {
+                break;
+            }
         }
         state.deflection_m = [u, u1];
         state.period_s = period_s;

@@ -143,6 +143,19 @@ fn rest(log: &UniformLog, rests: &[Range<usize>]) -> Option<(f64, f64)> {
     (weight > 0.0).then(|| ((noise / weight).sqrt(), (lines / weight).sqrt()))
 }
 
+/// Without what stands out by more than noise does: spikes are no noise, and a floor that counts them
+/// would hide them. Four robust standard deviations; a line or a coloured noise has no such tails.
+fn clipped(mut detrended: Vec<f64>) -> Vec<f64> {
+    let sizes = detrended.iter().map(|own| own.abs()).collect();
+    let most = 4.0 * 1.4826 * signal::median(sizes);
+    if most > 0.0 {
+        detrended
+            .iter_mut()
+            .for_each(|own| *own = own.clamp(-most, most));
+    }
+    detrended
+}
+
 /// Integrated autocorrelation of the longest rest (samples).
 fn resting_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
     let longest = rests.iter().max_by_key(|rest| rest.len());
@@ -155,7 +168,7 @@ fn resting_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
 /// Variance of a stretch without its trend and without lines, and that of the lines.
 fn variance(force: &[f64], log_samples: usize) -> (f64, f64) {
     let n = force.len();
-    let mut bins: Vec<Complex<f64>> = detrended(force)
+    let mut bins: Vec<Complex<f64>> = clipped(detrended(force))
         .into_iter()
         .enumerate()
         .map(|(at, value)| {

@@ -5,7 +5,6 @@ use estimator_core::effect::EffectId;
 use rayon::prelude::*;
 
 use super::course::{Course, Scales};
-use super::decide::related;
 use super::fit::{Fit, MOST_STEPS, Problem};
 use super::floor::Floor;
 use super::low_pass::LowPass;
@@ -34,11 +33,6 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best, and before it has to be again.
 const FIRST_STEPS: [usize; 2] = [4, 8];
 
-/// Share of the base's excess that strong effects leave, and how much of what a further one explains
-/// others must explain for it to be their form: 81 % on a locking spring, up to 73 % in true pairs
-/// with one as weak.
-const STRONG: f64 = 0.1;
-const IMITATED: std::ops::RangeInclusive<f64> = 0.75..=0.98;
 /// Share of the base's excess that is left after two effects when a third is not tried.
 const HOPELESS: f64 = 0.5;
 
@@ -343,8 +337,7 @@ impl Search<'_> {
         self.progress.at(0.6, "leaving out, swapping");
         best = self.without_idle(best, base_cost);
         let found = self.swapped(best, base_cost);
-        let found = self.sharper(self.simpler(found, base_cost), base_cost);
-        self.without_imitator(found, base_cost)
+        self.sharper(self.simpler(found, base_cost), base_cost)
     }
 
     /// Leaves out what does not pay.
@@ -399,44 +392,6 @@ impl Search<'_> {
             }
             _ => found,
         }
-    }
-
-    /// Leaves out a weak effect beside strong ones where another would do nearly as well in its
-    /// place, and not quite as well: what is left then is the form of the strong ones, a progressive
-    /// spring where the catalogue has an exponential. A true effect with a double is as good as that.
-    fn without_imitator(&self, found: Found, base_cost: f64) -> Found {
-        let Found { best, rivals } = &found;
-        let own = best.added();
-        let left = own
-            .par_iter()
-            .enumerate()
-            .map(|(number, at)| (number, best.shape.terms[*at].id, self.without(best, *at)))
-            .min_by(|a, b| a.2.cost.total_cmp(&b.2.cost));
-        let (Some((number, id, less)), true) = (left, own.len() > 1) else {
-            return found;
-        };
-        let excess = |fit: &Fit| fit.cost - self.floor;
-        let strong = excess(&less) < STRONG * (base_cost - self.floor);
-        let ids = added(&less);
-        let among_others = |fit: &&Fit| {
-            let others = added(fit);
-            let rest: Vec<EffectId> = others
-                .iter()
-                .copied()
-                .filter(|own| !ids.contains(own))
-                .collect();
-            others.len() == ids.len() + 1 && rest.len() == 1 && !related(rest[0], id)
-        };
-        let others = rivals.get(number).into_iter().flatten().chain(&self.tried);
-        let closest = others
-            .filter(among_others)
-            .map(|fit| self.costed(fit).cost)
-            .fold(f64::INFINITY, f64::min);
-        let share = (less.cost - closest) / (less.cost - best.cost).max(f64::MIN_POSITIVE);
-        if strong && IMITATED.contains(&share) {
-            return self.swapped(less, base_cost);
-        }
-        found
     }
 
     /// Dry friction turns round at once where a transition does not pay.

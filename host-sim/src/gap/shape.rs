@@ -329,6 +329,7 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
         (E::StressRelaxation, _) => logarithmic(owner, slowest, fastest),
         (E::PowerLawStiffness, _) => linear(owner, 0.3, 5.0),
         (E::DepthDependentDamping, _) => linear(owner, 0.0, 4.0),
+        (E::ExponentialStiffening, 1) => linear(owner, 0.0, 10.0),
         (E::ExponentialStiffening, _) => linear(owner, 0.0, 20.0 / s.travel_m),
         (E::Adhesion, 0) => linear(owner, 0.0, s.force_n),
         (E::Adhesion, 1) => linear(owner, 2.0 * s.position_noise_m, s.travel_m),

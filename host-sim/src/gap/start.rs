@@ -120,7 +120,9 @@ pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
             if exponential {
                 Vec::new()
             } else {
-                grid(&[&[0.1 / depth], &[0.5 / depth]], 1)
+                let mut starts = grid(&[&[0.1 / depth], &[0.5 / depth]], 1);
+                starts.extend(grid(&[&[0.2 / depth, 0.5]], 2));
+                starts
             }
         }
         E::Adhesion => {
