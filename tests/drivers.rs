@@ -1,8 +1,9 @@
 //! The drivers of the second set of sensors against the sequences of their data sheets.
 
-// The firmware is a workspace of its own for another target; its drivers know only embedded-hal.
+// The firmware is a workspace of its own for another target; its drivers know only embedded-hal. The
+// clocks are tests/clock.rs's.
 #[path = "../firmware/src/driver/mod.rs"]
-#[allow(missing_docs, unreachable_pub)]
+#[allow(missing_docs, unreachable_pub, dead_code)]
 mod driver;
 
 use driver::as5047p::{Diagnosis, Error, Reported, angle, diagnose};
@@ -164,8 +165,8 @@ fn a_bus_that_fails_is_no_reading() {
     let read = ads1220::fetch_and_start(&mut Broken);
     assert_eq!(read, Err(ads1220::Error::Spi(failed)));
     let mut pair = Pair::default();
-    assert_eq!(pair.sample(0, true, &mut Broken, &mut Broken), None);
-    let codes = pair.sample(1000, true, &mut Broken, &mut Broken).unwrap();
+    assert_eq!(pair.sample(0, true, None, None), None);
+    let codes = pair.sample(1000, true, None, None).unwrap();
     assert!(codes.faults.has(Fault::PositionUnusable) && codes.faults.has(Fault::ForceUnusable));
 }
 
@@ -250,7 +251,9 @@ fn tick(
     });
     let frames: Vec<_> = [frame(ANGLE, 0), frame(NOP, answer)].concat();
     let (mut encoder, mut bridge) = (Mock::new(&frames), Mock::new(&conversion(force)));
-    let codes = pair.sample(time_us, ready, &mut encoder, &mut bridge);
+    let angle = as5047p::angle(&mut encoder).ok();
+    let force = ads1220::fetch_and_start(&mut bridge).ok();
+    let codes = pair.sample(time_us, ready, angle, force);
     encoder.done();
     bridge.done();
     codes

@@ -498,6 +498,21 @@ fn the_images_take_the_flash_and_ram_that_the_budget_says() {
     }
 }
 
+/// The emulator's clocks never become ready. WHEN the board's image starts there, THEN it comes to say
+/// so, instead of waiting for ever.
+#[test]
+fn a_board_whose_clocks_do_not_start_says_so() {
+    let elf = PathBuf::from(env::var_os("PALPATE_F405_ELF").expect("PALPATE_F405_ELF"));
+    let emulator = Emulator {
+        elf,
+        ..Emulator::from_env("no-clock").expect("set-up")
+    };
+    let log = emulator.log_in_memory("PLL").expect("log");
+    assert_eq!(log.len(), 2, "{log:?}");
+    assert!(log[0].contains("on f405"), "{log:?}");
+    assert!(log[1].contains("the PLL does not lock"), "{log:?}");
+}
+
 fn within(key: &str, meter: &Meter) {
     contains(&format!("{key}.mean"), meter.mean);
     contains(&format!("{key}.max"), meter.max);

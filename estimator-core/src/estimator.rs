@@ -544,6 +544,7 @@ mod tests {
             (Fault::SettingsInvalid, false, 0),
             (Fault::NotCalibrated, false, 0),
             (Fault::EstimatorSuspect, false, 0),
+            (Fault::ClockInternal, false, 0),
         ];
         assert_eq!(table.map(|(fault, ..)| fault), Fault::ALL);
         let params = params();

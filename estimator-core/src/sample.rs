@@ -61,11 +61,14 @@ pub enum Fault {
     /// The law does not explain the force: the estimate's status is `model_suspect`. Reported by the
     /// board in its [`crate::link::Health`]; an estimate says it by its status.
     EstimatorSuspect = 13,
+    /// The board's crystal is dead and its clock the internal oscillator: time is off by up to 1 %,
+    /// speed and damping with it. Reported by the board.
+    ClockInternal = 14,
 }
 
 impl Fault {
     /// All faults in the order of their numbers.
-    pub const ALL: [Fault; 13] = [
+    pub const ALL: [Fault; 14] = [
         Fault::ForceUnusable,
         Fault::PositionUnusable,
         Fault::TimeNotAdvancing,
@@ -79,6 +82,7 @@ impl Fault {
         Fault::SettingsInvalid,
         Fault::NotCalibrated,
         Fault::EstimatorSuspect,
+        Fault::ClockInternal,
     ];
 
     /// The stable number.
@@ -117,6 +121,7 @@ impl Fault {
             Fault::SettingsInvalid => "stored settings cannot be used, running on defaults",
             Fault::NotCalibrated => "sensors are not calibrated, scale is nominal",
             Fault::EstimatorSuspect => "the law does not explain the force",
+            Fault::ClockInternal => "clock is the internal oscillator, rates off by up to 1 %",
         }
     }
 }
@@ -168,8 +173,8 @@ mod tests {
 
     #[test]
     fn the_codes_are_stable_and_the_list_is_complete() {
-        let codes: [u8; 13] = Fault::ALL.map(Fault::code);
-        assert_eq!(codes, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13]);
+        let codes: [u8; 14] = Fault::ALL.map(Fault::code);
+        assert_eq!(codes, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]);
     }
 
     #[test]

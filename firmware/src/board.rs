@@ -53,7 +53,8 @@ pub trait Board {
 
     /// Brings the board up. The tick may be raised from here on; RTIC delivers it after `init`.
     ///
-    /// Waits with a bound for whatever may be absent (a crystal), and logs what had to replace it.
+    /// Waits with a bound for whatever may be absent (a crystal), and logs what had to replace it; where
+    /// nothing can, it says so and does not return.
     fn start(core: cortex_m::Peripherals, device: pac::Peripherals) -> Parts<Self>;
 
     /// A free-running counter in [`Board::COST_UNIT`], wrapping at 2³². Differences are right up to

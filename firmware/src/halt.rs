@@ -1,9 +1,9 @@
 //! Where a program goes that cannot go on: says why, then stops. The board has commanded nothing,
 //! so there is nothing to bring to a safe state.
 
-use crate::board::{Board, Outcome, Selected};
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
+use palpate_firmware::board::{Board, Outcome, Selected};
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {

@@ -7,26 +7,25 @@
 #![no_main]
 #![deny(missing_docs)]
 
-mod board;
-#[cfg(feature = "spi-sensors")]
-mod driver;
 mod halt;
-mod service;
-mod stack;
-mod telemetry;
+
+// Where the log goes.
+#[cfg(feature = "f405")]
+use defmt_rtt as _;
+#[cfg(feature = "qemu")]
+use defmt_semihosting as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX])]
 mod app {
-    use crate::board::{Acquired, Board, Outcome, Parts, RATE_HZ, Selected, Sensors};
-    use crate::service::Service;
-    use crate::telemetry::{QUEUE, Telemetry};
     use core::mem::MaybeUninit;
-    use estimator_core::budget::{Budget, Stations};
+    use estimator_core::budget::Budget;
     use estimator_core::link::Change;
     use estimator_core::sampling::{Record, Sampler};
-    use heapless::spsc::{Consumer, Producer, Queue};
-
-    const PERIOD_US: u64 = 1_000_000 / RATE_HZ as u64;
+    use heapless::spsc::{Consumer, Queue};
+    use palpate_firmware::board::{Board, Outcome, Parts, Selected};
+    use palpate_firmware::sampling::{CHANGES, Sampling, Tick};
+    use palpate_firmware::service::Service;
+    use palpate_firmware::telemetry::{QUEUE, Telemetry};
 
     #[shared]
     struct Shared {
@@ -35,10 +34,7 @@ mod app {
 
     #[local]
     struct Local {
-        sensors: <Selected as Board>::Sensors,
-        sampler: &'static mut Sampler,
-        outbox: Producer<'static, Record>,
-        changes: Consumer<'static, Change>,
+        sampling: Sampling,
         inbox: Consumer<'static, Record>,
         telemetry: Telemetry<<Selected as Board>::Link, <Selected as Board>::Light>,
         service: Service<Selected>,
@@ -46,9 +42,9 @@ mod app {
 
     #[init(local = [
         records: Queue<Record, QUEUE> = Queue::new(),
-        setups: Queue<Change, 2> = Queue::new(),
+        setups: Queue<Change, CHANGES> = Queue::new(),
         // Made where it stays: 10 KiB that the stack need not hold twice.
-        sampling: MaybeUninit<Sampler> = MaybeUninit::uninit(),
+        sampler: MaybeUninit<Sampler> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         defmt::info!(
@@ -75,10 +71,12 @@ mod app {
                 budget: Budget::new(),
             },
             Local {
-                sensors,
-                sampler: cx.local.sampling.write(Sampler::new(setup)),
-                outbox,
-                changes,
+                sampling: Sampling {
+                    sensors,
+                    sampler: cx.local.sampler.write(Sampler::new(setup)),
+                    outbox,
+                    changes,
+                },
                 inbox,
                 telemetry: Telemetry::new(link, light),
                 service,
@@ -87,49 +85,15 @@ mod app {
     }
 
     /// 1 kHz, above everything else: read, convert, compensate, step, push.
-    #[task(binds = DMA2_STREAM0, priority = 3, local = [sensors, sampler, outbox, changes], shared = [budget])]
+    #[task(binds = DMA2_STREAM0, priority = 3, local = [sampling], shared = [budget])]
     fn sample(mut cx: sample::Context) {
-        let start = Selected::now();
-        let sampler = &mut **cx.local.sampler;
-        let (codes, sample, acquired) = match cx.local.sensors.sample() {
-            Acquired::Codes(codes) => {
-                let acquired = Selected::now();
-                (Some(codes), sampler.convert(&codes), acquired)
-            }
-            Acquired::Sample(sample) => (None, sample, Selected::now()),
-            Acquired::Nothing => return,
-            Acquired::End => {
-                cx.shared.budget.lock(|budget| budget.finished = true);
-                let _ = telemetry::spawn();
-                return;
-            }
-        };
-        let converted = Selected::now();
-        let contact = sampler.compensate(sample);
-        let compensated = Selected::now();
-        let estimate = sampler.step(contact);
-        let stepped = Selected::now();
-        let record = Record {
-            codes,
-            sample,
-            estimate,
-        };
-        let dropped = sampler.is_sent(&estimate) && cx.local.outbox.enqueue(record).is_err();
-        let at = Stations {
-            start,
-            acquired,
-            converted,
-            compensated,
-            stepped,
-            queued: Selected::now(),
-        };
-        cx.shared
-            .budget
-            .lock(|budget| budget.sample(&at, &sample, dropped, PERIOD_US, Selected::TICK));
-        // After the sample, and after the stopwatch: a change comes once in a while.
-        if let Some(change) = cx.local.changes.dequeue() {
-            sampler.apply(&change);
-        }
+        let ticked = cx.local.sampling.tick();
+        cx.shared.budget.lock(|budget| match &ticked {
+            Tick::Sampled(sampled) => sampled.count(budget),
+            Tick::Nothing => {}
+            Tick::End => budget.finished = true,
+        });
+        cx.local.sampling.change();
         // Already spawned is as good: it drains everything that it finds.
         let _ = telemetry::spawn();
     }

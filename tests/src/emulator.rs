@@ -2,7 +2,7 @@
 
 use estimator_core::Sample;
 use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -65,6 +65,46 @@ impl Emulator {
         })
     }
 
+    /// What a board's image logs, up to a line with `last`. It logs into its memory, where a debug probe
+    /// finds it (RTT); here the emulator's monitor is the probe.
+    pub fn log_in_memory(&self, last: &str) -> Result<Vec<String>, String> {
+        const LOOKS: u32 = 100;
+        let image = self.directory.join("memory");
+        let _ = fs::remove_file(&image);
+        let mut command = self.machine();
+        command.args(["-monitor", "stdio"]);
+        command.stdin(Stdio::piped()).stdout(Stdio::null());
+        let mut qemu = command.spawn().map_err(|e| e.to_string())?;
+        let mut monitor = qemu.stdin.take().ok_or("QEMU has no monitor")?;
+        let mut log = Vec::new();
+        for _ in 0..LOOKS {
+            // The whole RAM, and time to write it.
+            writeln!(monitor, "pmemsave {RAM:#x} 0x20000 \"memory\"").map_err(|e| e.to_string())?;
+            thread::sleep(Duration::from_millis(100));
+            let memory = fs::read(&image).unwrap_or_default();
+            log = self.decode(logged(&memory).unwrap_or_default())?;
+            if log.iter().any(|line| line.contains(last)) {
+                break;
+            }
+        }
+        let ended = qemu.kill().and_then(|()| qemu.wait());
+        ended.map_err(|e| format!("cannot end QEMU: {e}"))?;
+        Ok(log)
+    }
+
+    /// Complete lines of a log, from its bytes.
+    fn decode(&self, bytes: &[u8]) -> Result<Vec<String>, String> {
+        let file = self.directory.join("log");
+        fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))?;
+        let decoded = Command::new(&self.decoder)
+            .arg(&self.elf)
+            .stdin(fs::File::open(&file).map_err(|e| e.to_string())?)
+            .output()
+            .map_err(|e| format!("{}: {e}", self.decoder.display()))?;
+        let lines = String::from_utf8_lossy(&decoded.stdout);
+        Ok(lines.lines().map(String::from).collect())
+    }
+
     fn log_of_a_run(&self, mut watch: impl FnMut(&str)) -> Result<Vec<String>, String> {
         let mut qemu = self.start_qemu()?;
         let output = qemu.stdout.take().ok_or("QEMU has no output")?;
@@ -95,20 +135,42 @@ impl Emulator {
 
     /// `shift=0`: an instruction is a nanosecond; `sleep=off`: and nothing else is, so that every
     /// run takes the same path to the instruction.
-    fn start_qemu(&self) -> Result<Child, String> {
-        Command::new(&self.qemu)
-            .current_dir(&self.directory)
+    fn machine(&self) -> Command {
+        let mut qemu = Command::new(&self.qemu);
+        qemu.current_dir(&self.directory)
             .args(["-M", "netduinoplus2", "-display", "none"])
-            .args(["-monitor", "none", "-serial", "none"])
+            .args(["-serial", "none"])
             .args(["-icount", "shift=0,sleep=off"])
-            .args(["-semihosting-config", "enable=on,target=native"])
             .arg("-kernel")
             .arg(&self.elf)
+            .stdout(Stdio::piped());
+        qemu
+    }
+
+    fn start_qemu(&self) -> Result<Child, String> {
+        self.machine()
+            .args(["-monitor", "none"])
+            .args(["-semihosting-config", "enable=on,target=native"])
             .stdin(Stdio::null())
-            .stdout(Stdio::piped())
             .spawn()
             .map_err(|e| format!("{}: {e}", self.qemu.display()))
     }
+}
+
+/// Where the RAM begins.
+const RAM: usize = 0x2000_0000;
+
+/// The bytes that a program has logged by RTT, which nobody has fetched: its control block has a name,
+/// two counts, and for the first channel name, memory, size, and how far it is written.
+fn logged(memory: &[u8]) -> Option<&[u8]> {
+    const NAME: &[u8] = b"SEGGER RTT";
+    let block = memory.windows(NAME.len()).position(|at| at == NAME)?;
+    let word = |index: usize| {
+        let bytes = memory.get(block + 4 * index..)?.first_chunk()?;
+        Some(u32::from_le_bytes(*bytes) as usize)
+    };
+    let (start, written) = (word(7)?.checked_sub(RAM)?, word(9)?);
+    memory.get(start..start + written)
 }
 
 /// Waits for QEMU, which ends when its firmware does.

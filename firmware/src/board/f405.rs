@@ -19,8 +19,8 @@ mod spi;
 mod uart;
 
 use super::{Board, Outcome, Parts, RATE_HZ, Watchdog};
+use crate::driver::clock::Source;
 use cortex_m::peripheral::DWT;
-use defmt_rtt as _;
 use estimator_core::instants::Ticks;
 use estimator_core::settings::store::Store;
 use estimator_core::{Fault, Faults};
@@ -60,7 +60,19 @@ impl Board for F405 {
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(WATCHDOG_MS.millis());
-        let (mut rcc, clock_fallback) = clock::start(device.RCC);
+        let (mut rcc, source) = match clock::start(device.RCC) {
+            Ok(started) => started,
+            Err(rcc) => without_clock(rcc, device.GPIOC),
+        };
+        let clock_fallback = source == Source::Internal;
+        let mut standing = Faults::NONE;
+        if clock_fallback {
+            defmt::warn!(
+                "crystal does not start: {=str}",
+                Fault::ClockInternal.describe()
+            );
+            standing = standing.with(Fault::ClockInternal);
+        }
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
 
@@ -86,6 +98,7 @@ impl Board for F405 {
                 tim2: device.TIM2,
                 tim3: device.TIM3,
             },
+            Clock::new(standing),
             &mut rcc,
         );
         #[cfg(feature = "spi-sensors")]
@@ -103,10 +116,11 @@ impl Board for F405 {
                     ready: gpiob.pb2.into_pull_up_input(),
                     tick: core.SYST,
                 },
+                Clock::new(standing),
                 &mut rcc,
             )
         };
-        registers::check();
+        registers::check(source);
         Parts {
             sensors,
             link,
@@ -144,13 +158,48 @@ impl Watchdog for Dog {
     }
 }
 
-/// The time of this tick (µs), with [`Fault::Overrun`] if ticks were missed before it; `None` of a
-/// spurious call.
-fn tick(ticks: &mut Ticks) -> Option<(u64, Faults)> {
-    let (count, late) = ticks.at(F405::now())?;
-    let faults = match late {
-        true => Faults::NONE.with(Fault::Overrun),
-        false => Faults::NONE,
-    };
-    Some((count * u64::from(1_000_000 / RATE_HZ), faults))
+/// Says that there is no clock, in the log and with the status light, three flashes and a pause, until
+/// the watchdog starts the board for another try.
+fn without_clock(rcc: pac::RCC, gpioc: pac::GPIOC) -> ! {
+    /// Of the 16 MHz that are left.
+    const TENTH_SECOND: u32 = 1_600_000;
+    defmt::error!("the PLL does not lock, neither on the crystal nor on the internal oscillator");
+    let mut light = gpioc
+        .split(&mut rcc.constrain())
+        .pc4
+        .into_push_pull_output();
+    loop {
+        for _ in 0..6 {
+            light.toggle();
+            cortex_m::asm::delay(TENTH_SECOND);
+        }
+        cortex_m::asm::delay(10 * TENTH_SECOND);
+    }
+}
+
+/// The time of samples.
+struct Clock {
+    ticks: Ticks,
+    /// What is wrong with every sample.
+    standing: Faults,
+}
+
+impl Clock {
+    fn new(standing: Faults) -> Self {
+        Clock {
+            ticks: Ticks::new(F405::TICK),
+            standing,
+        }
+    }
+
+    /// The time of this tick (µs), with [`Fault::Overrun`] if ticks were missed before it; `None` of
+    /// a spurious call.
+    fn tick(&mut self) -> Option<(u64, Faults)> {
+        let (count, late) = self.ticks.at(F405::now())?;
+        let faults = match late {
+            true => self.standing.with(Fault::Overrun),
+            false => self.standing,
+        };
+        Some((count * u64::from(1_000_000 / RATE_HZ), faults))
+    }
 }

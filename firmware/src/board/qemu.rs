@@ -11,7 +11,6 @@ use core::convert::Infallible;
 use core::ffi::CStr;
 use cortex_m::peripheral::{NVIC, syst::SystClkSource};
 use cortex_m_rt::exception;
-use defmt_semihosting as _;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use estimator_core::frame::{CODES_ENCODED, Decoder, Frame, MAX_ENCODED, SAMPLE_ENCODED};
 use estimator_core::settings::store::Store;

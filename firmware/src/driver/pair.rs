@@ -1,7 +1,5 @@
 //! Both sensors as one instant, in the same codes as the reference wiring's.
 
-use super::{ads1220, as5047p};
-use embedded_hal::spi::SpiDevice;
 use estimator_core::sensing::Codes;
 use estimator_core::{Fault, Faults};
 
@@ -29,23 +27,20 @@ struct Last {
 }
 
 impl Pair {
-    /// Reads both at a tick of time `time_us`; `ready`: what the converter's DRDY pin says. Gives the
-    /// instant of the conversion that the last tick started; nothing at the first.
+    /// What was read at a tick of time `time_us`, the angle first, since the next conversion starts
+    /// right after it; `ready`: what the converter's DRDY pin said before. Gives the instant of the
+    /// conversion that the last tick started; nothing at the first.
     ///
     /// The conversion lasts from the last tick to its middle: its position lies between the angle of
     /// then and that of now, [`MIDDLE`] of the way.
-    pub fn sample<E: SpiDevice, B: SpiDevice>(
+    pub fn sample(
         &mut self,
         time_us: u64,
         ready: bool,
-        encoder: &mut E,
-        bridge: &mut B,
+        angle: Option<u16>,
+        force: Option<i32>,
     ) -> Option<Codes> {
-        // The angle first: it is of the tick, and the next conversion starts right after it.
-        let angle = as5047p::angle(encoder);
-        let force = ads1220::fetch_and_start(bridge);
         let Some(last) = self.last else {
-            let angle = angle.ok();
             self.last = Some(Last {
                 time_us,
                 angle: angle.unwrap_or(0),
@@ -57,20 +52,17 @@ impl Pair {
         };
         let now = Last {
             time_us,
-            angle: angle.as_ref().copied().unwrap_or(last.angle),
-            count: (last.count).wrapping_add(moved(
-                last.angle,
-                angle.as_ref().copied().unwrap_or(last.angle),
-            )),
-            force: force.as_ref().copied().unwrap_or(last.force),
-            good: angle.is_ok(),
+            angle: angle.unwrap_or(last.angle),
+            count: (last.count).wrapping_add(moved(last.angle, angle.unwrap_or(last.angle))),
+            force: force.unwrap_or(last.force),
+            good: angle.is_some(),
         };
         self.last = Some(now);
         let mut faults = Faults::NONE;
         if !(last.good && now.good) {
             faults = faults.with(Fault::PositionUnusable);
         }
-        if !ready || force.is_err() {
+        if !ready || force.is_none() {
             faults = faults.with(Fault::ForceUnusable);
         }
         Some(Codes {

@@ -65,7 +65,10 @@ pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
             let at_rest: f64 = rests
                 .iter()
                 .map(|(samples, error_n)| {
-                    let sum: f64 = samples.clone().map(|at| per_n[at] * error_n[at - samples.start]).sum();
+                    let sum: f64 = samples
+                        .clone()
+                        .map(|at| per_n[at] * error_n[at - samples.start])
+                        .sum();
                     sum * sum
                 })
                 .sum();

@@ -164,7 +164,8 @@ fn the_encoder_reads_its_ripple_and_the_cell_no_more_than_its_limit() {
         assert!((read - exact).abs() < 1e-15);
     }
     for (read, truth) in run.log.force_n.iter().zip(&run.truth.force_n) {
-        assert_eq!(*read, truth.min(3.0));
+        // A limit without softness is F_max − max(F_max − F, 0): the last bit of F is not kept.
+        assert!((read - truth.min(3.0)).abs() < 1e-14, "{read} {truth}");
     }
     assert!(run.truth.force_n[500] > 5.0);
 }

@@ -1,4 +1,4 @@
-//! Builds of the firmware, and the proof that its step cannot panic.
+//! Builds of the firmware, and the proof that its sampling task cannot panic.
 
 use crate::root;
 use crate::step::{capture, command, lint_level, run};
@@ -50,11 +50,15 @@ impl Firmware {
         Ok(kept)
     }
 
-    /// Links only if no panic is left.
+    /// Links only if no panic is left, with either set of sensors.
     pub(crate) fn prove_panic_freedom(&self) -> Result<(), String> {
-        run("link proof: step cannot panic", self.proof("panic-proof")).map_err(|e| {
-            format!("{e}\nAn undefined `{PROOF}` means that a panic path is left in `step`.")
-        })
+        for features in ["panic-proof", "panic-proof,spi-sensors"] {
+            let name = format!("link proof: the sampling task cannot panic, {features}");
+            run(&name, self.proof(features)).map_err(|e| {
+                format!("{e}\nAn undefined `{PROOF}` means that a panic path is left in it.")
+            })?;
+        }
+        Ok(())
     }
 
     /// With a panic path, the proof must fail, and for that reason.
@@ -74,7 +78,7 @@ impl Firmware {
     /// Lints for both boards; `None` where there is no clippy.
     pub(crate) fn lint(&self) -> Option<Result<(), String>> {
         self.toolchain.has_clippy(&self.directory).then(|| {
-            for features in ["qemu,panic-proof", "f405", "f405,spi-sensors"] {
+            for features in ["qemu", "panic-proof", "panic-proof,spi-sensors"] {
                 let mut clippy = self.cargo("clippy");
                 clippy.args(["--locked", "--release", "--no-default-features"]);
                 clippy.args(["--features", features, "--", lint_level(), "warnings"]);
@@ -84,16 +88,10 @@ impl Firmware {
         })
     }
 
-    fn proof(&self, feature: &str) -> Command {
+    fn proof(&self, features: &str) -> Command {
         let mut cargo = self.cargo("build");
         cargo.args(["--locked", "--release", "--bin", "panic-free"]);
-        cargo.args([
-            "--no-default-features",
-            "--features",
-            "qemu",
-            "--features",
-            feature,
-        ]);
+        cargo.args(["--no-default-features", "--features", features]);
         cargo
     }
 

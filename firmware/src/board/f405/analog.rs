@@ -4,15 +4,15 @@
 //! encoder; DMA collects both. After 32 events the ADC's stream raises the 1 kHz interrupt, and
 //! the sums of both channels belong to the same 32 instants.
 
+use super::Clock;
 use super::ring::{self, Memory, Ring};
-use super::{F405, tick};
-use crate::board::{Acquired, Board, RATE_HZ, Sensors};
-use estimator_core::instants::{Counter, Ticks, summed};
+use crate::board::{Acquired, RATE_HZ, Sensors};
+use estimator_core::instants::{Counter, summed};
 use estimator_core::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::settings::Key;
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{
-    AdcConfig, Clock, Dma, ExternalTrigger, SampleTime, Sequence, TriggerMode,
+    self, AdcConfig, Dma, ExternalTrigger, SampleTime, Sequence, TriggerMode,
 };
 use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::PeriAddress;
@@ -56,7 +56,7 @@ pub struct Wires {
 }
 
 /// Starts both channels, the event last: from the first one on, both streams count in step.
-pub fn start(wires: Wires, rcc: &mut Rcc) -> AnalogAndQuadrature {
+pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> AnalogAndQuadrature {
     let forces = load_cell(
         wires.adc,
         wires.force.into_analog(),
@@ -65,7 +65,12 @@ pub fn start(wires: Wires, rcc: &mut Rcc) -> AnalogAndQuadrature {
     );
     let positions = encoder(wires.tim3, wires.quadrature, wires.position_stream, rcc);
     events(wires.tim2, rcc);
-    AnalogAndQuadrature::new(forces, positions)
+    AnalogAndQuadrature {
+        forces,
+        positions,
+        clock,
+        counter: Counter::new(),
+    }
 }
 
 /// TIM2 at 32 kHz, its update as trigger output: the trigger of the ADC and, through TIM3's
@@ -91,7 +96,7 @@ fn load_cell(
     rcc: &mut Rcc,
 ) -> Ring<Stream0<DMA2>> {
     let config = AdcConfig::default()
-        .clock(Clock::Pclk2_div_4)
+        .clock(config::Clock::Pclk2_div_4)
         .external_trigger(TriggerMode::RisingEdge, ExternalTrigger::Tim_2_trgo)
         .dma(Dma::Continuous);
     let mut adc = Adc::new(adc, true, config, rcc);
@@ -143,20 +148,11 @@ fn encoder(
 pub struct AnalogAndQuadrature {
     forces: Ring<Stream0<DMA2>>,
     positions: Ring<Stream7<DMA1>>,
-    ticks: Ticks,
+    clock: Clock,
     counter: Counter,
 }
 
 impl AnalogAndQuadrature {
-    fn new(forces: Ring<Stream0<DMA2>>, positions: Ring<Stream7<DMA1>>) -> Self {
-        AnalogAndQuadrature {
-            forces,
-            positions,
-            ticks: Ticks::new(F405::TICK),
-            counter: Counter::new(),
-        }
-    }
-
     /// The sum of the last 32 latches, in position codes. Each 16-bit count is taken on from the
     /// last: right as long as the probe moves less than 32 768 counts between two of them.
     ///
@@ -174,7 +170,7 @@ impl AnalogAndQuadrature {
 impl Sensors for AnalogAndQuadrature {
     fn sample(&mut self) -> Acquired {
         self.forces.acknowledge();
-        let Some((time_us, faults)) = tick(&mut self.ticks) else {
+        let Some((time_us, faults)) = self.clock.tick() else {
             return Acquired::Nothing;
         };
         let (force, force_low, force_high) = summed(self.forces.finished());

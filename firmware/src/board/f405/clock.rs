@@ -1,5 +1,6 @@
-//! 168 MHz from the 8 MHz crystal, or from the internal oscillator where the crystal is dead.
+//! The clocks, and what the HAL has to know about them.
 
+use crate::driver::clock::{self, NotLocked, Register, Registers, Source};
 use stm32f4xx_hal::pac::RCC;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};
@@ -8,36 +9,49 @@ use stm32f4xx_hal::rcc::{Config, Rcc};
 pub const CORE_HZ: u32 = 168_000_000;
 const CRYSTAL_HZ: u32 = 8_000_000;
 
-/// Starts the clocks. On the internal oscillator the time base is off by up to 1 % at 25 °C (DS
-/// table 41), and with it speed, damping and the baud rate: logged as a warning.
+/// Starts the clocks, each with a bound.
 ///
-/// The HAL waits without a bound for a crystal and for the PLL. So the crystal is tried first, with
-/// a bound; the PLL then has an input that runs, and locks within 300 µs (DS table 43). Should it
-/// not, the watchdog, which runs by now, resets the board. Gives whether the crystal is dead.
-pub fn start(rcc: RCC) -> (Rcc, bool) {
-    let crystal = crystal_runs(&rcc);
-    let source = if crystal {
-        Config::hse(CRYSTAL_HZ.Hz())
-    } else {
-        defmt::warn!(
-            "crystal does not start: internal oscillator, time and baud rate off by up to 1 %"
-        );
-        Config::hsi()
+/// The HAL waits without one, but by then there is nothing to wait for: oscillator and PLL run, and
+/// it finds the same PLLCFGR as it would write ([`super::registers`] checks that). What is left to it
+/// are flash latency, prescalers and the switch to the PLL.
+///
+/// # Errors
+/// The controller as it is after a reset, at 16 MHz, where the PLL does not lock: the sampling task
+/// does not fit into that.
+pub fn start(rcc: RCC) -> Result<(Rcc, Source), RCC> {
+    let mut controller = Controller(rcc);
+    let started = clock::start(&mut controller);
+    let Controller(rcc) = controller;
+    let (source, input) = match started {
+        Ok(source @ Source::Crystal) => (source, Config::hse(CRYSTAL_HZ.Hz())),
+        Ok(source @ Source::Internal) => (source, Config::hsi()),
+        Err(NotLocked) => return Err(rcc),
     };
-    let config = source.sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
-    (rcc.freeze(config), !crystal)
+    let config = input.sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
+    Ok((rcc.freeze(config), source))
 }
 
-/// A crystal takes 2 ms (DS table 40); after 100 ms there is none.
-fn crystal_runs(rcc: &RCC) -> bool {
-    const HALF_MILLISECOND: u32 = 8_000; // cycles of the 16 MHz that the core starts with
-    rcc.cr().modify(|_, w| w.hseon().set_bit());
-    for _ in 0..200 {
-        if rcc.cr().read().hserdy().bit_is_set() {
-            return true;
+/// The controller, its registers by name.
+struct Controller(RCC);
+
+impl Registers for Controller {
+    fn read(&self, register: Register) -> u32 {
+        match register {
+            Register::Cr => self.0.cr().read().bits(),
+            Register::Pllcfgr => self.0.pllcfgr().read().bits(),
         }
-        cortex_m::asm::delay(HALF_MILLISECOND);
     }
-    rcc.cr().modify(|_, w| w.hseon().clear_bit());
-    false
+
+    fn write(&mut self, register: Register, value: u32) {
+        // SAFETY: whole registers, reserved bits as they were.
+        match register {
+            Register::Cr => self.0.cr().write(|w| unsafe { w.bits(value) }),
+            Register::Pllcfgr => self.0.pllcfgr().write(|w| unsafe { w.bits(value) }),
+        };
+    }
+
+    fn pause(&mut self) {
+        // At the 16 MHz that the core starts with.
+        cortex_m::asm::delay(160);
+    }
 }

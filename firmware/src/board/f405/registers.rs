@@ -2,6 +2,8 @@
 //! sets them: what no emulator shows, the board checks for itself. A line of the log for each that
 //! differs; on a good board there is one that says so.
 
+use crate::driver::clock::Source;
+
 /// A register, the bits of it that matter, and what they must be.
 struct Expected {
     name: &'static str,
@@ -84,10 +86,11 @@ const SENSORS: [Expected; 1] = [
     expected("SPI3_CR1", SPI3, 0x00ff & !(1 << 6), 0b0001_0101),
 ];
 
-/// Compares, and logs what differs.
-pub fn check() {
+/// Compares, and logs what differs. `source`: the PLL runs from it, and as `driver::clock` has set it.
+pub fn check(source: Source) {
     let mut wrong = 0;
-    for register in COMMON.iter().chain(&SENSORS) {
+    let pll = expected("RCC_PLLCFGR", RCC + 0x04, u32::MAX, source.pllcfgr());
+    for register in COMMON.iter().chain(&SENSORS).chain([&pll]) {
         // SAFETY: a load of a register of a peripheral whose clock is on; none of them changes by
         // being read.
         let read = unsafe { (register.address as *const u32).read_volatile() };

@@ -3,18 +3,16 @@
 //! PC10 to PC12 are the bus (on the ODrive's header); both motor drivers' select lines (PC13, PC14)
 //! are held high, so that they stay out of it. 5.25 MHz, mode 1: within both data sheets.
 
+use super::Clock;
 use super::clock::CORE_HZ;
-use super::{F405, tick};
-use crate::board::{Acquired, Board, RATE_HZ, Sensors};
+use crate::board::{Acquired, RATE_HZ, Sensors};
 use crate::driver::pair::Pair;
 use crate::driver::{ads1220, as5047p};
-use core::cell::RefCell;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{NVIC, SYST};
 use cortex_m_rt::exception;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorType, MODE_1, Operation, SpiBus, SpiDevice};
-use estimator_core::instants::Ticks;
 use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PB2, PC10, PC11, PC12};
 use stm32f4xx_hal::pac::{self, SPI3};
 use stm32f4xx_hal::prelude::*;
@@ -44,11 +42,11 @@ pub struct SpiSensors {
     bridge: PA3<Output>,
     ready: PB2<Input>,
     pair: Pair,
-    ticks: Ticks,
+    clock: Clock,
 }
 
 /// Sets both sensors up, says in the log what is wrong with them, and starts the tick.
-pub fn start(wires: Wires, rcc: &mut Rcc) -> SpiSensors {
+pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
     let (sck, miso, mosi) = wires.bus;
     let pins = (Some(sck), Some(miso), Some(mosi));
     // 42 MHz / 8.
@@ -59,7 +57,7 @@ pub fn start(wires: Wires, rcc: &mut Rcc) -> SpiSensors {
         bridge: wires.bridge,
         ready: wires.ready,
         pair: Pair::default(),
-        ticks: Ticks::new(F405::TICK),
+        clock,
     };
     sensors.set_up();
     let mut tick = wires.tick;
@@ -80,8 +78,7 @@ fn SysTick() {
 impl SpiSensors {
     /// A sensor that does not answer now may do so later: its samples are faulty until then.
     fn set_up(&mut self) {
-        let bus = RefCell::new(&mut self.bus);
-        let mut bridge = Chip(&bus, &mut self.bridge);
+        let mut bridge = Chip(&mut self.bus, &mut self.bridge);
         // Field by field: `Debug` of the drivers' types costs 4 KiB of flash.
         match ads1220::set_up(&mut bridge) {
             Ok(()) => {}
@@ -93,7 +90,7 @@ impl SpiSensors {
                 );
             }
         }
-        let mut encoder = Chip(&bus, &mut self.encoder);
+        let mut encoder = Chip(&mut self.bus, &mut self.encoder);
         match as5047p::diagnose(&mut encoder) {
             Ok(magnet) if magnet.too_strong || magnet.too_weak || magnet.overflow => {
                 defmt::warn!(
@@ -121,14 +118,13 @@ impl SpiSensors {
 
 impl Sensors for SpiSensors {
     fn sample(&mut self) -> Acquired {
-        let Some((time_us, faults)) = tick(&mut self.ticks) else {
+        let Some((time_us, faults)) = self.clock.tick() else {
             return Acquired::Nothing;
         };
         let ready = self.ready.is_low();
-        let bus = RefCell::new(&mut self.bus);
-        let mut encoder = Chip(&bus, &mut self.encoder);
-        let mut bridge = Chip(&bus, &mut self.bridge);
-        match self.pair.sample(time_us, ready, &mut encoder, &mut bridge) {
+        let angle = as5047p::angle(&mut Chip(&mut self.bus, &mut self.encoder)).ok();
+        let force = ads1220::fetch_and_start(&mut Chip(&mut self.bus, &mut self.bridge)).ok();
+        match self.pair.sample(time_us, ready, angle, force) {
             Some(mut codes) => {
                 codes.faults = codes.faults | faults;
                 Acquired::Codes(codes)
@@ -139,16 +135,15 @@ impl Sensors for SpiSensors {
 }
 
 /// A chip on the bus that it shares: select line low, operations, high again.
-struct Chip<'a, 'b, B, P>(&'a RefCell<&'b mut B>, &'a mut P);
+struct Chip<'a, B, P>(&'a mut B, &'a mut P);
 
-impl<B: SpiBus, P> ErrorType for Chip<'_, '_, B, P> {
+impl<B: SpiBus, P> ErrorType for Chip<'_, B, P> {
     type Error = B::Error;
 }
 
-impl<B: SpiBus, P: OutputPin> SpiDevice for Chip<'_, '_, B, P> {
+impl<B: SpiBus, P: OutputPin> SpiDevice for Chip<'_, B, P> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), B::Error> {
-        // Never borrowed twice: a transaction ends before the next begins.
-        select(&mut **self.0.borrow_mut(), self.1, operations)
+        select(self.0, self.1, operations)
     }
 }
 
