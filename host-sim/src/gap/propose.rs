@@ -222,10 +222,10 @@ impl<'a> Ground<'a> {
         let cells = (8 * quarters).next_power_of_two();
         let per_cell_m = 4.0 * travel_m / cells as f64;
         let mut bins = vec![Complex::new(0.0, 0.0); cells];
-        for row in 0..n {
-            let at = (course.position_m[row] / per_cell_m).floor() as i64;
-            let own = self.residuals[row] * self.roots[row] * carrier[row];
-            bins[at.rem_euclid(cells as i64) as usize].re += own;
+        let each = self.residuals.iter().zip(&self.roots).zip(carrier);
+        for (((residual, root), carrier), position_m) in each.zip(&course.position_m) {
+            let at = (position_m / per_cell_m).floor() as i64;
+            bins[at.rem_euclid(cells as i64) as usize].re += residual * root * carrier;
         }
         FftPlanner::new().plan_fft_forward(cells).process(&mut bins);
         let power: Vec<f64> = bins[..quarters].iter().map(|bin| bin.norm_sqr()).collect();

@@ -26,7 +26,7 @@ const FROM_FILE: usize = 4;
 const RAN_AWAY: f64 = 4.0;
 /// Fits that the next step goes on from.
 const BEAM: usize = 3;
-/// They leave at most so many times the excess of the best.
+/// They leave at most so many times the excess of the best, if that is small.
 const BEHIND: f64 = 4.0;
 /// Most effects that are added.
 const MOST_ADDED: usize = 5;
@@ -211,9 +211,9 @@ impl Search<'_> {
             }
         }
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        truncate(&mut fits, FOLLOWED[0], |fit| is_one_more(fit));
+        truncate(&mut fits, FOLLOWED[0], is_one_more);
         let mut fits = self.walked(fits, FIRST_STEPS[1]);
-        truncate(&mut fits, FOLLOWED[1], |fit| is_one_more(fit));
+        truncate(&mut fits, FOLLOWED[1], is_one_more);
         let mut done = self.walked(fits, MOST_STEPS);
         done.retain(is_physical);
         done
@@ -328,8 +328,12 @@ impl Search<'_> {
             } else if level > 0 {
                 break;
             }
-            let least = children[0].cost - self.floor;
-            children.retain(|fit| fit.cost - self.floor <= BEHIND * least.max(0.25 * self.floor));
+            // Near the floor the one that is far ahead is it; far from it none is.
+            let excess = |fit: &Fit| fit.cost - self.floor;
+            let least = excess(&children[0]).max(0.25 * self.floor);
+            if least < RAN_AWAY * self.floor {
+                children.retain(|fit| excess(fit) <= BEHIND * least);
+            }
             children.truncate(BEAM);
             beam = children.iter().map(|fit| self.costed(fit)).collect();
             level += 1;
