@@ -204,9 +204,7 @@ fn listed(ids: &[EffectId]) -> String {
 /// What tells the effects of an ambiguous answer from their alternatives.
 fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<Advised> {
     let best = &decision.best;
-    let own: Vec<usize> = (0..best.shape.terms.len())
-        .filter(|at| !best.shape.terms[*at].given)
-        .collect();
+    let own = best.added();
     let at = decision
         .alternatives
         .iter()

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::fit::{Fit, Problem, forces};
+use super::fit::{Fit, Problem, forces, forces_moved};
 use crate::batch::error::correlation;
 use crate::dense;
 
@@ -87,13 +87,11 @@ pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
 /// The rests, as places among the `used` samples, and the force (N) that one standard deviation of the
 /// position makes there.
 fn rests(problem: &Problem<'_>, fit: &Fit, used: &[usize]) -> Vec<(Range<usize>, Vec<f64>)> {
-    let mut moved = problem.courses.to_vec();
-    for course in &mut moved {
+    let here = forces(&fit.shape, &fit.numbers, problem.courses);
+    let there = forces_moved(&fit.shape, &fit.numbers, problem.courses, |course| {
         let error_m = course.position_noise_m;
         course.position_m.iter_mut().for_each(|x| *x += error_m);
-    }
-    let here = forces(&fit.shape, &fit.numbers, problem.courses);
-    let there = forces(&fit.shape, &fit.numbers, &moved);
+    });
     let position: Vec<f64> = problem
         .courses
         .iter()

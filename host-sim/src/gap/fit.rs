@@ -147,6 +147,18 @@ pub(super) fn forces(shape: &Shape, numbers: &[f64], courses: &[Course]) -> Vec<
     forces
 }
 
+/// The same if the motion were another.
+pub(super) fn forces_moved(
+    shape: &Shape,
+    numbers: &[f64],
+    courses: &[Course],
+    change: impl FnMut(&mut Course),
+) -> Vec<f64> {
+    let mut moved = courses.to_vec();
+    moved.iter_mut().for_each(change);
+    forces(shape, numbers, &moved)
+}
+
 impl Problem<'_> {
     /// Σ w r².
     pub(super) fn cost(&self, shape: &Shape, numbers: &[f64]) -> f64 {

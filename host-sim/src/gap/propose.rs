@@ -10,7 +10,7 @@ use rustfft::num_complex::Complex;
 
 use super::basis::{extend, remove};
 use super::course::Scales;
-use super::fit::{Fit, Problem, blocked, dot, forces};
+use super::fit::{Fit, Problem, blocked, dot, forces, forces_moved};
 use super::shape::{Shape, Term};
 use super::start::{is_possible, is_proportional, is_signed, is_size, starts, whole};
 
@@ -164,13 +164,12 @@ impl<'a> Ground<'a> {
             .scales
             .position_noise_m
             .max(1e-6 * self.scales.travel_m);
-        let mut moved = self.problem.courses.to_vec();
-        for course in &mut moved {
-            course.position_m.iter_mut().for_each(|x| *x += step);
-        }
         let shape = &self.fit.shape;
-        let here = forces(shape, &self.fit.numbers, self.problem.courses);
-        let moved = forces(shape, &self.fit.numbers, &moved);
+        let (numbers, courses) = (&self.fit.numbers, self.problem.courses);
+        let here = forces(shape, numbers, courses);
+        let moved = forces_moved(shape, numbers, courses, |course| {
+            course.position_m.iter_mut().for_each(|x| *x += step);
+        });
         moved
             .iter()
             .zip(&here)

@@ -95,6 +95,17 @@ fn is_one_more(fit: &Fit) -> bool {
     terms.iter().filter(|term| Some(term.id) == last).count() > 1
 }
 
+/// Of each set of effects the first.
+fn keep_first<T>(list: &mut Vec<T>, ids: impl Fn(&T) -> Vec<EffectId>) {
+    let mut seen: Vec<Vec<EffectId>> = Vec::new();
+    list.retain(|own| {
+        let ids = ids(own);
+        let new = !seen.contains(&ids);
+        seen.push(ids);
+        new
+    });
+}
+
 /// The first so many, and whatever else is to stay.
 fn truncate<T>(list: &mut Vec<T>, most: usize, stays: impl Fn(&T) -> bool) {
     let mut rank = 0;
@@ -126,23 +137,20 @@ impl Search<'_> {
 
     /// The sets that came closest, for the report.
     pub(super) fn ladder(&self, base: &Fit, found: &Found) -> Vec<Tried> {
-        let all = [base, &found.best]
+        let all: Vec<&Fit> = [base, &found.best]
             .into_iter()
             .chain(found.rivals.iter().flatten())
-            .chain(&self.tried);
+            .chain(&self.tried)
+            .collect();
         let mut ladder: Vec<Tried> = all
+            .into_par_iter()
             .map(|fit| Tried {
                 ids: added(fit),
                 ratio: (self.costed(fit).cost / self.floor).sqrt(),
             })
             .collect();
         ladder.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
-        let mut seen: Vec<Vec<EffectId>> = Vec::new();
-        ladder.retain(|own| {
-            let new = !seen.contains(&own.ids);
-            seen.push(own.ids.clone());
-            new
-        });
+        keep_first(&mut ladder, |own| own.ids.clone());
         ladder
     }
 
@@ -305,13 +313,7 @@ impl Search<'_> {
             self.progress.at(share, &what);
             let mut children: Vec<Fit> = beam.iter().flat_map(|fit| self.expanded(fit)).collect();
             children.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
-            let mut seen: Vec<Vec<EffectId>> = Vec::new();
-            children.retain(|fit| {
-                let ids = added(fit);
-                let new = !seen.contains(&ids);
-                seen.push(ids);
-                new
-            });
+            keep_first(&mut children, added);
             self.tried.extend_from_slice(&children);
             let Some(child) = children.first() else { break };
             let gained = best.cost - child.cost;

@@ -38,7 +38,8 @@ pub(super) fn finding(
     };
     let before_n = problem.forces(&decision.base.shape, &decision.base.numbers);
     let after_n = problem.forces(&decision.best.shape, &decision.best.numbers);
-    let known = told.known(&decision.best);
+    let errors = std_errors(&problem, &decision.best);
+    let known = told.known(&decision.best, &errors);
     let disagreement = told.regions(&before_n);
     // Where what is left is what noise leaves, its regions are shares of nothing.
     let remaining = match decision.verdict {
@@ -55,7 +56,10 @@ pub(super) fn finding(
         floors: evidence.floors.to_vec(),
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,
-        base_before: base(&decision.base, &told.known(&decision.base)),
+        base_before: base(
+            &decision.base,
+            &told.known(&decision.base, &std_errors(&problem, &decision.base)),
+        ),
         base_after: base(&decision.best, &known),
         disagreement,
         remaining,
@@ -68,7 +72,6 @@ pub(super) fn finding(
         notes: Vec::new(),
         effects,
     };
-    let errors = std_errors(&problem, &decision.best);
     (finding.advice, finding.advised) = advice(&finding, evidence, &decision, &errors);
     finding
 }
@@ -95,9 +98,8 @@ impl Told<'_> {
         .collect()
     }
 
-    /// Every parameter of a fit with its standard error.
-    fn known(&self, fit: &Fit) -> Vec<Owned> {
-        let errors = std_errors(&self.problem, fit);
+    /// Every parameter of a fit with its standard error, from those of its free numbers.
+    fn known(&self, fit: &Fit, errors: &[Option<f64>]) -> Vec<Owned> {
         let error_of = |owner: Owner| {
             let at = fit.shape.free.iter().position(|free| free.owner == owner)?;
             errors[at]

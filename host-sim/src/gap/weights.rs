@@ -1,7 +1,7 @@
 //! What a residual may be: the noise of the force, and what the errors of the motion make of it.
 
 use super::course::Course;
-use super::fit::{Fit, along, forces};
+use super::fit::{Fit, along, forces_moved};
 use super::floor::Floor;
 use super::low_pass::LowPass;
 
@@ -18,9 +18,9 @@ pub(super) fn variances(
     low_pass: Option<LowPass>,
 ) -> Vec<f64> {
     let moved = |change: fn(&mut Course, f64), sign: f64| {
-        let mut moved = courses.to_vec();
-        moved.iter_mut().for_each(|course| change(course, sign));
-        forces(&fit.shape, &fit.numbers, &moved)
+        forces_moved(&fit.shape, &fit.numbers, courses, |course| {
+            change(course, sign)
+        })
     };
     let spread = |change: fn(&mut Course, f64)| -> Vec<f64> {
         let (more, less) = (moved(change, 1.0), moved(change, -1.0));
