@@ -1,16 +1,18 @@
 //! `palpate gap`: where simulation and measurement disagree, what is missing, and the proof.
 //!
 //! The steps, a file a word: `floor` says what noise leaves without any model; `course` is a log as
-//! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
+//! the fits see it, `standstill` what is done to its speeds near rests; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
 //! says what a residual may be; `start` says where a candidate may start, `propose` what it promises there;
 //! `search` adds, swaps and drops effects, each time refitting everything, for a `price`; `decide` judges
-//! on held-out parts; `regions` says where, `error` how well; `files` writes it down. `plan` says before
+//! on held-out parts; `attenuation` takes off what the errors of the motion do to the numbers; `regions` says
+//! where, `error` (with the residuals' `spectrum`) how well; `files` writes it down. `plan` says before
 //! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart, `record` writes the one to
 //! record next. Before all that
 //! `input` refuses what cannot be fitted.
 
 mod advise;
 mod apart;
+mod attenuation;
 mod basis;
 mod budget;
 mod command;
@@ -34,6 +36,8 @@ mod regions;
 mod result;
 mod search;
 mod shape;
+mod spectrum;
+mod standstill;
 mod start;
 mod tell;
 mod weights;

@@ -5,15 +5,17 @@
 //! misses newtons there) or leaves the encoder's steps in the speed. Here every sample takes the widest
 //! window whose cubic still leaves no more than the noise.
 
+mod bend;
+
 use crate::log::UniformLog;
 use crate::signal;
+use bend::Quintic;
 
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
 /// 14 µm/s of noise in the speed.
 const HALF_WIDTHS: [usize; 7] = [15, 10, 7, 5, 3, 2, 1];
-/// What a cubic may leave of the position, in standard deviations of its noise, rms. The rms of 17
-/// degrees of freedom scatters by 17 %: a true cubic passes nine times of ten.
-const WITHIN: f64 = 1.25;
+/// How often a true polynomial leaves no more than is allowed: all but 3 % of a normal distribution's.
+const PASSES: f64 = 1.86;
 
 /// Position and speed at every sample of a log.
 #[derive(Clone, Debug)]
@@ -34,9 +36,19 @@ pub(crate) struct Kinematics {
     pub(crate) held: Vec<f64>,
 }
 
+/// What a polynomial may leave of the position, in standard deviations of its noise, rms: √(χ²/f) of f degrees
+/// of freedom as Wilson & Hilferty have it. 1.25 of the widest cubic, 2.1 of one degree: a limit for all made
+/// narrow windows fail by chance, one after the other, down to three samples and 0.2 mm/s of noise.
+fn within(freedom: f64) -> f64 {
+    let share = 2.0 / (9.0 * freedom);
+    (1.0 - share + PASSES * share.sqrt()).powf(1.5)
+}
+
 /// Sums of even powers of −m..m.
 struct Window {
     half_width: usize,
+    /// What its cubic may leave.
+    within: f64,
     even: [f64; 4],
 }
 
@@ -50,7 +62,11 @@ impl Window {
             }
         }
         even[0] += 1.0;
-        Window { half_width, even }
+        Window {
+            half_width,
+            within: within((even[0] - 4.0).max(1.0)),
+            even,
+        }
     }
 
     /// Standard deviations of slope and bend per sample, for a white noise of 1.
@@ -100,6 +116,7 @@ impl Window {
 pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let noise_m = signal::noise(&log.position_m);
     let windows: Vec<Window> = HALF_WIDTHS.into_iter().map(Window::new).collect();
+    let quintics = Quintic::all();
     let channel = &log.position_m;
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
@@ -108,11 +125,17 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         let room = at.min(channel.len() - 1 - at);
         let fitting = windows.iter().filter(|window| window.half_width <= room);
         let smoothed = fitting
-            .map(|window| (window.cubic(channel, at), window.noise()))
-            .find(|((_, left), _)| *left <= WITHIN * noise_m);
+            .map(|window| (window, window.cubic(channel, at)))
+            .find(|(window, (_, left))| *left <= window.within * noise_m)
+            .map(|(window, (cubic, _))| (cubic, window.noise()));
         let edge = ([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]);
-        let ([position, slope, bend], noise) =
-            smoothed.map_or(edge, |((cubic, _), noise)| (cubic, noise));
+        let ([position, slope, bend], noise) = smoothed.unwrap_or(edge);
+        let fitting = quintics.iter().filter(|own| own.half_width <= room);
+        let mut bends = fitting.map(|own| (own, own.bend(channel, at)));
+        let quintic = bends.find(|(own, (_, left))| *left <= own.within * noise_m);
+        let (bend, noise) = quintic.map_or((bend, noise), |(own, (bend, _))| {
+            (bend, [noise[0], own.noise])
+        });
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
         acceleration_noise_mps2.push(noise[1] * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);

@@ -1,6 +1,7 @@
 //! A log as the fits see it: position, speed, acceleration and force, at the log's rate or thinned.
 
 use super::low_pass::LowPass;
+use super::standstill;
 use crate::kinematics::kinematics;
 use crate::log::UniformLog;
 
@@ -28,7 +29,8 @@ pub(super) struct Course {
 impl Course {
     /// A log sample by sample.
     pub(super) fn of(log: &UniformLog) -> Course {
-        let motion = kinematics(log);
+        let mut motion = kinematics(log);
+        standstill::settle(&mut motion);
         Course {
             period_s: log.period_s(),
             even: true,

@@ -1,55 +1,46 @@
 //! How well a fit's numbers are known.
 //!
-//! C = H⁻¹·max(1, misfit²)·τ, H = JᵀWJ, τ the blocks per independent residual; and the sandwich
-//! H⁻¹MH⁻¹ with Newey & West's M, which counts what neighbours repeat. The larger variance of both,
-//! and that of the positions at rest: while the probe holds still the encoder's error is one number,
+//! C = H⁻¹·max(1, misfit²), H = JᵀWJ; the sandwich H⁻¹MH⁻¹ with Newey & West's M, which counts what
+//! neighbours repeat; and what noise of the residuals' spectrum makes of each number. The largest variance of
+//! the three, and two more: half of what the errors of speed and acceleration have done to the number, since
+//! their variance is known to a factor of about two; and that of the positions at rest: while the probe holds still the encoder's error is one number,
 //! and no hold averages it (0.3 µm at 10⁴ N/m are 3 mN, against 0.2 mN of white noise after 2 s).
 
 use std::ops::Range;
 
-use super::fit::{Fit, Problem, forces, forces_moved};
+use super::attenuation::bias;
+use super::basis::extend;
+use super::fit::{Fit, Linear, Problem, forces, forces_moved};
+use super::spectrum::Spectrum;
 use crate::batch::error::correlation;
 use crate::dense;
 
-/// Most lags of the sandwich.
+/// Fewest and most lags of the sandwich. Within a window of `kinematics`, 31 samples at most, the errors of
+/// speed and acceleration are the same ones.
+const FEWEST_LAGS: usize = 31;
 const MOST_LAGS: usize = 100;
+/// Share of the motion's errors' effect that is not known.
+const UNKNOWN: f64 = 0.5;
 
 /// Standard errors of a fit's free numbers, in the parameters' own units; `None` at a bound.
 pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
     let n = fit.numbers.len();
     let linear = problem.linear(&fit.shape, &fit.numbers);
     let (curvature, _) = problem.normal(&linear);
-    let stuck: Vec<bool> = fit
-        .shape
-        .free
-        .iter()
-        .zip(&fit.numbers)
-        .map(|(free, number)| free.is_at_bound(*number))
-        .collect();
+    let stuck = stuck(fit);
     let Some(inverse) = inverse(&curvature, &stuck, n) else {
         return vec![None; n];
     };
-    let used: Vec<usize> = (0..problem.weights.len())
-        .filter(|at| problem.weights[*at] > 0.0)
-        .collect();
-    let white: Vec<f64> = used
-        .iter()
-        .map(|at| problem.weights[*at].sqrt() * linear.residuals[*at])
-        .collect();
-    let rests = rests(problem, fit, &used);
-    let tau = correlation(&white);
-    let misfit =
-        white.iter().map(|r| r * r).sum::<f64>() / (white.len().saturating_sub(n).max(1)) as f64;
-    let lags = ((3.0 * tau).ceil() as usize)
-        .clamp(4, MOST_LAGS)
-        .min(used.len() / 8);
+    let left = Left::new(problem, fit, &linear, &stuck);
+    let bias = bias(problem, fit);
     (0..n)
         .map(|own| {
             if stuck[own] {
                 return None;
             }
             // What a newton at every sample does to this number alone: one series, not n² of them.
-            let per_n: Vec<f64> = used
+            let per_n: Vec<f64> = left
+                .used
                 .iter()
                 .map(|at| {
                     let slope: f64 = (0..n)
@@ -58,30 +49,85 @@ pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
                     slope * problem.weights[*at]
                 })
                 .collect();
-            let each = per_n.iter().zip(&used);
-            let influence: Vec<f64> = each.map(|(own, at)| own * linear.residuals[*at]).collect();
-            let sandwich = long_run(&influence, lags);
-            let plain = inverse[own * n + own] * misfit.max(1.0);
-            let at_rest: f64 = rests
-                .iter()
-                .map(|(samples, error_n)| {
-                    let sum: f64 = samples
-                        .clone()
-                        .map(|at| per_n[at] * error_n[at - samples.start])
-                        .sum();
-                    sum * sum
-                })
-                .sum();
-            let size = (plain.max(sandwich).max(0.0) + at_rest).sqrt();
+            let noise = left.noise(problem, &linear, &per_n, inverse[own * n + own]);
+            let variance = noise + left.at_rest(&per_n) + (UNKNOWN * bias[own]).powi(2);
             let natural = fit.shape.natural(own, fit.numbers[own]);
             let scale = if fit.shape.free[own].logarithmic {
                 natural
             } else {
                 1.0
             };
-            Some(size * scale).filter(|error| error.is_finite())
+            Some(variance.sqrt() * scale).filter(|error| error.is_finite())
         })
         .collect()
+}
+
+/// Which free numbers stand at a bound.
+pub(super) fn stuck(fit: &Fit) -> Vec<bool> {
+    let each = fit.shape.free.iter().zip(&fit.numbers);
+    each.map(|(free, number)| free.is_at_bound(*number))
+        .collect()
+}
+
+/// What a fit left, and what is to be known of it.
+struct Left {
+    /// The samples that count.
+    used: Vec<usize>,
+    misfit: f64,
+    lags: usize,
+    spectrum: Spectrum,
+    rests: Vec<(Range<usize>, Vec<f64>)>,
+}
+
+impl Left {
+    fn new(problem: &Problem<'_>, fit: &Fit, linear: &Linear, stuck: &[bool]) -> Left {
+        let n = fit.numbers.len();
+        let used: Vec<usize> = (0..problem.weights.len())
+            .filter(|at| problem.weights[*at] > 0.0)
+            .collect();
+        let weighted = |channel: &[f64]| -> Vec<f64> {
+            let each = used.iter();
+            each.map(|at| problem.weights[*at].sqrt() * channel[*at])
+                .collect()
+        };
+        let white = weighted(&linear.residuals);
+        let mut taken = Vec::new();
+        for (column, _) in linear.columns.iter().zip(stuck).filter(|own| !own.1) {
+            extend(&mut taken, weighted(column), &[]);
+        }
+        let freedom = white.len().saturating_sub(n).max(1) as f64;
+        Left {
+            misfit: white.iter().map(|r| r * r).sum::<f64>() / freedom,
+            lags: ((3.0 * correlation(&white)).ceil() as usize)
+                .clamp(FEWEST_LAGS, MOST_LAGS)
+                .min(used.len() / 8),
+            spectrum: Spectrum::of(&white, &taken),
+            rests: rests(problem, fit, &used),
+            used,
+        }
+    }
+
+    /// Variance that the residuals give a number: white, as neighbours repeat, as the spectrum says.
+    fn noise(&self, problem: &Problem<'_>, linear: &Linear, per_n: &[f64], own: f64) -> f64 {
+        let each = || per_n.iter().zip(&self.used);
+        let influence: Vec<f64> = each()
+            .map(|(own, at)| own * linear.residuals[*at])
+            .collect();
+        let per_one = each().map(|(own, at)| own / problem.weights[*at].sqrt());
+        let coloured = self.spectrum.variance(&per_one.collect::<Vec<f64>>());
+        let plain = own * self.misfit.max(1.0);
+        let repeated = long_run(&influence, self.lags);
+        plain.max(repeated).max(coloured)
+    }
+
+    /// And the one that the positions at rest give it.
+    fn at_rest(&self, per_n: &[f64]) -> f64 {
+        let each = self.rests.iter().map(|(samples, error_n)| {
+            let own = per_n[samples.clone()].iter().zip(error_n);
+            own.map(|(own, error)| own * error).sum::<f64>().powi(2)
+        });
+        each.sum()
+    }
 }
 
 /// The rests, as places among the `used` samples, and the force (N) that one standard deviation of the
@@ -128,7 +174,7 @@ fn long_run(terms: &[f64], lags: usize) -> f64 {
 }
 
 /// The inverse in units of the columns' sizes, numbers at a bound left out.
-fn inverse(curvature: &[f64], stuck: &[bool], n: usize) -> Option<Vec<f64>> {
+pub(super) fn inverse(curvature: &[f64], stuck: &[bool], n: usize) -> Option<Vec<f64>> {
     let out = |at: usize| stuck[at] || curvature[at * n + at] <= 0.0;
     let size: Vec<f64> = (0..n)
         .map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt())

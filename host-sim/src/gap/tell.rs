@@ -6,6 +6,7 @@ use estimator_core::effect::{Bounds, EffectId, MOST_PARAMETERS};
 
 use super::Options;
 use super::advise::advice;
+use super::attenuation::corrected;
 use super::course::Course;
 use super::decide::{Decision, Evidence, depths};
 use super::error::std_errors;
@@ -29,6 +30,10 @@ pub(super) fn finding(
         courses: evidence.courses,
         weights: &weights,
         low_pass: evidence.low_pass,
+    };
+    let decision = Decision {
+        best: corrected(&problem, &decision.best),
+        ..decision
     };
     let told = Told {
         problem,
