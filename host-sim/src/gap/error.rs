@@ -1,10 +1,11 @@
 //! How well a fit's numbers are known.
 //!
-//! C = H⁻¹·max(1, misfit²), H = JᵀWJ; the sandwich H⁻¹MH⁻¹ with Newey & West's M, which counts what
-//! neighbours repeat; and what noise of the residuals' spectrum makes of each number. The largest variance of
-//! the three, and two more: half of what the errors of speed and acceleration have done to the number, since
-//! their variance is known to a factor of about two; and that of the positions at rest: while the probe holds still the encoder's error is one number,
-//! and no hold averages it (0.3 µm at 10⁴ N/m are 3 mN, against 0.2 mN of white noise after 2 s).
+//! The noise gives the largest variance of three: C = H⁻¹·max(1, misfit²), H = JᵀWJ; the sandwich
+//! H⁻¹MH⁻¹ with Newey & West's M, which counts what neighbours repeat; and what noise of the residuals'
+//! `spectrum` makes of each number. To that come half of what the errors of speed and acceleration have
+//! done to the number (see `attenuation`: their variance is known to a factor of about two), and the positions
+//! at rest: while the probe holds still the encoder's error is one number, and no hold averages it (0.3 µm at
+//! 10⁴ N/m are 3 mN, against 0.2 mN of white noise after 2 s).
 
 use std::ops::Range;
 
