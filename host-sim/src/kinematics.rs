@@ -1,7 +1,5 @@
 //! Depth and speed without delay: local cubics through the position, each as wide as the noise of
-//! the position allows and no wider. The position itself comes from half that width: what a cubic rounds off grows
-//! with the fourth power of its width, and half the noise's σ off an encoder's ripple of 5 µm were eight
-//! standard errors of its amplitude.
+//! the position allows and no wider.
 //!
 //! A fixed window either rounds the corner between a ramp and a hold off (a damper then
 //! misses newtons there) or leaves the encoder's steps in the speed. Here every sample takes the widest
@@ -129,13 +127,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         let smoothed = fitting
             .map(|window| (window, window.cubic(channel, at)))
             .find(|(window, (_, left))| *left <= window.within * noise_m)
-            .map(|(window, (cubic, _))| {
-                let narrower = windows
-                    .iter()
-                    .find(|own| 2 * own.half_width <= window.half_width);
-                let position = narrower.map_or(channel[at], |own| own.cubic(channel, at).0[0]);
-                ([position, cubic[1], cubic[2]], window.noise())
-            });
+            .map(|(window, (cubic, _))| (cubic, window.noise()));
         let edge = ([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]);
         let ([position, slope, bend], noise) = smoothed.unwrap_or(edge);
         let fitting = quintics.iter().filter(|own| own.half_width <= room);
