@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use estimator_core::effect::EffectId;
+
 use super::regions::words;
 use super::result::{Finding, Known, Named, Verdict};
 use crate::report::number::{Measured, column, quantity};
@@ -53,18 +55,33 @@ fn line(text: &mut String, label: &str, value: &str) {
 
 /// The verdict in a sentence.
 pub(super) fn verdict(finding: &Finding) -> String {
-    let names: Vec<&str> = finding.effects.iter().map(|own| own.id.name()).collect();
+    let ids: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+    let names = names(&ids);
     match finding.verdict {
         Verdict::NoMissingEffect => "nothing is missing: the base model explains the log".into(),
-        Verdict::MissingEffects => format!("missing: {}", names.join(" and ")),
-        Verdict::Ambiguous => format!("ambiguous: {} or a rival", names.join(" and ")),
+        Verdict::MissingEffects => format!("missing: {names}"),
+        Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
         Verdict::Unexplained if names.is_empty() => {
             "unexplained: something is missing that the catalogue does not hold".into()
         }
-        Verdict::Unexplained => format!(
-            "missing: {}; and something unexplained",
-            names.join(" and ")
-        ),
+        Verdict::Unexplained => format!("missing: {names}; and something unexplained"),
+    }
+}
+
+/// Each name once: a spectrum has its effect several times.
+fn names(ids: &[EffectId]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for (at, id) in ids.iter().enumerate() {
+        let times = ids.iter().filter(|own| *own == id).count();
+        match times {
+            _ if ids[..at].contains(id) => {}
+            1 => names.push(id.name().into()),
+            _ => names.push(format!("{times} × {}", id.name())),
+        }
+    }
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => names.concat(),
     }
 }
 
@@ -175,5 +192,30 @@ fn base(text: &mut String, finding: &Finding) {
 }
 
 fn measured(known: &Known) -> String {
-    Measured::new(known.value, known.std_error, known.unit).to_string()
+    let value = Measured::new(known.value, known.std_error, known.unit);
+    match known.at_bound {
+        true => format!("{value} (at its bound)"),
+        false => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_once_and_in_a_row() {
+        use EffectId as E;
+        assert_eq!(names(&[]), "");
+        assert_eq!(names(&[E::Adhesion]), "adhesion");
+        assert_eq!(
+            names(&[
+                E::Adhesion,
+                E::StressRelaxation,
+                E::ForceLag,
+                E::StressRelaxation
+            ]),
+            "adhesion, 2 × stress_relaxation and force_lag"
+        );
+    }
 }

@@ -135,7 +135,14 @@ fn measured(known: &Known) -> Cell {
 /// Both ends in the digits and the unit of the value.
 fn interval(known: &Known) -> Cell {
     let Some(error) = known.std_error.filter(|own| *own > 0.0 && own.is_finite()) else {
-        return Cell::Missing("not fitted, or at a bound".into());
+        return Cell::Missing(
+            if known.at_bound {
+                "at its bound"
+            } else {
+                "not fitted"
+            }
+            .into(),
+        );
     };
     let end = |sign: f64| {
         let own = Measured::new(

@@ -41,6 +41,7 @@ fn curves() -> Curves {
 
 fn known(name: &str, value: f64, std_error: Option<f64>, unit: &'static str) -> Known {
     Known {
+        at_bound: false,
         name: name.into(),
         value,
         std_error,
