@@ -117,8 +117,11 @@ fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn 
         Verb::Restart => ordered(device, Command::Restart, "settling"),
         Verb::Backup { file } => {
             let name = device.identity()?.board.to_string();
-            backup::write(file, &device.settings()?, &name)?;
-            Ok(format!("{}: {} settings\n", file.display(), Key::ALL.len()))
+            let (settings, unknown) = device.known_settings()?;
+            backup::write(file, &settings, &unknown, &name)?;
+            let known = Key::ALL.len() - unknown.len();
+            let text = format!("{}: {known} settings\n", file.display());
+            Ok(text + &not_known(&unknown))
         }
         Verb::Restore { file } => {
             let now = device.settings()?;
@@ -141,7 +144,7 @@ fn ordered<P: Port>(
 
 fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     let identity = device.identity()?;
-    let settings = device.settings()?;
+    let (settings, unknown) = device.known_settings()?;
     let saved = if identity.unsaved {
         "not saved"
     } else {
@@ -153,7 +156,8 @@ fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     );
     // Of the effects, those that are on.
     let of_an_effect = |key: &Key| matches!(key, Key::Compensation(_));
-    let shown = |key: &Key| !of_an_effect(key) || settings.get(*key) != 0.0;
+    let on = |key: &Key| !of_an_effect(key) || settings.get(*key) != 0.0;
+    let shown = |key: &Key| on(key) && !unknown.contains(key);
     for key in Key::ALL.into_iter().filter(shown) {
         text.push_str(&line(key, settings.get(key)));
     }
@@ -163,7 +167,26 @@ fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     {
         text.push_str("compensation: none; `config compensate` takes effects of the rig off\n");
     }
+    text.push_str(&not_known(&unknown));
     Ok(text)
+}
+
+/// What an older firmware lacks, by section: it does as it did before there was such a setting.
+fn not_known(unknown: &[Key]) -> String {
+    let section = |key: &Key| match key.info().name.split_once('.') {
+        Some((section, _)) => section,
+        None => "",
+    };
+    let mut text = String::new();
+    for part in unknown.chunk_by(|a, b| section(a) == section(b)) {
+        let names = part.iter().map(|key| key.info().name);
+        let names = match part {
+            [Key::Compensation(_), ..] => "compensation.*".to_string(),
+            _ => names.collect::<Vec<_>>().join(", "),
+        };
+        text.push_str(&format!("not known to this firmware: {names}\n"));
+    }
+    text
 }
 
 fn line(key: Key, value: f32) -> String {
