@@ -185,10 +185,10 @@ mod tests {
     fn run(budget: &mut Budget, start: u32, cost: u32, time_us: u64, faults: Faults) {
         let at = Stations {
             start,
-            acquired: start.wrapping_add(100),
-            converted: start.wrapping_add(150),
-            put_out: start.wrapping_add(157),
-            compensated: start.wrapping_add(177),
+            acquired: start.wrapping_add(93),
+            converted: start.wrapping_add(143),
+            put_out: start.wrapping_add(150),
+            compensated: start.wrapping_add(170),
             stepped: start.wrapping_add(cost - 10),
             queued: start.wrapping_add(cost),
         };

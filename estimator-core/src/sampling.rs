@@ -23,17 +23,34 @@ pub struct Record {
     pub estimate: Estimate<f32>,
     /// What was put out at this instant; `None` while nothing is rendered.
     pub rendered: Option<Rendered>,
-    /// Whether codes, sample and estimate are to be sent.
+    /// What of it is to be sent.
+    pub due: Due,
+}
+
+/// What is to be sent of an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Due {
+    /// Codes, sample, estimate, and what was rendered.
     pub shown: bool,
-    /// Whether the impedance is, as the packet with this number and with parameters at this depth (m).
-    pub reflected: Option<(u16, f32)>,
+    /// The impedance, for the other side: as the packet with this number.
+    pub reflected: Option<u16>,
+    /// Depth (m) that its parameters are reported at.
+    reference_depth_m: f32,
+}
+
+impl Due {
+    /// Whether there is anything.
+    pub fn any(&self) -> bool {
+        self.shown || self.reflected.is_some()
+    }
 }
 
 impl Record {
     /// The packet for the other side, if one is due.
     pub fn packet(&self) -> Option<Packet> {
-        let (sequence, reference_depth_m) = self.reflected?;
-        Some(Packet::of(&self.estimate, reference_depth_m, sequence))
+        let sequence = self.due.reflected?;
+        let depth_m = self.due.reference_depth_m;
+        Some(Packet::of(&self.estimate, depth_m, sequence))
     }
 }
 
@@ -139,29 +156,20 @@ impl Sampler {
         estimate
     }
 
-    /// What is sent of this instant, if anything is: every so many, and those in which something
-    /// happens; and impedances for the other side, every so many.
-    pub fn record(
-        &mut self,
-        codes: Option<Codes>,
-        sample: Sample<f32>,
-        estimate: Estimate<f32>,
-        rendered: Option<Rendered>,
-    ) -> Option<Record> {
+    /// What is sent of this instant: every so many, and those in which something happens; and
+    /// impedances for the other side, every so many.
+    pub fn due(&mut self, estimate: &Estimate<f32>) -> Due {
         let shown = is_due(&mut self.count, self.setup.every) || estimate.event.is_some();
-        let reflects = self.setup.reflect_every > 0;
-        let reflected = reflects && is_due(&mut self.unreflected, self.setup.reflect_every);
-        if reflected {
+        let every = self.setup.reflect_every;
+        let reflects = every > 0 && is_due(&mut self.unreflected, every);
+        if reflects {
             self.packets = self.packets.wrapping_add(1);
         }
-        (shown || reflected).then_some(Record {
-            codes,
-            sample,
-            estimate,
-            rendered,
+        Due {
             shown,
-            reflected: reflected.then_some((self.packets, self.setup.reference_depth_m)),
-        })
+            reflected: reflects.then_some(self.packets),
+            reference_depth_m: self.setup.reference_depth_m,
+        }
     }
 }
 

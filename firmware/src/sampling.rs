@@ -81,8 +81,15 @@ impl Sampling {
         let compensated = Selected::now();
         let estimate = self.sampler.step(contact);
         let stepped = Selected::now();
-        let record = self.sampler.record(codes, sample, estimate, rendered);
-        let dropped = record.is_some_and(|record| !self.queue(record));
+        let due = self.sampler.due(&estimate);
+        let record = Record {
+            codes,
+            sample,
+            estimate,
+            rendered,
+            due,
+        };
+        let dropped = due.any() && !self.queue(record);
         let at = Stations {
             start,
             acquired,

@@ -49,7 +49,7 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
     /// Sends the frames of a record and logs what happened in it.
     pub fn send(&mut self, record: &Record) {
         let start = Selected::now();
-        if record.shown {
+        if record.due.shown {
             if let Some(codes) = record.codes {
                 self.send_frame(&Frame::Codes(codes));
             }

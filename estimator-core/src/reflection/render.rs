@@ -319,7 +319,11 @@ impl Renderer {
         }
         self.blend(elapsed_s);
         out.mark(Limit::Blending, self.left_s > 0.0);
-        let wanted_n = (self.gain * (law_n + self.offset_n)).max(0.0);
+        let wanted_n = self.gain * (law_n + self.offset_n);
+        if wanted_n.is_nan() {
+            return wanted_n;
+        }
+        let wanted_n = wanted_n.max(0.0);
         out.mark(Limit::Force, wanted_n > params.most_n);
         let most_change_n = params.slew_n_per_s * elapsed_s;
         let change_n = wanted_n.min(params.most_n) - self.force_n;
@@ -352,11 +356,11 @@ impl Renderer {
         let (law, sequence) = next;
         if law != self.law || self.gain != 1.0 {
             let mut memory = self.memory;
-            let before_n =
-                self.gain * (of(&self.law, &mut memory, params, at, None) + self.offset_n);
+            let before_n = of(&self.law, &mut memory, params, at, None) + self.offset_n;
+            let put_out_n = (self.gain * before_n).max(0.0).min(params.most_n);
             let mut memory = self.memory;
             let after_n = of(&law, &mut memory, params, at, None);
-            self.offset_n = before_n - after_n;
+            self.offset_n = put_out_n - after_n;
             self.left_s = params.fade_s;
         }
         (self.law, self.sequence, self.gain) = (law, sequence, 1.0);

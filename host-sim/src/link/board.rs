@@ -216,9 +216,18 @@ impl SimulatedBoard {
         self.force_code = code;
         let contact = self.sampler.compensate(sample);
         let estimate = self.sampler.step(contact);
-        let record = self.sampler.record(Some(codes), sample, estimate, rendered);
-        let dropped = record.is_some() && self.queue.len() >= QUEUE;
-        self.queue.extend(record.filter(|_| !dropped));
+        let due = self.sampler.due(&estimate);
+        let record = Record {
+            codes: Some(codes),
+            sample,
+            estimate,
+            rendered,
+            due,
+        };
+        let dropped = due.any() && self.queue.len() >= QUEUE;
+        if due.any() && !dropped {
+            self.queue.push_back(record);
+        }
         // No stopwatch: nanoseconds of a task that takes none.
         let start = (self.ticks * 1_000_000) as u32;
         let at = Stations {
@@ -294,7 +303,7 @@ impl SimulatedBoard {
     }
 
     fn send_record(&mut self, record: &Record) {
-        if record.shown {
+        if record.due.shown {
             if let Some(codes) = record.codes {
                 self.send(&Frame::Codes(codes));
             }
