@@ -155,6 +155,9 @@ impl Impedance {
 
     /// Force on the probe (N), as the law itself gives it.
     fn force_n(&self, memory: &mut Memory, depth_m: f32, speed_mps: f32, period_s: f32) -> f32 {
+        if !matches!(self, Impedance::QuasiLinear(_)) {
+            *memory = None;
+        }
         match self {
             Impedance::KelvinVoigt(law) => law.force_n(depth_m, speed_mps),
             Impedance::HuntCrossley(law) => law.force_n(depth_m, speed_mps),

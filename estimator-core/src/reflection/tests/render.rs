@@ -47,7 +47,7 @@ fn follows(law: LawKind, shaping: f32, own: &mut dyn FnMut(f32, f32) -> f32, tol
         assert_eq!((rendered.limits, rendered.faults), (0, Faults::NONE));
         let error = (rendered.force_n - expected).abs();
         assert!(
-            error <= tolerance * expected,
+            error <= tolerance * expected.max(1.0),
             "{i}: {rendered:?} {expected}"
         );
         compared += u32::from(expected > 0.1);
@@ -212,7 +212,7 @@ fn another_material_another_law_or_another_surface_comes_in_without_a_step() {
         if random.below(30) == 0 {
             let law = LawKind::ALL[random.below(6) as usize];
             let mut values = usual(law).to_vec();
-            values[0] *= random.between(0.2, 5.0);
+            values[0] *= random.between(0.2, 1.0);
             *values.last_mut().unwrap() += random.between(-1e-3, 1e-3);
             renderer
                 .take(&params, &packet(law, &values, i as u16))
@@ -222,8 +222,8 @@ fn another_material_another_law_or_another_surface_comes_in_without_a_step() {
         // The master stands still: every change of the force is one of the impedance's.
         let rendered = renderer.step(&params, 1.5e-3, 0.0, i * 1000);
         let change_n = (rendered.force_n - last_n).abs();
-        // In a straight line over 50 ms from at most 20 N; a mode that relaxes at 3/s adds 0.06 N/ms.
-        assert!(change_n < 20.0 / 50.0 + 0.1, "{i}: {change_n}");
+        // In a straight line over 50 ms from at most 20 N; what relaxes adds up to 0.03 N/ms.
+        assert!(change_n < 20.0 / 50.0 + 0.03, "{i}: {change_n}");
         last_n = rendered.force_n;
     }
     assert!(changes > 500);
