@@ -375,6 +375,45 @@ fn packets_to_render_are_done_or_refused_for_their_reason() {
     assert_eq!(answers.len(), told.len());
 }
 
+/// While settings are saved the core may stand still, and the force with it.
+#[test]
+fn while_settings_are_saved_the_force_is_at_rest_and_then_goes_on() {
+    let mut settings = Settings::default();
+    for (key, value) in [
+        (Key::RenderForceN, 8.0),
+        (Key::RenderDeviceNsPerM, 8.0),
+        (Key::RenderTimeoutS, 10.0),
+        (Key::RenderZero, 0.1),
+    ] {
+        settings.put(key, value);
+    }
+    let emulator = Emulator::from_env("saving").expect("set-up");
+    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    store.save(&settings).expect("memory");
+    let flash = emulator.directory.join("settings.flash");
+    fs::write(flash, store.release().bytes()).expect("settings.flash");
+    // GIVEN a surface so far out that there is a force wherever the probe is
+    let push = Command::Reflect(told(1_000_000, [300.0, 0.0, 1.0, -2e-2]));
+    let commands = [vec![(0, push)], vec![(150, Command::Save); 10]].concat();
+    let answers = answers(&emulator, &commands, &[]);
+    let done = answers
+        .iter()
+        .skip(1)
+        .filter(|answer| **answer == Answer::Done)
+        .count();
+    assert!((1..10).contains(&done), "{answers:?}");
+    // THEN it is at rest as often as settings were saved, and not when that was refused
+    let forces = fs::read(emulator.directory.join("force.codes")).expect("force.codes");
+    let codes: Vec<u16> = forces.chunks(6).map(|bytes| put_out(bytes).1).collect();
+    let (first, after) = codes.split_first().expect("codes");
+    assert_eq!(*first, 263);
+    assert_eq!(after.iter().filter(|code| **code == 263).count(), done);
+    assert!(
+        after.windows(2).all(|pair| pair[0] != 263 || pair[1] > 800),
+        "{after:?}"
+    );
+}
+
 #[test]
 fn rendering_costs_what_the_budget_says() {
     let (.., budget, _) = &*REFLECTING;

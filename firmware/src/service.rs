@@ -97,19 +97,15 @@ impl<B: Board> Service<B> {
         telemetry: &mut Telemetry<L, P>,
         output: &mut impl Mutex<T = Force<B::Output>>,
     ) {
-        let stalls = matches!(command, Command::Save);
-        if stalls {
-            // An erase may take 4 s, during which nothing runs.
-            self.watchdog.feed();
-            let rest = self
-                .responder
-                .settings()
-                .output()
-                .code(0.0, B::Output::FULL);
-            output.lock(|output| output.hold(rest));
-        }
         let in_contact = telemetry.phase() == Phase::Contact;
         let busy = !self.changes.is_empty();
+        // An erase may take 4 s, during which nothing runs, and a force would stand.
+        let stalls = command == Command::Save && !in_contact && !busy;
+        if stalls {
+            self.watchdog.feed();
+            let rest = self.responder.settings().output();
+            output.lock(|output| output.hold(rest.code(0.0, B::Output::FULL)));
+        }
         let mut answered = self.responder.answer(to, command, in_contact, busy);
         if stalls {
             output.lock(Force::release);

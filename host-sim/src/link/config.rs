@@ -1,7 +1,7 @@
 //! `palpate config`: a board's settings.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use estimator_core::link::Command;
@@ -115,19 +115,8 @@ fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn 
         Verb::Reload => ordered(device, Command::Reload, "as saved"),
         Verb::Defaults => ordered(device, Command::Defaults, "defaults in force, not saved"),
         Verb::Restart => ordered(device, Command::Restart, "settling"),
-        Verb::Backup { file } => {
-            let name = device.identity()?.board.to_string();
-            let (settings, unknown) = device.known_settings()?;
-            backup::write(file, &settings, &unknown, &name)?;
-            let known = Key::ALL.len() - unknown.len();
-            let text = format!("{}: {known} settings\n", file.display());
-            Ok(text + &not_known(&unknown))
-        }
-        Verb::Restore { file } => {
-            let now = device.settings()?;
-            let changed = restore(device, &now, &backup::read(file, now)?)?;
-            Ok(format!("{}: {changed} changed, saved\n", file.display()))
-        }
+        Verb::Backup { file } => keep(device, file),
+        Verb::Restore { file } => restored(device, file),
         Verb::Calibrate(args) => calibrate::run(device, args, &mut calibrate::Terminal),
         Verb::Compensate(args) => compensate::run(device, compensate::plan(args)?.as_ref()),
     }
@@ -142,7 +131,34 @@ fn ordered<P: Port>(
     Ok(format!("{said}\n"))
 }
 
-fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
+/// Writes all settings that the board knows into a file, and says which those are not.
+///
+/// # Errors
+/// What board and file system say.
+pub fn keep<P: Port>(device: &mut Device<P>, file: &Path) -> Result<String, Box<dyn Error>> {
+    let name = device.identity()?.board.to_string();
+    let (settings, unknown) = device.known_settings()?;
+    backup::write(file, &settings, &unknown, &name)?;
+    let known = Key::ALL.len() - unknown.len();
+    let text = format!("{}: {known} settings\n", file.display());
+    Ok(text + &not_known(&unknown))
+}
+
+/// Sets and saves the settings of a file; what it does not name stays.
+///
+/// # Errors
+/// What file and board say; one that the board does not know and that is not at its default.
+pub fn restored<P: Port>(device: &mut Device<P>, file: &Path) -> Result<String, Box<dyn Error>> {
+    let now = device.settings()?;
+    let changed = restore(device, &now, &backup::read(file, now)?)?;
+    Ok(format!("{}: {changed} changed, saved\n", file.display()))
+}
+
+/// What the board is, and its settings.
+///
+/// # Errors
+/// What the board says.
+pub fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     let identity = device.identity()?;
     let (settings, unknown) = device.known_settings()?;
     let saved = if identity.unsaved {
