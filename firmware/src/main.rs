@@ -114,12 +114,13 @@ mod app {
         let (telemetry, service) = (cx.local.telemetry, cx.local.service);
         // Before draining: whatever was queued before the end is then still sent.
         let budget = cx.shared.budget.lock(|budget| *budget);
+        // Before the records: on a line that they fill, there would never be room for an answer.
+        service.answer(telemetry, &mut cx.shared.output);
         while telemetry.has_room()
             && let Some(record) = cx.local.inbox.dequeue()
         {
             telemetry.send(&record);
         }
-        service.answer(telemetry, &mut cx.shared.output);
         service.report(telemetry, &budget);
         telemetry.poll();
         if budget.finished {

@@ -12,7 +12,7 @@ use common::Folder;
 use estimator_core::frame::Frame;
 use estimator_core::law::{ContactLaw, HuntCrossley};
 use estimator_core::link::{Answer, Command, Refusal};
-use estimator_core::reflection::{Impedance, Output, Packet, Rendered, Speed};
+use estimator_core::reflection::{Impedance, Output, Packet, Speed};
 use estimator_core::settings::compensation::has_place;
 use estimator_core::settings::{Key, Settings};
 use estimator_core::{Fault, Sample, Status};
@@ -159,19 +159,30 @@ fn a_master_renders_the_same_law_and_its_output_is_that_force_to_a_code() {
     assert_eq!(master.port().board().force_code(), 0);
     assert_eq!(master.ask(Command::Reflect(told)).unwrap(), Answer::Done);
     renders_the_law(&mut master, &told);
+    // A hand that holds 2 mm deep: the output has the code of a force that does not change.
+    let held = Hand::Holding {
+        position_m: 2e-3,
+        force_n: 0.0,
+    };
+    let mut master = device(board(held));
+    set(&mut master, &MASTER);
+    assert_eq!(master.ask(Command::Reflect(told)).unwrap(), Answer::Done);
+    let mut rendered = Vec::new();
+    while rendered.len() < 500 {
+        if let Some(Frame::Rendered(next)) = master.next_frame().unwrap() {
+            rendered.push(next.force_n);
+        }
+    }
+    let force_n = rendered[499];
+    assert!(force_n > 3.0 && force_n == rendered[250], "{force_n}");
     let output = Output {
         zero: 0.0,
         full_n: 10.0,
     };
-    let mut last = Rendered::default();
-    while !last.time_us.is_multiple_of(7_000_000) || last.time_us == 0 {
-        if let Some(Frame::Rendered(rendered)) = master.next_frame().unwrap() {
-            last = rendered;
-        }
-    }
+    let code = master.port().board().force_code();
+    assert_eq!(code, output.code(force_n, FULL));
     // A code is 3.8 mN of 10 N.
-    assert_eq!(output.code(5.0, FULL), 1313);
-    assert!(master.port().board().force_code() <= FULL);
+    assert!((f32::from(code) * 10.0 / f32::from(FULL) - force_n).abs() < 1.95e-3);
 }
 
 #[test]

@@ -184,15 +184,15 @@ impl SimulatedBoard {
         self.commands.extend(bytes);
     }
 
-    /// A millisecond: the sampling task, then telemetry, then the line.
+    /// A millisecond: the sampling task, then answers and telemetry, then the line.
     pub fn tick(&mut self) {
         self.sample();
+        self.answer();
         while self.room()
             && let Some(record) = self.queue.pop_front()
         {
             self.send_record(&record);
         }
-        self.answer();
         let (samples, every) = (self.budget.samples, u32::from(RATE_HZ));
         if samples.is_multiple_of(every) && self.room() {
             self.send(&Frame::Health(self.health()));
