@@ -214,51 +214,60 @@ fn with_what_was_saved_taken_off_the_emulator_has_the_bits_of_the_host() {
     assert!(taken_off > codes.len() / 4, "{taken_off}");
 }
 
+struct Reflecting {
+    settings: Settings,
+    told: Vec<Packet>,
+    codes: Vec<Codes>,
+    run: Run,
+    budget: Budget,
+    /// What the force output got: force.codes.
+    forces: Vec<u8>,
+}
+
 /// A board that is slave and master at once: sends what it identifies at every fifth sample, and renders
 /// what it is told. Its own damping is that of a handle on a motor: what it is told is limited by it.
-static REFLECTING: LazyLock<(Settings, Vec<Packet>, Vec<Codes>, Run, Budget, Vec<u8>)> =
-    LazyLock::new(|| {
-        let mut settings = Settings::default();
-        for (key, value) in [
-            (Key::ReflectionEvery, 5.0),
-            (Key::RenderForceN, 8.0),
-            (Key::RenderDeviceNsPerM, 8.0),
-            (Key::RenderTimeoutS, 2.0),
-            (Key::RenderZero, 0.1),
-        ] {
-            settings.put(key, value);
-        }
-        let told = [
-            // Out of order, and what no material has, in between.
-            (0, told(1_000_000, [1350.0, 36.0, 1.35, 1e-4])),
-            (400, told(900_000, [9.0, 9.0, 1.0, 0.0])),
-            (400, told(1_400_000, [-5.0, 36.0, 1.35, 1e-4])),
-            (400, told(2_000_000, [11_500.0, 70.0, 1.2, -1e-4])),
-            (400, told(2_500_000, [200.0, 1.0, 1.6, 0.0])),
-        ];
-        let commands = told.map(|(quiet_ms, packet)| (quiet_ms, Command::Reflect(packet)));
-        let emulator = Emulator::from_env("reflecting").expect("set-up");
-        let mut store = Store::new(Memory::default(), 0, SECTOR);
-        store.save(&settings).expect("memory");
-        let flash = emulator.directory.join("settings.flash");
-        fs::write(flash, store.release().bytes()).expect("settings.flash");
-        let bytes = with_pauses(&commands);
-        fs::write(emulator.directory.join("commands.frames"), bytes).expect("commands");
-        let codes = codes(&palpation(SAMPLES / 10, 6));
-        let frames: Vec<Frame> = codes.iter().copied().map(Frame::Codes).collect();
-        let run = emulator.run_frames(&frames, |_| {}).expect("run");
-        let budget = Budget::from_log(&run.log).expect("budget");
-        println!("{budget:?}");
-        let forces = fs::read(emulator.directory.join("force.codes")).expect("force.codes");
-        (
-            settings,
-            told.map(|(_, packet)| packet).to_vec(),
-            codes,
-            run,
-            budget,
-            forces,
-        )
-    });
+static REFLECTING: LazyLock<Reflecting> = LazyLock::new(|| {
+    let mut settings = Settings::default();
+    for (key, value) in [
+        (Key::ReflectionEvery, 5.0),
+        (Key::RenderForceN, 8.0),
+        (Key::RenderDeviceNsPerM, 8.0),
+        (Key::RenderTimeoutS, 2.0),
+        (Key::RenderZero, 0.1),
+    ] {
+        settings.put(key, value);
+    }
+    let told = [
+        // Out of order, and what no material has, in between.
+        (0, told(1_000_000, [1350.0, 36.0, 1.35, 1e-4])),
+        (400, told(900_000, [9.0, 9.0, 1.0, 0.0])),
+        (400, told(1_400_000, [-5.0, 36.0, 1.35, 1e-4])),
+        (400, told(2_000_000, [11_500.0, 70.0, 1.2, -1e-4])),
+        (400, told(2_500_000, [200.0, 1.0, 1.6, 0.0])),
+    ];
+    let commands = told.map(|(quiet_ms, packet)| (quiet_ms, Command::Reflect(packet)));
+    let emulator = Emulator::from_env("reflecting").expect("set-up");
+    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    store.save(&settings).expect("memory");
+    let flash = emulator.directory.join("settings.flash");
+    fs::write(flash, store.release().bytes()).expect("settings.flash");
+    let bytes = with_pauses(&commands);
+    fs::write(emulator.directory.join("commands.frames"), bytes).expect("commands");
+    let codes = codes(&palpation(SAMPLES / 10, 6));
+    let frames: Vec<Frame> = codes.iter().copied().map(Frame::Codes).collect();
+    let run = emulator.run_frames(&frames, |_| {}).expect("run");
+    let budget = Budget::from_log(&run.log).expect("budget");
+    println!("{budget:?}");
+    let forces = fs::read(emulator.directory.join("force.codes")).expect("force.codes");
+    Reflecting {
+        settings,
+        told: told.map(|(_, packet)| packet).to_vec(),
+        codes,
+        run,
+        budget,
+        forces,
+    }
+});
 
 fn told(time_us: u64, values: [f32; 4]) -> Packet {
     let params: Params<f32> = Config::default().validate().expect("the default is valid");
@@ -275,7 +284,14 @@ fn told(time_us: u64, values: [f32; 4]) -> Packet {
 
 #[test]
 fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
-    let (settings, told, codes, run, _, forces) = &*REFLECTING;
+    let Reflecting {
+        settings,
+        told,
+        codes,
+        run,
+        forces,
+        ..
+    } = &*REFLECTING;
     let mut host = Sampler::new(settings.setup().expect("valid"));
     every_frame_is_numbered(&run.frames);
     let frames = records(&run.frames);
@@ -352,7 +368,7 @@ fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
 
 #[test]
 fn packets_to_render_are_done_or_refused_for_their_reason() {
-    let (_, told, _, run, ..) = &*REFLECTING;
+    let Reflecting { told, run, .. } = &*REFLECTING;
     let answers: Vec<Answer> = run
         .frames
         .iter()
@@ -416,7 +432,7 @@ fn while_settings_are_saved_the_force_is_at_rest_and_then_goes_on() {
 
 #[test]
 fn rendering_costs_what_the_budget_says() {
-    let (.., budget, _) = &*REFLECTING;
+    let budget = &REFLECTING.budget;
     within("render", &budget.render);
     contains("stack_free", budget.stack_free);
     assert_eq!(budget.dropped, 0);

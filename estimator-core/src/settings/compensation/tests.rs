@@ -56,7 +56,7 @@ fn the_numbers_are_stable() {
 #[test]
 fn a_record_holds_all_settings() {
     // Those of the eight effects with the most parameters: more cannot be on at once.
-    let places = EffectId::ALL.into_iter().filter(|id| has_place(**id));
+    let places = EffectId::ALL.iter().filter(|id| has_place(**id));
     let mut sizes: Vec<_> = places.map(|id| id.info().parameters.len()).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
     let most: usize = sizes.iter().take(8).sum();
