@@ -271,6 +271,8 @@ impl Renderer {
             None => Some((1e6 * params.period_s) as u64),
         };
         self.last_us = Some(now_us);
+        // A clock that starts anew must not put the timeout off.
+        self.heard_us = self.heard_us.map(|heard_us| heard_us.min(now_us));
         let force_n = elapsed_us
             .filter(|_| position_m.is_finite() && speed_mps.is_finite())
             .and_then(|elapsed_us| {
@@ -325,7 +327,8 @@ impl Renderer {
         }
         let wanted_n = wanted_n.max(0.0);
         out.mark(Limit::Force, wanted_n > params.most_n);
-        let most_change_n = params.slew_n_per_s * elapsed_s;
+        // After a gap, too, no more than two samples' worth.
+        let most_change_n = params.slew_n_per_s * elapsed_s.min(2.0 * params.period_s);
         let change_n = wanted_n.min(params.most_n) - self.force_n;
         if change_n.abs() > most_change_n {
             out.mark(Limit::Slew, true);

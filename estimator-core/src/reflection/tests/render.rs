@@ -295,6 +295,30 @@ fn a_position_that_is_none_and_a_time_that_stands_still_put_the_force_to_zero_at
     }
 }
 
+#[test]
+fn a_gap_lets_the_force_jump_no_further_and_a_clock_that_starts_anew_puts_no_timeout_off() {
+    let config = RenderConfig {
+        slew_n_per_s: 100.0,
+        ..WIDE
+    };
+    let params = config.validate().unwrap();
+    let mut renderer = renderer(&params, &packet(LawKind::HuntCrossley, &GEL, 1));
+    for ms in 1..=80 {
+        renderer.step(&params, -1e-3, 0.0, 1_000_000_000 + ms * 1000);
+    }
+    // 15 ms are missing, and the hand is 2 mm deep: 3 N; 0.2 N come at once.
+    let after = renderer.step(&params, 2e-3, 0.0, 1_000_095_000);
+    assert!(after.force_n > 0.0 && after.force_n < 0.2001, "{after:?}");
+    assert!(after.has(Limit::Slew));
+    // The clock starts anew: 100 ms of timeout and 50 of fading later there is nothing left.
+    let restarted: Vec<_> = (1..=200)
+        .map(|ms| renderer.step(&params, 2e-3, 0.0, ms * 1000))
+        .collect();
+    assert!(restarted[0].faults.has(Fault::RenderUnusable));
+    assert!(restarted[90].force_n > 1.0, "{:?}", restarted[90]);
+    assert_eq!(restarted[160].force_n, 0.0);
+}
+
 /// Plastic at a master of 5 N s/m, that renders 2500 N/m and 12.5 N s/m.
 #[test]
 fn no_slope_and_no_damping_is_more_than_the_master_can_render() {
