@@ -2,14 +2,14 @@
 //!
 //! Two opinions. The high-pass one (second differences) sees white noise only. The one at rest, in
 //! free air, sees the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
-//! disturbance) are no noise and are cut to their neighbours' level. Where the two differ the noise is
-//! coloured, and rest is right.
+//! disturbance) are no noise and are cut to their neighbours' level, and one that runs through all free
+//! air is taken out first. Where the two differ the noise is coloured, and rest is right; its fast part
+//! is the better known from the whole log.
 
 use std::ops::Range;
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
-
+use super::line::Line;
+use super::spectrum::{self, Rise, Spectrum, detrended};
 use crate::batch::error::correlation;
 use crate::log::UniformLog;
 use crate::signal;
@@ -17,11 +17,18 @@ use crate::signal;
 /// Shortest rest that counts (samples), and the longest window of its spectrum.
 const SHORTEST: usize = 128;
 const LONGEST: usize = 2048;
-/// A bin this many times the median of its neighbours is a line; noise alone reaches it in e⁻⁸ of
-/// the bins of one window.
-const LINE: f64 = 8.0;
+/// Windows of the whole log (samples), and from where on (cycles per sample) noise is fast.
+const WINDOW: usize = 256;
+const HIGH: f64 = 1.0 / 16.0;
+/// So many standard errors are no scatter.
+const CERTAIN: f64 = 3.0;
 /// From this ratio on it is not white.
 const COLOURED: f64 = 1.06;
+/// A disturbance has at least this share of the power at rest: where it has less, the floor is at
+/// most 1.4 times too high.
+const DISTURBED: f64 = 0.5;
+/// Most of them that are looked for.
+const DISTURBANCES: usize = 3;
 
 /// What the force does when nothing happens.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +43,8 @@ pub struct Floor {
     pub used_n: f64,
     /// Whether it is not white.
     pub coloured: bool,
+    /// Standard error of the one to trust, as a share of it; 0 where all samples had a say.
+    pub uncertainty: f64,
     /// Samples per independent one.
     pub correlation: f64,
     /// Which one it is, in words.
@@ -45,10 +54,34 @@ pub struct Floor {
 impl Floor {
     /// The floor of a log.
     pub fn of(log: &UniformLog) -> Floor {
-        let high_pass_n = high_pass(log);
         let rests = rests(log);
-        let (rest_n, lines_n) =
-            rest(log, &rests).map_or((None, 0.0), |(own, lines)| (Some(own), lines));
+        let mut floor = Floor::as_it_is(log, &rests);
+        if rests.is_empty() {
+            return floor;
+        }
+        let free = in_free_air(log);
+        let mut quieter = log.clone();
+        for _ in 0..DISTURBANCES {
+            let Some(line) = Line::strongest(&quieter.force_n, &free) else {
+                break;
+            };
+            let force = quieter.force_n.iter_mut().enumerate();
+            force.for_each(|(at, own)| *own -= line.at(at));
+            let without = Floor::as_it_is(&quieter, &rests);
+            // What repeats with the motion is not there at rest.
+            if without.resting_n2() > DISTURBED * floor.resting_n2() {
+                break;
+            }
+            floor = without;
+        }
+        floor
+    }
+
+    /// Of what is there, disturbed or not.
+    fn as_it_is(log: &UniformLog, rests: &[Range<usize>]) -> Floor {
+        let high_pass_n = high_pass(log);
+        let rest = rest(log, rests, high_pass_n);
+        let rest_n = rest.as_ref().map(|own| own.noise_n2.sqrt());
         let (used_n, why) = match rest_n {
             None => (
                 high_pass_n,
@@ -64,28 +97,46 @@ impl Floor {
             ),
         };
         let coloured = used_n > COLOURED * high_pass_n;
+        let error = |own: &Rest| 0.5 * own.error_n2 / own.noise_n2.max(f64::MIN_POSITIVE);
         Floor {
             coloured,
             correlation: if coloured {
-                resting_correlation(log, &rests)
+                resting_correlation(log, rests)
             } else {
                 1.0
             },
+            uncertainty: rest.as_ref().filter(|_| coloured).map_or(0.0, error),
             high_pass_n,
             rest_n,
-            lines_n,
+            lines_n: rest.map_or(0.0, |own| own.lines_n2.sqrt()),
             used_n,
             why: why.into(),
         }
     }
+
+    /// Power at rest (N²), lines and all.
+    fn resting_n2(&self) -> f64 {
+        self.rest_n.unwrap_or(0.0).powi(2) + self.lines_n.powi(2)
+    }
+}
+
+/// Samples of the quarter of the travel that is furthest out.
+fn in_free_air(log: &UniformLog) -> Vec<bool> {
+    let out_m = out_m(&log.position_m);
+    let each = log.position_m.iter().zip(&log.in_gap);
+    each.map(|(x, gap)| *x <= out_m && !gap).collect()
+}
+
+fn out_m(position_m: &[f64]) -> f64 {
+    let lowest = position_m.iter().copied().fold(f64::INFINITY, f64::min);
+    lowest + 0.25 * signal::range(position_m)
 }
 
 /// Stretches in which the position stays within two counts, in the quarter of the travel that is
 /// furthest out.
 pub(super) fn rests(log: &UniformLog) -> Vec<Range<usize>> {
     let position = &log.position_m;
-    let lowest = position.iter().copied().fold(f64::INFINITY, f64::min);
-    let out_m = lowest + 0.25 * signal::range(position);
+    let out_m = out_m(position);
     let still_m = 2.5 * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
     let mut rests = Vec::new();
     let mut from = 0;
@@ -122,131 +173,59 @@ fn high_pass(log: &UniformLog) -> f64 {
     if fine > 0.0 { fine } else { coarse }
 }
 
-fn rest(log: &UniformLog, rests: &[Range<usize>]) -> Option<(f64, f64)> {
-    let mut total = [0.0; 3];
-    for rest in rests {
-        // What the motion leaves behind has gone after a tenth of the rest.
-        let settled = rest.start + rest.len() / 10..rest.end;
-        let force = &log.force_n[settled];
-        for window in force
-            .chunks(LONGEST)
-            .filter(|own| own.len() >= SHORTEST / 2)
-        {
-            let weight = window.len() as f64;
-            let (noise, lines) = variance(window, log.len());
-            for (sum, own) in total.iter_mut().zip([noise, lines, 1.0]) {
-                *sum += weight * own;
-            }
-        }
-    }
-    let [noise, lines, weight] = total;
-    (weight > 0.0).then(|| ((noise / weight).sqrt(), (lines / weight).sqrt()))
+/// What the rests say of the noise: N², and the standard error of `noise_n2`.
+struct Rest {
+    noise_n2: f64,
+    lines_n2: f64,
+    error_n2: f64,
 }
 
-/// Without what stands out by more than noise does: spikes are no noise, and a floor that counts them
-/// would hide them. Four robust standard deviations; a line or a coloured noise has no such tails.
-fn clipped(mut detrended: Vec<f64>) -> Vec<f64> {
-    let sizes = detrended.iter().map(|own| own.abs()).collect();
-    let most = 4.0 * 1.4826 * signal::median(sizes);
-    if most > 0.0 {
-        detrended
-            .iter_mut()
-            .for_each(|own| *own = own.clamp(-most, most));
-    }
-    detrended
+fn rest(log: &UniformLog, rests: &[Range<usize>], noise_n: f64) -> Option<Rest> {
+    let spectra: Vec<Spectrum> = rests
+        .iter()
+        .flat_map(|rest| log.force_n[settled(rest)].chunks(LONGEST))
+        .filter(|own| own.len() >= SHORTEST / 2)
+        .map(|window| Spectrum::of(window, noise_n))
+        .collect();
+    let mut rise = Rise::default();
+    spectra.iter().for_each(|own| rise.add(own));
+    let weight: f64 = spectra.iter().map(|own| own.samples as f64).sum();
+    let mean = |of: &dyn Fn(&Spectrum) -> f64| {
+        let sum: f64 = spectra.iter().map(|own| own.samples as f64 * of(own)).sum();
+        sum / weight
+    };
+    // Mean of estimates that are as good as their windows are long.
+    let error_n2 = |lowest: f64| {
+        let squares = spectra
+            .iter()
+            .map(|own| own.samples.pow(2) as f64 * own.above(lowest).1);
+        squares.sum::<f64>().sqrt() / weight
+    };
+    let (seen, high) = (
+        mean(&|own| own.above(0.0).0),
+        mean(&|own| own.above(HIGH).0),
+    );
+    let below = mean(&|own| rise.below(own.samples, log.len()));
+    // Fast noise is the same in motion, of which there is more; what motion has besides is no noise.
+    let whole = spectrum::whole(&log.force_n, &log.in_gap, WINDOW, HIGH);
+    let other = whole.filter(|own| *own < high + CERTAIN * error_n2(HIGH));
+    (weight > 0.0).then(|| Rest {
+        noise_n2: (seen + below + other.map_or(0.0, |own| own - high)).max(0.0),
+        lines_n2: mean(&|own| own.lines_n2),
+        // What is below is a guess, good to half of it.
+        error_n2: error_n2(0.0).hypot(0.5 * below),
+    })
+}
+
+/// What the motion leaves behind has gone after a tenth of a rest.
+fn settled(rest: &Range<usize>) -> Range<usize> {
+    rest.start + rest.len() / 10..rest.end
 }
 
 /// Integrated autocorrelation of the longest rest (samples).
 fn resting_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
     let longest = rests.iter().max_by_key(|rest| rest.len());
     longest.map_or(1.0, |rest| {
-        let settled = rest.start + rest.len() / 10..rest.end;
-        correlation(&detrended(&log.force_n[settled]))
+        correlation(&detrended(&log.force_n[settled(rest)]))
     })
-}
-
-/// Variance of a stretch without its trend and without lines, and that of the lines.
-fn variance(force: &[f64], log_samples: usize) -> (f64, f64) {
-    let n = force.len();
-    let mut bins: Vec<Complex<f64>> = clipped(detrended(force))
-        .into_iter()
-        .enumerate()
-        .map(|(at, value)| {
-            // Hann's window: a line leaks into two bins on either side and no further.
-            let phase = std::f64::consts::TAU * (at as f64 + 0.5) / n as f64;
-            Complex::new(value * (1.0 - phase.cos()) * (2.0_f64 / 3.0).sqrt(), 0.0)
-        })
-        .collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
-    let half = n / 2;
-    let power: Vec<f64> = bins[1..half].iter().map(|bin| bin.norm_sqr()).collect();
-    // A periodogram's bins are exponential: their median is ln 2 of their mean.
-    let kept = (0..power.len()).map(|at| {
-        let near = at.saturating_sub(12)..(at + 13).min(power.len());
-        let level = signal::median(power[near].to_vec()) / std::f64::consts::LN_2;
-        // A pure line leaks into two bins on either side; what is broader is noise in a band.
-        let high = |k: Option<usize>| {
-            k.and_then(|k| power.get(k))
-                .is_some_and(|p| *p > LINE * level)
-        };
-        let broad = [3, 4, 5]
-            .iter()
-            .any(|d| high(at.checked_sub(*d)) || high(Some(at + d)));
-        if power[at] > LINE * level && !broad {
-            level
-        } else {
-            power[at]
-        }
-    });
-    let kept: Vec<f64> = kept.collect();
-    let scale = 2.0 / (n as f64).powi(2);
-    let (all, own) = (power.iter().sum::<f64>(), kept.iter().sum::<f64>());
-    let noise = own + below(&kept, log_samples as f64 / n as f64);
-    (scale * noise, scale * (all - own))
-}
-
-/// Power below the lowest bin, down to one period in the log, if the spectrum rises towards it as
-/// f^−a: the slope of the logarithms over the lowest sixteenth, where a > 0.3 is no scatter.
-fn below(power: &[f64], lengths: f64) -> f64 {
-    let low = &power[..(power.len() / 16).max(8).min(power.len())];
-    let (mut n, mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (at, p) in low.iter().enumerate().filter(|(_, p)| **p > 0.0) {
-        let (x, y) = (((at + 1) as f64).ln(), p.ln());
-        (n, sx, sy, sxx, sxy) = (n + 1.0, sx + x, sy + y, sxx + x * x, sxy + x * y);
-    }
-    let spread = n * sxx - sx * sx;
-    if spread <= 0.0 || lengths <= 1.0 {
-        return 0.0;
-    }
-    let slope = (n * sxy - sx * sy) / spread;
-    let rise = (-slope).clamp(0.0, 1.3);
-    if rise < 0.3 {
-        return 0.0;
-    }
-    // The line's level at the lowest bin; the mean of an exponential is 1.78 of its median logarithm.
-    let level = ((sy - slope * sx) / n).exp() * 1.78;
-    // ∫ of u^−a from 1/lengths to 1, in bins.
-    let from = 1.0 / lengths;
-    let integral = if (rise - 1.0).abs() < 1e-3 {
-        -from.ln()
-    } else {
-        (1.0 - from.powf(1.0 - rise)) / (1.0 - rise)
-    };
-    level * integral
-}
-
-fn detrended(force: &[f64]) -> Vec<f64> {
-    let n = force.len() as f64;
-    let middle = (n - 1.0) / 2.0;
-    let mean = force.iter().sum::<f64>() / n;
-    let (mut along, mut square) = (0.0, 0.0);
-    for (at, value) in force.iter().enumerate() {
-        let u = at as f64 - middle;
-        along += u * (value - mean);
-        square += u * u;
-    }
-    let slope = if square > 0.0 { along / square } else { 0.0 };
-    let each = force.iter().enumerate();
-    each.map(|(at, value)| value - mean - slope * (at as f64 - middle))
-        .collect()
 }

@@ -116,7 +116,7 @@ fn truncate<T>(list: &mut Vec<T>, most: usize, stays: impl Fn(&T) -> bool) {
 }
 
 impl Search<'_> {
-    fn problem(&self) -> Problem<'_> {
+    pub(super) fn problem(&self) -> Problem<'_> {
         Problem {
             courses: self.courses,
             weights: &self.weights,
@@ -316,7 +316,7 @@ impl Search<'_> {
             keep_first(&mut children, added);
             self.tried.extend_from_slice(&children);
             let Some(child) = children.first() else { break };
-            let gained = best.cost - child.cost;
+            let gained = self.gained(&best, child);
             let accepted = child
                 .shape
                 .terms
@@ -356,7 +356,7 @@ impl Search<'_> {
                 .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
             match without {
                 Some((id, fit))
-                    if fit.cost - best.cost < self.price(id, fit.cost, &best, base_cost) =>
+                    if self.gained(&fit, &best) < self.price(id, fit.cost, &best, base_cost) =>
                 {
                     best = fit;
                 }
