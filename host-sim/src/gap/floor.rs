@@ -27,8 +27,8 @@ const COLOURED: f64 = 1.06;
 /// A disturbance has at least this share of the power at rest: where it has less, the floor is at
 /// most 1.4 times too high.
 const DISTURBED: f64 = 0.5;
-/// Most of them that are looked for.
-const DISTURBANCES: usize = 3;
+/// Most lines that are looked for; some repeat with the motion.
+const LINES: usize = 4;
 
 /// What the force does when nothing happens.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,19 +60,23 @@ impl Floor {
             return floor;
         }
         let free = in_free_air(log);
-        let mut quieter = log.clone();
-        for _ in 0..DISTURBANCES {
-            let Some(line) = Line::strongest(&quieter.force_n, &free) else {
+        let without = |force_n: &mut [f64], line: &Line| {
+            let each = force_n.iter_mut().enumerate();
+            each.for_each(|(at, own)| *own -= line.at(at));
+        };
+        let (mut quiet, mut searched) = (log.clone(), log.force_n.clone());
+        for _ in 0..LINES {
+            let Some(line) = Line::strongest(&searched, &free) else {
                 break;
             };
-            let force = quieter.force_n.iter_mut().enumerate();
-            force.for_each(|(at, own)| *own -= line.at(at));
-            let without = Floor::as_it_is(&quieter, &rests);
+            without(&mut searched, &line);
+            let mut quieter = quiet.clone();
+            without(&mut quieter.force_n, &line);
+            let other = Floor::as_it_is(&quieter, &rests);
             // What repeats with the motion is not there at rest.
-            if without.resting_n2() > DISTURBED * floor.resting_n2() {
-                break;
+            if other.resting_n2() < DISTURBED * floor.resting_n2() {
+                (floor, quiet) = (other, quieter);
             }
-            floor = without;
         }
         floor
     }
@@ -187,6 +191,9 @@ fn rest(log: &UniformLog, rests: &[Range<usize>], noise_n: f64) -> Option<Rest> 
         .filter(|own| own.len() >= SHORTEST / 2)
         .map(|window| Spectrum::of(window, noise_n))
         .collect();
+    if spectra.is_empty() {
+        return None;
+    }
     let mut rise = Rise::default();
     spectra.iter().for_each(|own| rise.add(own));
     let weight: f64 = spectra.iter().map(|own| own.samples as f64).sum();
@@ -209,7 +216,7 @@ fn rest(log: &UniformLog, rests: &[Range<usize>], noise_n: f64) -> Option<Rest> 
     // Fast noise is the same in motion, of which there is more; what motion has besides is no noise.
     let whole = spectrum::whole(&log.force_n, &log.in_gap, WINDOW, HIGH);
     let other = whole.filter(|own| *own < high + CERTAIN * error_n2(HIGH));
-    (weight > 0.0).then(|| Rest {
+    Some(Rest {
         noise_n2: (seen + below + other.map_or(0.0, |own| own - high)).max(0.0),
         lines_n2: mean(&|own| own.lines_n2),
         // What is below is a guess, good to half of it.
@@ -228,4 +235,142 @@ fn resting_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
     longest.map_or(1.0, |rest| {
         correlation(&detrended(&log.force_n[settled(rest)]))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use std::f64::consts::TAU;
+
+    const SEED_NOISE: u64 = 23;
+    const SIGMA_N: f64 = 4e-3;
+
+    fn normals(count: usize, stream: u64) -> Vec<f64> {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED_NOISE + stream);
+        (0..count)
+            .map(|_| StandardNormal.sample(&mut rng))
+            .collect()
+    }
+
+    /// First-order noise of unit variance, corner in Hz at 1 kHz.
+    fn slow(corner_hz: f64, count: usize, stream: u64) -> Vec<f64> {
+        let keep = (-TAU * corner_hz * 1e-3).exp();
+        let mut state = 0.0;
+        let each = normals(count, stream).into_iter();
+        each.map(|own| {
+            state = keep * state + (1.0 - keep * keep).sqrt() * own;
+            state
+        })
+        .collect()
+    }
+
+    /// Six strokes at 1 kHz of 1 mm into 2 kN/m, half a second of rest before each and 1 s of hold in
+    /// it, with a noise (N) and what else there is at a time (s) and a speed (mm a sample).
+    fn log(noise_n: &[f64], else_n: impl Fn(f64, f64) -> f64, code_n: f64) -> UniformLog {
+        let place = |at: usize| match at % 2500 {
+            own @ 500..1000 => -(TAU * (own - 500) as f64 / 1000.0).cos(),
+            1000..2000 => 1.0,
+            own @ 2000.. => (TAU * (own - 2000) as f64 / 1000.0).cos(),
+            _ => -1.0,
+        };
+        let count = noise_n.len();
+        let x: Vec<f64> = (0..count).map(place).collect();
+        let force = |at: usize| {
+            let more = else_n(1e-3 * at as f64, x[at] - x[at.saturating_sub(1)]);
+            let own = 2.0 * x[at].max(0.0) + noise_n[at] + more;
+            (own / code_n).round() * code_n
+        };
+        UniformLog {
+            rate_hz: 1000.0,
+            time_s: (0..count).map(|at| 1e-3 * at as f64).collect(),
+            force_n: (0..count).map(force).collect(),
+            position_m: x.iter().map(|x| (1e3 * x).round() * 1e-6).collect(),
+            in_gap: vec![false; count],
+            ..UniformLog::default()
+        }
+    }
+
+    const SAMPLES: usize = 15_000;
+
+    fn white() -> Vec<f64> {
+        let each = normals(SAMPLES, 0).into_iter();
+        each.map(|own| SIGMA_N * own).collect()
+    }
+
+    fn assert_near(floor: &Floor, sigma_n: f64, most: f64) {
+        let ratio = floor.used_n / sigma_n;
+        assert!((ratio - 1.0).abs() < most, "{ratio}: {floor:?}");
+    }
+
+    #[test]
+    fn a_noise_below_the_converters_step_is_no_spike() {
+        // GIVEN coloured noise of 0.6 codes: six in ten samples at rest are the same one
+        let noise: Vec<f64> = slow(90.0, SAMPLES, 0).iter().map(|n| SIGMA_N * n).collect();
+        let code_n = SIGMA_N / 0.6;
+        let floor = Floor::of(&log(&noise, |_, _| 0.0, code_n));
+        // THEN the floor is what noise and codes make together: not that of second differences, nor what
+        // four medians of the sizes leave, 0.5 of it.
+        let sigma_n = signal::rms(noise).hypot(code_n / 12.0_f64.sqrt());
+        assert!(
+            floor.coloured && floor.high_pass_n < 0.8 * sigma_n,
+            "{floor:?}"
+        );
+        assert_near(&floor, sigma_n, 0.05);
+    }
+
+    #[test]
+    fn a_hump_is_known_from_the_whole_log_to_three_percent() {
+        // GIVEN half of the power within 30 Hz of 120 Hz
+        let (a, b) = (slow(30.0, SAMPLES, 1), slow(30.0, SAMPLES, 2));
+        let noise: Vec<f64> = (0..SAMPLES)
+            .map(|at| {
+                let (sin, cos) = (TAU * 0.12 * at as f64).sin_cos();
+                (0.5_f64.sqrt() * (a[at] * cos + b[at] * sin)) * SIGMA_N
+            })
+            .zip(white())
+            .map(|(hump, white)| hump + 0.5_f64.sqrt() * white)
+            .collect();
+        let floor = Floor::of(&log(&noise, |_, _| 0.0, 1e-5));
+        assert!(floor.coloured && floor.high_pass_n < 0.8 * SIGMA_N);
+        assert_near(&floor, signal::rms(noise), 0.03);
+        assert!((0.01..0.06).contains(&floor.uncertainty), "{floor:?}");
+    }
+
+    #[test]
+    fn a_disturbance_is_no_noise_and_a_wander_of_its_size_is_none() {
+        // GIVEN five times the noise at 2.7 Hz: one cycle and a half in a rest, where no bin shows a line
+        let line = |t: f64, _: f64| 7.0 * SIGMA_N * (TAU * 2.7 * t + 1.0).sin();
+        assert_near(&Floor::of(&log(&white(), line, 1e-5)), SIGMA_N, 0.03);
+        // AND a noise of as much power below 6 Hz
+        let wander: Vec<f64> = slow(6.0, SAMPLES, 3)
+            .iter()
+            .map(|own| 5.0 * SIGMA_N * own)
+            .collect();
+        let floor = Floor::of(&log(&wander, |_, _| 0.0, 1e-5));
+        // THEN the one is taken out and the other is the floor, and known to be a rough one.
+        assert_near(&floor, signal::rms(wander), 0.35);
+        assert!(floor.uncertainty > 0.05, "{floor:?}");
+    }
+
+    #[test]
+    fn what_repeats_with_the_motion_hides_no_disturbance() {
+        let both = |t: f64, v: f64| {
+            let friction = if v == 0.0 {
+                0.0
+            } else {
+                60.0 * SIGMA_N * v.signum()
+            };
+            friction + 7.0 * SIGMA_N * (TAU * 2.7 * t + 1.0).sin()
+        };
+        assert_near(&Floor::of(&log(&white(), both, 1e-5)), SIGMA_N, 0.05);
+    }
+
+    #[test]
+    fn white_noise_is_white() {
+        let floor = Floor::of(&log(&white(), |_, _| 0.0, 1e-5));
+        assert!(!floor.coloured && floor.uncertainty == 0.0, "{floor:?}");
+        assert_near(&floor, SIGMA_N, 0.02);
+    }
 }
