@@ -23,7 +23,7 @@ const ADEQUATE: f64 = 1.12;
 /// A base model within this explains a log in which nothing more is found.
 const NOTHING_LEFT: f64 = 1.08;
 /// How much further both go where the noise is coloured: a rest of a second does not say what it does
-/// in ten (of 90 floors of pink noise the lowest was 0.80 of the truth); or so many standard errors of the
+/// in ten (of 64 floors of pink noise the lowest was 0.82 of the truth); or so many standard errors of the
 /// floor, if that is more.
 const COLOURED: f64 = 1.25;
 pub(super) const FLOOR_ERRORS: f64 = 3.0;

@@ -20,8 +20,8 @@ fn is_repeated(id: EffectId, fit: &Fit) -> bool {
 
 impl Search<'_> {
     /// Whether an effect is worth its price, and significant even if every rest is off by what the
-    /// encoder's error makes there: with 0.3 µm at 5 kN/m a hold of a thousand samples is off by ten of its
-    /// own standard errors, and a cogging of 35 µm fitted eight of them (one of 260 logs with white noise).
+    /// encoder's error makes there: with 0.3 µm at 5 kN/m a hold of a thousand samples under 3.4 mN is off by
+    /// 13 of its own standard errors, and a cogging of 35 µm fitted eight of them (one of 260 logs with white noise).
     pub(super) fn pays(&self, id: EffectId, without: &Fit, with: &Fit, base: f64) -> bool {
         let gained = without.cost - with.cost;
         let certain = gained - self.at_rest(without) + self.at_rest(with);
