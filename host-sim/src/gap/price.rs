@@ -107,11 +107,17 @@ mod tests {
     const STIFFNESS: f64 = 5e3;
     const PITCH_M: f64 = 35e-6;
 
-    /// Ten steps into 5 kN/m, a second each at 1 kHz with an encoder of 1 µm, and a cogging in holds.
+    /// Ten steps into 5 kN/m, a second each at 1 kHz with an encoder of 1 µm, and a cogging.
     fn steps(cogging_n: f64) -> UniformLog {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED_NOISE);
         let normal = Normal::new(0.0, SIGMA_N).unwrap();
-        let x = |at: usize| 1e-6 * (400 + 97 * (at / 1000) * (1 + at / 3000)) as f64;
+        // A fifth of each second it moves on, so that the log shows what a count is.
+        let hold_um = |k: usize| (400 + 97 * k * (3 + k) / 3) as f64;
+        let x = |at: usize| {
+            let (k, moved) = (at / 1000, f64::min((at % 1000) as f64 / 200.0, 1.0));
+            let from_um = hold_um(k.saturating_sub(1));
+            1e-6 * (from_um + moved * (hold_um(k) - from_um)).round()
+        };
         let force = |at: usize| {
             let wave = cogging_n * (TAU * x(at) / PITCH_M).sin();
             STIFFNESS * x(at) + wave + normal.sample(&mut rng)
