@@ -1,6 +1,7 @@
 //! `palpate gap`: where simulation and measurement disagree, what is missing, and the proof.
 //!
-//! The steps, a file a word: `floor` says what noise leaves without any model; `course` is a log as
+//! The steps, a file a word: `floor` says what noise leaves without any model, by the
+//! rests' `spectrum` and without a disturbance's `line`; `course` is a log as
 //! the fits see it; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
 //! says what a residual may be; `start` says where a candidate may start, `propose` what it promises there;
 //! `search` adds, swaps and drops effects, each time refitting everything, for a `price`; `decide` judges
@@ -21,6 +22,7 @@ mod files;
 mod fit;
 mod floor;
 mod input;
+mod line;
 mod low_pass;
 mod menu;
 mod plan;
@@ -34,6 +36,7 @@ mod regions;
 mod result;
 mod search;
 mod shape;
+mod spectrum;
 mod start;
 mod tell;
 mod weights;

@@ -86,7 +86,11 @@ pub(super) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
 
 /// The rests, as places among the `used` samples, and the force (N) that one standard deviation of the
 /// position makes there.
-fn rests(problem: &Problem<'_>, fit: &Fit, used: &[usize]) -> Vec<(Range<usize>, Vec<f64>)> {
+pub(super) fn rests(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    used: &[usize],
+) -> Vec<(Range<usize>, Vec<f64>)> {
     let here = forces(&fit.shape, &fit.numbers, problem.courses);
     let there = forces_moved(&fit.shape, &fit.numbers, problem.courses, |course| {
         let error_m = course.position_noise_m;

@@ -117,7 +117,7 @@ fn truncate<T>(list: &mut Vec<T>, most: usize, stays: impl Fn(&T) -> bool) {
 }
 
 impl Search<'_> {
-    fn problem(&self) -> Problem<'_> {
+    pub(super) fn problem(&self) -> Problem<'_> {
         Problem {
             courses: self.courses,
             weights: &self.weights,
@@ -324,12 +324,8 @@ impl Search<'_> {
             keep_first(&mut children, added);
             self.tried.extend_from_slice(&children);
             let Some(child) = children.first() else { break };
-            let gained = best.cost - child.cost;
-            let accepted = child
-                .shape
-                .terms
-                .last()
-                .is_some_and(|term| gained > self.price(term.id, best.cost, child, base_cost));
+            let last = child.shape.terms.last();
+            let accepted = last.is_some_and(|term| self.pays(term.id, &best, child, base_cost));
             if accepted {
                 best = child.clone();
                 self.weigh(&best);
@@ -363,9 +359,7 @@ impl Search<'_> {
                 .map(|at| (best.shape.terms[at].id, self.without(&best, at)))
                 .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
             match without {
-                Some((id, fit))
-                    if fit.cost - best.cost < self.price(id, fit.cost, &best, base_cost) =>
-                {
+                Some((id, fit)) if !self.pays(id, &fit, &best, base_cost) => {
                     best = fit;
                 }
                 _ => return best,

@@ -79,6 +79,7 @@ fn finding(verdict: Verdict) -> Finding {
             high_pass_n: 0.02,
             rest_n: None,
             lines_n: 0.0,
+            uncertainty: 0.0,
             used_n: 0.02,
             coloured: false,
             correlation: 1.0,
