@@ -177,13 +177,7 @@ impl<S: Scalar> Rig<S> {
     /// A contact behind a spring: tip = x − u(F), solved for the deflection u at the end of the
     /// period by Newton's method. u̇ is the slope of the parabola through the last three
     /// deflections, which is exact to second order and stable for any period.
-    fn yielding(
-        &self,
-        state: &mut RigState<S>,
-        tip: (S, S),
-        time_s: S,
-        period_s: S,
-    ) -> Touch<S> {
+    fn yielding(&self, state: &mut RigState<S>, tip: (S, S), time_s: S, period_s: S) -> Touch<S> {
         /// Newton's steps at most, and the share of the deflection below which a step is the last: it
         /// squares. The gradients of dual numbers lag one step behind the value.
         const STEPS: usize = 4;

@@ -62,7 +62,7 @@ impl<S: Scalar> Rig<S> {
         }
         for (effect, memory) in self.effects.iter().zip(&mut state.memories) {
             if let Some(Effect::HystereticDamping(own)) = effect {
-                pushed_n = pushed_n + own.force_n(memory, depth_m, speed_mps);
+                pushed_n = pushed_n + own.force_n(memory, depth_m, change_m);
             }
         }
         let touches = depth_m > S::nil() && pushed_n > S::nil();
@@ -72,7 +72,7 @@ impl<S: Scalar> Rig<S> {
                 force_n = if own.bond > S::nil() {
                     own.bonded_n(memory, depth_m, pushed_n)
                 } else {
-                    force_n + own.force_n(memory, depth_m, change_m)
+                    force_n + own.force_n(memory, depth_m, speed_mps)
                 };
             }
         }

@@ -30,7 +30,7 @@ pub(super) struct Bench<'a> {
     pub(super) courses: &'a [Course],
     pub(super) scales: &'a Scales,
     /// Samples of the rig that count, all repeats counted.
-    pub(super) samples: f64,
+    samples: f64,
     /// √(repeats)/σ per sample.
     roots: Vec<f64>,
     forces: Vec<f64>,

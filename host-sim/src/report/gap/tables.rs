@@ -111,7 +111,11 @@ fn told(own: &Named, finding: &Finding) -> String {
 
 /// `1 − (RMSE with/without)²` as what leaving the effect out costs.
 fn share_larger(gain: f64) -> String {
-    format!("{} (held-out gain {:.1} %)", times_larger(gain), 100.0 * gain)
+    format!(
+        "{} (held-out gain {:.1} %)",
+        times_larger(gain),
+        100.0 * gain
+    )
 }
 
 fn where_it_shows(place: &str) -> String {
