@@ -28,8 +28,8 @@ const FASTER: f64 = 1.5;
 /// The share of its own standard error that a further motion must leave at most, to be advised.
 const BETTER: f64 = 0.5;
 
-/// How many times the standard deviations that count a motion must promise where touches count in the
-/// prediction and not in the decision.
+/// How many times the standard deviations that count a motion must promise between a lag and a delay,
+/// which errors of a rig that last imitate.
 const SURE: f64 = 3.0;
 
 /// Paces of the menu, in that of the log: a lag of 5 ms and a delay of 5 ms are the same at 0.2 Hz
@@ -237,7 +237,7 @@ fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<Advised> {
             .map(|starts| bench.apart(&presence, 1.0, starts));
         Some(apart.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
     };
-    // The run with both logs does not ask the touches, which are part of what is predicted.
+    // The run with both logs asks that one is better throughout.
     let sure = match rivals.iter().any(|id| are_late(target.id, *id)) {
         true => SURE,
         false => 1.0,
