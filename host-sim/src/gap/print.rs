@@ -130,7 +130,7 @@ fn effect(text: &mut String, own: &Named) {
     }
     let mut said = format!(
         "without it the squared error is {} (held-out gain {:.1} %)",
-        factor(own.held_out_gain),
+        times_larger(own.held_out_gain),
         100.0 * own.held_out_gain
     );
     if !own.place.is_empty() {
@@ -151,12 +151,14 @@ fn effect(text: &mut String, own: &Named) {
     }
 }
 
-/// What leaving an effect out multiplies the squared error by.
-fn factor(gain: f64) -> String {
+/// What leaving an effect out multiplies the held-out squared error by, in words.
+pub fn times_larger(gain: f64) -> String {
     match 1.0 / (1.0 - gain).max(1e-9) {
         times if times >= 9.95 => format!("{times:.0} times as large"),
         times if times >= 1.095 => format!("{times:.1} times as large"),
-        _ => "hardly larger".into(),
+        times if times >= 1.0 => "hardly larger".into(),
+        // It pays on the whole log, or it would not be named.
+        _ => "no larger: the held-out windows hardly contain where it acts".into(),
     }
 }
 

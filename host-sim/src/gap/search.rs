@@ -198,7 +198,7 @@ impl Search<'_> {
         fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
     }
 
-    fn is_adequate(&self, fit: &Fit) -> bool {
+    pub(super) fn is_adequate(&self, fit: &Fit) -> bool {
         fit.cost <= 1.02 * self.floor
     }
 
@@ -331,6 +331,8 @@ impl Search<'_> {
                 self.weigh(&best);
                 best = self.problem().fit(&best.shape, best.numbers);
                 base_cost = self.costed(&base).cost;
+                best = self.formed(best, base_cost);
+                children[0] = best.clone();
             } else if level > 0 {
                 break;
             }
@@ -346,8 +348,13 @@ impl Search<'_> {
         }
         self.progress.at(0.6, "leaving out, swapping");
         best = self.without_idle(best, base_cost);
+        best = self.formed_instead(best, base_cost);
         let found = self.swapped(best, base_cost);
-        self.sharper(self.simpler(found, base_cost), base_cost)
+        let found = self.simpler(found, base_cost);
+        Found {
+            best: self.plainer(found.best, base_cost),
+            ..found
+        }
     }
 
     /// Leaves out what does not pay.
@@ -400,28 +407,6 @@ impl Search<'_> {
             }
             _ => found,
         }
-    }
-
-    /// Dry friction turns round at once where a transition does not pay.
-    fn sharper(&self, found: Found, base_cost: f64) -> Found {
-        let best = &found.best;
-        let mut terms = best.shape.terms_at(&best.numbers);
-        let smooth =
-            |term: &&mut Term| term.id == EffectId::CoulombFriction && !term.given && term.free[2];
-        let Some(friction) = terms.iter_mut().find(smooth) else {
-            return found;
-        };
-        (friction.row[2], friction.free[2]) = (0.0, false);
-        let (shape, start) = best.with_terms(terms, self.scales);
-        let sharp = self.problem().fit(&shape, start);
-        let price = self.form_price(EffectId::CoulombFriction, sharp.cost, best, base_cost);
-        if sharp.cost - best.cost < price {
-            return Found {
-                best: sharp,
-                ..found
-            };
-        }
-        found
     }
 
     /// Tries every other effect in the place of each; what is better takes its place.
