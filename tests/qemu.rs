@@ -4,7 +4,8 @@
 use estimator_core::estimate::PARAMETER_SLOTS;
 use estimator_core::frame::Frame;
 use estimator_core::link::{Answer, Command, Health, Identity, Name, Refusal};
-use estimator_core::sampling::Sampler;
+use estimator_core::reflection::{Limit, Packet, Rendered};
+use estimator_core::sampling::{Record, Sampler};
 use estimator_core::sensing::{Codes, Watch};
 use estimator_core::settings::store::Store;
 use estimator_core::settings::{Key, Settings};
@@ -211,6 +212,253 @@ fn with_what_was_saved_taken_off_the_emulator_has_the_bits_of_the_host() {
     }
     assert!(contacts > 10, "{contacts}");
     assert!(taken_off > codes.len() / 4, "{taken_off}");
+}
+
+struct Reflecting {
+    settings: Settings,
+    told: Vec<Packet>,
+    codes: Vec<Codes>,
+    run: Run,
+    budget: Budget,
+    /// What the force output got: force.codes.
+    forces: Vec<u8>,
+}
+
+/// A board that is slave and master at once: sends what it identifies at every fifth sample, and renders
+/// what it is told. Its own damping is that of a handle on a motor: what it is told is limited by it.
+static REFLECTING: LazyLock<Reflecting> = LazyLock::new(|| {
+    let mut settings = Settings::default();
+    for (key, value) in [
+        (Key::ReflectionEvery, 5.0),
+        (Key::RenderForceN, 8.0),
+        (Key::RenderDeviceNsPerM, 8.0),
+        (Key::RenderTimeoutS, 2.0),
+        (Key::RenderZero, 0.1),
+    ] {
+        settings.put(key, value);
+    }
+    let told = [
+        // Out of order, and what no material has, in between.
+        (0, told(1_000_000, [1350.0, 36.0, 1.35, 1e-4])),
+        (400, told(900_000, [9.0, 9.0, 1.0, 0.0])),
+        (400, told(1_400_000, [-5.0, 36.0, 1.35, 1e-4])),
+        (400, told(2_000_000, [11_500.0, 70.0, 1.2, -1e-4])),
+        (400, told(2_500_000, [200.0, 1.0, 1.6, 0.0])),
+    ];
+    let commands = told.map(|(quiet_ms, packet)| (quiet_ms, Command::Reflect(packet)));
+    let emulator = Emulator::from_env("reflecting").expect("set-up");
+    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    store.save(&settings).expect("memory");
+    let flash = emulator.directory.join("settings.flash");
+    fs::write(flash, store.release().bytes()).expect("settings.flash");
+    let bytes = with_pauses(&commands);
+    fs::write(emulator.directory.join("commands.frames"), bytes).expect("commands");
+    let codes = codes(&palpation(SAMPLES / 10, 6));
+    let frames: Vec<Frame> = codes.iter().copied().map(Frame::Codes).collect();
+    let run = emulator.run_frames(&frames, |_| {}).expect("run");
+    let budget = Budget::from_log(&run.log).expect("budget");
+    println!("{budget:?}");
+    let forces = fs::read(emulator.directory.join("force.codes")).expect("force.codes");
+    Reflecting {
+        settings,
+        told: told.map(|(_, packet)| packet).to_vec(),
+        codes,
+        run,
+        budget,
+        forces,
+    }
+});
+
+fn told(time_us: u64, values: [f32; 4]) -> Packet {
+    let params: Params<f32> = Config::default().validate().expect("the default is valid");
+    let mut estimate = step(&params, &mut State::new(&params), Sample::default());
+    for (slot, value) in estimate.parameters.iter_mut().zip(values) {
+        *slot = Some(estimator_core::estimate::Estimated {
+            value,
+            std_error: 0.01,
+        });
+    }
+    estimate.time_us = time_us;
+    Packet::of(&estimate, 1e-3, (time_us / 1000) as u16)
+}
+
+#[test]
+fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
+    let Reflecting {
+        settings,
+        told,
+        codes,
+        run,
+        forces,
+        ..
+    } = &*REFLECTING;
+    let mut host = Sampler::new(settings.setup().expect("valid"));
+    every_frame_is_numbered(&run.frames);
+    let frames = records(&run.frames);
+    let mut frames = frames.iter();
+    let mut next = || {
+        frames
+            .next()
+            .unwrap_or_else(|| panic!("frames are missing"))
+    };
+    let (mut taken, mut written) = (0, forces.chunks(6).map(put_out).peekable());
+    let (mut last_code, mut packets, mut seen, mut pushed) = (None, 0, 0_u8, 0);
+    let mut stopped = 0;
+    for (index, codes) in codes.iter().enumerate() {
+        assert_eq!(next(), &Frame::Codes(*codes));
+        let read = host.convert(codes);
+        assert!(matches!(next(), Frame::Sample(_)));
+        let Frame::Estimate(estimate) = next() else {
+            panic!("sample {index}: no estimate");
+        };
+        let Frame::Rendered(rendered) = next() else {
+            panic!("sample {index}: nothing rendered");
+        };
+        // Which packet came when is the emulator's to say; what became of it, the host's.
+        if rendered.sequence != taken {
+            taken = rendered.sequence;
+            let packet = told.iter().find(|packet| packet.sequence == taken);
+            host.take(packet.expect("one that was told"));
+        }
+        let (own, code) = host.render(&read, 2625);
+        let own = own.expect("rendering");
+        if let Some(difference) = differs(&rendered_fields(&own), &rendered_fields(rendered)) {
+            panic!("sample {index}: {difference}\nhost: {own:?}\nQEMU: {rendered:?}");
+        }
+        // What the output got at this tick.
+        if last_code.replace(code) != Some(code) {
+            assert_eq!(written.next(), Some((index as u32, code)));
+        }
+        let contact = host.compensate(read);
+        let own_estimate = host.step(contact);
+        if let Some(difference) =
+            differs(&estimate_fields(&own_estimate), &estimate_fields(estimate))
+        {
+            panic!("sample {index}: {difference}");
+        }
+        let due = host.due(&own_estimate);
+        let record = Record {
+            codes: None,
+            sample: read,
+            estimate: own_estimate,
+            rendered: None,
+            due,
+        };
+        if let Some(packet) = record.packet() {
+            assert_eq!(next(), &Frame::Reflection(packet), "sample {index}");
+            packets += 1;
+        }
+        seen |= rendered.limits;
+        pushed += u32::from(rendered.force_n > 0.5);
+        stopped += u32::from(rendered.faults.has(Fault::RenderStopped));
+    }
+    assert_eq!((frames.next(), written.next()), (None, None));
+    assert_eq!(packets, codes.len() / 5);
+    assert!(pushed > 1000 && stopped > 1000, "{pushed} {stopped}");
+    for limit in [
+        Limit::Force,
+        Limit::Stiffness,
+        Limit::Damping,
+        Limit::Blending,
+        Limit::Fading,
+    ] {
+        assert!(seen & limit as u8 != 0, "{limit:?}");
+    }
+}
+
+#[test]
+fn packets_to_render_are_done_or_refused_for_their_reason() {
+    let Reflecting { told, run, .. } = &*REFLECTING;
+    let answers: Vec<Answer> = run
+        .frames
+        .iter()
+        .filter_map(|(_, frame)| match frame {
+            Frame::Reply(reply) => Some(reply.answer),
+            _ => None,
+        })
+        .collect();
+    let refused = |reason| Answer::Refused(reason, 0);
+    assert_eq!(
+        answers,
+        [
+            Answer::Done,
+            refused(Refusal::Overtaken),
+            refused(Refusal::NotRenderable),
+            Answer::Done,
+            Answer::Done,
+        ]
+    );
+    assert_eq!(answers.len(), told.len());
+}
+
+/// While settings are saved the core may stand still, and the force with it.
+#[test]
+fn while_settings_are_saved_the_force_is_at_rest_and_then_goes_on() {
+    let mut settings = Settings::default();
+    for (key, value) in [
+        (Key::RenderForceN, 8.0),
+        (Key::RenderDeviceNsPerM, 8.0),
+        (Key::RenderTimeoutS, 10.0),
+        (Key::RenderZero, 0.1),
+    ] {
+        settings.put(key, value);
+    }
+    let emulator = Emulator::from_env("saving").expect("set-up");
+    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    store.save(&settings).expect("memory");
+    let flash = emulator.directory.join("settings.flash");
+    fs::write(flash, store.release().bytes()).expect("settings.flash");
+    // GIVEN a surface so far out that there is a force wherever the probe is
+    let push = Command::Reflect(told(1_000_000, [300.0, 0.0, 1.0, -2e-2]));
+    let commands = [vec![(0, push)], vec![(150, Command::Save); 10]].concat();
+    let answers = answers(&emulator, &commands, &[]);
+    let done = answers
+        .iter()
+        .skip(1)
+        .filter(|answer| **answer == Answer::Done)
+        .count();
+    assert!((1..10).contains(&done), "{answers:?}");
+    // THEN it is at rest as often as settings were saved, and not when that was refused
+    let forces = fs::read(emulator.directory.join("force.codes")).expect("force.codes");
+    let codes: Vec<u16> = forces.chunks(6).map(|bytes| put_out(bytes).1).collect();
+    let (first, after) = codes.split_first().expect("codes");
+    assert_eq!(*first, 263);
+    assert_eq!(after.iter().filter(|code| **code == 263).count(), done);
+    assert!(
+        after.windows(2).all(|pair| pair[0] != 263 || pair[1] > 800),
+        "{after:?}"
+    );
+}
+
+#[test]
+fn rendering_costs_what_the_budget_says() {
+    let budget = &REFLECTING.budget;
+    within("render", &budget.render);
+    contains("stack_free", budget.stack_free);
+    assert_eq!(budget.dropped, 0);
+    // And none costs next to nothing.
+    contains("render.none", FROM_CODES.2.render.max);
+}
+
+/// Tick and code of a change in force.codes.
+fn put_out(bytes: &[u8]) -> (u32, u16) {
+    let [a, b, c, d, low, high] = *bytes else {
+        panic!("force.codes is cut");
+    };
+    (
+        u32::from_le_bytes([a, b, c, d]),
+        u16::from_le_bytes([low, high]),
+    )
+}
+
+fn rendered_fields(rendered: &Rendered) -> Vec<Field> {
+    vec![
+        ("rendered.time_us", rendered.time_us),
+        ("rendered.faults", u64::from(rendered.faults.bits())),
+        ("rendered.limits", u64::from(rendered.limits)),
+        ("rendered.sequence", u64::from(rendered.sequence)),
+        ("rendered.force_n", bits(rendered.force_n)),
+    ]
 }
 
 #[test]

@@ -67,6 +67,8 @@ pub struct Budget {
     pub period: Meter,
     /// From the codes to SI units.
     pub convert: Meter,
+    /// From the position to the force that is put out.
+    pub render: Meter,
     /// What the rig adds is taken off.
     pub compensate: Meter,
     /// `step` alone.
@@ -90,6 +92,8 @@ pub struct Stations {
     pub acquired: u32,
     /// They are in SI units.
     pub converted: u32,
+    /// The force that is rendered is out.
+    pub put_out: u32,
     /// The rig's own effects are off.
     pub compensated: u32,
     /// The estimate is there.
@@ -115,6 +119,7 @@ impl Budget {
             missed: 0,
             period: Meter::new(),
             convert: Meter::new(),
+            render: Meter::new(),
             compensate: Meter::new(),
             step: Meter::new(),
             queue: Meter::new(),
@@ -142,8 +147,9 @@ impl Budget {
             self.period.record(at.start.wrapping_sub(last));
         }
         self.convert.record(at.converted.wrapping_sub(at.acquired));
+        self.render.record(at.put_out.wrapping_sub(at.converted));
         self.compensate
-            .record(at.compensated.wrapping_sub(at.converted));
+            .record(at.compensated.wrapping_sub(at.put_out));
         self.step.record(at.stepped.wrapping_sub(at.compensated));
         self.queue.record(at.queued.wrapping_sub(at.stepped));
         let task = at.queued.wrapping_sub(at.start);
@@ -179,8 +185,9 @@ mod tests {
     fn run(budget: &mut Budget, start: u32, cost: u32, time_us: u64, faults: Faults) {
         let at = Stations {
             start,
-            acquired: start.wrapping_add(100),
-            converted: start.wrapping_add(150),
+            acquired: start.wrapping_add(93),
+            converted: start.wrapping_add(143),
+            put_out: start.wrapping_add(150),
             compensated: start.wrapping_add(170),
             stepped: start.wrapping_add(cost - 10),
             queued: start.wrapping_add(cost),
@@ -235,6 +242,7 @@ mod tests {
         };
         assert_eq!(budget.period.range(), expected);
         assert_eq!(budget.convert.range().max, 50);
+        assert_eq!(budget.render.range().max, 7);
         assert_eq!(budget.compensate.range().max, 20);
         assert_eq!(budget.step.range().max, 500 - 10 - 170);
         assert_eq!(budget.queue.range().max, 10);

@@ -545,6 +545,8 @@ mod tests {
             (Fault::NotCalibrated, false, 0),
             (Fault::EstimatorSuspect, false, 0),
             (Fault::ClockInternal, false, 0),
+            (Fault::RenderStopped, false, 0),
+            (Fault::RenderUnusable, false, 0),
         ];
         assert_eq!(table.map(|(fault, ..)| fault), Fault::ALL);
         let params = params();

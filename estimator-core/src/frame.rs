@@ -7,6 +7,7 @@
 use crate::estimate::{Estimate, Estimated, Event, Innovation, PARAMETER_SLOTS, Phase};
 use crate::law::LawKind;
 use crate::link::{Command, Health, Reply};
+use crate::reflection::{Packet, Rendered};
 use crate::sample::{Faults, Sample};
 use crate::sensing::Codes;
 use crate::status::Status;
@@ -19,6 +20,13 @@ pub const MAX_ENCODED: usize = MAX_BODY + 2;
 pub const SAMPLE_ENCODED: usize = 4 + 18 + 4 + 2;
 /// The codes of an instant on the wire (bytes).
 pub const CODES_ENCODED: usize = 4 + 26 + 4 + 2;
+/// An impedance on its way to the other side on the wire (bytes).
+pub const PACKET_ENCODED: usize = 4 + 62 + 4 + 2;
+/// What was rendered of one, on the wire (bytes).
+pub const RENDERED_ENCODED: usize = 4 + 17 + 4 + 2;
+/// Most that the frames of one instant take on the wire (bytes).
+pub const RECORD_ENCODED: usize =
+    CODES_ENCODED + SAMPLE_ENCODED + MAX_ENCODED + PACKET_ENCODED + RENDERED_ENCODED;
 /// Longest frame before COBS (bytes): that of an estimate whose law has all the slots. An estimate
 /// carries as many as its law has: 86 bytes on the wire for Hunt–Crossley.
 const MAX_BODY: usize = 4 + 8 + 8 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
@@ -40,6 +48,11 @@ pub enum Frame {
     Command(Command),
     /// Kind 6: the board's answer.
     Reply(Reply),
+    /// Kind 7: what was identified, for the other side to render. To a board it is the command
+    /// [`Command::Reflect`]: what one board sends, another takes as it is.
+    Reflection(Packet),
+    /// Kind 8: what was rendered.
+    Rendered(Rendered),
 }
 
 /// Why bytes between two zeros are not a frame.
@@ -79,8 +92,10 @@ pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usiz
         Frame::Estimate(_) => 2,
         Frame::Codes(_) => 3,
         Frame::Health(_) => 4,
+        Frame::Reflection(_) | Frame::Command(Command::Reflect(_)) => 7,
         Frame::Command(_) => 5,
         Frame::Reply(_) => 6,
+        Frame::Rendered(_) => 8,
     };
     body.put([VERSION, kind]);
     body.put(sequence.to_le_bytes());
@@ -89,8 +104,12 @@ pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usiz
         Frame::Estimate(estimate) => put_estimate(&mut body, estimate),
         Frame::Codes(codes) => put_codes(&mut body, codes),
         Frame::Health(health) => health.put(&mut body),
+        Frame::Reflection(packet) | Frame::Command(Command::Reflect(packet)) => {
+            packet.put(&mut body);
+        }
         Frame::Command(command) => command.put(&mut body),
         Frame::Reply(reply) => reply.put(&mut body),
+        Frame::Rendered(rendered) => put_rendered(&mut body, rendered),
     }
     body.put(CRC.checksum(body.written()).to_le_bytes());
     // MAX_ENCODED leaves room for the one byte of COBS below 254 bytes, and for the zero.
@@ -119,6 +138,14 @@ fn put_codes(body: &mut Writer, codes: &Codes) {
     ] {
         body.put(code.to_le_bytes());
     }
+}
+
+fn put_rendered(body: &mut Writer, rendered: &Rendered) {
+    body.put(rendered.time_us.to_le_bytes());
+    body.put(rendered.force_n.to_le_bytes());
+    body.put(rendered.sequence.to_le_bytes());
+    body.put([rendered.limits]);
+    body.put(rendered.faults.bits().to_le_bytes());
 }
 
 fn put_estimate(body: &mut Writer, estimate: &Estimate<f32>) {
@@ -214,6 +241,8 @@ fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
         4 => Frame::Health(Health::take(&mut reader)?),
         5 => Frame::Command(Command::take(&mut reader)?),
         6 => Frame::Reply(Reply::take(&mut reader)?),
+        7 => Frame::Reflection(Packet::take(&mut reader)?),
+        8 => Frame::Rendered(take_rendered(&mut reader)?),
         _ => return Err(FrameError::Content),
     };
     if reader.bytes.is_empty() {
@@ -261,6 +290,20 @@ fn take_codes(reader: &mut Reader) -> Result<Codes, FrameError> {
         force_low: i32::from_le_bytes(reader.take()?),
         force_high: i32::from_le_bytes(reader.take()?),
         position: i32::from_le_bytes(reader.take()?),
+    })
+}
+
+fn take_rendered(reader: &mut Reader) -> Result<Rendered, FrameError> {
+    let time_us = u64::from_le_bytes(reader.take()?);
+    let force_n = reader.number()?;
+    let sequence = u16::from_le_bytes(reader.take()?);
+    let [limits] = reader.take()?;
+    Ok(Rendered {
+        time_us,
+        force_n,
+        sequence,
+        limits,
+        faults: Faults::from_bits(u16::from_le_bytes(reader.take()?)),
     })
 }
 

@@ -37,6 +37,7 @@ pub mod instants;
 pub mod law;
 pub mod link;
 pub mod noise;
+pub mod reflection;
 pub mod rig;
 pub mod rls;
 pub mod sample;

@@ -7,6 +7,7 @@ mod wire;
 
 pub use responder::{Answered, Change, Responder};
 
+use crate::reflection::Packet;
 use crate::sample::Faults;
 use crate::settings::Key;
 use core::fmt;
@@ -36,6 +37,9 @@ pub enum Command {
     /// 10: what was prepared comes into force at once and as a whole, or not at all; kept until the
     /// power goes. Answer: [`Answer::Done`].
     Commit,
+    /// An impedance to be rendered: no number, but the frame that the other board sends
+    /// ([`crate::frame::Frame::Reflection`]). Answer: [`Answer::Done`].
+    Reflect(Packet),
     /// A number that this version does not know. Answer: [`Refusal::UnknownCommand`].
     Unknown(u8),
 }
@@ -85,11 +89,16 @@ pub struct Name([u8; 12]);
 
 impl Name {
     /// A name; what does not fit or is not ASCII is left out.
-    pub fn new(text: &str) -> Self {
+    pub const fn new(text: &str) -> Self {
+        let bytes = text.as_bytes();
         let mut name = [0; 12];
-        let ascii = text.bytes().filter(u8::is_ascii_graphic);
-        for (slot, byte) in name.iter_mut().zip(ascii) {
-            *slot = byte;
+        let (mut from, mut to) = (0, 0);
+        while from < bytes.len() && to < name.len() {
+            if bytes[from].is_ascii_graphic() {
+                name[to] = bytes[from];
+                to += 1;
+            }
+            from += 1;
         }
         Name(name)
     }
@@ -125,11 +134,17 @@ pub enum Refusal {
     SavedUnusable = 6,
     /// The last change has not been taken over yet; ask again.
     Busy = 7,
+    /// Nothing is rendered: the largest force is 0 N.
+    NotRendering = 8,
+    /// The impedance has a parameter that no material has.
+    NotRenderable = 9,
+    /// A later packet has overtaken this one.
+    Overtaken = 10,
 }
 
 impl Refusal {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Refusal; 7] = [
+    pub const ALL: [Refusal; 10] = [
         Refusal::UnknownCommand,
         Refusal::UnknownSetting,
         Refusal::Unusable,
@@ -137,6 +152,9 @@ impl Refusal {
         Refusal::FlashFailed,
         Refusal::SavedUnusable,
         Refusal::Busy,
+        Refusal::NotRendering,
+        Refusal::NotRenderable,
+        Refusal::Overtaken,
     ];
 
     /// A sentence for people.
@@ -149,6 +167,9 @@ impl Refusal {
             Refusal::FlashFailed => "the flash failed, the old settings are still there",
             Refusal::SavedUnusable => "the saved settings cannot be used",
             Refusal::Busy => "the board is still taking over the last change; ask again",
+            Refusal::NotRendering => "the board renders nothing: its largest force is 0 N",
+            Refusal::NotRenderable => "the impedance has a parameter that no material has",
+            Refusal::Overtaken => "a later packet has overtaken this one",
         }
     }
 }

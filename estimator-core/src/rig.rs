@@ -155,7 +155,7 @@ impl<S: Scalar> Rig<S> {
     /// From the motor side to the contact force.
     fn touch(&self, state: &mut RigState<S>, motor: &Motion<S>, period_s: S) -> Touch<S> {
         let mut tip = (motor.position_m, motor.speed_mps);
-        let mut softness = S::nil();
+        let mut yields = false;
         for effect in self.effects() {
             match effect {
                 Effect::Backlash(own) => {
@@ -163,30 +163,21 @@ impl<S: Scalar> Rig<S> {
                     state.far_m = far_m;
                     tip = (far_m, if taken { tip.1 } else { S::nil() });
                 }
-                Effect::SeriesCompliance(own) => {
-                    softness = softness + S::unit() / own.stiffness_n_per_m;
-                }
+                Effect::SeriesCompliance(_) => yields = true,
                 _ => {}
             }
         }
-        if softness > S::nil() {
-            self.yielding(state, tip, motor.time_s, softness, period_s)
+        if yields {
+            self.yielding(state, tip, motor.time_s, period_s)
         } else {
             self.contact(&mut state.contact, tip, motor.time_s, period_s)
         }
     }
 
-    /// A contact behind a spring: tip = x − F/k_s, solved for the deflection u = F/k_s at the end of
-    /// the period by Newton's method. u̇ is the slope of the parabola through the last three
+    /// A contact behind a spring: tip = x − u(F), solved for the deflection u at the end of the
+    /// period by Newton's method. u̇ is the slope of the parabola through the last three
     /// deflections, which is exact to second order and stable for any period.
-    fn yielding(
-        &self,
-        state: &mut RigState<S>,
-        tip: (S, S),
-        time_s: S,
-        softness: S,
-        period_s: S,
-    ) -> Touch<S> {
+    fn yielding(&self, state: &mut RigState<S>, tip: (S, S), time_s: S, period_s: S) -> Touch<S> {
         /// Newton's steps at most, and the share of the deflection below which a step is the last: it
         /// squares. The gradients of dual numbers lag one step behind the value.
         const STEPS: usize = 4;
@@ -211,7 +202,8 @@ impl<S: Scalar> Rig<S> {
             let stiffness = self
                 .environment
                 .slope(touch.depth_m, touch.speed_mps, slope);
-            let error = u - touch.force_n * softness;
+            let (given_way, softness) = self.given_way(touch.force_n);
+            let error = u - given_way;
             u = u - error / (S::unit() + stiffness * softness);
             if error.absolute() <= S::from_f64(LAST) * u.absolute() {
                 break;
@@ -220,6 +212,18 @@ impl<S: Scalar> Rig<S> {
         state.deflection_m = [u, u1];
         state.period_s = period_s;
         contact(&mut state.contact, u)
+    }
+
+    /// How far the springs give way (m) to a force, and how much further per newton (m/N).
+    fn given_way(&self, force_n: S) -> (S, S) {
+        let mut sum = (S::nil(), S::nil());
+        for effect in self.effects() {
+            if let Effect::SeriesCompliance(own) = effect {
+                sum.0 = sum.0 + own.deflection_m(force_n);
+                sum.1 = sum.1 + own.softness_m_per_n(force_n);
+            }
+        }
+        sum
     }
 
     /// What comes to the force between contact and load cell (N).

@@ -64,11 +64,17 @@ pub enum Fault {
     /// The board's crystal is dead and its clock the internal oscillator: time is off by up to 1 %,
     /// speed and damping with it. Reported by the board.
     ClockInternal = 14,
+    /// Impedances to render have stopped coming: the force has faded out, or is about to. Reported by
+    /// [`crate::reflection::Renderer`], as is the next.
+    RenderStopped = 15,
+    /// What is rendered is not a usable number, or the position that it is rendered at is none: the
+    /// force is zero.
+    RenderUnusable = 16,
 }
 
 impl Fault {
     /// All faults in the order of their numbers.
-    pub const ALL: [Fault; 14] = [
+    pub const ALL: [Fault; 16] = [
         Fault::ForceUnusable,
         Fault::PositionUnusable,
         Fault::TimeNotAdvancing,
@@ -83,6 +89,8 @@ impl Fault {
         Fault::NotCalibrated,
         Fault::EstimatorSuspect,
         Fault::ClockInternal,
+        Fault::RenderStopped,
+        Fault::RenderUnusable,
     ];
 
     /// The stable number.
@@ -99,6 +107,7 @@ impl Fault {
             Fault::PositionStuck => Some(Key::PositionStuckN),
             Fault::NotCalibrated => Some(Key::ForceCalibrated),
             Fault::EstimatorSuspect => Some(Key::EstimatorMethod),
+            Fault::RenderStopped => Some(Key::RenderTimeoutS),
             _ => None,
         }
     }
@@ -122,6 +131,8 @@ impl Fault {
             Fault::NotCalibrated => "sensors are not calibrated, scale is nominal",
             Fault::EstimatorSuspect => "the law does not explain the force",
             Fault::ClockInternal => "clock is the internal oscillator, rates off by up to 1 %",
+            Fault::RenderStopped => "no impedance to render comes any more, force faded out",
+            Fault::RenderUnusable => "rendering met no usable number, force is zero",
         }
     }
 }
@@ -173,8 +184,11 @@ mod tests {
 
     #[test]
     fn the_codes_are_stable_and_the_list_is_complete() {
-        let codes: [u8; 14] = Fault::ALL.map(Fault::code);
-        assert_eq!(codes, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]);
+        let codes: [u8; 16] = Fault::ALL.map(Fault::code);
+        assert_eq!(
+            codes,
+            [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]
+        );
     }
 
     #[test]

@@ -5,8 +5,9 @@ use crate::config::Params;
 use crate::estimate::Estimate;
 use crate::estimator::{State, step};
 use crate::link::Change;
+use crate::reflection::{Packet, Rendered, Renderer, Speed};
 use crate::rig::{Compensation, CompensationState};
-use crate::sample::Sample;
+use crate::sample::{Fault, Sample};
 use crate::sensing::{Codes, Watch};
 use crate::settings::Setup;
 
@@ -20,6 +21,37 @@ pub struct Record {
     pub sample: Sample<f32>,
     /// What came out, with the stamp of the instant that it belongs to.
     pub estimate: Estimate<f32>,
+    /// What was put out at this instant; `None` while nothing is rendered.
+    pub rendered: Option<Rendered>,
+    /// What of it is to be sent.
+    pub due: Due,
+}
+
+/// What is to be sent of an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Due {
+    /// Codes, sample, estimate, and what was rendered.
+    pub shown: bool,
+    /// The impedance, for the other side: as the packet with this number.
+    pub reflected: Option<u16>,
+    /// Depth (m) that its parameters are reported at.
+    reference_depth_m: f32,
+}
+
+impl Due {
+    /// Whether there is anything.
+    pub fn any(&self) -> bool {
+        self.shown || self.reflected.is_some()
+    }
+}
+
+impl Record {
+    /// The packet for the other side, if one is due.
+    pub fn packet(&self) -> Option<Packet> {
+        let sequence = self.due.reflected?;
+        let depth_m = self.due.reference_depth_m;
+        Some(Packet::of(&self.estimate, depth_m, sequence))
+    }
 }
 
 /// The sampling task's own state.
@@ -30,6 +62,11 @@ pub struct Sampler {
     memory: Option<CompensationState<f32>>,
     state: State<f32>,
     count: u16,
+    renderer: Renderer,
+    speed: Speed,
+    /// Samples since the last packet for the other side, and how many packets there were.
+    unreflected: u16,
+    packets: u16,
 }
 
 impl Sampler {
@@ -42,16 +79,56 @@ impl Sampler {
             memory: at_rest(&setup),
             state: State::new(&setup.params),
             count: 0,
+            renderer: Renderer::new(),
+            speed: Speed::default(),
+            unreflected: 0,
+            packets: 0,
         }
     }
 
-    /// Takes over other settings.
+    /// Takes over other settings. What is rendered starts anew if anything about it changes: from no
+    /// force, with the next packet.
     #[inline(never)]
     pub fn apply(&mut self, change: &Change) {
+        let (before, after) = (&self.setup, &change.setup);
+        if before.render != after.render || before.output != after.output {
+            self.renderer = Renderer::new();
+        }
         match change.restart {
             true => *self = Sampler::new(change.setup),
             false => self.setup = change.setup,
         }
+    }
+
+    /// Takes an impedance to render, checked by [`crate::link::Responder`].
+    pub fn take(&mut self, packet: &Packet) {
+        if let Some(params) = &self.setup.render {
+            // One that cannot be rendered leaves everything as it is.
+            let _ = self.renderer.take(params, packet);
+        }
+    }
+
+    /// What is put out at the position that was just read: the force, and the code for it on a board
+    /// whose full output has the code `full`. Without a setting for it that is 0 N.
+    #[inline(never)]
+    pub fn render(&mut self, read: &Sample<f32>, full: u16) -> (Option<Rendered>, u16) {
+        let Some(params) = &self.setup.render else {
+            return (None, self.setup.output.code(0.0, full));
+        };
+        let lost = [Fault::PositionUnusable, Fault::PositionJump];
+        let position_m = match lost.into_iter().any(|fault| read.faults.has(fault)) {
+            true => f32::NAN,
+            false => read.position_m,
+        };
+        if position_m.is_nan() {
+            self.speed = Speed::default();
+        }
+        let speed_mps = self.speed.update(read.time_us, position_m);
+        let rendered = self
+            .renderer
+            .step(params, position_m, speed_mps, read.time_us);
+        let code = self.setup.output.code(rendered.force_n, full);
+        (Some(rendered), code)
     }
 
     /// Codes in SI units, watched.
@@ -79,16 +156,31 @@ impl Sampler {
         estimate
     }
 
-    /// Whether this record is one of those that are sent: every so many, and those in which
-    /// something happens.
-    pub fn is_sent(&mut self, estimate: &Estimate<f32>) -> bool {
-        self.count = self.count.saturating_add(1);
-        let due = self.count >= self.setup.every;
-        if due {
-            self.count = 0;
+    /// What is sent of this instant: every so many, and those in which something happens; and
+    /// impedances for the other side, every so many.
+    pub fn due(&mut self, estimate: &Estimate<f32>) -> Due {
+        let shown = is_due(&mut self.count, self.setup.every) || estimate.event.is_some();
+        let every = self.setup.reflect_every;
+        let reflects = every > 0 && is_due(&mut self.unreflected, every);
+        if reflects {
+            self.packets = self.packets.wrapping_add(1);
         }
-        due || estimate.event.is_some()
+        Due {
+            shown,
+            reflected: reflects.then_some(self.packets),
+            reference_depth_m: self.setup.reference_depth_m,
+        }
     }
+}
+
+/// Counts, and starts anew at every so many.
+fn is_due(count: &mut u16, every: u16) -> bool {
+    *count = count.saturating_add(1);
+    let due = *count >= every;
+    if due {
+        *count = 0;
+    }
+    due
 }
 
 fn at_rest(setup: &Setup) -> Option<CompensationState<f32>> {

@@ -12,6 +12,7 @@ pub use key::{Bounds, COUNT, Info, Key};
 
 use crate::config::{Config, Filter, Method, Params};
 use crate::error::ConfigError;
+use crate::reflection::{Output, RenderConfig, RenderParams};
 use crate::rig::Compensation;
 use crate::sample::{Fault, Faults};
 use crate::sensing::Conversion;
@@ -26,7 +27,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Settings {
-            values: Key::ALL.map(|key| key.info().default),
+            values: key::TABLE.map(|key| key.info().default),
         }
     }
 }
@@ -86,7 +87,7 @@ impl Settings {
     /// # Errors
     /// The first value that cannot be used.
     pub fn setup(&self) -> Result<Setup, Invalid> {
-        for key in Key::ALL {
+        for key in key::TABLE.iter().copied() {
             let value = self.get(key);
             if !key.info().bounds.hold(value) {
                 return Err(Invalid {
@@ -105,7 +106,53 @@ impl Settings {
             late_us: compensation.map_or(0, |own| (own.delay_s() * 1e6) as u64),
             compensation,
             every: self.get(Key::TelemetryEvery) as u16,
+            reflect_every: self.get(Key::ReflectionEvery) as u16,
+            reference_depth_m: self.get(Key::EstimatorDepthM),
+            render: self.render()?,
+            output: self.output(),
         })
+    }
+
+    /// How a force is put out.
+    pub fn output(&self) -> Output {
+        Output {
+            zero: self.get(Key::RenderZero),
+            full_n: self.get(Key::RenderFullN),
+        }
+    }
+
+    /// How an impedance is rendered; `None` while the largest force is 0.
+    #[inline(never)]
+    fn render(&self) -> Result<Option<RenderParams>, Invalid> {
+        let force_n = self.get(Key::RenderForceN);
+        if force_n == 0.0 {
+            return Ok(None);
+        }
+        if !self.output().carries(force_n) {
+            return Err(Invalid {
+                key: Key::RenderForceN,
+                value: force_n,
+                expected: Some("no more than the output carries: render.full_n, render.zero"),
+            });
+        }
+        let config = RenderConfig {
+            rate_hz: Config::default().rate_hz,
+            force_n,
+            device_ns_per_m: self.get(Key::RenderDeviceNsPerM),
+            slew_n_per_s: self.get(Key::RenderSlewNps),
+            timeout_s: self.get(Key::RenderTimeoutS),
+            fade_s: self.get(Key::RenderFadeS),
+            shaping: self.get(Key::RenderShaping),
+        };
+        // Of the bounds of the settings, only the damping's reaches down to what cannot be used: 0.
+        match config.device_ns_per_m > 0.0 {
+            true => Ok(Some(config.unchecked())),
+            false => Err(Invalid {
+                key: Key::RenderDeviceNsPerM,
+                value: config.device_ns_per_m,
+                expected: Some("the master's own damping: it bounds what is rendered"),
+            }),
+        }
     }
 
     fn check_pairs(&self) -> Result<(), Invalid> {
@@ -163,6 +210,14 @@ pub struct Setup {
     pub late_us: u64,
     /// Every how many samples are sent.
     pub every: u16,
+    /// Every how many samples the identified impedance is; 0: never.
+    pub reflect_every: u16,
+    /// δ₀ (m), that it is reported at.
+    pub reference_depth_m: f32,
+    /// How a received one is rendered; `None`: it is not.
+    pub render: Option<RenderParams>,
+    /// How the force of that is put out.
+    pub output: Output,
 }
 
 fn method(number: f32) -> Method {

@@ -50,6 +50,8 @@ pub trait Board {
     type Flash: NorFlash + Send;
     /// Resets the board when it is not fed.
     type Watchdog: Watchdog + Send;
+    /// Where the force goes that is rendered.
+    type Output: ForceOutput + Send;
 
     /// Brings the board up. The tick may be raised from here on; RTIC delivers it after `init`.
     ///
@@ -65,8 +67,8 @@ pub trait Board {
     fn idle();
 
     /// Ends the program; never called on a healthy board. The emulator exits with a status, a
-    /// board stops with interrupts off, its outputs as they are after reset; its watchdog then
-    /// starts it again.
+    /// board stops with interrupts off, its outputs as they are after reset, the force's too; its
+    /// watchdog then starts it again.
     fn stop(outcome: Outcome) -> !;
 }
 
@@ -82,6 +84,8 @@ pub struct Parts<B: Board + ?Sized> {
     pub store: Store<B::Flash>,
     /// Not running before its first meal.
     pub watchdog: B::Watchdog,
+    /// To the sampling task, but while settings are saved.
+    pub output: B::Output,
     /// Whether the clock is a replacement: times are off by up to 1 %.
     pub clock_fallback: bool,
 }
@@ -120,6 +124,21 @@ pub trait Watchdog {
     /// Called while the sampling task meets its deadlines. A hunger of at least 8 s is survived:
     /// an erase of the flash may take 4.
     fn feed(&mut self);
+}
+
+/// The force command: an analog or PWM signal to whatever drives a master, an amplifier with a current
+/// loop of its own. It is a force on the operator's hand and no motion; the firmware never asks where the
+/// master goes. What a code is in newtons is settings (`render.full_n`, `render.zero`).
+pub trait ForceOutput {
+    /// The code of the full output; 0 is none.
+    const FULL: u16;
+
+    /// Puts out a code of at most [`ForceOutput::FULL`] until the next: within a tick, and takes a
+    /// microsecond at most. Called at every tick, with the code of 0 N while nothing is rendered.
+    ///
+    /// Before the first call, and after [`Board::stop`], the output is what the hardware makes of it
+    /// without a program: wire it so that this is 0 N.
+    fn put(&mut self, code: u16);
 }
 
 /// The answer to [`Sensors::sample`].

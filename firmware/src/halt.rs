@@ -1,5 +1,5 @@
-//! Where a program goes that cannot go on: says why, then stops. The board has commanded nothing,
-//! so there is nothing to bring to a safe state.
+//! Where a program goes that cannot go on: says why, then stops. The board has commanded no motion; the
+//! force that it may put out goes with [`Board::stop`].
 
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -7,7 +7,11 @@ use palpate_firmware::board::{Board, Outcome, Selected};
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    defmt::error!("{}", defmt::Display2Format(info));
+    // Where, and not what: the text needs 3 KiB of formatting that nothing else does.
+    match info.location() {
+        Some(at) => defmt::error!("panic at {=str}:{=u32}", at.file(), at.line()),
+        None => defmt::error!("panic"),
+    }
     Selected::stop(Outcome::Failed)
 }
 

@@ -6,6 +6,7 @@
 
 pub mod board;
 pub mod driver;
+pub mod force;
 pub mod sampling;
 pub mod service;
 mod stack;

@@ -2,7 +2,8 @@
 //! is being touched. Tasks only; what they do stands in the modules.
 //!
 //! The application commands no motion: it measures while something else (a hand, another
-//! controller) moves the probe.
+//! controller) moves the probe. At the master of a teleoperation it renders what another board has
+//! identified, as a force.
 #![no_std]
 #![no_main]
 #![deny(missing_docs)]
@@ -20,16 +21,19 @@ mod app {
     use core::mem::MaybeUninit;
     use estimator_core::budget::Budget;
     use estimator_core::link::Change;
+    use estimator_core::reflection::Packet;
     use estimator_core::sampling::{Record, Sampler};
     use heapless::spsc::{Consumer, Queue};
     use palpate_firmware::board::{Board, Outcome, Parts, Selected};
-    use palpate_firmware::sampling::{CHANGES, Sampling, Tick};
+    use palpate_firmware::force::Force;
+    use palpate_firmware::sampling::{CHANGES, Output, PACKETS, Sampling, Tick};
     use palpate_firmware::service::Service;
     use palpate_firmware::telemetry::{QUEUE, Telemetry};
 
     #[shared]
     struct Shared {
         budget: Budget,
+        output: Output,
     }
 
     #[local]
@@ -43,6 +47,7 @@ mod app {
     #[init(local = [
         records: Queue<Record, QUEUE> = Queue::new(),
         setups: Queue<Change, CHANGES> = Queue::new(),
+        impedances: Queue<Packet, PACKETS> = Queue::new(),
         // Made where it stays: 10 KiB that the stack need not hold twice.
         sampler: MaybeUninit<Sampler> = MaybeUninit::uninit(),
     ])]
@@ -58,17 +63,20 @@ mod app {
             light,
             store,
             watchdog,
+            output,
             clock_fallback,
         } = Selected::start(cx.core, cx.device);
         let (outbox, inbox) = cx.local.records.split();
         let (to_sampler, changes) = cx.local.setups.split();
-        let service = Service::new(store, watchdog, to_sampler, clock_fallback);
+        let (to_renderer, packets) = cx.local.impedances.split();
+        let service = Service::new(store, watchdog, to_sampler, to_renderer, clock_fallback);
         let Some(setup) = service.setup() else {
             defmt::panic!("the default settings are not valid");
         };
         (
             Shared {
                 budget: Budget::new(),
+                output: Force::new(output),
             },
             Local {
                 sampling: Sampling {
@@ -76,6 +84,7 @@ mod app {
                     sampler: cx.local.sampler.write(Sampler::new(setup)),
                     outbox,
                     changes,
+                    packets,
                 },
                 inbox,
                 telemetry: Telemetry::new(link, light),
@@ -84,32 +93,34 @@ mod app {
         )
     }
 
-    /// 1 kHz, above everything else: read, convert, compensate, step, push.
-    #[task(binds = DMA2_STREAM0, priority = 3, local = [sampling], shared = [budget])]
+    /// 1 kHz, above everything else: read, convert, render, compensate, step, push.
+    #[task(binds = DMA2_STREAM0, priority = 3, local = [sampling], shared = [budget, output])]
     fn sample(mut cx: sample::Context) {
-        let ticked = cx.local.sampling.tick();
+        let sampling = cx.local.sampling;
+        let ticked = cx.shared.output.lock(|output| sampling.tick(output));
         cx.shared.budget.lock(|budget| match &ticked {
             Tick::Sampled(sampled) => sampled.count(budget),
             Tick::Nothing => {}
             Tick::End => budget.finished = true,
         });
-        cx.local.sampling.change();
+        sampling.change();
         // Already spawned is as good: it drains everything that it finds.
         let _ = telemetry::spawn();
     }
 
     /// Sends what has been queued and answers commands; says once a second how the board is.
-    #[task(priority = 1, local = [inbox, telemetry, service], shared = [budget])]
+    #[task(priority = 1, local = [inbox, telemetry, service], shared = [budget, output])]
     async fn telemetry(mut cx: telemetry::Context) {
         let (telemetry, service) = (cx.local.telemetry, cx.local.service);
         // Before draining: whatever was queued before the end is then still sent.
         let budget = cx.shared.budget.lock(|budget| *budget);
+        // Before the records: on a line that they fill, there would never be room for an answer.
+        service.answer(telemetry, &mut cx.shared.output);
         while telemetry.has_room()
             && let Some(record) = cx.local.inbox.dequeue()
         {
             telemetry.send(&record);
         }
-        service.answer(telemetry);
         service.report(telemetry, &budget);
         telemetry.poll();
         if budget.finished {

@@ -1,18 +1,27 @@
-//! What happens at every tick, and nothing else: read, convert, compensate, step, push. The link proof
-//! holds it free of panics, the reading of the board's sensors included.
+//! What happens at every tick, and nothing else: read, convert, render, compensate, step, push. The link
+//! proof holds it free of panics, the reading of the board's sensors included.
 
-use crate::board::{Acquired, Board, RATE_HZ, Selected, Sensors};
+use crate::board::{Acquired, Board, ForceOutput, RATE_HZ, Selected, Sensors};
+use crate::force::Force;
 use crate::telemetry::QUEUE;
 use estimator_core::Sample;
 use estimator_core::budget::{Budget, Stations};
 use estimator_core::link::Change;
+use estimator_core::reflection::Packet;
 use estimator_core::sampling::{Record, Sampler};
 use heapless::spsc::{Consumer, Producer};
 
+const FULL: u16 = <Selected as Board>::Output::FULL;
 const PERIOD_US: u64 = 1_000_000 / RATE_HZ as u64;
 
 /// Settings that wait to be taken over, and one more.
 pub const CHANGES: usize = 2;
+/// Impedances that wait to be rendered, and one more: there are a thousand a second at most, and one is
+/// taken at every tick.
+pub const PACKETS: usize = 4;
+
+/// Where the force goes.
+pub type Output = Force<<Selected as Board>::Output>;
 
 /// All that the sampling task owns.
 pub struct Sampling {
@@ -24,6 +33,8 @@ pub struct Sampling {
     pub outbox: Producer<'static, Record>,
     /// From it: other settings, of a queue of [`CHANGES`].
     pub changes: Consumer<'static, Change>,
+    /// From it: impedances to render, of a queue of [`PACKETS`].
+    pub packets: Consumer<'static, Packet>,
 }
 
 /// What came of a tick.
@@ -44,8 +55,9 @@ pub struct Sampled {
 }
 
 impl Sampling {
-    /// One instant, from the hardware to the queue.
-    pub fn tick(&mut self) -> Tick {
+    /// One instant, from the hardware to the queue. What is rendered goes out as soon as the position is
+    /// known: a force that is late costs stiffness that can be rendered stably.
+    pub fn tick(&mut self, output: &mut Output) -> Tick {
         let start = Selected::now();
         let (codes, sample, acquired) = match self.sensors.sample() {
             Acquired::Codes(codes) => {
@@ -57,20 +69,32 @@ impl Sampling {
             Acquired::End => return Tick::End,
         };
         let converted = Selected::now();
+        if self.packets.capacity() == PACKETS - 1
+            && let Some(packet) = self.packets.dequeue()
+        {
+            self.sampler.take(&packet);
+        }
+        let (rendered, code) = self.sampler.render(&sample, FULL);
+        output.put(code);
+        let put_out = Selected::now();
         let contact = self.sampler.compensate(sample);
         let compensated = Selected::now();
         let estimate = self.sampler.step(contact);
         let stepped = Selected::now();
+        let due = self.sampler.due(&estimate);
         let record = Record {
             codes,
             sample,
             estimate,
+            rendered,
+            due,
         };
-        let dropped = self.sampler.is_sent(&estimate) && !self.queue(record);
+        let dropped = due.any() && !self.queue(record);
         let at = Stations {
             start,
             acquired,
             converted,
+            put_out,
             compensated,
             stepped,
             queued: Selected::now(),

@@ -1,6 +1,7 @@
 //! What the board does besides sampling: answers commands, keeps the settings, says how it is.
 
-use crate::board::{Board, Link, RATE_HZ, Watchdog};
+use crate::board::{Board, ForceOutput, Link, RATE_HZ, Watchdog};
+use crate::force::Force;
 use crate::stack;
 use crate::telemetry::Telemetry;
 use embedded_hal::digital::OutputPin;
@@ -9,9 +10,11 @@ use estimator_core::estimate::Phase;
 use estimator_core::frame::Frame;
 use estimator_core::link::{Answer, Command};
 use estimator_core::link::{Change, Health, Identity, Name, Range, Refusal, Reply, Responder};
+use estimator_core::reflection::Packet;
 use estimator_core::settings::Setup;
 use estimator_core::settings::store::{LAYOUT, Store};
 use heapless::spsc::Producer;
+use rtic::Mutex;
 
 /// A line of the log with all costs, every so many samples: 10 s.
 const LOG_EVERY: u32 = 10 * RATE_HZ;
@@ -21,6 +24,7 @@ pub struct Service<B: Board> {
     responder: Responder<B::Flash>,
     watchdog: B::Watchdog,
     changes: Producer<'static, Change>,
+    packets: Producer<'static, Packet>,
     clock_fallback: bool,
     reported: u32,
     logged: u32,
@@ -34,11 +38,12 @@ impl<B: Board> Service<B> {
         store: Store<B::Flash>,
         watchdog: B::Watchdog,
         changes: Producer<'static, Change>,
+        packets: Producer<'static, Packet>,
         clock_fallback: bool,
     ) -> Self {
         let identity = Identity {
-            board: Name::new(B::NAME),
-            firmware: Name::new(env!("CARGO_PKG_VERSION")),
+            board: const { Name::new(B::NAME) },
+            firmware: const { Name::new(env!("CARGO_PKG_VERSION")) },
             layout: LAYOUT,
             rate_hz: RATE_HZ as u16,
             tick: B::TICK,
@@ -55,6 +60,7 @@ impl<B: Board> Service<B> {
             responder,
             watchdog,
             changes,
+            packets,
             clock_fallback,
             reported: 0,
             logged: 0,
@@ -68,13 +74,18 @@ impl<B: Board> Service<B> {
         self.responder.setup()
     }
 
-    /// Answers the commands that have come, as long as there is room for answers.
-    pub fn answer<L: Link, P: OutputPin>(&mut self, telemetry: &mut Telemetry<L, P>) {
+    /// Answers the commands that have come, as long as there is room for answers. `output`: the force's,
+    /// held at 0 N while a command is obeyed during which the core may stand still.
+    pub fn answer<L: Link, P: OutputPin>(
+        &mut self,
+        telemetry: &mut Telemetry<L, P>,
+        output: &mut impl Mutex<T = Force<B::Output>>,
+    ) {
         while telemetry.has_room()
             && let Some(byte) = telemetry.receive()
         {
             if let Some((to, command)) = self.responder.push(byte) {
-                self.obey(to, command, telemetry);
+                self.obey(to, command, telemetry, output);
             }
         }
     }
@@ -84,14 +95,21 @@ impl<B: Board> Service<B> {
         to: u16,
         command: Command,
         telemetry: &mut Telemetry<L, P>,
+        output: &mut impl Mutex<T = Force<B::Output>>,
     ) {
-        if command == Command::Save {
-            // An erase may take 4 s, during which nothing runs.
-            self.watchdog.feed();
-        }
         let in_contact = telemetry.phase() == Phase::Contact;
         let busy = !self.changes.is_empty();
+        // An erase may take 4 s, during which nothing runs, and a force would stand.
+        let stalls = command == Command::Save && !in_contact && !busy;
+        if stalls {
+            self.watchdog.feed();
+            let rest = self.responder.settings().output();
+            output.lock(|output| output.hold(rest.code(0.0, B::Output::FULL)));
+        }
         let mut answered = self.responder.answer(to, command, in_contact, busy);
+        if stalls {
+            output.lock(Force::release);
+        }
         if let Some(change) = answered.change
             && self.changes.enqueue(change).is_err()
         {
@@ -100,6 +118,11 @@ impl<B: Board> Service<B> {
                 to,
                 answer: Answer::Refused(Refusal::Busy, 0),
             };
+        }
+        if let Some(packet) = answered.packet
+            && self.packets.enqueue(packet).is_err()
+        {
+            answered.reply.answer = Answer::Refused(Refusal::Busy, 0);
         }
         telemetry.send_frame(&Frame::Reply(answered.reply));
     }
@@ -153,9 +176,19 @@ impl<B: Board> Service<B> {
 
     /// Logs everything, as `key=value` (tests/qemu.rs reads it) with min/mean/max.
     pub fn log(budget: &Budget, encode: &Meter) {
-        let [period, convert, compensate, step, queue, task, encode] = [
+        let [
+            period,
+            convert,
+            render,
+            compensate,
+            step,
+            queue,
+            task,
+            encode,
+        ] = [
             &budget.period,
             &budget.convert,
+            &budget.render,
             &budget.compensate,
             &budget.step,
             &budget.queue,
@@ -164,7 +197,7 @@ impl<B: Board> Service<B> {
         ]
         .map(|meter| Shown(meter.range()));
         defmt::info!(
-            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} compensate={} step={} queue={} task={} encode={}",
+            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} render={} compensate={} step={} queue={} task={} encode={}",
             B::COST_UNIT,
             budget.samples,
             budget.ticks,
@@ -175,6 +208,7 @@ impl<B: Board> Service<B> {
             B::TICK,
             period,
             convert,
+            render,
             compensate,
             step,
             queue,

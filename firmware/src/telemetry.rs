@@ -5,7 +5,7 @@ use crate::board::{Board, Link, Selected};
 use embedded_hal::digital::OutputPin;
 use estimator_core::budget::Meter;
 use estimator_core::estimate::{Event, Phase};
-use estimator_core::frame::{self, CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED};
+use estimator_core::frame::{self, Frame, MAX_ENCODED, RECORD_ENCODED};
 use estimator_core::sampling::Record;
 use estimator_core::{Estimate, Fault, Faults, Status};
 
@@ -22,6 +22,8 @@ pub struct Telemetry<L, P> {
     pub encode: Meter,
     last: Option<Estimate<f32>>,
     last_in_contact: Option<Estimate<f32>>,
+    /// What is wrong with rendering.
+    rendering: Faults,
 }
 
 impl<L: Link, P: OutputPin> Telemetry<L, P> {
@@ -34,27 +36,37 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
             encode: Meter::new(),
             last: None,
             last_in_contact: None,
+            rendering: Faults::NONE,
         }
     }
 
     /// Whether the frames of one record fit into the link. Where they do not, the queue fills and
     /// the sampling task counts the drops: they are counted in one place.
     pub fn has_room(&self) -> bool {
-        self.link.room() >= MAX_ENCODED + SAMPLE_ENCODED + CODES_ENCODED
+        self.link.room() >= RECORD_ENCODED
     }
 
     /// Sends the frames of a record and logs what happened in it.
     pub fn send(&mut self, record: &Record) {
         let start = Selected::now();
-        if let Some(codes) = record.codes {
-            self.send_frame(&Frame::Codes(codes));
+        if record.due.shown {
+            if let Some(codes) = record.codes {
+                self.send_frame(&Frame::Codes(codes));
+            }
+            self.send_frame(&Frame::Sample(record.sample));
+            self.send_frame(&Frame::Estimate(record.estimate));
+            if let Some(rendered) = record.rendered {
+                self.send_frame(&Frame::Rendered(rendered));
+            }
         }
-        self.send_frame(&Frame::Sample(record.sample));
-        self.send_frame(&Frame::Estimate(record.estimate));
+        if let Some(packet) = record.packet() {
+            self.send_frame(&Frame::Reflection(packet));
+        }
         self.encode.record(Selected::now().wrapping_sub(start));
         self.log_changes(&record.estimate);
         self.show(&record.estimate);
         self.last = Some(record.estimate);
+        self.rendering = record.rendered.map_or(Faults::NONE, |of| of.faults);
         if record.estimate.phase == Phase::Contact {
             self.last_in_contact = self.last;
         }
@@ -95,12 +107,13 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
             return Faults::NONE;
         };
         match last.status {
-            Status::ModelSuspect => last.faults.with(Fault::EstimatorSuspect),
-            _ => last.faults,
+            Status::ModelSuspect => last.faults.with(Fault::EstimatorSuspect) | self.rendering,
+            _ => last.faults | self.rendering,
         }
     }
 
-    /// Sends a frame; there must be room for it.
+    /// Sends a frame; there must be room for it. Never inlined: there are eight that do.
+    #[inline(never)]
     pub fn send_frame(&mut self, frame: &Frame) {
         let mut bytes = [0; MAX_ENCODED];
         let length = frame::encode(frame, self.sequence, &mut bytes);

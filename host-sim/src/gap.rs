@@ -1,11 +1,12 @@
 //! `palpate gap`: where simulation and measurement disagree, what is missing, and the proof.
 //!
-//! The steps, a file a word: `floor` says what noise leaves without any model; `course` is a log as
-//! the fits see it, `standstill` what is done to its speeds near rests; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
+//! The steps, a file a word: `floor` says what noise leaves without any model, by the rests' `spectrum`
+//! and without a disturbance's `line`; `course` is a log as the fits see it, `standstill` what is done to
+//! its speeds near rests; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
 //! says what a residual may be; `start` says where a candidate may start, `propose` what it promises there;
 //! `search` adds, swaps and drops effects, each time refitting everything, for a `price`; `decide` judges
 //! on held-out parts; `attenuation` takes off what the errors of the motion do to the numbers; `regions` says
-//! where, `error` (with the residuals' `spectrum`) how well; `files` writes it down. `plan` says before
+//! where, `error` how well, also where noise is `coloured`; `files` writes it down. `plan` says before
 //! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart, `record` writes the one to
 //! record next. Before all that
 //! `input` refuses what cannot be fitted.
@@ -15,6 +16,7 @@ mod apart;
 mod attenuation;
 mod basis;
 mod budget;
+mod coloured;
 mod command;
 mod course;
 mod decide;
@@ -22,7 +24,9 @@ mod error;
 mod files;
 mod fit;
 mod floor;
+mod form;
 mod input;
+mod line;
 mod low_pass;
 mod menu;
 mod plan;
@@ -45,7 +49,7 @@ mod weights;
 pub use command::{GapArgs, run};
 pub use floor::Floor;
 pub use plan::{Further, Plan, Planned, plan};
-pub use print::summary;
+pub use print::{summary, times_larger};
 pub use progress::{Progress, Silent};
 pub(crate) use regions::phase;
 pub use regions::{Region, words};

@@ -2,6 +2,9 @@
 //! a line in memory or a pseudo-terminal.
 
 mod common;
+#[cfg(unix)]
+#[path = "common/terminal.rs"]
+mod terminal_end;
 
 use std::fs;
 use std::io::{self, Write};
@@ -383,7 +386,7 @@ fn a_recording_is_a_log_and_replays_to_the_boards_own_estimates() {
     let said = record::convert(&out).unwrap();
     assert!(said.contains("0 samples missing"), "{said}");
     let log = Log::read(&out.join("log.csv"), &ReadOptions::default()).unwrap();
-    // 4 s, and before them the 43 questions for the settings, 10 ms each.
+    // 4 s, and before them the 52 questions for the settings, 10 ms each.
     assert!((4000..4630).contains(&log.len()), "{}", log.len());
     assert!(log.extra("force_code").is_some());
     // The settings that it was taken with are beside it.
@@ -537,43 +540,8 @@ mod terminal {
     use palpate::link::compensate::{self, CompensateArgs};
     use palpate::link::port::Serial;
     use serialport::{SerialPort, TTYPort};
-    use std::io::Read;
     use std::path::Path;
     use std::sync::atomic::{AtomicBool, Ordering};
-    use std::thread;
-    use std::time::{Duration, Instant};
-
-    /// Runs a board at the master's end, in real time, until it is told to stop.
-    fn serve(mut line: TTYPort, world: Shared, stop: Arc<AtomicBool>) -> thread::JoinHandle<()> {
-        line.set_timeout(Duration::from_millis(1)).unwrap();
-        thread::spawn(move || {
-            let mut board = SimulatedBoard::new(world, BYTES_PER_MS);
-            let (start, mut ticks) = (Instant::now(), 0);
-            let mut bytes = [0; 4096];
-            while !stop.load(Ordering::Relaxed) {
-                if let Ok(count) = line.read(&mut bytes) {
-                    board.receive(&bytes[..count]);
-                }
-                while ticks < start.elapsed().as_millis() {
-                    board.tick();
-                    ticks += 1;
-                }
-                let count = board.take(&mut bytes);
-                send(&mut line, &bytes[..count], &stop);
-            }
-        })
-    }
-
-    /// All of it, however slow the reader is; nothing while there is none.
-    fn send(line: &mut TTYPort, mut bytes: &[u8], stop: &AtomicBool) {
-        while !bytes.is_empty() && !stop.load(Ordering::Relaxed) {
-            match line.write(bytes) {
-                Ok(count) => bytes = &bytes[count..],
-                Err(error) if error.kind() == io::ErrorKind::TimedOut => {}
-                Err(_) => return,
-            }
-        }
-    }
 
     /// Between two touches of the hand, which touches once a second.
     fn compensated(device: &mut Device<Serial>, model: &Path) {
@@ -594,7 +562,8 @@ mod terminal {
         // It holds a lock on the port.
         drop(slave);
         let stop = Arc::new(AtomicBool::new(false));
-        let board = serve(master, world(Hand::Palpating), Arc::clone(&stop));
+        let board = SimulatedBoard::new(world(Hand::Palpating), BYTES_PER_MS);
+        let board = terminal_end::serve(master, board, Arc::clone(&stop));
         let mut device = Device::new(Serial::open(&name).unwrap());
         assert_eq!(device.identity().unwrap().board.as_str(), "simulated");
         assert_eq!(device.settings().unwrap(), Settings::default());
@@ -616,6 +585,6 @@ mod terminal {
         assert!((240..2000).contains(&log.len()), "{}", log.len());
         stop.store(true, Ordering::Relaxed);
         drop(device);
-        board.join().unwrap();
+        drop(board.join().unwrap());
     }
 }

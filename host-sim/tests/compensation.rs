@@ -314,7 +314,7 @@ fn a_board_in_contact_refuses_and_keeps_what_it_has() {
         off: false,
     };
     let plan = compensate::plan(&args).unwrap();
-    // 43 questions of 10 ms, and a touch that lasts 0.6 s: asked twice, one of them is in contact.
+    // 52 questions of 10 ms, and a touch that lasts 0.6 s: asked twice, one of them is in contact.
     let mut refused = false;
     for _ in 0..4 {
         let before = bench.device.settings().unwrap();

@@ -234,6 +234,8 @@ pub struct Budget {
     /// From the codes to SI units.
     pub convert: Meter,
     /// What the rig adds is taken off.
+    pub render: Meter,
+    /// Of what the rig adds, taken off.
     pub compensate: Meter,
     /// `step`.
     pub step: Meter,
@@ -271,6 +273,7 @@ impl Budget {
             tick: number(field(line, "tick")?)?,
             period: meter(field(line, "period")?)?,
             convert: meter(field(line, "convert")?)?,
+            render: meter(field(line, "render")?)?,
             compensate: meter(field(line, "compensate")?)?,
             step: meter(field(line, "step")?)?,
             queue: meter(field(line, "queue")?)?,

@@ -1,11 +1,12 @@
 //! A contact that sticks.
 
-use super::effect;
+use super::{direction, effect};
 use crate::scalar::Scalar;
 
 effect! {
     /// A constant pull in all contact, and a neck that tears on the way out; or a bond, which pulls only
-    /// as far as the material is drawn out: relaxed by a hold, it holds the probe back.
+    /// as far as the material is drawn out: relaxed by a hold, it holds the probe back. Surfaces that
+    /// close pull less than surfaces that part (adhesion hysteresis).
     Adhesion = "adhesion", Contact {
         /// F_a (N)
         force_n = "force", Newton, Positive;
@@ -13,26 +14,37 @@ effect! {
         neck_length_m = "neck_length", Metre, Positive;
         /// 0: it pulls in all contact. 1: a bond, max(relaxed + damping, −F_a) until it tears.
         bond = "bond", One, NotNegative, 0.0;
+        /// h: the share of F_a that is missing on the way in, and half of it at rest. Not of a bond.
+        hysteresis = "hysteresis", One, NotNegative, 0.0;
     }
-    law: "−F_a in contact; on the way out −F_a(1 + δ/d_a) for −d_a < δ < 0; bond = 1: none in contact, which pulls up to F_a",
+    law: "−F_a in contact; on the way out −F_a(1 + δ/d_a) for −d_a < δ < 0; bond = 1: none in contact, which pulls up to F_a; hysteresis h: F_a(1 − h) on the way in",
     signature: "negative force after lift-off, none before touch",
     motion: "leave the contact slowly, and well clear of it",
 }
 
 impl<S: Scalar> Adhesion<S> {
     /// The pull (N, negative) at a depth. `attached` is 1 while the neck holds, and changes here.
-    pub(crate) fn force_n(&self, attached: &mut S, depth_m: S) -> S {
+    pub(crate) fn force_n(&self, attached: &mut S, depth_m: S, speed_mps: S) -> S {
         let (nil, one) = (S::nil(), S::unit());
         if depth_m > nil {
             *attached = one;
-            return -self.force_n;
+            return -self.pull_n(speed_mps);
         }
         let left = one + depth_m / self.neck_length_m;
         if *attached > nil && left > nil {
-            return -(self.force_n * left);
+            return -(self.pull_n(speed_mps) * left);
         }
         *attached = nil;
         nil
+    }
+
+    /// F_a(1 − h(1 + sgn δ̇)/2)
+    fn pull_n(&self, speed_mps: S) -> S {
+        if self.hysteresis <= S::nil() {
+            return self.force_n;
+        }
+        let closing = S::from_f64(0.5) * (S::unit() + direction(speed_mps, S::nil()));
+        self.force_n * S::nil().max_of(S::unit() - self.hysteresis * closing)
     }
 
     /// The force (N) of a bonded contact that would be pushed by `pushed_n` if it could not tear.

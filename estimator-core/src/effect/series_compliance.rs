@@ -1,14 +1,44 @@
 //! A rig that gives way: a spring between the motor and the tip.
 
 use super::effect;
+use crate::scalar::Scalar;
 
 effect! {
-    /// tip = x − F_contact/k_s
+    /// tip = x − u(F_contact), u = F/k_s; or of a spring whose stiffness grows with its force, as that of
+    /// a tendon, a rope or a bolted joint does.
     SeriesCompliance = "series_compliance", Transmission {
-        /// k_s (N/m)
+        /// k_s (N/m), unloaded
         stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive;
+        /// F_h (N): the force at which it is twice as stiff; 0: always as stiff.
+        hardening_n = "hardening_force", Newton, NotNegative, 0.0;
     }
-    law: "tip = x − F_contact/k_s",
+    law: "tip = x − F_contact/k_s; with a hardening force F_h the stiffness is k_s(1 + |F|/F_h)",
     signature: "a softer and less damped contact at high force; couples force into depth",
     motion: "fast and slow strokes of the same depth",
+}
+
+impl<S: Scalar> SeriesCompliance<S> {
+    /// How far it gives way (m): ∫dF/k = (F_h/k_s) ln(1 + |F|/F_h), with the sign of F.
+    pub fn deflection_m(&self, force_n: S) -> S {
+        if self.hardening_n <= S::nil() {
+            return force_n / self.stiffness_n_per_m;
+        }
+        let size = self.hardening_n / self.stiffness_n_per_m * self.stiffening(force_n).ln();
+        if force_n < S::nil() { -size } else { size }
+    }
+
+    /// How much further per newton (m/N).
+    pub(crate) fn softness_m_per_n(&self, force_n: S) -> S {
+        let stiffness = if self.hardening_n > S::nil() {
+            self.stiffness_n_per_m * self.stiffening(force_n)
+        } else {
+            self.stiffness_n_per_m
+        };
+        S::unit() / stiffness
+    }
+
+    /// 1 + |F|/F_h
+    fn stiffening(&self, force_n: S) -> S {
+        S::unit() + force_n.absolute() / self.hardening_n
+    }
 }

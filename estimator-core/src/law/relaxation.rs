@@ -12,6 +12,8 @@ pub struct RelaxationMode<S> {
 }
 
 /// ẇ = u̇ − νw over one period in which u changes by `change`, evenly: exact, however long.
+// A board without relaxing methods has it for rendering alone: 300 bytes each time.
+#[cfg_attr(not(feature = "relaxing"), inline(never))]
 pub(crate) fn high_passed<S: Scalar>(w: S, change: S, rate_per_s: S, period_s: S) -> S {
     let x = -(rate_per_s * period_s);
     w * x.exp() + change * x.growth()

@@ -2,6 +2,7 @@
 
 use super::{Answer, Command, Identity, Refusal, Reply};
 use crate::frame::{Decoder, Frame};
+use crate::reflection::Packet;
 use crate::sample::{Fault, Faults};
 use crate::settings::store::{Loaded, Store};
 use crate::settings::{Key, Settings, Setup};
@@ -14,6 +15,8 @@ pub struct Answered {
     pub reply: Reply,
     /// Another setup.
     pub change: Option<Change>,
+    /// An impedance to be rendered.
+    pub packet: Option<Packet>,
 }
 
 /// What changes in the sampling task.
@@ -36,6 +39,8 @@ pub struct Responder<F> {
     identity: Identity,
     decoder: Decoder,
     garbled: u32,
+    /// The last impedance that was taken.
+    packet: Option<Packet>,
     /// Faults from loading, until settings are loaded or set back.
     standing: Faults,
     concerns: Option<Key>,
@@ -54,6 +59,7 @@ impl<F: NorFlash> Responder<F> {
             identity,
             decoder: Decoder::new(),
             garbled: 0,
+            packet: None,
             standing: Faults::NONE,
             concerns: None,
         };
@@ -101,6 +107,7 @@ impl<F: NorFlash> Responder<F> {
     pub fn push(&mut self, byte: u8) -> Option<(u16, Command)> {
         match self.decoder.push(byte)? {
             Ok((sequence, Frame::Command(command))) => Some((sequence, command)),
+            Ok((sequence, Frame::Reflection(packet))) => Some((sequence, Command::Reflect(packet))),
             Ok(_) | Err(_) => {
                 self.garbled = self.garbled.saturating_add(1);
                 None
@@ -111,7 +118,11 @@ impl<F: NorFlash> Responder<F> {
     /// Answers a command. `in_contact`: what the last estimate says; `busy`: the last change is
     /// still on its way to the sampling task.
     pub fn answer(&mut self, to: u16, command: Command, in_contact: bool, busy: bool) -> Answered {
-        let done = self.try_to_answer(command, in_contact, busy);
+        let mut rendered = None;
+        let done = match command {
+            Command::Reflect(packet) => self.reflect(packet, &mut rendered),
+            command => self.try_to_answer(command, in_contact, busy),
+        };
         let (answer, change) = match done {
             Ok(done) => done,
             Err((reason, id)) => (Answer::Refused(reason, id), None),
@@ -119,7 +130,30 @@ impl<F: NorFlash> Responder<F> {
         Answered {
             reply: Reply { to, answer },
             change,
+            packet: rendered,
         }
+    }
+
+    /// Checked here, so that the sampling task takes it as it is. The same one again, since the answer to
+    /// it was lost, is taken once: a channel that repeats itself is one that has stopped.
+    fn reflect(&mut self, packet: Packet, rendered: &mut Option<Packet>) -> Done {
+        let most_n = Key::RenderForceN;
+        permit(
+            self.settings.get(most_n) == 0.0,
+            Refusal::NotRendering,
+            most_n.id(),
+        )?;
+        let renderable = packet.is_sound() && packet.reflected().is_ok();
+        permit(!renderable, Refusal::NotRenderable, 0)?;
+        if let Some(last) = &self.packet {
+            permit(packet.is_older_than(last), Refusal::Overtaken, 0)?;
+            let again = packet.time_us == last.time_us && packet.sequence == last.sequence;
+            if again {
+                return Ok((Answer::Done, None));
+            }
+        }
+        (self.packet, *rendered) = (Some(packet), Some(packet));
+        Ok((Answer::Done, None))
     }
 
     fn try_to_answer(&mut self, command: Command, in_contact: bool, busy: bool) -> Done {
@@ -179,7 +213,7 @@ impl<F: NorFlash> Responder<F> {
                 permit(busy, Refusal::Busy, 0)?;
                 self.commit(in_contact)
             }
-            Command::Unknown(_) => Err((Refusal::UnknownCommand, 0)),
+            Command::Unknown(_) | Command::Reflect(_) => Err((Refusal::UnknownCommand, 0)),
         }
     }
 
@@ -202,7 +236,7 @@ impl<F: NorFlash> Responder<F> {
         };
         let differs = |key: &Key| prepared.get(*key) != self.settings.get(*key);
         let disturbing = |key: &Key| differs(key) && !key.is_harmless();
-        let disturbs = Key::ALL.into_iter().find(disturbing);
+        let disturbs = Key::table().iter().copied().find(disturbing);
         if let Some(key) = disturbs {
             permit(in_contact, Refusal::InContact, key.id())?;
         }

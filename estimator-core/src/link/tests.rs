@@ -453,3 +453,97 @@ fn garbage_is_counted_and_a_frame_that_is_no_command_too() {
     assert_eq!(responder.garbled(), 2);
     let _ = FrameError::Content;
 }
+
+fn impedance(time_us: u64, stiffness: f32) -> Packet {
+    let params = crate::Config::default().validate::<f32>().unwrap();
+    let mut estimate = crate::step(&params, &mut crate::State::new(&params), Default::default());
+    let values = [stiffness, 36.0, 1.35, 2e-4];
+    for (slot, value) in estimate.parameters.iter_mut().zip(values) {
+        *slot = Some(crate::estimate::Estimated {
+            value,
+            std_error: 0.01,
+        });
+    }
+    estimate.time_us = time_us;
+    Packet::of(&estimate, 1e-3, time_us as u16)
+}
+
+/// What a master is set to.
+fn master() -> Responder<Flash> {
+    let mut responder = responder();
+    for (key, value) in [(Key::RenderForceN, 5.0), (Key::RenderDeviceNsPerM, 5.0)] {
+        ask(&mut responder, Command::Prepare(key.id(), value));
+    }
+    let answered = responder.answer(1, Command::Commit, true, false);
+    // In contact, and the estimator goes on.
+    assert!(answered.change.is_some_and(|change| !change.restart));
+    responder
+}
+
+#[test]
+fn the_frame_that_a_slave_sends_is_a_command_to_a_master() {
+    let packet = impedance(5_000_000, 1350.0);
+    for frame in [
+        Frame::Reflection(packet),
+        Frame::Command(Command::Reflect(packet)),
+    ] {
+        let mut responder = master();
+        let bytes = encoded(&frame, 11);
+        let got: Vec<_> = bytes.iter().filter_map(|b| responder.push(*b)).collect();
+        assert_eq!(got, [(11, Command::Reflect(packet))]);
+        let answered = responder.answer(11, Command::Reflect(packet), true, true);
+        assert_eq!(
+            answered.reply,
+            Reply {
+                to: 11,
+                answer: Answer::Done
+            }
+        );
+        assert_eq!((answered.packet, answered.change), (Some(packet), None));
+        assert_eq!(responder.garbled(), 0);
+    }
+}
+
+#[test]
+fn an_impedance_that_is_not_rendered_is_refused_for_its_reason() {
+    let refused = |responder: &mut Responder<Flash>, packet| {
+        let answered = responder.answer(1, Command::Reflect(packet), false, false);
+        assert_eq!(answered.packet, None);
+        answered.reply.answer
+    };
+    let good = impedance(5_000_000, 1350.0);
+    let off = Answer::Refused(Refusal::NotRendering, Key::RenderForceN.id());
+    assert_eq!(refused(&mut responder(), good), off);
+    let mut responder = master();
+    let none = Answer::Refused(Refusal::NotRenderable, 0);
+    assert_eq!(refused(&mut responder, impedance(5_000_000, -1.0)), none);
+    assert_eq!(
+        refused(&mut responder, impedance(5_000_000, f32::NAN)),
+        none
+    );
+    assert_eq!(ask(&mut responder, Command::Reflect(good)), Answer::Done);
+    // The same again, since the answer was lost: done, and not taken twice.
+    assert_eq!(refused(&mut responder, good), Answer::Done);
+    let late = Answer::Refused(Refusal::Overtaken, 0);
+    assert_eq!(refused(&mut responder, impedance(4_999_000, 1350.0)), late);
+    // A slave that was switched off and on.
+    let again = Command::Reflect(impedance(3000, 1350.0));
+    assert!(responder.answer(1, again, false, false).packet.is_some());
+}
+
+#[test]
+fn a_master_without_its_own_damping_or_with_more_force_than_its_output_carries_is_none() {
+    for (key, value, about) in [
+        (Key::RenderForceN, 5.0, Key::RenderDeviceNsPerM),
+        (Key::RenderForceN, 10.5, Key::RenderForceN),
+    ] {
+        assert_eq!(
+            ask(&mut responder(), Command::Set(key.id(), value)),
+            Answer::Refused(Refusal::Unusable, about.id())
+        );
+    }
+    assert_eq!(
+        crate::settings::Settings::default().setup().unwrap().render,
+        None
+    );
+}

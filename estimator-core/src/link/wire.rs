@@ -25,6 +25,8 @@ impl Command {
             }
             Command::Commit => body.put([10]),
             Command::Unknown(tag) => body.put([tag]),
+            // Has a frame of its own.
+            Command::Reflect(_) => {}
         }
     }
 

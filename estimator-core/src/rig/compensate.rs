@@ -324,7 +324,7 @@ impl<T: Real> Compensation<T> {
             }
         }
         self.own().fold(tip_m, |tip_m, effect| match effect {
-            Effect::SeriesCompliance(own) => tip_m - force_n / own.stiffness_n_per_m,
+            Effect::SeriesCompliance(own) => tip_m - own.deflection_m(force_n),
             _ => tip_m,
         })
     }

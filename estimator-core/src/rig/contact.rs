@@ -72,7 +72,7 @@ impl<S: Scalar> Rig<S> {
                 force_n = if own.bond > S::nil() {
                     own.bonded_n(memory, depth_m, pushed_n)
                 } else {
-                    force_n + own.force_n(memory, depth_m)
+                    force_n + own.force_n(memory, depth_m, speed_mps)
                 };
             }
         }

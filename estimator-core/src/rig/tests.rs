@@ -91,7 +91,7 @@ fn usual(id: EffectId) -> [f64; 4] {
         EffectId::PowerLawStiffness => [1.4, 0.0, 0.0, 0.0],
         EffectId::DepthDependentDamping => [0.8, 0.0, 0.0, 0.0],
         EffectId::ExponentialStiffening => [200.0, 0.0, 0.0, 0.0],
-        EffectId::Adhesion => [0.2, 4e-4, 0.0, 0.0],
+        EffectId::Adhesion => [0.2, 4e-4, 0.0, 0.3],
         EffectId::PermanentSet => [0.1, 5e-4, 0.0, 0.0],
         EffectId::BuriedLayer => [2000.0, 1.5e-3, 0.0, 0.0],
         EffectId::SurfaceMotion => [5e-5, 3.0, 0.4, 0.0],
@@ -107,7 +107,7 @@ fn usual(id: EffectId) -> [f64; 4] {
         EffectId::CableStiffness => [100.0, 0.0, 0.0, 0.0],
         EffectId::Cogging => [0.1, 5e-4, 0.3, 0.0],
         EffectId::PeriodicDisturbance => [0.1, 12.0, 0.3, 0.0],
-        EffectId::SeriesCompliance => [12_000.0, 0.0, 0.0, 0.0],
+        EffectId::SeriesCompliance => [12_000.0, 4.0, 0.0, 0.0],
         EffectId::Backlash => [1e-4, 0.0, 0.0, 0.0],
         EffectId::ForceLag => [5e-3, 0.0, 0.0, 0.0],
         EffectId::TimeDelay => [5e-3, 0.0, 0.0, 0.0],
@@ -253,6 +253,67 @@ fn a_spring_behind_a_spring_is_softer() {
     for (at, force) in forces(&rig, 2000).iter().enumerate() {
         let exact = 1600.0 * palpation(at).position_m.max(0.0);
         assert!((force - exact).abs() < 1e-9, "{at}: {force} {exact}");
+    }
+}
+
+#[test]
+fn a_spring_that_hardens_gives_way_by_the_logarithm_of_its_force() {
+    // 2000 N/m behind 8000 N/m that double by 2 N: x = F/K + (F_h/k) ln(1 + F/F_h).
+    let (stiffness, own, hardening_n) = (2000.0, 8000.0, 2.0);
+    let rig = Rig::bare(Environment::from(KelvinVoigt {
+        stiffness_n_per_m: stiffness,
+        damping_ns_per_m: 0.0,
+    }))
+    .with(Effect::new(
+        EffectId::SeriesCompliance,
+        &[own, hardening_n, 0.0, 0.0],
+    ));
+    let mut highest_n = 0.0_f64;
+    for (at, force) in forces(&rig, 2000).iter().enumerate() {
+        let given_way = hardening_n / own * libm::log1p(force / hardening_n);
+        let error = force / stiffness + given_way - palpation(at).position_m.max(0.0);
+        assert!(error.abs() < 1e-10, "{at}: {force} N, {error} m");
+        highest_n = highest_n.max(*force);
+    }
+    // Stiffer than 1600 N/m at its highest, softer than 2000.
+    let deepest_m = (0..2000).fold(0.0, |most: f64, at| most.max(palpation(at).position_m));
+    let overall = highest_n / deepest_m;
+    assert!((1650.0..1950.0).contains(&overall), "{overall} N/m");
+}
+
+#[test]
+fn surfaces_that_close_pull_less_than_surfaces_that_part() {
+    // GIVEN 0.2 N of which 0.05 N are missing on the way in, and nothing else but a spring
+    let spring = Rig::bare(Environment::from(KelvinVoigt {
+        stiffness_n_per_m: 2000.0,
+        damping_ns_per_m: 0.0,
+    }));
+    let rig = spring.with(Effect::new(EffectId::Adhesion, &[0.2, 1e-4, 0.0, 0.25]));
+    let pull_n = |position_m: f64, speed_mps: f64, state: &mut RigState<f64>| {
+        let motion = Motion {
+            time_s: 0.0,
+            position_m,
+            speed_mps,
+            acceleration_mps2: 0.0,
+        };
+        let force_n = rig.step(state, motion, PERIOD_S).force_n;
+        2000.0 * position_m.max(0.0) - force_n
+    };
+    let mut state = rig.at_rest();
+    for (position_m, speed_mps, expected_n) in [
+        (-5e-5, 1e-3, 0.0),
+        (1e-3, 1e-3, 0.15),
+        (1e-3, 0.0, 0.175),
+        (5e-4, -1e-3, 0.2),
+        (-5e-5, -1e-3, 0.1),
+        (-2e-4, -1e-3, 0.0),
+        (-5e-5, -1e-3, 0.0),
+    ] {
+        let pull_n = pull_n(position_m, speed_mps, &mut state);
+        assert!(
+            (pull_n - expected_n).abs() < 1e-12,
+            "{position_m} m, {speed_mps} m/s: {pull_n} N"
+        );
     }
 }
 

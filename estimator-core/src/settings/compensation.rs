@@ -17,6 +17,22 @@ use crate::sensing::CODES_PER_COUNT;
 
 /// How many settings the section has.
 pub const COUNT: usize = count();
+/// Most parameters that can be other than 0: those of the [`MOST_EFFECTS`] effects with the most.
+pub(super) const MOST_AT_ONCE: usize = {
+    let (mut sum, mut effects, mut size) = (0, 0, MOST_PARAMETERS);
+    while size > 0 {
+        let mut at = 0;
+        while at < EffectId::ALL.len() {
+            let of = EffectId::ALL[at];
+            if has_place(of) && of.info().parameters.len() == size && effects < MOST_EFFECTS {
+                (sum, effects) = (sum + size, effects + 1);
+            }
+            at += 1;
+        }
+        size -= 1;
+    }
+    sum
+};
 /// The first number of the section.
 const FIRST: u8 = 64;
 const SECTION: &str = "compensation.";

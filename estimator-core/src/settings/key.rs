@@ -5,8 +5,9 @@ use core::fmt;
 
 /// How many settings there are.
 pub const COUNT: usize = Key::ALL.len();
-/// How many of them are of the board itself, before the section `compensation`.
+/// How many of them are of the board itself, before the section `compensation`, and after it.
 const OWN: usize = 19;
+const AFTER: usize = 9;
 
 /// A setting. Its number ([`Key::id`]) is stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +52,24 @@ pub enum Key {
     TelemetryEvery,
     /// A parameter of an effect of the rig that is taken off before the estimator.
     Compensation(Parameter),
+    /// Every how many samples the identified impedance is sent to the other side; 0: never.
+    ReflectionEvery,
+    /// Largest force that is rendered; 0: nothing is.
+    RenderForceN,
+    /// Force of the full output; negative if the output falls with the force.
+    RenderFullN,
+    /// Share of the full output that stands for 0 N.
+    RenderZero,
+    /// Damping of the master itself, which bounds what it can render.
+    RenderDeviceNsPerM,
+    /// Fastest change of the force.
+    RenderSlewNps,
+    /// Without a packet for so long the force fades out.
+    RenderTimeoutS,
+    /// In which it fades out, and a new packet comes in.
+    RenderFadeS,
+    /// Factor on the impedance.
+    RenderShaping,
 }
 
 /// Which values a setting can have.
@@ -108,7 +127,7 @@ const EXACT: f32 = 16_777_216.0;
 
 impl Key {
     /// All settings in the order of their numbers.
-    pub const ALL: [Key; OWN + compensation::COUNT] = {
+    pub const ALL: [Key; OWN + compensation::COUNT + AFTER] = {
         let own: [Key; OWN] = [
             Key::ForcePerCode,
             Key::ForceZeroCode,
@@ -130,20 +149,36 @@ impl Key {
             Key::EstimatorSettleS,
             Key::TelemetryEvery,
         ];
-        let mut all = [Key::ForcePerCode; OWN + compensation::COUNT];
+        let after: [Key; AFTER] = [
+            Key::ReflectionEvery,
+            Key::RenderForceN,
+            Key::RenderFullN,
+            Key::RenderZero,
+            Key::RenderDeviceNsPerM,
+            Key::RenderSlewNps,
+            Key::RenderTimeoutS,
+            Key::RenderFadeS,
+            Key::RenderShaping,
+        ];
+        let mut all = [Key::ForcePerCode; OWN + compensation::COUNT + AFTER];
         let mut at = 0;
         while at < all.len() {
             all[at] = if at < OWN {
                 own[at]
-            } else {
+            } else if at < OWN + compensation::COUNT {
                 Key::Compensation(Parameter::ALL[at - OWN])
+            } else {
+                after[at - OWN - compensation::COUNT]
             };
             at += 1;
         }
         all
     };
 
-    /// The stable number. 64…127 are those of the section `compensation`.
+    /// How many there are besides those of the section `compensation`.
+    pub(super) const BESIDES: usize = OWN + AFTER;
+
+    /// The stable number. 64…127 are those of the section `compensation`, 144…159 of `render`.
     pub const fn id(self) -> u8 {
         match self {
             Key::ForcePerCode => 1,
@@ -166,12 +201,21 @@ impl Key {
             Key::EstimatorSettleS => 38,
             Key::TelemetryEvery => 48,
             Key::Compensation(parameter) => parameter.id(),
+            Key::ReflectionEvery => 128,
+            Key::RenderForceN => 144,
+            Key::RenderFullN => 145,
+            Key::RenderZero => 146,
+            Key::RenderDeviceNsPerM => 147,
+            Key::RenderSlewNps => 148,
+            Key::RenderTimeoutS => 149,
+            Key::RenderFadeS => 150,
+            Key::RenderShaping => 151,
         }
     }
 
     /// The one with a number.
     pub fn from_id(id: u8) -> Option<Key> {
-        Key::ALL.into_iter().find(|key| key.id() == id)
+        TABLE.get(place(id)?).copied()
     }
 
     /// The one with a name.
@@ -320,6 +364,69 @@ impl Key {
                 "send every so many samples",
             ),
             Key::Compensation(parameter) => return parameter.info(),
+            Key::ReflectionEvery => (
+                "reflection.every",
+                "1",
+                Whole(0.0, 1000.0),
+                0.0,
+                "send the identified impedance every so many samples; 0: never",
+            ),
+            Key::RenderForceN => (
+                "render.force_n",
+                "N",
+                Within(0.0, 1e4),
+                0.0,
+                "largest force that is put out; 0: nothing is rendered",
+            ),
+            Key::RenderFullN => (
+                "render.full_n",
+                "N",
+                Signed(1e-3, 1e5),
+                10.0,
+                "force of the full output; negative if the output falls with the force",
+            ),
+            Key::RenderZero => (
+                "render.zero",
+                "1",
+                Within(0.0, 1.0),
+                0.0,
+                "share of the full output that stands for 0 N",
+            ),
+            Key::RenderDeviceNsPerM => (
+                "render.device_ns_per_m",
+                "N s/m",
+                Within(0.0, 1e4),
+                0.0,
+                "damping of the master itself: bounds the stiffness that it can render",
+            ),
+            Key::RenderSlewNps => (
+                "render.slew_nps",
+                "N/s",
+                Within(1.0, 1e6),
+                5e3,
+                "fastest change of the force",
+            ),
+            Key::RenderTimeoutS => (
+                "render.timeout_s",
+                "s",
+                Within(2e-3, 10.0),
+                0.1,
+                "without a packet for so long the force fades out",
+            ),
+            Key::RenderFadeS => (
+                "render.fade_s",
+                "s",
+                Within(2e-3, 10.0),
+                0.05,
+                "in which it fades out, and a new packet comes in",
+            ),
+            Key::RenderShaping => (
+                "render.shaping",
+                "1",
+                Within(0.0, 100.0),
+                1.0,
+                "the impedance is rendered times this",
+            ),
         };
         Info {
             name,
@@ -332,13 +439,49 @@ impl Key {
 
     /// Whether a change takes effect without the estimator starting anew.
     pub const fn is_harmless(self) -> bool {
-        matches!(self, Key::TelemetryEvery | Key::ForceResidualN)
+        matches!(
+            self,
+            Key::TelemetryEvery
+                | Key::ForceResidualN
+                | Key::ReflectionEvery
+                | Key::RenderForceN
+                | Key::RenderFullN
+                | Key::RenderZero
+                | Key::RenderDeviceNsPerM
+                | Key::RenderSlewNps
+                | Key::RenderTimeoutS
+                | Key::RenderFadeS
+                | Key::RenderShaping
+        )
+    }
+
+    /// [`Key::ALL`], where it is in flash.
+    pub(crate) fn table() -> &'static [Key; COUNT] {
+        &TABLE
     }
 
     pub(super) fn slot(self) -> usize {
         // Every key is in ALL.
-        Key::ALL.iter().position(|key| *key == self).unwrap_or(0)
+        place(self.id()).unwrap_or(0)
     }
+}
+
+/// [`Key::ALL`] in one place: as a constant it would be in flash wherever it is used.
+pub(super) static TABLE: [Key; COUNT] = Key::ALL;
+static IDS: [u8; COUNT] = {
+    let mut ids = [0; COUNT];
+    let mut at = 0;
+    while at < COUNT {
+        ids[at] = Key::ALL[at].id();
+        at += 1;
+    }
+    ids
+};
+
+/// Where the key with a number stands.
+#[inline(never)]
+fn place(id: u8) -> Option<usize> {
+    IDS.iter().position(|own| *own == id)
 }
 
 #[cfg(test)]
@@ -354,6 +497,11 @@ mod tests {
                 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 32, 33, 34, 35, 36, 37, 38, 48
             ]
         );
+        assert_eq!(
+            ids[COUNT - AFTER..],
+            [128, 144, 145, 146, 147, 148, 149, 150, 151]
+        );
+        assert!(ids.is_sorted());
         for key in Key::ALL {
             assert_eq!(Key::from_id(key.id()), Some(key));
             assert_eq!(Key::from_name(key.info().name), Some(key));

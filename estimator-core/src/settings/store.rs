@@ -1,7 +1,8 @@
 //! Settings in flash, such that a power cut at any instant leaves the old ones or the new ones.
 //!
 //! Two sectors, of which one is written at a time. A record fills a slot of [`SLOT`] bytes: magic,
-//! layout, number of values, sequence, the values as (number, f32) pairs, CRC-32. A save appends the
+//! layout, number of values, sequence, the values as (number, f32) pairs, CRC-32; effects that are off
+//! are left out. A save appends the
 //! next slot; the valid record with the highest sequence counts. When a sector is full, the other
 //! one is erased, always just before it is written to: whatever an erase that was cut short left
 //! there is older than what the full sector holds, or no record at all.
@@ -9,7 +10,8 @@
 //! A cut within a write leaves a slot that is neither blank nor valid; it is passed over. Nothing
 //! ever rewrites or erases the sector with the newest valid record.
 
-use super::{Invalid, Key, Settings};
+use super::key::TABLE;
+use super::{Invalid, Key, Settings, compensation};
 use embedded_storage::nor_flash::NorFlash;
 
 /// Bytes of a record's slot: 512 saves between two erases of a 128 KiB sector.
@@ -20,6 +22,10 @@ pub const SLOT: usize = 256;
 pub const LAYOUT: u8 = 1;
 const MAGIC: [u8; 2] = [0x50, 0xa1];
 const HEAD: usize = 8;
+/// A (number, f32) pair.
+const PAIR: usize = 5;
+/// Whatever is set fits: all settings of the board, and the eight largest effects.
+const _: () = assert!(HEAD + PAIR * (Key::BESIDES + compensation::MOST_AT_ONCE) + 4 <= SLOT);
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// What was found in flash.
@@ -194,8 +200,9 @@ fn encode(settings: &Settings, sequence: u32) -> [u8; SLOT] {
     let mut record = [0; SLOT];
     let [magic_1, magic_2] = MAGIC;
     let [a, b, c, d] = sequence.to_le_bytes();
-    let head = [magic_1, magic_2, LAYOUT, super::COUNT as u8, a, b, c, d];
-    let pairs = Key::ALL.into_iter().flat_map(|key| {
+    let count = stored(settings).count() as u8;
+    let head = [magic_1, magic_2, LAYOUT, count, a, b, c, d];
+    let pairs = stored(settings).flat_map(|key| {
         let [a, b, c, d] = settings.get(key).to_le_bytes();
         [key.id(), a, b, c, d]
     });
@@ -209,6 +216,13 @@ fn encode(settings: &Settings, sequence: u32) -> [u8; SLOT] {
     record
 }
 
+/// What a record holds. An effect that is off is left out: its parameters are 0, which is what a record
+/// without them means, and not all of them would fit.
+fn stored(settings: &Settings) -> impl Iterator<Item = Key> {
+    let kept = |key: &Key| !matches!(key, Key::Compensation(_)) || settings.get(*key) != 0.0;
+    TABLE.iter().copied().filter(kept)
+}
+
 /// The settings of a valid record.
 fn decode(record: &[u8; SLOT]) -> Loaded {
     let Some((head, body)) = record.split_first_chunk::<HEAD>() else {
@@ -219,7 +233,7 @@ fn decode(record: &[u8; SLOT]) -> Loaded {
         return Loaded::Newer(layout);
     }
     let mut settings = Settings::default();
-    for pair in body.chunks_exact(5).take(usize::from(count)) {
+    for pair in body.chunks_exact(PAIR).take(usize::from(count)) {
         if let [id, a, b, c, d] = *pair {
             let value = f32::from_le_bytes([a, b, c, d]);
             if let Some(key) = Key::from_id(id) {

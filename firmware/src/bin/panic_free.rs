@@ -1,7 +1,7 @@
 //! A proof by linking: the panic handler calls a function that does not exist, so this program
 //! links only if the optimiser has shown that no panic can be reached from the sampling task as it
-//! runs on the board (`sampling.rs`: read the sensors, convert, compensate, step, queue, count, take
-//! over other settings), from making a setup of settings, from encoding what the task returns, and
+//! runs on the board (`sampling.rs`: read the sensors, convert, render, compensate, step, queue, count,
+//! take over other settings), from making a setup of settings, from encoding what the task returns, and
 //! from taking commands apart. With the feature `panic-control` there is one, and the link must fail;
 //! `cargo xtask test` does both. Release profile only, and for a board: the emulator's sensors are a
 //! file, and stop when that is broken. There is no log either: what logs does not link (`proof.x`), a
@@ -18,7 +18,7 @@ use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
 use estimator_core::link::Health;
 use estimator_core::sampling::{Record, Sampler};
 use estimator_core::settings::Settings;
-use palpate_firmware::sampling::{Sampling, Tick};
+use palpate_firmware::sampling::{Output, Sampling, Tick};
 
 unsafe extern "C" {
     fn a_panic_path_is_left() -> !;
@@ -34,7 +34,7 @@ fn panic(_: &PanicInfo) -> ! {
 /// which the optimiser knows nothing.
 #[entry]
 fn main() -> ! {
-    black_box(sample as fn(&mut Sampling, &mut Budget));
+    black_box(sample as fn(&mut Sampling, &mut Output, &mut Budget));
     black_box(report as fn(&Budget, &Record));
     if let Ok(setup) = black_box(Settings::default()).setup() {
         black_box(Sampler::new(setup));
@@ -46,8 +46,8 @@ fn main() -> ! {
 }
 
 /// The sampling task.
-fn sample(sampling: &mut Sampling, budget: &mut Budget) {
-    if let Tick::Sampled(sampled) = sampling.tick() {
+fn sample(sampling: &mut Sampling, output: &mut Output, budget: &mut Budget) {
+    if let Tick::Sampled(sampled) = sampling.tick(output) {
         sampled.count(budget);
         #[cfg(feature = "panic-control")]
         black_box([budget.ticks][budget.samples as usize]);
@@ -71,6 +71,10 @@ fn report(budget: &Budget, record: &Record) {
     send(&Frame::Sample(record.sample));
     send(&Frame::Estimate(record.estimate));
     send(&Frame::Codes(record.codes.unwrap_or_default()));
+    send(&Frame::Rendered(record.rendered.unwrap_or_default()));
+    if let Some(packet) = record.packet() {
+        send(&Frame::Reflection(packet));
+    }
 }
 
 fn send(frame: &Frame) {

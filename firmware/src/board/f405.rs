@@ -2,15 +2,17 @@
 //!
 //! Two sets of sensors behind one seam: [`analog`], and with the feature `spi-sensors` [`spi`].
 //!
-//! The board commands no motion: the gate driver's enable (PB12) is held low, no PWM pin is
-//! touched.
+//! The board commands no motion: the gate driver's enable (PB12) is held low, none of its pins is
+//! touched. What it puts out is a force for whatever drives a master, on PB3 ([`force`]).
 //!
 //! "RM" is reference manual RM0090, "DS" the data sheet DocID022152.
 
 #[cfg(not(feature = "spi-sensors"))]
 mod analog;
 mod clock;
+mod event;
 mod flash;
+mod force;
 mod registers;
 #[cfg(not(feature = "spi-sensors"))]
 mod ring;
@@ -25,6 +27,7 @@ use estimator_core::instants::Ticks;
 use estimator_core::settings::store::Store;
 use estimator_core::{Fault, Faults};
 use flash::{Flash, SECTOR, SETTINGS};
+use force::Pwm;
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{Output, PC4};
 use stm32f4xx_hal::pac;
@@ -54,6 +57,7 @@ impl Board for F405 {
     type Light = PC4<Output>;
     type Flash = Flash;
     type Watchdog = Dog;
+    type Output = Pwm;
 
     fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Parts<F405> {
         // First of all, and from its own oscillator: a start-up that hangs ends in a reset.
@@ -103,6 +107,8 @@ impl Board for F405 {
         );
         #[cfg(feature = "spi-sensors")]
         let sensors = {
+            // Nothing else needs the event here than the force output.
+            event::start(device.TIM2, &mut rcc);
             // The motor drivers share the bus: not selected, and kept so.
             let _ = gpioc.pc13.into_push_pull_output_in_state(true.into());
             let _ = gpioc.pc14.into_push_pull_output_in_state(true.into());
@@ -120,6 +126,7 @@ impl Board for F405 {
                 &mut rcc,
             )
         };
+        let output = Pwm::new(gpiob.pb3.into_alternate());
         registers::check(source);
         Parts {
             sensors,
@@ -127,6 +134,7 @@ impl Board for F405 {
             light: gpioc.pc4.into_push_pull_output(),
             store: Store::new(Flash::new(device.FLASH), SETTINGS, SECTOR),
             watchdog: Dog(watchdog),
+            output,
             clock_fallback,
         }
     }
@@ -143,6 +151,7 @@ impl Board for F405 {
 
     fn stop(_: Outcome) -> ! {
         cortex_m::interrupt::disable();
+        Pwm::float();
         loop {
             cortex_m::asm::nop();
         }

@@ -2,17 +2,18 @@
 //! SysTick work and the peripherals read 0 (README, "What the emulator cannot show").
 //!
 //! Samples come from the file [`SAMPLES`], frames go into [`TELEMETRY`], commands come from
-//! [`COMMANDS`] and settings are kept in `settings.flash`, all in QEMU's working directory. Run with `-icount shift=0,sleep=off`: 1 instruction is then 1 ns of virtual time.
+//! [`COMMANDS`], the force output's codes go into [`FORCES`] and settings are kept in `settings.flash`, all
+//! in QEMU's working directory. Run with `-icount shift=0,sleep=off`: 1 instruction is then 1 ns of virtual time.
 
 mod flash;
 
-use super::{Acquired, Board, Link, Outcome, Parts, RATE_HZ, Sensors, Watchdog};
+use super::{Acquired, Board, ForceOutput, Link, Outcome, Parts, RATE_HZ, Sensors, Watchdog};
 use core::convert::Infallible;
 use core::ffi::CStr;
 use cortex_m::peripheral::{NVIC, syst::SystClkSource};
 use cortex_m_rt::exception;
 use embedded_hal::digital::{ErrorType, OutputPin};
-use estimator_core::frame::{CODES_ENCODED, Decoder, Frame, MAX_ENCODED, SAMPLE_ENCODED};
+use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, RECORD_ENCODED};
 use estimator_core::settings::store::Store;
 use flash::{FlashFile, SECTOR};
 use semihosting::fs::File;
@@ -26,6 +27,9 @@ const SAMPLES: &CStr = c"samples.frames";
 const TELEMETRY: &CStr = c"telemetry.frames";
 /// Where commands come from, if it is there at the start; may grow while the emulator runs.
 const COMMANDS: &CStr = c"commands.frames";
+/// Where the codes of the force output go: of each that differs from the one before it, the number of
+/// the tick (u32) and the code (u16).
+const FORCES: &CStr = c"force.codes";
 /// Ticks between two looks into it: a look costs the host microseconds.
 const LOOK_EVERY: u32 = 32;
 
@@ -48,6 +52,7 @@ impl Board for Qemu {
     type Light = NoLight;
     type Flash = FlashFile;
     type Watchdog = NoWatchdog;
+    type Output = Recorded;
 
     fn start(mut core: cortex_m::Peripherals, _: pac::Peripherals) -> Parts<Qemu> {
         let parts = Parts {
@@ -56,6 +61,7 @@ impl Board for Qemu {
             light: NoLight,
             store: Store::new(FlashFile::open(), 0, SECTOR),
             watchdog: NoWatchdog,
+            output: Recorded::create(),
             clock_fallback: false,
         };
         core.SYST.set_clock_source(SystClkSource::Core);
@@ -197,7 +203,7 @@ impl Link for Output {
     }
 
     fn poll(&mut self) {
-        if self.room() < MAX_ENCODED + 2 * (MAX_ENCODED + SAMPLE_ENCODED + CODES_ENCODED) {
+        if self.room() < MAX_ENCODED + 2 * RECORD_ENCODED {
             self.finish();
         }
     }
@@ -218,6 +224,42 @@ impl Link for Output {
             defmt::panic!("cannot write telemetry.frames");
         }
         self.block.clear();
+    }
+}
+
+/// A force output that writes a file.
+pub struct Recorded {
+    file: File,
+    tick: u32,
+    last: Option<u16>,
+}
+
+impl Recorded {
+    fn create() -> Self {
+        let Ok(file) = File::create(FORCES) else {
+            defmt::panic!("cannot create force.codes in QEMU's working directory");
+        };
+        Recorded {
+            file,
+            tick: 0,
+            last: None,
+        }
+    }
+}
+
+impl ForceOutput for Recorded {
+    /// As on the F405.
+    const FULL: u16 = 2625;
+
+    fn put(&mut self, code: u16) {
+        if self.last.replace(code) != Some(code) {
+            let [a, b, c, d] = self.tick.to_le_bytes();
+            let [low, high] = code.to_le_bytes();
+            if self.file.write_all(&[a, b, c, d, low, high]).is_err() {
+                defmt::panic!("cannot write force.codes");
+            }
+        }
+        self.tick = self.tick.wrapping_add(1);
     }
 }
 

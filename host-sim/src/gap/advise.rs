@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::apart::least;
 use super::course::Course;
-use super::decide::{Decision, Evidence};
+use super::decide::{Decision, Evidence, are_late};
 use super::fit::{Fit, forces};
 use super::menu::{Dish, Reach, menu};
 use super::plan::{Further, Recorded, Sensor, best};
@@ -27,6 +27,10 @@ const UNOBSERVED: f64 = 0.7;
 const FASTER: f64 = 1.5;
 /// The share of its own standard error that a further motion must leave at most, to be advised.
 const BETTER: f64 = 0.5;
+
+/// How many times the standard deviations that count a motion must promise between a lag and a delay,
+/// which errors of a rig that last imitate.
+const SURE: f64 = 3.0;
 
 /// Paces of the menu, in that of the log: a lag of 5 ms and a delay of 5 ms are the same at 0.2 Hz
 /// and at three times that, whatever the motion. The slowest that tells is advised.
@@ -233,7 +237,12 @@ fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<Advised> {
             .map(|starts| bench.apart(&presence, 1.0, starts));
         Some(apart.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
     };
-    let further = next.best(sigma, least(rivals.len()).sqrt())?;
+    // The run with both logs asks that one is better throughout.
+    let sure = match rivals.iter().any(|id| are_late(target.id, *id)) {
+        true => SURE,
+        false => 1.0,
+    };
+    let further = next.best(sigma, sure * least(rivals.len()).sqrt())?;
     let gain = format!(
         "should tell them apart by {:.0} standard deviations",
         further.sigma

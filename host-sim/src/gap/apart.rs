@@ -11,7 +11,8 @@ use rayon::prelude::*;
 
 use super::basis::{extend, remove};
 use super::course::{Course, Scales};
-use super::fit::{Problem, dot, forces};
+use super::decide::depths;
+use super::fit::{Fit, Problem, dot, forces};
 use super::floor::Floor;
 use super::shape::{Shape, Term};
 use super::start::{is_possible, starts, whole};
@@ -28,7 +29,7 @@ pub(super) struct Bench<'a> {
     pub(super) numbers: &'a [f64],
     pub(super) courses: &'a [Course],
     pub(super) scales: &'a Scales,
-    /// Samples of the rig, all repeats counted.
+    /// Samples of the rig that count, all repeats counted.
     samples: f64,
     /// √(repeats)/σ per sample.
     roots: Vec<f64>,
@@ -46,6 +47,24 @@ pub(super) struct Presence {
     span: Vec<Vec<f64>>,
 }
 
+/// Samples on either side of a touch that a thinned motion says nothing of.
+const UNRESOLVED: usize = 3;
+
+/// Between two of its samples a thinned motion has no touch where the rig's has one, and what follows
+/// at once (a lag's answer to it, a delay's) would count for all the samples that were left out.
+fn leave_out_touches(weights: &mut [f64], fit: &Fit, courses: &[Course], repeats: &[f64]) {
+    let mut from = 0;
+    for (depths, repeats) in depths(fit, courses).iter().zip(repeats) {
+        let own = &mut weights[from..from + depths.len()];
+        from += depths.len();
+        let touches = (1..depths.len()).filter(|at| (depths[*at] > 0.0) != (depths[at - 1] > 0.0));
+        for at in touches.filter(|_| *repeats > 1.0) {
+            let last = (at + UNRESOLVED).min(own.len());
+            own[at.saturating_sub(UNRESOLVED)..last].fill(0.0);
+        }
+    }
+}
+
 impl<'a> Bench<'a> {
     /// `floors` are the courses' noises; `repeats` says how many samples of the rig each of theirs
     /// stands for.
@@ -57,12 +76,13 @@ impl<'a> Bench<'a> {
         floors: &[Floor],
         repeats: &[f64],
     ) -> Bench<'a> {
-        let fit = super::fit::Fit {
+        let fit = Fit {
             shape: shape.clone(),
             numbers: numbers.to_vec(),
             cost: 0.0,
         };
         let mut roots = weights(&variances(&fit, courses, floors, None));
+        leave_out_touches(&mut roots, &fit, courses, repeats);
         let of_course = courses.iter().zip(repeats);
         let each =
             of_course.flat_map(|(course, repeats)| std::iter::repeat_n(repeats, course.len()));

@@ -86,14 +86,14 @@ mod tests {
     use crate::toml_reader::TomlFile;
 
     /// A mass of 0.5 kg on 4 s at 1 kHz of 3 m/s² at 2 Hz that is known to σ (m/s²).
-    fn mass(error_mps2: f64) -> (Course, Scales) {
+    fn mass(error_mps2: f64, seed: u64) -> (Course, Scales) {
         let angle = |t: f64| 12.566 * t;
         let time: Vec<f64> = (0..4000).map(|at| f64::from(at) * 1e-3).collect();
         let position = time.iter().map(|t| -0.019 * angle(*t).sin()).collect();
         let force = time.iter().map(|t| 0.5 * 3.0 * angle(*t).sin()).collect();
         let log = Log::from_channels(time, position, force);
         let mut course = Course::of(&log.uniform().unwrap());
-        let mut state = 7_u64;
+        let mut state = seed;
         for (at, a) in course.acceleration_mps2.iter_mut().enumerate() {
             state = state
                 .wrapping_mul(6_364_136_223_846_793_005)
@@ -108,11 +108,11 @@ mod tests {
     }
 
     /// The mass (kg) as it is fitted, and corrected.
-    fn found(error_mps2: f64) -> (f64, f64) {
+    fn found(error_mps2: f64, seed: u64) -> (f64, f64) {
         let path = Path::new("model.toml");
         let file = TomlFile::parse("[environment]\nlaw = \"free\"\n".into(), path).unwrap();
         let model = Model::from_toml(&file, path).unwrap();
-        let (course, scales) = mass(error_mps2);
+        let (course, scales) = mass(error_mps2, seed);
         let mut row = [0.0; MOST_PARAMETERS];
         row[0] = 0.3;
         let term = whole(EffectId::ToolInertia, row, 1);
@@ -131,16 +131,19 @@ mod tests {
     #[test]
     fn a_mass_on_a_noisy_acceleration_is_not_found_too_small() {
         // GIVEN an error of 0.3 m/s² on 2.1 m/s² rms: 2 % of its square
-        let (fitted, corrected) = found(0.3);
-        // THEN the fit is 2 % too small, and the correction leaves a tenth of that.
-        assert!((fitted / 0.49 - 1.0).abs() < 2e-3, "{fitted}");
-        assert!((corrected / 0.5 - 1.0).abs() < 2e-3, "{corrected}");
+        let each: Vec<(f64, f64)> = (1..=10).map(|seed| found(0.3, 7919 * seed)).collect();
+        let mean = |of: fn(&(f64, f64)) -> f64| each.iter().map(of).sum::<f64>() / 10.0;
+        let (fitted, corrected) = (mean(|own| own.0), mean(|own| own.1));
+        // THEN the fit is 2 % too small, and the correction leaves a tenth of that: 0.07 % is the scatter
+        // of the mean of ten.
+        assert!((fitted / 0.49 - 1.0).abs() < 2.5e-3, "{fitted}");
+        assert!((corrected / 0.5 - 1.0).abs() < 2.5e-3, "{corrected}");
     }
 
     #[test]
     fn what_would_cost_much_is_no_small_correction() {
         // GIVEN an error as large as the acceleration itself
-        let (fitted, corrected) = found(2.0);
+        let (fitted, corrected) = found(2.0, 7);
         // THEN the first step of an extrapolation is not taken.
         assert!(fitted < 0.3 && corrected == fitted, "{fitted} {corrected}");
     }

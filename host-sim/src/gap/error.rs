@@ -2,7 +2,7 @@
 //!
 //! The noise gives the largest variance of three: C = H⁻¹·max(1, misfit²), H = JᵀWJ; the sandwich
 //! H⁻¹MH⁻¹ with Newey & West's M, which counts what neighbours repeat; and what noise of the residuals'
-//! `spectrum` makes of each number. To that come half of what the errors of speed and acceleration have
+//! spectrum makes of each number (`coloured`). To that come half of what the errors of speed and acceleration have
 //! done to the number (see `attenuation`: their variance is known to a factor of about two), and the positions
 //! at rest: while the probe holds still the encoder's error is one number, and no hold averages it (0.3 µm at
 //! 10⁴ N/m are 3 mN, against 0.2 mN of white noise after 2 s).
@@ -11,8 +11,8 @@ use std::ops::Range;
 
 use super::attenuation::bias;
 use super::basis::extend;
+use super::coloured::Coloured;
 use super::fit::{Fit, Linear, Problem, forces, forces_moved};
-use super::spectrum::Spectrum;
 use crate::batch::error::correlation;
 use crate::dense;
 
@@ -76,7 +76,7 @@ struct Left {
     used: Vec<usize>,
     misfit: f64,
     lags: usize,
-    spectrum: Spectrum,
+    coloured: Coloured,
     rests: Vec<(Range<usize>, Vec<f64>)>,
 }
 
@@ -102,7 +102,7 @@ impl Left {
             lags: ((3.0 * correlation(&white)).ceil() as usize)
                 .clamp(FEWEST_LAGS, MOST_LAGS)
                 .min(used.len() / 8),
-            spectrum: Spectrum::of(&white, &taken),
+            coloured: Coloured::of(&white, &taken),
             rests: rests(problem, fit, &used),
             used,
         }
@@ -115,7 +115,7 @@ impl Left {
             .map(|(own, at)| own * linear.residuals[*at])
             .collect();
         let per_one = each().map(|(own, at)| own / problem.weights[*at].sqrt());
-        let coloured = self.spectrum.variance(&per_one.collect::<Vec<f64>>());
+        let coloured = self.coloured.variance(&per_one.collect::<Vec<f64>>());
         let plain = own * self.misfit.max(1.0);
         let repeated = long_run(&influence, self.lags);
         plain.max(repeated).max(coloured)
@@ -133,7 +133,11 @@ impl Left {
 
 /// The rests, as places among the `used` samples, and the force (N) that one standard deviation of the
 /// position makes there.
-fn rests(problem: &Problem<'_>, fit: &Fit, used: &[usize]) -> Vec<(Range<usize>, Vec<f64>)> {
+pub(super) fn rests(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    used: &[usize],
+) -> Vec<(Range<usize>, Vec<f64>)> {
     let here = forces(&fit.shape, &fit.numbers, problem.courses);
     let there = forces_moved(&fit.shape, &fit.numbers, problem.courses, |course| {
         let error_m = course.position_noise_m;

@@ -160,11 +160,14 @@ fn effect(own: &Named) -> Value {
 
 fn parameters(known: &[Known]) -> Value {
     let each = known.iter().map(|own| {
-        let value = json!({
+        let mut value = json!({
             "value": number(own.value),
             "std_error": own.std_error.map(number),
             "unit": own.unit,
         });
+        if own.at_bound {
+            value["at_bound"] = true.into();
+        }
         (own.name.clone(), value)
     });
     Value::Object(each.collect::<Map<_, _>>())

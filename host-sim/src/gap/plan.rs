@@ -146,6 +146,7 @@ impl Recorded {
             high_pass_n: sensor.noise_n,
             rest_n: None,
             lines_n: 0.0,
+            uncertainty: 0.0,
             used_n: sensor.noise_n,
             coloured: false,
             correlation: 1.0,

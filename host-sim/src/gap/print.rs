@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use estimator_core::effect::EffectId;
+
 use super::regions::words;
 use super::result::{Finding, Known, Named, Verdict};
 use crate::report::number::{Measured, column, quantity};
@@ -53,18 +55,33 @@ fn line(text: &mut String, label: &str, value: &str) {
 
 /// The verdict in a sentence.
 pub(super) fn verdict(finding: &Finding) -> String {
-    let names: Vec<&str> = finding.effects.iter().map(|own| own.id.name()).collect();
+    let ids: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+    let names = names(&ids);
     match finding.verdict {
         Verdict::NoMissingEffect => "nothing is missing: the base model explains the log".into(),
-        Verdict::MissingEffects => format!("missing: {}", names.join(" and ")),
-        Verdict::Ambiguous => format!("ambiguous: {} or a rival", names.join(" and ")),
+        Verdict::MissingEffects => format!("missing: {names}"),
+        Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
         Verdict::Unexplained if names.is_empty() => {
             "unexplained: something is missing that the catalogue does not hold".into()
         }
-        Verdict::Unexplained => format!(
-            "missing: {}; and something unexplained",
-            names.join(" and ")
-        ),
+        Verdict::Unexplained => format!("missing: {names}; and something unexplained"),
+    }
+}
+
+/// Each name once: a spectrum has its effect several times.
+fn names(ids: &[EffectId]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for (at, id) in ids.iter().enumerate() {
+        let times = ids.iter().filter(|own| *own == id).count();
+        match times {
+            _ if ids[..at].contains(id) => {}
+            1 => names.push(id.name().into()),
+            _ => names.push(format!("{times} × {}", id.name())),
+        }
+    }
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => names.concat(),
     }
 }
 
@@ -113,7 +130,7 @@ fn effect(text: &mut String, own: &Named) {
     }
     let mut said = format!(
         "without it the squared error is {} (held-out gain {:.1} %)",
-        factor(own.held_out_gain),
+        times_larger(own.held_out_gain),
         100.0 * own.held_out_gain
     );
     if !own.place.is_empty() {
@@ -134,12 +151,14 @@ fn effect(text: &mut String, own: &Named) {
     }
 }
 
-/// What leaving an effect out multiplies the squared error by.
-fn factor(gain: f64) -> String {
+/// What leaving an effect out multiplies the held-out squared error by, in words.
+pub fn times_larger(gain: f64) -> String {
     match 1.0 / (1.0 - gain).max(1e-9) {
         times if times >= 9.95 => format!("{times:.0} times as large"),
         times if times >= 1.095 => format!("{times:.1} times as large"),
-        _ => "hardly larger".into(),
+        times if times >= 1.0 => "hardly larger".into(),
+        // It pays on the whole log, or it would not be named.
+        _ => "no larger: the held-out windows hardly contain where it acts".into(),
     }
 }
 
@@ -175,5 +194,30 @@ fn base(text: &mut String, finding: &Finding) {
 }
 
 fn measured(known: &Known) -> String {
-    Measured::new(known.value, known.std_error, known.unit).to_string()
+    let value = Measured::new(known.value, known.std_error, known.unit);
+    match known.at_bound {
+        true => format!("{value} (at its bound)"),
+        false => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_once_and_in_a_row() {
+        use EffectId as E;
+        assert_eq!(names(&[]), "");
+        assert_eq!(names(&[E::Adhesion]), "adhesion");
+        assert_eq!(
+            names(&[
+                E::Adhesion,
+                E::StressRelaxation,
+                E::ForceLag,
+                E::StressRelaxation
+            ]),
+            "adhesion, 2 × stress_relaxation and force_lag"
+        );
+    }
 }

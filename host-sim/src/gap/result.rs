@@ -41,6 +41,8 @@ pub struct Known {
     pub value: f64,
     /// Standard error; `None` of a parameter that was fixed, or that stands at a bound.
     pub std_error: Option<f64>,
+    /// Whether a fit wanted it beyond what it can be.
+    pub at_bound: bool,
     /// Unit as in reports.
     pub unit: &'static str,
 }
@@ -170,6 +172,7 @@ impl Finding {
                         name: name.clone(),
                         value: *value,
                         std_error: own.fit.std_error.iter().find(of).map(|own| own.1),
+                        at_bound: false,
                         unit: info.unit.symbol(),
                     })
                 });

@@ -33,8 +33,9 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best, and before it has to be again.
 const FIRST_STEPS: [usize; 2] = [4, 8];
 
-/// Share of the base's excess that is left after two effects when a third is not tried.
-const HOPELESS: f64 = 0.5;
+/// Share of the base's excess that is left after two effects when a third is not tried, and after
+/// three when nothing is named: true sets of three leave 4 % at most, what no catalogue has 5 to 50 %.
+const HOPELESS: [f64; 2] = [0.5, 0.15];
 
 /// A search over the catalogue on one resolution of the logs.
 pub(super) struct Search<'a> {
@@ -116,7 +117,7 @@ fn truncate<T>(list: &mut Vec<T>, most: usize, stays: impl Fn(&T) -> bool) {
 }
 
 impl Search<'_> {
-    fn problem(&self) -> Problem<'_> {
+    pub(super) fn problem(&self) -> Problem<'_> {
         Problem {
             courses: self.courses,
             weights: &self.weights,
@@ -197,7 +198,7 @@ impl Search<'_> {
         fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
     }
 
-    fn is_adequate(&self, fit: &Fit) -> bool {
+    pub(super) fn is_adequate(&self, fit: &Fit) -> bool {
         fit.cost <= 1.02 * self.floor
     }
 
@@ -300,7 +301,14 @@ impl Search<'_> {
         while level < MOST_ADDED && !self.is_adequate(&best) {
             // What explains little in two steps is in no catalogue.
             let excess = (base_cost - self.floor).max(1.0);
-            if level >= 2 && best.cost - self.floor > HOPELESS * excess {
+            let left = (best.cost - self.floor) / excess;
+            if level >= 3 && left > HOPELESS[1] {
+                return Found {
+                    best: base,
+                    rivals: Vec::new(),
+                };
+            }
+            if level >= 2 && left > HOPELESS[0] {
                 break;
             }
             // Later steps are longer: five effects, with all that is there, are half of the time.
@@ -316,17 +324,15 @@ impl Search<'_> {
             keep_first(&mut children, added);
             self.tried.extend_from_slice(&children);
             let Some(child) = children.first() else { break };
-            let gained = best.cost - child.cost;
-            let accepted = child
-                .shape
-                .terms
-                .last()
-                .is_some_and(|term| gained > self.price(term.id, best.cost, child, base_cost));
+            let last = child.shape.terms.last();
+            let accepted = last.is_some_and(|term| self.pays(term.id, &best, child, base_cost));
             if accepted {
                 best = child.clone();
                 self.weigh(&best);
                 best = self.problem().fit(&best.shape, best.numbers);
                 base_cost = self.costed(&base).cost;
+                best = self.formed(best, base_cost);
+                children[0] = best.clone();
             } else if level > 0 {
                 break;
             }
@@ -342,8 +348,13 @@ impl Search<'_> {
         }
         self.progress.at(0.6, "leaving out, swapping");
         best = self.without_idle(best, base_cost);
+        best = self.formed_instead(best, base_cost);
         let found = self.swapped(best, base_cost);
-        self.sharper(self.simpler(found, base_cost), base_cost)
+        let found = self.simpler(found, base_cost);
+        Found {
+            best: self.plainer(found.best, base_cost),
+            ..found
+        }
     }
 
     /// Leaves out what does not pay.
@@ -355,9 +366,7 @@ impl Search<'_> {
                 .map(|at| (best.shape.terms[at].id, self.without(&best, at)))
                 .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
             match without {
-                Some((id, fit))
-                    if fit.cost - best.cost < self.price(id, fit.cost, &best, base_cost) =>
-                {
+                Some((id, fit)) if !self.pays(id, &fit, &best, base_cost) => {
                     best = fit;
                 }
                 _ => return best,
@@ -398,28 +407,6 @@ impl Search<'_> {
             }
             _ => found,
         }
-    }
-
-    /// Dry friction turns round at once where a transition does not pay.
-    fn sharper(&self, found: Found, base_cost: f64) -> Found {
-        let best = &found.best;
-        let mut terms = best.shape.terms_at(&best.numbers);
-        let smooth =
-            |term: &&mut Term| term.id == EffectId::CoulombFriction && !term.given && term.free[2];
-        let Some(friction) = terms.iter_mut().find(smooth) else {
-            return found;
-        };
-        (friction.row[2], friction.free[2]) = (0.0, false);
-        let (shape, start) = best.with_terms(terms, self.scales);
-        let sharp = self.problem().fit(&shape, start);
-        let price = self.form_price(EffectId::CoulombFriction, sharp.cost, best, base_cost);
-        if sharp.cost - best.cost < price {
-            return Found {
-                best: sharp,
-                ..found
-            };
-        }
-        found
     }
 
     /// Tries every other effect in the place of each; what is better takes its place.

@@ -1,135 +1,171 @@
-//! What coloured noise makes of an estimate, from the spectrum of the residuals.
-//!
-//! An estimate moves by Σ g(h)·r(h), and noise of the spectrum S gives that the variance Σ|G(f)|²S(f).
-//! Lags, as in Newey & West's sum, cannot tell: 1/f noise remembers for seconds, and so many lags of a
-//! log of fifteen seconds are noise themselves. In bands of a third of their frequency S is known well.
+//! The power of a force at rest, bin by bin: what is noise in it, what are lines, and how much of a
+//! noise that rises towards low frequencies a window is too short to see.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-/// Fewest bins of a band: twice as many degrees of freedom, 22 % of the power.
-const FEWEST: usize = 10;
-/// Width of a band over its lowest frequency.
-const WIDTH: f64 = 1.0 / 3.0;
-/// Least share of a band that a fit leaves: below, what is left says nothing.
-const LEFT: f64 = 0.2;
+use crate::signal;
 
-/// Power of stationary noise, bin by bin; white noise of 1 has 1 in each.
+/// A bin this many times the median of its neighbours is a line; noise alone reaches it in e⁻⁸ of
+/// the bins of one window.
+const LINE: f64 = 8.0;
+/// A slope of the logarithms that is no scatter, and the steepest: 1/f is what electronics do, what
+/// is steeper drifts.
+const LEAST_RISE: f64 = 0.3;
+const MOST_RISE: f64 = 1.0;
+/// Hann's window makes neighbours of a bin repeat it: so many bins to an independent one.
+const BINS: f64 = 35.0 / 18.0;
+
+/// One window's power (N²) per bin from the first above 0 on.
 pub(super) struct Spectrum {
-    power: Vec<f64>,
+    pub(super) samples: usize,
+    pub(super) power: Vec<f64>,
+    /// What was cut out as lines (N²).
+    pub(super) lines_n2: f64,
 }
 
 impl Spectrum {
-    /// Of what a fit left, and the orthonormal columns of what it could take: they have taken their
-    /// share of every bin.
-    pub(super) fn of(residuals: &[f64], taken: &[Vec<f64>]) -> Spectrum {
-        let mut power = bins(residuals);
-        let mut left = vec![1.0; power.len()];
-        for column in taken {
-            let share = bins(column);
-            left.iter_mut()
-                .zip(share)
-                .for_each(|(left, own)| *left -= own);
-        }
-        let mut from = 0;
-        while from < power.len() {
-            let width = FEWEST.max((WIDTH * from as f64) as usize);
-            let mut to = (from + width).min(power.len());
-            if power.len() - to < FEWEST {
-                to = power.len();
+    /// Of a stretch without its trend; spikes are cut at four times its robust standard deviation, or
+    /// `noise_n` where that is more (most samples of a noise below a converter's step are the same).
+    pub(super) fn of(force: &[f64], noise_n: f64) -> Spectrum {
+        let power = periodogram(clipped(detrended(force), noise_n));
+        // A periodogram's bins are exponential: their median is ln 2 of their mean.
+        let kept = (0..power.len()).map(|at| {
+            let near = at.saturating_sub(12)..(at + 13).min(power.len());
+            let level = signal::median(power[near].to_vec()) / std::f64::consts::LN_2;
+            // A pure line leaks into two bins on either side; what is broader is noise in a band.
+            let high = |k: Option<usize>| {
+                k.and_then(|k| power.get(k))
+                    .is_some_and(|p| *p > LINE * level)
+            };
+            let broad = [3, 4, 5]
+                .iter()
+                .any(|d| high(at.checked_sub(*d)) || high(Some(at + d)));
+            if power[at] > LINE * level && !broad {
+                level
+            } else {
+                power[at]
             }
-            let left: f64 = left[from..to].iter().sum();
-            let level = power[from..to].iter().sum::<f64>() / left.max(LEFT * (to - from) as f64);
-            power[from..to].fill(level);
-            from = to;
+        });
+        let kept: Vec<f64> = kept.collect();
+        Spectrum {
+            samples: force.len(),
+            lines_n2: power.iter().sum::<f64>() - kept.iter().sum::<f64>(),
+            power: kept,
         }
-        Spectrum { power }
     }
 
-    /// Variance of a weighted sum of the noise.
-    pub(super) fn variance(&self, weights: &[f64]) -> f64 {
-        let last = weights.len() / 2;
-        let each = bins(weights).into_iter().zip(&self.power).enumerate();
-        each.map(|(at, (own, power))| {
-            // A bin stands for the one of the negative frequency as well.
-            let once = at == 0 || (at == last && weights.len() % 2 == 0);
-            if once { own * power } else { 2.0 * own * power }
-        })
-        .sum()
+    /// Power (N²) from a frequency (per sample) on, and the variance (N⁴) of that estimate.
+    pub(super) fn above(&self, lowest: f64) -> (f64, f64) {
+        let first = (lowest * self.samples as f64).ceil().max(1.0) as usize;
+        let bins = &self.power[(first - 1).min(self.power.len())..];
+        let squares: f64 = bins.iter().map(|p| p * p).sum();
+        (bins.iter().sum(), BINS * squares)
     }
 }
 
-/// |Fourier transform|²/n from frequency 0 to the highest.
-fn bins(series: &[f64]) -> Vec<f64> {
-    let mut bins: Vec<Complex<f64>> = series.iter().map(|own| Complex::new(*own, 0.0)).collect();
-    FftPlanner::new()
-        .plan_fft_forward(series.len())
-        .process(&mut bins);
-    let scale = 1.0 / series.len().max(1) as f64;
-    let half = bins.iter().take(series.len() / 2 + 1);
-    half.map(|bin| scale * bin.norm_sqr()).collect()
+/// How the spectra of all windows rise towards low frequencies, as f^−a: one line through the
+/// logarithms of density and frequency over the lowest sixteenth of each. One for all: the scatter of
+/// one short window's own slope (0.4) would on the average of what it adds make too much of it.
+#[derive(Default)]
+pub(super) struct Rise {
+    sums: [f64; 5],
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::gap::basis::extend;
+impl Rise {
+    pub(super) fn add(&mut self, own: &Spectrum) {
+        let (power, n) = (&own.power, own.samples as f64);
+        let low = &power[..(power.len() / 16).max(8).min(power.len())];
+        for (at, p) in low.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+            let (x, y) = (((at + 1) as f64 / n).ln(), (p * n).ln());
+            let terms = [1.0, x, y, x * x, x * y];
+            let each = self.sums.iter_mut().zip(terms);
+            each.for_each(|(sum, term)| *sum += term);
+        }
+    }
 
-    /// First-order noise of unit variance.
-    fn coloured(keep: f64, seed: u64, count: usize) -> Vec<f64> {
-        let mut state = seed;
-        let mut normal = || {
-            // Twelve uniforms of a linear congruence: good enough for sums.
-            (0..12)
-                .map(|_| {
-                    state = state
-                        .wrapping_mul(6364136223846793005)
-                        .wrapping_add(1442695040888963407);
-                    (state >> 11) as f64 / (1u64 << 53) as f64
-                })
-                .sum::<f64>()
-                - 6.0
+    /// Power (N²) below the lowest bin of a window, down to one period in the log.
+    pub(super) fn below(&self, window: usize, log: usize) -> f64 {
+        let [n, sx, sy, sxx, sxy] = self.sums;
+        let spread = n * sxx - sx * sx;
+        if spread <= 0.0 || log <= window {
+            return 0.0;
+        }
+        let slope = (n * sxy - sx * sy) / spread;
+        let rise = (-slope).min(MOST_RISE);
+        if rise < LEAST_RISE {
+            return 0.0;
+        }
+        // The line's level at the lowest bin; the mean of an exponential is 1.78 of its median logarithm.
+        let lowest = 1.0 / window as f64;
+        let density = ((sy + slope * (n * lowest.ln() - sx)) / n).exp() * 1.78;
+        // ∫ of u^−a from window/log to 1, in bins.
+        let from = window as f64 / log as f64;
+        let integral = if (rise - 1.0).abs() < 1e-3 {
+            -from.ln()
+        } else {
+            (1.0 - from.powf(1.0 - rise)) / (1.0 - rise)
         };
-        let mut value = normal();
-        (0..count)
-            .map(|_| {
-                value = keep * value + (1.0 - keep * keep).sqrt() * normal();
-                value
-            })
-            .collect()
+        density * lowest * integral
     }
+}
 
-    #[test]
-    fn the_mean_of_slow_noise_is_as_uncertain_as_it_is() {
-        // GIVEN noise that remembers for 50 samples, and lines fitted to 200 logs of 4000
-        let (count, keep) = (4000, 0.98);
-        let mut columns = Vec::new();
-        extend(&mut columns, vec![1.0; count], &[]);
-        extend(&mut columns, (0..count).map(|at| at as f64).collect(), &[]);
-        let (mut true_square, mut said) = (0.0, 0.0);
-        for seed in 1..=200 {
-            let mut noise = coloured(keep, seed * 7919, count);
-            let mean: f64 = noise.iter().zip(&columns[0]).map(|(a, b)| a * b).sum();
-            true_square += mean * mean / 200.0;
-            crate::gap::basis::remove(&mut noise, &columns);
-            said += Spectrum::of(&noise, &columns).variance(&columns[0]) / 200.0;
-        }
-        // THEN the variance that it says of the mean is the one it has, 99 times that of white noise.
-        let theory = (1.0 + keep) / (1.0 - keep);
-        assert!((true_square / theory - 1.0).abs() < 0.25, "{true_square}");
-        assert!((said / theory - 1.0).abs() < 0.15, "{said} of {theory}");
-    }
+/// Power (N²) of a whole log above a frequency (per sample), motion or not: in every bin the median
+/// over windows of so many samples, since touches and reversals are in few of them. `None` with fewer
+/// than eight.
+pub(super) fn whole(force: &[f64], in_gap: &[bool], window: usize, lowest: f64) -> Option<f64> {
+    let first = (lowest * window as f64).ceil() as usize;
+    let spectra: Vec<Vec<f64>> = (0..force.len().saturating_sub(window - 1))
+        .step_by(window / 2)
+        .map(|from| from..from + window)
+        .filter(|own| !in_gap[own.clone()].contains(&true))
+        .map(|own| periodogram(detrended(&force[own])))
+        .collect();
+    let median = |bin: usize| signal::median(spectra.iter().map(|own| own[bin]).collect());
+    let bins = first - 1..window / 2 - 1;
+    (spectra.len() >= 8).then(|| bins.map(median).sum::<f64>() / std::f64::consts::LN_2)
+}
 
-    #[test]
-    fn white_noise_has_the_same_power_everywhere() {
-        let noise = coloured(0.0, 11, 5001);
-        let spectrum = Spectrum::of(&noise, &[]);
-        let alternating: Vec<f64> = (0..5001).map(|at| f64::from(1 - 2 * (at % 2))).collect();
-        let sum = vec![1.0; 5001];
-        for weights in [alternating, sum] {
-            let variance = spectrum.variance(&weights) / 5001.0;
-            // Ten bins at the lowest end: 22 %.
-            assert!((0.5..1.6).contains(&variance), "{variance}");
-        }
+/// Power (N²) per bin, from the first above 0 to the last below half the rate.
+fn periodogram(wave: Vec<f64>) -> Vec<f64> {
+    let n = wave.len();
+    let hann = |(at, value): (usize, f64)| {
+        // A line leaks into two bins on either side and no further.
+        let phase = std::f64::consts::TAU * (at as f64 + 0.5) / n as f64;
+        Complex::new(value * (1.0 - phase.cos()) * (2.0_f64 / 3.0).sqrt(), 0.0)
+    };
+    let mut bins: Vec<Complex<f64>> = wave.into_iter().enumerate().map(hann).collect();
+    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
+    let scale = 2.0 / (n as f64).powi(2);
+    let power = bins[1..n / 2].iter().map(|bin| scale * bin.norm_sqr());
+    power.collect()
+}
+
+/// Without what stands out by more than noise does: spikes are no noise, and a floor that counts them
+/// would hide them. A line or a coloured noise has no such tails.
+fn clipped(mut detrended: Vec<f64>, noise_n: f64) -> Vec<f64> {
+    let sizes = detrended.iter().map(|own| own.abs()).collect();
+    let most = 4.0 * (1.4826 * signal::median(sizes)).max(noise_n);
+    if most > 0.0 {
+        detrended
+            .iter_mut()
+            .for_each(|own| *own = own.clamp(-most, most));
     }
+    detrended
+}
+
+pub(super) fn detrended(force: &[f64]) -> Vec<f64> {
+    let n = force.len() as f64;
+    let middle = (n - 1.0) / 2.0;
+    let mean = force.iter().sum::<f64>() / n;
+    let (mut along, mut square) = (0.0, 0.0);
+    for (at, value) in force.iter().enumerate() {
+        let u = at as f64 - middle;
+        along += u * (value - mean);
+        square += u * u;
+    }
+    let slope = if square > 0.0 { along / square } else { 0.0 };
+    let each = force.iter().enumerate();
+    each.map(|(at, value)| value - mean - slope * (at as f64 - middle))
+        .collect()
 }

@@ -215,7 +215,17 @@ pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
         E::Cogging | E::PeriodicDisturbance | E::SurfaceMotion | E::EncoderPeriodicError => {
             Vec::new()
         }
-        E::SeriesCompliance => grid(&[&[4.0 * stiffness], &[20.0 * stiffness]], 1),
+        E::SeriesCompliance => {
+            let mut starts = grid(&[&[4.0 * stiffness], &[20.0 * stiffness]], 1);
+            starts.extend(grid(
+                &[
+                    &[2.0 * stiffness, 0.1 * s.force_n],
+                    &[6.0 * stiffness, 0.3 * s.force_n],
+                ],
+                2,
+            ));
+            starts
+        }
         E::Backlash => grid(&[&[0.01 * depth], &[0.03 * depth], &[0.1 * depth]], 1),
         E::ForceLag => grid(
             &[

@@ -105,10 +105,11 @@ impl Told<'_> {
 
     /// Every parameter of a fit with its standard error, from those of its free numbers.
     fn known(&self, fit: &Fit, errors: &[Option<f64>]) -> Vec<Owned> {
-        let error_of = |owner: Owner| {
-            let at = fit.shape.free.iter().position(|free| free.owner == owner)?;
-            errors[at]
-        };
+        let free = fit.shape.free.iter().zip(&fit.numbers).zip(errors);
+        let fitted = |owner: Owner| free.clone().find(|((free, _), _)| free.owner == owner);
+        let error_of = |owner: Owner| *fitted(owner)?.1;
+        let is_at_bound =
+            |owner: Owner| fitted(owner).is_some_and(|((free, at), _)| free.is_at_bound(*at));
         let values = fit.shape.environment_at(&fit.numbers);
         let environment = fit
             .shape
@@ -124,6 +125,7 @@ impl Told<'_> {
                     name: parameter.name,
                     value,
                     std_error: error_of(owner),
+                    at_bound: is_at_bound(owner),
                     unit: parameter.unit,
                 };
                 (owner, own)
@@ -141,6 +143,7 @@ impl Told<'_> {
                     name: info.name.into(),
                     value: row[at],
                     std_error: error_of(owner),
+                    at_bound: is_at_bound(owner),
                     unit: info.unit.symbol(),
                 };
                 known.push((owner, own));

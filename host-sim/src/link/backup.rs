@@ -11,11 +11,11 @@ use crate::toml_reader::{Bounds, Table, TomlFile};
 
 const COMPENSATION: &str = "compensation";
 
-/// The text of a backup.
-pub fn text(settings: &Settings, of: &str) -> String {
+/// The text of a backup, without the settings that the board does not know.
+pub fn text(settings: &Settings, unknown: &[Key], of: &str) -> String {
     let mut text = format!("# Settings of {of}, for `palpate config restore`.\n");
     let mut section = "";
-    for key in Key::ALL {
+    for key in Key::ALL.into_iter().filter(|key| !unknown.contains(key)) {
         let info = key.info();
         let (part, name) = split(info.name);
         if part != section {
@@ -34,9 +34,9 @@ pub fn text(settings: &Settings, of: &str) -> String {
 ///
 /// # Errors
 /// What the file system says.
-pub fn write(path: &Path, settings: &Settings, of: &str) -> io::Result<()> {
+pub fn write(path: &Path, settings: &Settings, unknown: &[Key], of: &str) -> io::Result<()> {
     write_atomically(path, |writer| {
-        writer.write_all(text(settings, of).as_bytes())
+        writer.write_all(text(settings, unknown, of).as_bytes())
     })
 }
 
@@ -133,7 +133,7 @@ mod tests {
         }
         settings.put(Key::PositionPerCode, -1.0 / 3.0 * 1e-7);
         settings.check().unwrap();
-        assert_eq!(of(&text(&settings, "a board")).unwrap(), settings);
+        assert_eq!(of(&text(&settings, &[], "a board")).unwrap(), settings);
     }
 
     #[test]
@@ -143,10 +143,13 @@ mod tests {
         let force = Key::from_name("compensation.coulomb_friction.force").unwrap();
         assert_eq!(settings.get(force), 0.4);
         assert!(
-            super::text(&settings, "a board")
+            super::text(&settings, &[], "a board")
                 .contains("\n[compensation.coulomb_friction]\nforce = 0.4 # N: ")
         );
-        assert_eq!(of(&super::text(&settings, "a board")).unwrap(), settings);
+        assert_eq!(
+            of(&super::text(&settings, &[], "a board")).unwrap(),
+            settings
+        );
         for (text, line, said) in [
             (
                 "[compensation.coulomb_frict]\nforce = 1\n",

@@ -2,7 +2,8 @@
 //! world and a line that carries so many bytes a millisecond.
 //!
 //! What the firmware adds around the same code is here in the same order: a queue of 64 records whose
-//! overflow is counted, frames out as the line has room, commands in, health once a second.
+//! overflow is counted, frames out as the line has room, commands in, health once a second, and the force
+//! that is put out.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -10,12 +11,14 @@ use std::sync::{Arc, Mutex};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use estimator_core::budget::{Budget, Stations};
 use estimator_core::estimate::Phase;
-use estimator_core::frame::{CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED, encode};
-use estimator_core::link::{Change, Health, Identity, Name, Responder};
+use estimator_core::frame::{Frame, MAX_ENCODED, RECORD_ENCODED, encode};
+use estimator_core::link::{Answer, Change, Command, Health, Identity, Name};
+use estimator_core::link::{Refusal, Reply, Responder};
+use estimator_core::reflection::Packet;
 use estimator_core::sampling::{Record, Sampler};
-use estimator_core::settings::Settings;
 use estimator_core::settings::store::{LAYOUT, SLOT, Store};
-use estimator_core::{Estimate, Fault, Status};
+use estimator_core::settings::{Key, Settings};
+use estimator_core::{Estimate, Fault, Faults, Status};
 
 use super::world::World;
 
@@ -25,7 +28,8 @@ pub const BYTES_PER_MS: usize = 200;
 const QUEUE: usize = 64;
 /// As in the firmware: two chunks.
 const LINE: usize = 1024;
-const RECORD: usize = CODES_ENCODED + SAMPLE_ENCODED + MAX_ENCODED;
+/// The code of the full force output, as on the F405.
+pub const FULL: u16 = 2625;
 const RATE_HZ: u16 = 1000;
 /// Four slots a sector, as in the emulator: every fourth save erases.
 pub const SECTOR: u32 = 4 * SLOT as u32;
@@ -96,6 +100,11 @@ pub struct SimulatedBoard {
     sequence: u16,
     ticks: u64,
     last: Option<Estimate<f32>>,
+    rendering: Faults,
+    packet: Option<Packet>,
+    force_code: u16,
+    /// Settings that its firmware does not know yet.
+    unknown: Vec<Key>,
 }
 
 impl SimulatedBoard {
@@ -128,7 +137,22 @@ impl SimulatedBoard {
             sequence: 0,
             ticks: 0,
             last: None,
+            rendering: Faults::NONE,
+            packet: None,
+            force_code: 0,
+            unknown: Vec::new(),
         }
+    }
+
+    /// A board with an older firmware, which does not know these settings.
+    pub fn without(mut self, unknown: &[Key]) -> Self {
+        self.unknown = unknown.to_vec();
+        self
+    }
+
+    /// The code that the force output has now, of [`FULL`].
+    pub fn force_code(&self) -> u16 {
+        self.force_code
     }
 
     /// The settings in force.
@@ -160,15 +184,15 @@ impl SimulatedBoard {
         self.commands.extend(bytes);
     }
 
-    /// A millisecond: the sampling task, then telemetry, then the line.
+    /// A millisecond: the sampling task, then answers and telemetry, then the line.
     pub fn tick(&mut self) {
         self.sample();
+        self.answer();
         while self.room()
             && let Some(record) = self.queue.pop_front()
         {
             self.send_record(&record);
         }
-        self.answer();
         let (samples, every) = (self.budget.samples, u32::from(RATE_HZ));
         if samples.is_multiple_of(every) && self.room() {
             self.send(&Frame::Health(self.health()));
@@ -185,16 +209,23 @@ impl SimulatedBoard {
             .expect("nobody panics with the world in hand")
             .codes(self.ticks);
         let sample = self.sampler.convert(&codes);
+        if let Some(packet) = self.packet.take() {
+            self.sampler.take(&packet);
+        }
+        let (rendered, code) = self.sampler.render(&sample, FULL);
+        self.force_code = code;
         let contact = self.sampler.compensate(sample);
         let estimate = self.sampler.step(contact);
+        let due = self.sampler.due(&estimate);
         let record = Record {
             codes: Some(codes),
             sample,
             estimate,
+            rendered,
+            due,
         };
-        let sent = self.sampler.is_sent(&estimate);
-        let dropped = sent && self.queue.len() >= QUEUE;
-        if sent && !dropped {
+        let dropped = due.any() && self.queue.len() >= QUEUE;
+        if due.any() && !dropped {
             self.queue.push_back(record);
         }
         // No stopwatch: nanoseconds of a task that takes none.
@@ -203,6 +234,7 @@ impl SimulatedBoard {
             start,
             acquired: start,
             converted: start,
+            put_out: start,
             compensated: start,
             stepped: start,
             queued: start,
@@ -222,10 +254,25 @@ impl SimulatedBoard {
             };
             let in_contact = self.last.is_some_and(|last| last.phase == Phase::Contact);
             let busy = self.change.is_some();
+            if let Some(id) = self.unknown(&command) {
+                let answer = Answer::Refused(Refusal::UnknownSetting, id);
+                self.send(&Frame::Reply(Reply { to, answer }));
+                continue;
+            }
             let answered = self.responder.answer(to, command, in_contact, busy);
             self.change = answered.change.or(self.change.take());
+            self.packet = answered.packet.or(self.packet.take());
             self.send(&Frame::Reply(answered.reply));
         }
+    }
+
+    /// The setting that a command is about, if this firmware does not know it.
+    fn unknown(&self, command: &Command) -> Option<u8> {
+        let (Command::Get(id) | Command::Set(id, _) | Command::Prepare(id, _)) = command else {
+            return None;
+        };
+        let key = Key::from_id(*id).filter(|key| self.unknown.contains(key));
+        key.map(Key::id)
     }
 
     fn health(&self) -> Health {
@@ -233,7 +280,7 @@ impl SimulatedBoard {
         let faults = last.map_or(Default::default(), |last| match last.status {
             Status::ModelSuspect => last.faults.with(Fault::EstimatorSuspect),
             _ => last.faults,
-        });
+        }) | self.rendering;
         Health {
             time_us: last.map_or(0, |last| last.time_us),
             samples: self.budget.samples,
@@ -252,15 +299,24 @@ impl SimulatedBoard {
     }
 
     fn room(&self) -> bool {
-        LINE - self.line.len() >= RECORD
+        LINE - self.line.len() >= RECORD_ENCODED
     }
 
     fn send_record(&mut self, record: &Record) {
-        if let Some(codes) = record.codes {
-            self.send(&Frame::Codes(codes));
+        if record.due.shown {
+            if let Some(codes) = record.codes {
+                self.send(&Frame::Codes(codes));
+            }
+            self.send(&Frame::Sample(record.sample));
+            self.send(&Frame::Estimate(record.estimate));
+            if let Some(rendered) = record.rendered {
+                self.send(&Frame::Rendered(rendered));
+            }
         }
-        self.send(&Frame::Sample(record.sample));
-        self.send(&Frame::Estimate(record.estimate));
+        if let Some(packet) = record.packet() {
+            self.send(&Frame::Reflection(packet));
+        }
+        self.rendering = record.rendered.map_or(Faults::NONE, |of| of.faults);
         self.last = Some(record.estimate);
     }
 

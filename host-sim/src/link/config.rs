@@ -1,7 +1,7 @@
 //! `palpate config`: a board's settings.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use estimator_core::link::Command;
@@ -115,16 +115,8 @@ fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn 
         Verb::Reload => ordered(device, Command::Reload, "as saved"),
         Verb::Defaults => ordered(device, Command::Defaults, "defaults in force, not saved"),
         Verb::Restart => ordered(device, Command::Restart, "settling"),
-        Verb::Backup { file } => {
-            let name = device.identity()?.board.to_string();
-            backup::write(file, &device.settings()?, &name)?;
-            Ok(format!("{}: {} settings\n", file.display(), Key::ALL.len()))
-        }
-        Verb::Restore { file } => {
-            let now = device.settings()?;
-            let changed = restore(device, &now, &backup::read(file, now)?)?;
-            Ok(format!("{}: {changed} changed, saved\n", file.display()))
-        }
+        Verb::Backup { file } => keep(device, file),
+        Verb::Restore { file } => restored(device, file),
         Verb::Calibrate(args) => calibrate::run(device, args, &mut calibrate::Terminal),
         Verb::Compensate(args) => compensate::run(device, compensate::plan(args)?.as_ref()),
     }
@@ -139,9 +131,36 @@ fn ordered<P: Port>(
     Ok(format!("{said}\n"))
 }
 
-fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
+/// Writes all settings that the board knows into a file, and says which those are not.
+///
+/// # Errors
+/// What board and file system say.
+pub fn keep<P: Port>(device: &mut Device<P>, file: &Path) -> Result<String, Box<dyn Error>> {
+    let name = device.identity()?.board.to_string();
+    let (settings, unknown) = device.known_settings()?;
+    backup::write(file, &settings, &unknown, &name)?;
+    let known = Key::ALL.len() - unknown.len();
+    let text = format!("{}: {known} settings\n", file.display());
+    Ok(text + &not_known(&unknown))
+}
+
+/// Sets and saves the settings of a file; what it does not name stays.
+///
+/// # Errors
+/// What file and board say; one that the board does not know and that is not at its default.
+pub fn restored<P: Port>(device: &mut Device<P>, file: &Path) -> Result<String, Box<dyn Error>> {
+    let now = device.settings()?;
+    let changed = restore(device, &now, &backup::read(file, now)?)?;
+    Ok(format!("{}: {changed} changed, saved\n", file.display()))
+}
+
+/// What the board is, and its settings.
+///
+/// # Errors
+/// What the board says.
+pub fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     let identity = device.identity()?;
-    let settings = device.settings()?;
+    let (settings, unknown) = device.known_settings()?;
     let saved = if identity.unsaved {
         "not saved"
     } else {
@@ -153,7 +172,8 @@ fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     );
     // Of the effects, those that are on.
     let of_an_effect = |key: &Key| matches!(key, Key::Compensation(_));
-    let shown = |key: &Key| !of_an_effect(key) || settings.get(*key) != 0.0;
+    let on = |key: &Key| !of_an_effect(key) || settings.get(*key) != 0.0;
+    let shown = |key: &Key| on(key) && !unknown.contains(key);
     for key in Key::ALL.into_iter().filter(shown) {
         text.push_str(&line(key, settings.get(key)));
     }
@@ -163,7 +183,26 @@ fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
     {
         text.push_str("compensation: none; `config compensate` takes effects of the rig off\n");
     }
+    text.push_str(&not_known(&unknown));
     Ok(text)
+}
+
+/// What an older firmware lacks, by section: it does as it did before there was such a setting.
+fn not_known(unknown: &[Key]) -> String {
+    let section = |key: &Key| match key.info().name.split_once('.') {
+        Some((section, _)) => section,
+        None => "",
+    };
+    let mut text = String::new();
+    for part in unknown.chunk_by(|a, b| section(a) == section(b)) {
+        let names = part.iter().map(|key| key.info().name);
+        let names = match part {
+            [Key::Compensation(_), ..] => "compensation.*".to_string(),
+            _ => names.collect::<Vec<_>>().join(", "),
+        };
+        text.push_str(&format!("not known to this firmware: {names}\n"));
+    }
+    text
 }
 
 fn line(key: Key, value: f32) -> String {

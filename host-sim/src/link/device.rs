@@ -216,21 +216,30 @@ impl<P: Port> Device<P> {
         }
     }
 
-    /// All settings. One of an effect that an older firmware does not know is off.
+    /// All settings that the board knows. One that an older firmware does not know has its default
+    /// here, with which the board does what it did before there was such a setting.
     ///
     /// # Errors
     /// [`Device::order`]'s.
     pub fn settings(&mut self) -> Result<Settings, Box<dyn std::error::Error>> {
-        let mut settings = Settings::default();
+        self.known_settings().map(|(settings, _)| settings)
+    }
+
+    /// The same, and which settings the board does not know.
+    ///
+    /// # Errors
+    /// [`Device::order`]'s.
+    pub fn known_settings(&mut self) -> Result<(Settings, Vec<Key>), Box<dyn std::error::Error>> {
+        let (mut settings, mut unknown) = (Settings::default(), Vec::new());
         for key in Key::ALL {
-            match (key, self.ask(Command::Get(key.id()))?) {
-                (Key::Compensation(_), Answer::Refused(Refusal::UnknownSetting, _)) => break,
-                (_, Answer::Value(id, value)) if id == key.id() => settings.put(key, value),
+            match self.ask(Command::Get(key.id()))? {
+                Answer::Refused(Refusal::UnknownSetting, _) => unknown.push(key),
+                Answer::Value(id, value) if id == key.id() => settings.put(key, value),
                 // Busy, or refused for a reason: asked again, and said.
                 _ => settings.put(key, self.get(key)?),
             }
         }
-        Ok(settings)
+        Ok((settings, unknown))
     }
 }
 
@@ -251,6 +260,12 @@ fn refused(command: Command, reason: Refusal, id: u8) -> Diagnostic {
         Command::Set(_, value) | Command::Prepare(_, value) => diagnostic.value(value),
         _ => diagnostic,
     };
+    if reason == Refusal::UnknownSetting {
+        let name = Key::from_id(id).map_or("", |key| key.info().name);
+        return diagnostic.at_key(name).remedy(
+            "its firmware is older than this `palpate`: flash a newer one, or leave the setting out",
+        );
+    }
     if reason == Refusal::InContact {
         return diagnostic.remedy("if it is in free air, its zero has crept: `config restart`");
     }

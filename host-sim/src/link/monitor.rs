@@ -9,6 +9,7 @@ use clap::Args;
 use estimator_core::estimate::Phase;
 use estimator_core::frame::Frame;
 use estimator_core::link::{Health, Range};
+use estimator_core::reflection::{Limit, Packet, Rendered};
 use estimator_core::{Estimate, Fault, Faults, Status};
 
 use super::device::Statistics;
@@ -116,6 +117,11 @@ struct View {
     rate_hz: f64,
     /// Faults since the last look: one of a single sample must not be missed.
     faults: Faults,
+    /// The last impedance for the other side, and how many came since the last look; its rate (Hz).
+    packet: Option<Packet>,
+    packets: u64,
+    packet_hz: f64,
+    rendered: Option<Rendered>,
 }
 
 impl View {
@@ -133,6 +139,14 @@ impl View {
                 self.faults = self.faults | estimate.faults;
                 return self.is_due(estimate.time_us, every_us);
             }
+            Frame::Reflection(packet) => {
+                self.packet = Some(*packet);
+                self.packets += 1;
+            }
+            Frame::Rendered(rendered) => {
+                self.rendered = Some(*rendered);
+                self.faults = self.faults | rendered.faults;
+            }
             Frame::Codes(_) | Frame::Command(_) | Frame::Reply(_) => {}
         }
         false
@@ -146,7 +160,8 @@ impl View {
             return false;
         }
         self.rate_hz = self.samples as f64 * 1e6 / elapsed as f64;
-        (self.looked_us, self.samples) = (Some(now_us), 0);
+        self.packet_hz = self.packets as f64 * 1e6 / elapsed as f64;
+        (self.looked_us, self.samples, self.packets) = (Some(now_us), 0, 0);
         true
     }
 
@@ -165,6 +180,9 @@ impl View {
         );
         for (name, value) in parameters(&estimate) {
             text.push_str(&format!("  {name} {value}"));
+        }
+        for said in self.teleoperation().into_iter().flatten() {
+            text.push_str(&format!("  {said}"));
         }
         for fault in self.seen(&estimate).iter() {
             text.push_str(&format!("  fault {}", fault.code()));
@@ -210,6 +228,9 @@ impl View {
             "  link       {:.0} Hz, {} lost, {} garbled",
             self.rate_hz, statistics.lost, statistics.garbled
         )?;
+        for said in self.teleoperation().into_iter().flatten() {
+            writeln!(text, "  {said}")?;
+        }
         if let Some(health) = &self.health {
             health_lines(text, health)?;
         }
@@ -221,6 +242,24 @@ impl View {
             }
         }
         Ok(())
+    }
+
+    /// What goes to the other side, and what is rendered of what comes from there.
+    fn teleoperation(&self) -> [Option<String>; 2] {
+        let reflects = self.packet.map(|packet| {
+            let what = packet.status.name();
+            format!("reflects   {:.0} Hz, {what}", self.packet_hz)
+        });
+        let renders = self.rendered.map(|rendered| {
+            let force = quantity(f64::from(rendered.force_n), 3, "N");
+            let limits = Limit::ALL.into_iter().filter(|limit| rendered.has(*limit));
+            let limits: Vec<_> = limits.map(Limit::name).collect();
+            match limits.is_empty() {
+                true => format!("renders    {force}"),
+                false => format!("renders    {force} ({})", limits.join(", ")),
+            }
+        });
+        [reflects, renders]
     }
 
     /// Faults since the last look, and the estimator's doubts.

@@ -145,7 +145,8 @@ fn keep_settings<P: Port>(device: &mut Device<P>, folder: &Path) -> Result<(), B
     match device.identity() {
         Ok(identity) => {
             let name = identity.board.to_string();
-            backup::write(&folder.join("settings.toml"), &device.settings()?, &name)?;
+            let (settings, unknown) = device.known_settings()?;
+            backup::write(&folder.join("settings.toml"), &settings, &unknown, &name)?;
         }
         Err(error) => say(format!("recording without settings: {error}\n"))?,
     }
@@ -178,7 +179,7 @@ impl Content {
             Frame::Sample(sample) => self.sample(sample),
             Frame::Estimate(estimate) => self.estimate(estimate),
             Frame::Health(health) => self.health = Some(*health),
-            Frame::Command(_) | Frame::Reply(_) => {}
+            Frame::Command(_) | Frame::Reply(_) | Frame::Reflection(_) | Frame::Rendered(_) => {}
         }
     }
 

@@ -41,6 +41,7 @@ fn what_is_not_given_is_usual_and_what_is_given_counts() {
     assert_eq!(
         spring.rig().unwrap().effects[0],
         Some(effect::Effect::SeriesCompliance(SeriesCompliance {
+            hardening_n: 0.0,
             stiffness_n_per_m: 12e3
         }))
     );

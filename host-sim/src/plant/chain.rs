@@ -126,7 +126,7 @@ pub fn depth_at_m(contact: &Contact, effects: &Effects, force_n: f64) -> Option<
         }
     }
     let given_way_m = chain.rig.effects().map(|own| match own {
-        Effect::SeriesCompliance(own) => force_n / own.stiffness_n_per_m,
+        Effect::SeriesCompliance(own) => own.deflection_m(force_n),
         Effect::Backlash(own) => 0.5 * own.width_m,
         _ => 0.0,
     });

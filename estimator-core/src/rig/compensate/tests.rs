@@ -96,6 +96,12 @@ fn each_effect_of_the_rig_comes_off_its_readings() {
             1e-9,
             1e-9,
         ),
+        (
+            EffectId::SeriesCompliance,
+            [9_000.0, 2.0, 0.0, 0.0],
+            1e-9,
+            1e-9,
+        ),
         (EffectId::Backlash, [1e-4, 0.0, 0.0, 0.0], 1e-15, 1e-12),
         (
             EffectId::EncoderPeriodicError,

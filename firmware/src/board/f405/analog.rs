@@ -5,8 +5,9 @@
 //! the sums of both channels belong to the same 32 instants.
 
 use super::Clock;
+use super::event::{self, PER_SAMPLE};
 use super::ring::{self, Memory, Ring};
-use crate::board::{Acquired, RATE_HZ, Sensors};
+use crate::board::{Acquired, Sensors};
 use estimator_core::instants::{Counter, summed};
 use estimator_core::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::settings::Key;
@@ -18,21 +19,16 @@ use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::PeriAddress;
 use stm32f4xx_hal::dma::{DmaChannel, Stream0, Stream7};
 use stm32f4xx_hal::gpio::{Alternate, Analog, PA2, PB4, PB5};
-use stm32f4xx_hal::pac::{self, ADC1, DMA1, DMA2, TIM2, TIM3};
-use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::pac::{ADC1, DMA1, DMA2, TIM2, TIM3};
 use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::timer::Timer;
 
 /// Conversions that are summed into one sample: 32 kHz down to 1 kHz. The sum is not divided: 12 bits
 /// become 17 codes' worth, and noise drops by √32. The encoder's latches are summed alike.
-pub const OVERSAMPLING: u16 = 32;
+pub const OVERSAMPLING: u16 = PER_SAMPLE;
 // The defaults of the settings are those of this wiring: 0 N at half the range of the sum.
 const _: () = assert!(Key::ForceZeroCode.info().default == 2048.0 * OVERSAMPLING as f32);
 const _: () = assert!(CODES_PER_COUNT == OVERSAMPLING as f32);
-
-/// Conversions and latches per second.
-const EVENT_HZ: u32 = OVERSAMPLING as u32 * RATE_HZ;
 
 static FORCES: Memory = ring::memory();
 static POSITIONS: Memory = ring::memory();
@@ -64,24 +60,12 @@ pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> AnalogAndQuadrature {
         rcc,
     );
     let positions = encoder(wires.tim3, wires.quadrature, wires.position_stream, rcc);
-    events(wires.tim2, rcc);
+    event::start(wires.tim2, rcc);
     AnalogAndQuadrature {
         forces,
         positions,
         clock,
         counter: Counter::new(),
-    }
-}
-
-/// TIM2 at 32 kHz, its update as trigger output: the trigger of the ADC and, through TIM3's
-/// ITR1 (RM table 98), of the encoder's latch. 84 MHz / 32 kHz = 2625 exactly.
-fn events(tim2: TIM2, rcc: &mut Rcc) {
-    let mut timer = Timer::new(tim2, rcc);
-    timer.set_master_mode(pac::tim2::cr2::MMS::Update);
-    let mut counter = timer.counter_hz();
-    // Fails only for rates that a 32-bit counter at 84 MHz cannot have.
-    if counter.start(EVENT_HZ.Hz()).is_err() {
-        defmt::panic!("TIM2 cannot run at {=u32} Hz", EVENT_HZ);
     }
 }
 

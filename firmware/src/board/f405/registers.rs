@@ -25,7 +25,6 @@ const RCC: u32 = 0x4002_3800;
 const GPIOB: u32 = 0x4002_0400;
 const UART4: u32 = 0x4000_4c00;
 const DMA1: u32 = 0x4002_6000;
-#[cfg(not(feature = "spi-sensors"))]
 const TIM2: u32 = 0x4000_0000;
 #[cfg(not(feature = "spi-sensors"))]
 const TIM3: u32 = 0x4000_0400;
@@ -37,13 +36,21 @@ const DMA2: u32 = 0x4002_6400;
 const SPI3: u32 = 0x4000_3c00;
 
 /// For either set of sensors.
-const COMMON: [Expected; 5] = [
+const COMMON: [Expected; 10] = [
     // 7.3.3: SWS (3:2) says that the PLL drives the core; PPRE1 (12:10) divides by 4, PPRE2 (15:13)
     // by 2.
     expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
     // 8.4.1: PB12 an output; what it puts out is low (8.4.6).
     expected("GPIOB_MODER", GPIOB, 0b11 << 24, 0b01 << 24),
     expected("GPIOB_ODR", GPIOB + 0x14, 1 << 12, 0),
+    // 8.4.1 and 8.4.9: PB3 is TIM2's channel 2.
+    expected("GPIOB_MODER", GPIOB, 0b11 << 6, 0b10 << 6),
+    expected("GPIOB_AFRL", GPIOB + 0x20, 0xf << 12, 1 << 12),
+    // 18.4.7: channel 2 is PWM, its CCR2 taken over with the next period.
+    expected("TIM2_CCMR1", TIM2 + 0x18, 0xff00, 0x6800),
+    // 18.4.12: 84 MHz / 2625 = 32 kHz, without a prescaler.
+    expected("TIM2_PSC", TIM2 + 0x28, 0xffff, 0),
+    expected("TIM2_ARR", TIM2 + 0x2c, u32::MAX, 2624),
     // 30.6.3: 42 MHz / 2 Mbaud = 16 · 1 5/16.
     expected("UART4_BRR", UART4 + 0x08, 0xffff, 0x15),
     // 10.5.5, stream 2: channel 4, circular, counting up the memory, on.
@@ -56,12 +63,9 @@ const COMMON: [Expected; 5] = [
 ];
 
 #[cfg(not(feature = "spi-sensors"))]
-const SENSORS: [Expected; 9] = [
+const SENSORS: [Expected; 7] = [
     // 18.4.2: the update is the trigger output.
     expected("TIM2_CR2", TIM2 + 0x04, 0b111 << 4, 0b010 << 4),
-    // 18.4.12: 84 MHz / 2625 = 32 kHz, without a prescaler.
-    expected("TIM2_PSC", TIM2 + 0x28, 0xffff, 0),
-    expected("TIM2_ARR", TIM2 + 0x2c, u32::MAX, 2624),
     // 18.4.3: both edges of both inputs count, ITR1 is the trigger.
     expected("TIM3_SMCR", TIM3 + 0x08, 0x77, 0x13),
     // 18.4.8 and 18.4.9: channel 3 captures on the trigger; 18.4.4: and asks for DMA.

@@ -2,7 +2,7 @@
 
 use super::label;
 use super::verdict::{heading, title};
-use crate::gap::{Finding, Known, Named, Tried};
+use crate::gap::{Finding, Known, Named, Tried, times_larger};
 use crate::report::number::Measured;
 use crate::report::{Cell, Section, Table};
 
@@ -92,7 +92,7 @@ fn told(own: &Named, finding: &Finding) -> String {
         "{}: {}. Without it, all else refitted, the squared error on held-out parts is {}. {}.",
         heading(own.id),
         own.id.info().law,
-        times_larger(own.held_out_gain),
+        share_larger(own.held_out_gain),
         where_it_shows(&own.place),
     );
     if !own.alternatives.is_empty() {
@@ -110,12 +110,12 @@ fn told(own: &Named, finding: &Finding) -> String {
 }
 
 /// `1 − (RMSE with/without)²` as what leaving the effect out costs.
-fn times_larger(gain: f64) -> String {
-    let share = format!("(held-out gain {:.1} %)", 100.0 * gain);
-    match 1.0 / (1.0 - gain).max(1e-9) {
-        times if times >= 1.095 => format!("{times:.1} times as large {share}"),
-        _ => format!("hardly larger {share}"),
-    }
+fn share_larger(gain: f64) -> String {
+    format!(
+        "{} (held-out gain {:.1} %)",
+        times_larger(gain),
+        100.0 * gain
+    )
 }
 
 fn where_it_shows(place: &str) -> String {
@@ -135,7 +135,14 @@ fn measured(known: &Known) -> Cell {
 /// Both ends in the digits and the unit of the value.
 fn interval(known: &Known) -> Cell {
     let Some(error) = known.std_error.filter(|own| *own > 0.0 && own.is_finite()) else {
-        return Cell::Missing("not fitted, or at a bound".into());
+        return Cell::Missing(
+            if known.at_bound {
+                "at its bound"
+            } else {
+                "not fitted"
+            }
+            .into(),
+        );
     };
     let end = |sign: f64| {
         let own = Measured::new(

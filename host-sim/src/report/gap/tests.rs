@@ -41,6 +41,7 @@ fn curves() -> Curves {
 
 fn known(name: &str, value: f64, std_error: Option<f64>, unit: &'static str) -> Known {
     Known {
+        at_bound: false,
         name: name.into(),
         value,
         std_error,
@@ -78,6 +79,7 @@ fn finding(verdict: Verdict) -> Finding {
             high_pass_n: 0.02,
             rest_n: None,
             lines_n: 0.0,
+            uncertainty: 0.0,
             used_n: 0.02,
             coloured: false,
             correlation: 1.0,
