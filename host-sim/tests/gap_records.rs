@@ -188,20 +188,9 @@ fn irradiated_foam_relaxes_and_is_bonded_to_the_plate() {
 
 #[test]
 fn a_cell_layer_under_a_cantilever_relaxes_and_sticks() {
-    // GIVEN micronewtons over micrometres at 5 kHz, and the effects that soft contacts have (the whole
-    // catalogue names the same, in half a minute)
+    // GIVEN micronewtons over micrometres at 5 kHz, and the whole catalogue
     let base = Model::read(Path::new(&record("afm_relaxation_rheos/base.toml"))).unwrap();
-    let options = Options {
-        catalogue: vec![
-            EffectId::StressRelaxation,
-            EffectId::PowerLawStiffness,
-            EffectId::Adhesion,
-            EffectId::HystereticDamping,
-            EffectId::CableStiffness,
-            EffectId::ForceOffset,
-        ],
-        ..Options::default()
-    };
+    let options = Options::default();
     let finding = gap(&base, &[read("afm_relaxation_rheos/data.csv.gz")], &options).unwrap();
     let named: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
     let modes = named.iter().filter(|id| **id == EffectId::StressRelaxation);
