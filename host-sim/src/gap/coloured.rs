@@ -53,7 +53,7 @@ impl Coloured {
         let each = bins(weights).into_iter().zip(&self.power).enumerate();
         each.map(|(at, (own, power))| {
             // A bin stands for the one of the negative frequency as well.
-            let once = at == 0 || (at == last && weights.len() % 2 == 0);
+            let once = at == 0 || (at == last && weights.len().is_multiple_of(2));
             if once { own * power } else { 2.0 * own * power }
         })
         .sum()
