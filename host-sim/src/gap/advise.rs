@@ -25,7 +25,8 @@ const SAMPLES: usize = 2_000;
 const UNOBSERVED: f64 = 0.7;
 /// A motion this many times as fast as the log is said to be faster.
 const FASTER: f64 = 1.5;
-/// The share of its own standard error that a further motion must leave at most, to be advised.
+/// The share of its own standard error that a further motion must leave at most, to be advised; and it
+/// must observe the number.
 const BETTER: f64 = 0.5;
 
 /// How many times the standard deviations that count a motion must promise between a lag and a delay,
@@ -84,11 +85,11 @@ impl Next {
 
     fn best(
         &self,
-        sigma: impl Fn(&Dish) -> Option<f64> + Sync + Send,
+        sigma: impl Fn(&Dish) -> Option<f64> + Copy + Sync + Send,
         least: f64,
     ) -> Option<Further> {
         self.menus.iter().find_map(|menu| {
-            let each: Vec<Option<f64>> = menu.par_iter().map(&sigma).collect();
+            let each: Vec<Option<f64>> = menu.par_iter().map(sigma).collect();
             best(menu, |at| each[at], least)
         })
     }
@@ -237,12 +238,16 @@ fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<Advised> {
             .map(|starts| bench.apart(&presence, 1.0, starts));
         Some(apart.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
     };
-    // The run with both logs asks that one is better throughout.
+    // The run with both logs asks that one is better throughout; where no motion promises that, the
+    // best of those that promise a difference.
+    let enough = least(rivals.len()).sqrt();
     let sure = match rivals.iter().any(|id| are_late(target.id, *id)) {
         true => SURE,
         false => 1.0,
     };
-    let further = next.best(sigma, sure * least(rivals.len()).sqrt())?;
+    let further = next
+        .best(sigma, sure * enough)
+        .or_else(|| next.best(sigma, enough))?;
     let gain = format!(
         "should tell them apart by {:.0} standard deviations",
         further.sigma
@@ -279,7 +284,8 @@ fn unobserved(evidence: &Evidence<'_>, fit: &Fit, errors: &[Option<f64>]) -> Opt
     let next = Next::new(evidence, fit);
     let before = share(&next.recorded, fit, evidence, at)?;
     let sigma = |dish: &Dish| Some(1.0 / share(&next.with(dish, fit), fit, evidence, at)?);
-    let further = next.best(sigma, 1.0 / (BETTER * before))?;
+    let enough = f64::min(BETTER * before, UNOBSERVED);
+    let further = next.best(sigma, 1.0 / enough)?;
     let gap = format!("This log hardly observes the {}.", name(&fit.shape, at));
     let gain = format!(
         "should bring its standard error to {:.0} %",
