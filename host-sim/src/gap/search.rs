@@ -12,6 +12,7 @@ use super::progress::Progress;
 use super::propose::{Ground, Proposal};
 use super::result::Tried;
 use super::shape::{Shape, Term};
+use super::start;
 use super::weights::{variances, weights};
 use crate::model;
 
@@ -22,6 +23,7 @@ const FOLLOWED: [usize; 2] = [5, 3];
 /// Candidates that also start from the model file's values: a base that ran away alone drags a joint
 /// fit with it.
 const FROM_FILE: usize = 4;
+const EXPONENTIAL: EffectId = EffectId::ExponentialStiffening;
 /// A fit with so many times the floor's Σ w r² may have run away.
 const RAN_AWAY: f64 = 4.0;
 /// Fits that the next step goes on from.
@@ -244,7 +246,7 @@ impl Search<'_> {
         let mut starts = Vec::new();
         for (rank, own) in self.proposals(from, REFITTED).iter().enumerate() {
             for proposal in own {
-                let (shape, start) = self.with(from, proposal);
+                let (shape, start) = self.with(from, &proposal.term);
                 let filed = shape.start();
                 if rank < FROM_FILE && filed != start {
                     starts.push((shape.clone(), filed));
@@ -252,11 +254,18 @@ impl Search<'_> {
                 starts.push((shape, start));
             }
         }
+        // A power of the depth imitates an exponential, and what it leaves shows nothing of one: an
+        // exponent of 4.4 for 1.5 and e^{1.2}.
+        let filed = self.filed(from);
+        if self.ids.contains(&EXPONENTIAL)
+            && let Some(term) = start::starts(EXPONENTIAL, &from.shape, self.scales).get(1)
+        {
+            starts.push(self.with(&filed, term));
+        }
         // A base that ran away hides what is missing from its own linearisation.
         if from.cost > RAN_AWAY * self.floor {
-            let filed = self.filed(from);
             for own in self.proposals(&filed, FROM_FILE) {
-                starts.push(self.with(&filed, &own[0]));
+                starts.push(self.with(&filed, &own[0].term));
             }
         }
         starts
@@ -275,9 +284,9 @@ impl Search<'_> {
     }
 
     /// The fit with one effect more.
-    fn with(&self, from: &Fit, proposal: &Proposal) -> (Shape, Vec<f64>) {
+    fn with(&self, from: &Fit, term: &Term) -> (Shape, Vec<f64>) {
         let mut terms = from.shape.terms_at(&from.numbers);
-        terms.push(proposal.term.clone());
+        terms.push(term.clone());
         from.with_terms(terms, self.scales)
     }
 
