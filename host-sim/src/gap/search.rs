@@ -210,7 +210,7 @@ impl Search<'_> {
         let walked: Vec<Fit> = self
             .starts(from)
             .into_par_iter()
-            .map(|(shape, start)| self.problem().walk(&shape, start, FIRST_STEPS[0]))
+            .map(|(shape, start, steps)| self.problem().walk(&shape, start, steps))
             .collect();
         // The best start of each effect goes on, if it has a chance.
         let mut fits: Vec<Fit> = Vec::new();
@@ -241,31 +241,34 @@ impl Search<'_> {
         fits
     }
 
-    /// Where joint refits with one effect more start: from the fit, and from the model file's values.
-    fn starts(&self, from: &Fit) -> Vec<(Shape, Vec<f64>)> {
+    /// Where joint refits with one effect more start, and the steps that they have: from the fit, and from
+    /// the model file's values.
+    fn starts(&self, from: &Fit) -> Vec<(Shape, Vec<f64>, usize)> {
         let mut starts = Vec::new();
         for (rank, own) in self.proposals(from, REFITTED).iter().enumerate() {
             for proposal in own {
                 let (shape, start) = self.with(from, &proposal.term);
                 let filed = shape.start();
                 if rank < FROM_FILE && filed != start {
-                    starts.push((shape.clone(), filed));
+                    starts.push((shape.clone(), filed, FIRST_STEPS[0]));
                 }
-                starts.push((shape, start));
+                starts.push((shape, start, FIRST_STEPS[0]));
             }
         }
         // A power of the depth imitates an exponential, and what it leaves shows nothing of one: an
-        // exponent of 4.4 for 1.5 and e^{1.2}.
+        // exponent of 4.4 for 1.5 and e^{1.2}. The way from the file is longer.
         let filed = self.filed(from);
         if self.ids.contains(&EXPONENTIAL)
             && let Some(term) = start::starts(EXPONENTIAL, &from.shape, self.scales).get(1)
         {
-            starts.push(self.with(&filed, term));
+            let (shape, start) = self.with(&filed, term);
+            starts.push((shape, start, FIRST_STEPS.iter().sum()));
         }
         // A base that ran away hides what is missing from its own linearisation.
         if from.cost > RAN_AWAY * self.floor {
             for own in self.proposals(&filed, FROM_FILE) {
-                starts.push(self.with(&filed, &own[0].term));
+                let (shape, start) = self.with(&filed, &own[0].term);
+                starts.push((shape, start, FIRST_STEPS[0]));
             }
         }
         starts
