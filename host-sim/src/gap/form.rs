@@ -14,7 +14,11 @@ type Form = (EffectId, usize);
 /// Those that a named effect may take on, and loses again where it does not pay.
 const TAKEN_ON: [Form; 2] = [(EffectId::SeriesCompliance, 1), (EffectId::Adhesion, 3)];
 /// Those that starts come with, and that go where they do not pay.
-const COME_WITH: [Form; 1] = [(EffectId::CoulombFriction, 2)];
+const COME_WITH: [Form; 3] = [
+    (EffectId::CoulombFriction, 2),
+    (EffectId::ExponentialStiffening, 1),
+    (EffectId::BuriedLayer, 2),
+];
 
 /// Where such a number starts.
 fn start(form: Form, s: &Scales) -> f64 {
