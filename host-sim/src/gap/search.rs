@@ -35,9 +35,9 @@ const MOST_ADDED: usize = 5;
 /// Steps of a joint refit before it has to be among the best, and before it has to be again.
 const FIRST_STEPS: [usize; 2] = [4, 8];
 
-/// Share of the base's excess that is left after two effects when a third is not tried, and after
-/// three when nothing is named: true sets of three leave 4 % at most, what no catalogue has 5 to 50 %, and
-/// three of the five effects of cells under a cantilever 17 %.
+/// Share of the base's excess that is left after two effects, and after three, when nothing is named: true
+/// sets of three leave 4 % at most, what no catalogue has 5 to 50 %, and three of the five effects of cells
+/// under a cantilever 17 %.
 const HOPELESS: [f64; 2] = [0.5, 0.25];
 
 /// A search over the catalogue on one resolution of the logs.
@@ -99,6 +99,21 @@ fn is_one_more(fit: &Fit) -> bool {
     let terms = &fit.shape.terms;
     let last = terms.last().map(|term| term.id);
     terms.iter().filter(|term| Some(term.id) == last).count() > 1
+}
+
+/// Whether it has three waves of a kind: a Fourier series of something that is no wave. A line has a second
+/// harmonic at most.
+fn is_series(fit: &Fit) -> bool {
+    use EffectId as E;
+    let waves = [
+        E::PeriodicDisturbance,
+        E::Cogging,
+        E::EncoderPeriodicError,
+        E::SurfaceMotion,
+    ];
+    let ids = added(fit);
+    let count = |wave: &E| ids.iter().filter(|id| *id == wave).count();
+    waves.iter().any(|wave| count(wave) > 2)
 }
 
 /// Of each set of effects the first.
@@ -311,20 +326,18 @@ impl Search<'_> {
     pub(super) fn run(&mut self, base: Fit) -> Found {
         let mut base_cost = base.cost;
         let mut best = base.clone();
+        let nothing = Found {
+            best: base.clone(),
+            rivals: Vec::new(),
+        };
         let mut beam = vec![base.clone()];
         let mut level = 0;
         while level < MOST_ADDED && !self.is_adequate(&best) {
             // What explains little in two steps is in no catalogue.
             let excess = (base_cost - self.floor).max(1.0);
             let left = (best.cost - self.floor) / excess;
-            if level >= 3 && left > HOPELESS[1] {
-                return Found {
-                    best: base,
-                    rivals: Vec::new(),
-                };
-            }
-            if level >= 2 && left > HOPELESS[0] {
-                break;
+            if (level >= 2 && left > HOPELESS[usize::from(level > 2)]) || is_series(&best) {
+                return nothing;
             }
             // Later steps are longer: five effects, with all that is there, are half of the time.
             let share = 0.1 + 0.5 * level as f64 / MOST_ADDED as f64;
@@ -364,6 +377,9 @@ impl Search<'_> {
         self.progress.at(0.6, "leaving out, swapping");
         best = self.without_idle(best, base_cost);
         best = self.formed_instead(best, base_cost);
+        if is_series(&best) {
+            return nothing;
+        }
         let found = self.swapped(best, base_cost);
         let found = self.simpler(found, base_cost);
         Found {
