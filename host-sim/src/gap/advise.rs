@@ -129,13 +129,11 @@ fn reach(evidence: &Evidence<'_>, fit: &Fit, pace: f64) -> Reach {
     }
 }
 
-/// What to do next, in a sentence or two, and the motion to do it with. `errors` are the standard
-/// errors of the free numbers, in the parameters' units.
+/// What to do next, in a sentence or two, and the motion to do it with.
 pub(super) fn advice(
     finding: &Finding,
     evidence: &Evidence<'_>,
     decision: &Decision,
-    errors: &[Option<f64>],
 ) -> (String, Option<Advised>) {
     let ambiguous = finding
         .effects
@@ -161,7 +159,7 @@ pub(super) fn advice(
         ),
         _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
     };
-    match unobserved(evidence, &decision.best, errors) {
+    match unobserved(evidence, &decision.best, &decision.std_errors) {
         Some(advised) => (
             format!("{said} {}", record(&advised, finding)),
             Some(advised),

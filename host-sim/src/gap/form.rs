@@ -12,19 +12,30 @@ use super::shape::Term;
 type Form = (EffectId, usize);
 
 /// Those that a named effect may take on, and loses again where it does not pay.
-const TAKEN_ON: [Form; 2] = [(EffectId::SeriesCompliance, 1), (EffectId::Adhesion, 3)];
-/// Those that starts come with, and that go where they do not pay.
-const COME_WITH: [Form; 3] = [
-    (EffectId::CoulombFriction, 2),
+const TAKEN_ON: [Form; 4] = [
+    (EffectId::SeriesCompliance, 1),
+    (EffectId::Adhesion, 3),
     (EffectId::ExponentialStiffening, 1),
     (EffectId::BuriedLayer, 2),
 ];
+/// Those that starts come with, and that go where they do not pay.
+const COME_WITH: [Form; 1] = [(EffectId::CoulombFriction, 2)];
 
 /// Where such a number starts.
 fn start(form: Form, s: &Scales) -> f64 {
     match form.0 {
         EffectId::SeriesCompliance => 0.5 * s.force_n,
+        EffectId::BuriedLayer => 0.03 * s.travel_m,
+        EffectId::ExponentialStiffening => 1.3,
         _ => 0.3,
+    }
+}
+
+/// What the effect's first number is worth once it has the other: half of a growth of e^{1.5} is the bend's.
+fn left(id: EffectId) -> f64 {
+    match id {
+        EffectId::ExponentialStiffening => 0.5,
+        _ => 1.0,
     }
 }
 
@@ -108,6 +119,10 @@ impl Search<'_> {
         let mut terms = fit.shape.terms_at(&fit.numbers);
         let term = terms.iter_mut().find(|term| is_it(term))?;
         (term.row[at], term.free[at]) = (value.unwrap_or(0.0), value.is_some());
+        term.row[0] *= match value {
+            Some(_) => left(term.id),
+            None => 1.0 / left(term.id),
+        };
         let (shape, start) = fit.with_terms(terms, self.scales);
         Some(self.problem().fit(&shape, start))
     }

@@ -144,12 +144,13 @@ pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
         }
         E::PermanentSet => grid(&[&[0.1, 0.0], &[0.1, 0.3 * depth], &[0.1, 0.6 * depth]], 2),
         E::BuriedLayer => {
-            let layer = |k: u8, rounding_m: f64, count: usize| {
-                let depth_m = 0.1 * f64::from(k) * s.travel_m;
+            // Down to a twentieth of the travel, most of which may be free air.
+            let layer = |share: f64, rounding_m: f64, count: usize| {
+                let depth_m = share * s.travel_m;
                 whole(id, row(&[0.3 * stiffness, depth_m, rounding_m]), count)
             };
-            let mut starts: Vec<Term> = (2..10).map(|k| layer(k, 0.0, 2)).collect();
-            starts.extend([2, 4, 6].map(|k| layer(k, 0.03 * s.travel_m, 3)));
+            let mut starts: Vec<Term> = (1..14).map(|k| layer(0.8_f64.powi(k), 0.0, 2)).collect();
+            starts.extend([0.2, 0.4, 0.6].map(|share| layer(share, 0.03 * s.travel_m, 3)));
             starts
         }
         E::HystereticDamping => (1..8)

@@ -6,7 +6,6 @@ use estimator_core::effect::{Bounds, EffectId, MOST_PARAMETERS};
 
 use super::Options;
 use super::advise::advice;
-use super::attenuation::corrected;
 use super::course::Course;
 use super::decide::{Decision, Evidence, depths};
 use super::error::std_errors;
@@ -31,10 +30,6 @@ pub(super) fn finding(
         weights: &weights,
         low_pass: evidence.low_pass,
     };
-    let decision = Decision {
-        best: corrected(&problem, &decision.best),
-        ..decision
-    };
     let told = Told {
         problem,
         evidence,
@@ -43,8 +38,7 @@ pub(super) fn finding(
     };
     let before_n = problem.forces(&decision.base.shape, &decision.base.numbers);
     let after_n = problem.forces(&decision.best.shape, &decision.best.numbers);
-    let errors = std_errors(&problem, &decision.best);
-    let known = told.known(&decision.best, &errors);
+    let known = told.known(&decision.best, &decision.std_errors);
     let disagreement = told.regions(&before_n);
     // Where what is left is what noise leaves, its regions are shares of nothing.
     let remaining = match decision.verdict {
@@ -77,7 +71,7 @@ pub(super) fn finding(
         notes: Vec::new(),
         effects,
     };
-    (finding.advice, finding.advised) = advice(&finding, evidence, &decision, &errors);
+    (finding.advice, finding.advised) = advice(&finding, evidence, &decision);
     finding
 }
 
