@@ -40,6 +40,8 @@ const AHEAD: f64 = 4.0;
 /// Rivals whose Σ w r² is within so many independent standard errors squared are not told apart.
 const APART: f64 = 12.0;
 
+/// Of what is left, the share that an effect must take off at least where much is left.
+const IDLE: f64 = 0.01;
 /// Standard errors that the size of an effect must be, to be one.
 const KNOWN: f64 = 3.0;
 /// Stretches of the logs for [`Evidence::is_worse_throughout`], and the standard errors it asks for.
@@ -89,15 +91,20 @@ fn unsized_effect(decision: &Decision) -> Option<usize> {
         at.and_then(|at| Some((best.shape.natural(at, best.numbers[at]), std_errors[at]?)))
             .is_none_or(|(size, error)| size.abs() >= KNOWN * error)
     };
-    let each = best.added().into_iter().zip(&decision.alternatives);
-    each.into_iter()
-        .position(|(number, others)| others.is_empty() && !is_known(number))
+    // Modes of one spectrum share theirs, and no name hangs on one of them.
+    let is_one = |number: usize| {
+        let id = best.shape.terms[number].id;
+        best.shape.terms.iter().filter(|own| own.id == id).count() == 1
+    };
+    let mut each = best.added().into_iter().zip(&decision.alternatives);
+    each.position(|(number, others)| others.is_empty() && is_one(number) && !is_known(number))
 }
 
 /// The fit without an effect that takes nothing off.
 fn idle(decision: &Decision) -> Option<&Fit> {
     let count = decision.variances.iter().filter(|v| **v > 0.0).count() as f64;
-    let most = decision.best.cost + apart(&decision.best, count, decision.correlation);
+    let cost = decision.best.cost;
+    let most = cost + apart(&decision.best, count, decision.correlation).min(IDLE * cost);
     let least = decision.without.iter();
     least
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
