@@ -208,6 +208,50 @@ fn an_ambiguous_log_yields_a_motion_that_runs_and_settles_it() {
     assert!(!folder.path("out/motion.toml").exists());
 }
 
+/// A stiffening under strokes that reach the load cell's limit of 15.355 N as well.
+const STIFFENING: &str = "[environment]\nlaw = \"quasi_linear\"\nstiffness = 1075.0\nexponent = 1.53\n\
+                          relaxation = [{ fraction = 0.25, rate = 2.1 }]\n\
+                          [[effect]]\nid = \"exponential_stiffening\"\nrate = 281.0\n";
+const DEEP_STROKES: &str = "start = -0.001\n[[segment]]\nkind = \"hold\"\nseconds = 0.5\n\
+                            [[segment]]\nkind = \"sine\"\nmean = 0.0013\namplitude = 0.0023\n\
+                            frequency = 0.5\nseconds = 4.0\n\
+                            [[segment]]\nkind = \"ramp\"\nto = 0.00324\nspeed = 0.01\n\
+                            [[segment]]\nkind = \"hold\"\nseconds = 2.0\n\
+                            [[segment]]\nkind = \"ramp\"\nto = -0.001\nspeed = 0.01\n\
+                            [[segment]]\nkind = \"hold\"\nseconds = 0.5\n";
+
+#[test]
+fn an_exponential_is_found_behind_an_exponent_that_ran_away() {
+    let folder = Folder::with("rig.toml", STIFFENING);
+    let (base, _) = STIFFENING.split_once("[[effect]]").unwrap();
+    folder.write("base.toml", base);
+    folder.write("deep.toml", DEEP_STROKES);
+    for line in [
+        "simulate --model rig.toml --motion deep.toml --seed 1 --out sim",
+        "gap --model base.toml --log sim/log.csv --out out",
+    ] {
+        let done = folder.palpate(line);
+        assert_eq!(done.status.code(), Some(0), "{line}: {}", complained(&done));
+    }
+    let json: Value = serde_json::from_str(&folder.read("out/gap.json")).unwrap();
+    let named: Vec<&str> = json["effects"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|own| own["id"].as_str())
+        .collect();
+    assert_eq!(named, ["force_saturation", "exponential_stiffening"]);
+    let rate = &json["effects"][1]["params"]["rate"];
+    let (value, error) = (
+        rate["value"].as_f64().unwrap(),
+        rate["std_error"].as_f64().unwrap(),
+    );
+    assert!(
+        (value - 281.0).abs() < 4.0 * error && error < 10.0,
+        "{rate}"
+    );
+}
+
 /// Every field that gap.json promises, with its type.
 fn every_field(json: &Value) {
     let numbers = [

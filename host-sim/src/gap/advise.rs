@@ -8,13 +8,14 @@ use rayon::prelude::*;
 
 use super::apart::least;
 use super::course::Course;
-use super::decide::{Decision, Evidence, are_late};
+use super::decide::{Decision, Evidence};
 use super::fit::{Fit, forces};
 use super::menu::{Dish, Reach, menu};
 use super::plan::{Further, Recorded, Sensor, best};
 use super::record::MOTION;
 use super::regions::words;
 use super::result::{Advised, Finding, Verdict};
+use super::rivals::are_late;
 use super::shape::{Owner, Shape, Term};
 use crate::dense;
 use crate::model::EnvironmentLaw;

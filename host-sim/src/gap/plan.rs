@@ -10,10 +10,10 @@ use rayon::prelude::*;
 
 use super::apart::{Bench, Presence, least};
 use super::course::{Course, Scales};
-use super::decide::related;
 use super::fit::forces;
 use super::floor::Floor;
 use super::menu::{Dish, Reach, menu};
+use super::rivals::related;
 use super::shape::{Shape, Term};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
