@@ -75,3 +75,107 @@ fn is_ahead(ids: &[EffectId], tried: &[Tried]) -> bool {
     let next = others.map(excess).fold(base, f64::min);
     left <= AHEAD_LEFT * base && next >= AHEAD * left
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::course::{Course, Scales};
+    use crate::gap::result::Verdict;
+    use crate::gap::shape::Shape;
+    use crate::gap::start::whole;
+    use crate::log::Log;
+    use crate::model::Model;
+    use crate::toml_reader::TomlFile;
+    use estimator_core::effect::MOST_PARAMETERS;
+    use std::path::Path;
+
+    /// Cost of the best fit to as many samples.
+    const SAMPLES: usize = 10_000;
+
+    /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
+    fn decision(errors: &[f64], without: &[f64]) -> Decision {
+        let path = Path::new("model.toml");
+        let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
+        let file = TomlFile::parse(text.into(), path).unwrap();
+        let model = Model::from_toml(&file, path).unwrap();
+        let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 1e-3).collect();
+        let position: Vec<f64> = time.iter().map(|t| 1e-3 * (6.3 * t).sin()).collect();
+        let force = position.iter().map(|x| 1e3 * x.max(0.0)).collect();
+        let log = Log::from_channels(time, position, force).uniform().unwrap();
+        let scales = Scales::of(&[Course::of(&log)]);
+        let mut row = [0.0; MOST_PARAMETERS];
+        row[0] = 1.0;
+        let terms = vec![whole(EffectId::ForceOffset, row, 1); errors.len()];
+        let shape = Shape::new(&model.environment, terms, &scales);
+        let environment = shape.environment_count();
+        let fit = |cost: f64| Fit {
+            numbers: shape.start(),
+            shape: shape.clone(),
+            cost,
+        };
+        let std_errors = (0..environment).map(|_| Some(1e-9));
+        Decision {
+            verdict: Verdict::MissingEffects,
+            base: fit(2.0 * SAMPLES as f64),
+            best: fit(SAMPLES as f64),
+            std_errors: std_errors.chain(errors.iter().copied().map(Some)).collect(),
+            alternatives: vec![Vec::new(); errors.len()],
+            gains: vec![0.5; errors.len()],
+            without: without.iter().copied().map(fit).collect(),
+            rmse_n: (2.0, 1.0),
+            ratio: (2.0, 1.0),
+            variances: vec![1.0; SAMPLES],
+            held_out: vec![false; SAMPLES],
+            correlation: 1.0,
+        }
+    }
+
+    #[test]
+    fn an_effect_that_may_as_well_be_0_is_none_unless_another_may_stand_for_it() {
+        // GIVEN a newton that is known to a quarter, and to a half
+        assert_eq!(unsized_effect(&decision(&[0.25], &[2e4])), None);
+        let unknown = decision(&[0.5], &[2e4]);
+        assert_eq!(unsized_effect(&unknown), Some(0));
+        // THEN one that a rival may replace is left to be told apart, and modes of one spectrum are not
+        // judged one by one.
+        let open = Decision {
+            alternatives: vec![vec![EffectId::CableStiffness]],
+            ..unknown
+        };
+        assert_eq!(unsized_effect(&open), None);
+        assert_eq!(unsized_effect(&decision(&[0.5, 0.5], &[2e4, 2e4])), None);
+    }
+
+    #[test]
+    fn an_effect_that_takes_nothing_off_at_the_logs_own_rate_is_idle() {
+        // GIVEN 12 independent samples' worth of Σ w r² as the bound
+        assert!(idle(&decision(&[0.1], &[1.0011e4])).is_some());
+        assert!(idle(&decision(&[0.1], &[1.0013e4])).is_none());
+        // AND where much is left, a hundredth of it.
+        let mut bad = decision(&[0.1], &[1.02e6]);
+        bad.best.cost = 1e6;
+        assert!(idle(&bad).is_none());
+        bad.without[0].cost = 1.001e6;
+        assert!(idle(&bad).is_some());
+    }
+
+    #[test]
+    fn names_that_leave_much_stand_only_far_ahead_of_all_others() {
+        let tried = |next: f64| {
+            let of = |ids: Vec<EffectId>, ratio: f64| Tried { ids, ratio };
+            vec![
+                of(vec![EffectId::ForceOffset], 1.5),
+                of(vec![EffectId::Backlash], next),
+                of(Vec::new(), 4.0),
+            ]
+        };
+        // GIVEN 1.25 of an excess of 15, 8 %: less than the 95 % that stand by themselves
+        let left = Decision {
+            ratio: (4.0, 1.5),
+            ..decision(&[0.1], &[2e4])
+        };
+        // THEN a rival that leaves 4.3 times as much makes it stand, and one that leaves 3.4 times does not.
+        assert!(stand(&left, &tried(2.53)));
+        assert!(!stand(&left, &tried(2.3)));
+    }
+}
