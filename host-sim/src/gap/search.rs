@@ -101,8 +101,8 @@ fn is_one_more(fit: &Fit) -> bool {
     terms.iter().filter(|term| Some(term.id) == last).count() > 1
 }
 
-/// Whether it has three waves of a kind: a Fourier series of something that is no wave. A line has a second
-/// harmonic at most.
+/// Whether it has three waves of a kind and none that is three times the others: a Fourier series of
+/// something that is no wave. A line may have a harmonic, or sidebands of a modulation.
 fn is_series(fit: &Fit) -> bool {
     use EffectId as E;
     let waves = [
@@ -111,9 +111,13 @@ fn is_series(fit: &Fit) -> bool {
         E::EncoderPeriodicError,
         E::SurfaceMotion,
     ];
-    let ids = added(fit);
-    let count = |wave: &E| ids.iter().filter(|id| *id == wave).count();
-    waves.iter().any(|wave| count(wave) > 2)
+    let terms = fit.shape.terms_at(&fit.numbers);
+    waves.into_iter().any(|wave| {
+        let each = terms.iter().filter(|term| term.id == wave && !term.given);
+        let mut sizes: Vec<f64> = each.map(|term| term.row[0].abs()).collect();
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        sizes.len() > 2 && sizes[0] < 3.0 * sizes[1]
+    })
 }
 
 /// Of each set of effects the first.
