@@ -20,6 +20,8 @@ const AHEAD: f64 = 4.0;
 const IDLE: f64 = 0.01;
 /// Standard errors that the size of an effect must be, to be one.
 const KNOWN: f64 = 3.0;
+/// Share of the held-out squares that an effect takes off, to be worth telling from another.
+const MISSED: f64 = 0.1;
 
 /// The fit without an effect that takes nothing off.
 pub(super) fn idle(decision: &Decision) -> Option<&Fit> {
@@ -32,8 +34,8 @@ pub(super) fn idle(decision: &Decision) -> Option<&Fit> {
         .filter(|fit| fit.cost < most)
 }
 
-/// An effect whose size may as well be 0, if nothing else could stand in its place: of 810 names that were
-/// right one was that badly known, of 36 wrong ones ten.
+/// An effect whose size may as well be 0, if nothing else could stand in its place or the held-out part hardly
+/// misses it: of 810 names that were right one was that badly known, of 36 wrong ones ten.
 pub(super) fn unsized_effect(decision: &Decision) -> Option<usize> {
     let Decision {
         best, std_errors, ..
@@ -49,8 +51,12 @@ pub(super) fn unsized_effect(decision: &Decision) -> Option<usize> {
         let id = best.shape.terms[number].id;
         best.shape.terms.iter().filter(|own| own.id == id).count() == 1
     };
-    let mut each = best.added().into_iter().zip(&decision.alternatives);
-    each.position(|(number, others)| others.is_empty() && is_one(number) && !is_known(number))
+    let judged = decision.alternatives.iter().zip(&decision.gains);
+    let mut each = best.added().into_iter().zip(judged);
+    each.position(|(number, (others, gain))| {
+        let open = !others.is_empty() && *gain > MISSED;
+        !open && is_one(number) && !is_known(number)
+    })
 }
 
 /// Whether names stand though something is left.
@@ -143,6 +149,12 @@ mod tests {
             ..unknown
         };
         assert_eq!(unsized_effect(&open), None);
+        // AND what is hardly missed is not worth that.
+        let idle = Decision {
+            gains: vec![0.03],
+            ..open
+        };
+        assert_eq!(unsized_effect(&idle), Some(0));
         assert_eq!(unsized_effect(&decision(&[0.5, 0.5], &[2e4, 2e4])), None);
     }
 

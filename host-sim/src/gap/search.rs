@@ -356,6 +356,8 @@ impl Search<'_> {
             keep_first(&mut children, added);
             self.tried.extend_from_slice(&children);
             let Some(child) = children.first() else { break };
+            // As plain as its rivals are.
+            let ahead = child.cost - self.floor;
             let last = child.shape.terms.last();
             let accepted = last.is_some_and(|term| self.pays(term.id, &best, child, base_cost));
             if accepted {
@@ -369,10 +371,9 @@ impl Search<'_> {
                 break;
             }
             // Near the floor the one that is far ahead is it; far from it none is.
-            let excess = |fit: &Fit| fit.cost - self.floor;
-            let least = excess(&children[0]).max(0.25 * self.floor);
+            let least = ahead.max(0.25 * self.floor);
             if least < RAN_AWAY * self.floor {
-                children.retain(|fit| excess(fit) <= BEHIND * least);
+                children.retain(|fit| fit.cost - self.floor <= BEHIND * least);
             }
             children.truncate(BEAM);
             beam = children.iter().map(|fit| self.costed(fit)).collect();
