@@ -15,6 +15,7 @@ use super::floor::Floor;
 use super::low_pass::LowPass;
 use super::names::{idle, stand, unsized_effect};
 use super::result::{Tried, Verdict};
+use super::rivals::Rivals;
 use super::search::Found;
 use super::weights::{variances, weights};
 
@@ -37,6 +38,8 @@ pub(super) struct Decision {
     /// Fits to the whole log.
     pub(super) base: Fit,
     pub(super) best: Fit,
+    /// A rival that explains more, as the search left it.
+    pub(super) better: Option<Fit>,
     /// Standard errors of `best`'s free numbers, in the parameters' units; None at a bound.
     pub(super) std_errors: Vec<Option<f64>>,
     /// For every added effect of `best`, in the order of its terms: who else could it be, and what
@@ -102,8 +105,17 @@ impl Evidence<'_> {
 
     fn decided(&self, base: &Fit, found: Found, tried: &[Tried]) -> Decision {
         let mut found = found;
+        let mut swapped = false;
         loop {
-            let decision = self.judge(base, &found);
+            let mut decision = self.judge(base, &found);
+            // At one sample of four a compliance seemed worse than the delay that it is not. One swap, so
+            // that two fits that get stuck in turn do not swap for ever.
+            if let Some(better) = decision.better.take().filter(|_| !swapped) {
+                found.rivals.push(vec![found.best]);
+                found.best = better;
+                swapped = true;
+                continue;
+            }
             // What seemed worth its price on the search's blocks, and takes nothing off at the log's own
             // rate, is none: a delay of 2 µs that moved a play's turn by a sample.
             if let Some(best) = idle(&decision) {
@@ -192,7 +204,10 @@ impl Evidence<'_> {
             .map(|(r, w)| r * w.sqrt())
             .collect();
         let correlation = crate::batch::error::correlation(&residuals);
-        let alternatives = self.alternatives(&all, &best, found, correlation);
+        let Rivals {
+            alternatives,
+            better,
+        } = self.rivals(&all, &best, found, correlation);
         let (before, after) = (judged[0], judged[1]);
         let gains = judged[2..]
             .iter()
@@ -235,6 +250,7 @@ impl Evidence<'_> {
             ratio: (before.1, after.1),
             base,
             best,
+            better,
             std_errors: Vec::new(),
             variances,
             held_out,

@@ -124,6 +124,7 @@ mod tests {
             verdict: Verdict::MissingEffects,
             base: fit(2.0 * SAMPLES as f64),
             best: fit(SAMPLES as f64),
+            better: None,
             std_errors: std_errors.chain(errors.iter().copied().map(Some)).collect(),
             alternatives: vec![Vec::new(); errors.len()],
             gains: vec![0.5; errors.len()],

@@ -22,15 +22,22 @@ pub(super) fn apart(best: &Fit, count: f64, correlation: f64) -> f64 {
     APART * correlation * (best.cost / count).max(1.0)
 }
 
-impl Evidence<'_> {
+/// What came of the fits with another effect in the place of one.
+pub(super) struct Rivals {
     /// For every added effect the ids that fit as well in its place.
-    pub(super) fn alternatives(
+    pub(super) alternatives: Vec<Vec<EffectId>>,
+    /// The search's fit that explains the logs better, at their own rate, than the one it preferred.
+    pub(super) better: Option<Fit>,
+}
+
+impl Evidence<'_> {
+    pub(super) fn rivals(
         &self,
         all: &Problem<'_>,
         best: &Fit,
         found: &Found,
         correlation: f64,
-    ) -> Vec<Vec<EffectId>> {
+    ) -> Rivals {
         let ids = added(best);
         let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
         let apart = apart(best, count, correlation);
@@ -44,33 +51,38 @@ impl Evidence<'_> {
             .filter(|fit| fit.cost < coarse * 1.20 + apart)
             .collect();
         let refitted: Vec<Fit> = close
-            .into_par_iter()
+            .par_iter()
             .map(|fit| all.walk(&fit.shape, fit.numbers.clone(), 30))
             .collect();
-        best.added()
-            .into_iter()
-            .map(|at| {
-                let own = best.shape.terms[at].id;
-                let mut alternatives = Vec::new();
-                for fit in &refitted {
-                    let others = added(fit);
-                    let Some(other) = replaced(&ids, &others, own) else {
-                        continue;
-                    };
-                    let more = fit.cost - best.cost;
-                    let open = are_late(own, other)
-                        && more < LATE * best.cost
-                        && !self.is_worse_throughout(all, best, fit);
-                    if (more < apart || open)
-                        && !related(own, other)
-                        && !alternatives.contains(&other)
-                    {
-                        alternatives.push(other);
-                    }
+        let as_well = |at: usize| {
+            let own = best.shape.terms[at].id;
+            let mut alternatives = Vec::new();
+            for fit in &refitted {
+                let Some(other) = replaced(&ids, &added(fit), own) else {
+                    continue;
+                };
+                let more = fit.cost - best.cost;
+                let open = are_late(own, other)
+                    && more < LATE * best.cost
+                    && !self.is_worse_throughout(all, best, fit);
+                if (more < apart || open) && !related(own, other) && !alternatives.contains(&other)
+                {
+                    alternatives.push(other);
                 }
-                alternatives
-            })
-            .collect()
+            }
+            alternatives
+        };
+        let price = correlation * (count / correlation).max(2.0).ln();
+        let score = |fit: &Fit| fit.cost + price * fit.numbers.len() as f64;
+        let better = close
+            .iter()
+            .zip(&refitted)
+            .min_by(|a, b| score(a.1).total_cmp(&score(b.1)))
+            .filter(|own| score(own.1) < score(best) - apart);
+        Rivals {
+            alternatives: best.added().into_iter().map(as_well).collect(),
+            better: better.map(|(fit, _)| (*fit).clone()),
+        }
     }
 
     /// Whether a rival is worse in most of the log and not by a few stretches of it: Vuong's test of
