@@ -368,6 +368,17 @@ mod tests {
     }
 
     #[test]
+    fn spikes_that_last_are_no_noise() {
+        // GIVEN 20 ms at 40 standard deviations every 90 ms, a fifth of every rest
+        let spikes = |t: f64, _: f64| {
+            let lasts = t.rem_euclid(0.09) < 0.02;
+            if lasts { 40.0 * SIGMA_N } else { 0.0 }
+        };
+        // THEN the floor is that of the rest of the time, to a fifth (it was 17 times that).
+        assert_near(&Floor::of(&log(&white(), spikes, 1e-5)), SIGMA_N, 0.2);
+    }
+
+    #[test]
     fn white_noise_is_white() {
         let floor = Floor::of(&log(&white(), |_, _| 0.0, 1e-5));
         assert!(!floor.coloured && floor.uncertainty == 0.0, "{floor:?}");

@@ -74,9 +74,16 @@ impl Evidence<'_> {
         };
         let price = correlation * (count / correlation).max(2.0).ln();
         let score = |fit: &Fit| fit.cost + price * fit.numbers.len() as f64;
+        // The simpler of two relatives has been preferred already.
+        let is_another = |fit: &Fit| {
+            let own =
+                |id: &EffectId| replaced(&ids, &added(fit), *id).filter(|o| !related(*id, *o));
+            ids.iter().any(|id| own(id).is_some())
+        };
         let better = close
             .iter()
             .zip(&refitted)
+            .filter(|own| is_another(own.1))
             .min_by(|a, b| score(a.1).total_cmp(&score(b.1)))
             .filter(|own| score(own.1) < score(best) - apart);
         Rivals {

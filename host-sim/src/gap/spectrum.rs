@@ -25,10 +25,10 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a stretch without its trend; spikes are cut at four times its robust standard deviation, or
+    /// Of a stretch without its trend and its long spikes; others are cut at four times its robust standard deviation, or
     /// `noise_n` where that is more (most samples of a noise below a converter's step are the same).
     pub(super) fn of(force: &[f64], noise_n: f64) -> Spectrum {
-        let power = periodogram(clipped(detrended(force), noise_n));
+        let power = periodogram(clipped(without_spikes(force, noise_n), noise_n));
         // A periodogram's bins are exponential: their median is ln 2 of their mean.
         let kept = (0..power.len()).map(|at| {
             let near = at.saturating_sub(12)..(at + 13).min(power.len());
@@ -154,16 +154,42 @@ fn clipped(mut detrended: Vec<f64>, noise_n: f64) -> Vec<f64> {
     detrended
 }
 
+/// Without its trend, and without spikes that are so many and so long that they would be the trend: a
+/// quarter of a rest at 35 standard deviations. What is further than six from the line through the medians of
+/// its first and last third counts for nothing.
+fn without_spikes(force: &[f64], noise_n: f64) -> Vec<f64> {
+    let third = force.len() / 3;
+    let (first, last) = (&force[..third], &force[force.len() - third..]);
+    let median = |own: &[f64]| signal::median(own.to_vec());
+    let slope = (median(last) - median(first)) / (force.len() - third).max(1) as f64;
+    let each = force.iter().enumerate();
+    let flat: Vec<f64> = each.map(|(at, own)| own - slope * at as f64).collect();
+    let middle = median(&flat);
+    let sizes: Vec<f64> = flat.iter().map(|own| (own - middle).abs()).collect();
+    let most = 6.0 * (1.4826 * median(&sizes)).max(noise_n);
+    let calm: Vec<bool> = sizes.iter().map(|own| *own <= most).collect();
+    let mut left = detrended_by(force, &calm);
+    let spikes = left.iter_mut().zip(&calm).filter(|own| !own.1);
+    spikes.for_each(|(own, _)| *own = 0.0);
+    left
+}
+
 pub(super) fn detrended(force: &[f64]) -> Vec<f64> {
-    let n = force.len() as f64;
-    let middle = (n - 1.0) / 2.0;
-    let mean = force.iter().sum::<f64>() / n;
-    let (mut along, mut square) = (0.0, 0.0);
-    for (at, value) in force.iter().enumerate() {
-        let u = at as f64 - middle;
-        along += u * (value - mean);
-        square += u * u;
-    }
+    detrended_by(force, &vec![true; force.len()])
+}
+
+/// Without the straight line through those samples that count.
+fn detrended_by(force: &[f64], counts: &[bool]) -> Vec<f64> {
+    let each = || {
+        let samples = force.iter().zip(counts).enumerate();
+        let counted = samples.filter(|(_, own)| *own.1);
+        counted.map(|(at, own)| (at as f64, *own.0))
+    };
+    let n = each().count().max(1) as f64;
+    let middle = each().map(|own| own.0).sum::<f64>() / n;
+    let mean = each().map(|own| own.1).sum::<f64>() / n;
+    let along: f64 = each().map(|(u, f)| (u - middle) * (f - mean)).sum();
+    let square: f64 = each().map(|(u, _)| (u - middle).powi(2)).sum();
     let slope = if square > 0.0 { along / square } else { 0.0 };
     let each = force.iter().enumerate();
     each.map(|(at, value)| value - mean - slope * (at as f64 - middle))
