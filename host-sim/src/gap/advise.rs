@@ -153,6 +153,11 @@ pub(super) fn advice(
                 own.id.info().motion,
             ),
         },
+        (Verdict::Unexplained, _) if finding.remaining.is_empty() => {
+            "Something is there that the catalogue does not explain, in no part of the log more than in \
+             others. Look at the residuals before trusting the parameters."
+                .into()
+        }
         (Verdict::Unexplained, _) => format!(
             "Something is there that the catalogue does not explain: {}. Look at the residuals there \
              before trusting the parameters.",

@@ -23,7 +23,7 @@ use super::weights::{variances, weights};
 const WINDOWS: usize = 12;
 /// Held-out residuals within this of what is allowed: explained. Errors of form, of the motion
 /// between samples, and of the floor itself are below.
-const ADEQUATE: f64 = 1.12;
+pub(super) const ADEQUATE: f64 = 1.12;
 /// A base model within this explains a log in which nothing more is found.
 const NOTHING_LEFT: f64 = 1.08;
 /// How much further both go where the noise is coloured: a rest of a second does not say what it does

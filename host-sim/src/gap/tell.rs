@@ -7,7 +7,7 @@ use estimator_core::effect::{Bounds, EffectId, MOST_PARAMETERS};
 use super::Options;
 use super::advise::advice;
 use super::course::Course;
-use super::decide::{Decision, Evidence, depths};
+use super::decide::{ADEQUATE, Decision, Evidence, depths};
 use super::error::std_errors;
 use super::fit::{Fit, Problem};
 use super::regions::{Region, Sorted, regions, words};
@@ -47,8 +47,15 @@ pub(super) fn finding(
     };
     let effects = told.effects(&known, &after_n);
     let noise_floor_n = told.floor_n();
+    // Where no part of the log stands out, held-out parts that are a little off show how well the others
+    // told the numbers, and nothing that is missing.
+    let nowhere = remaining.is_empty() && effects.is_empty() && decision.ratio.1 <= ADEQUATE;
+    let verdict = match decision.verdict {
+        Verdict::Unexplained if nowhere => Verdict::NoMissingEffect,
+        own => own,
+    };
     let mut finding = Finding {
-        verdict: decision.verdict,
+        verdict,
         rmse_before_n: decision.rmse_n.0,
         rmse_after_n: decision.rmse_n.1,
         noise_floor_n,
