@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, complained, flowing, record, said};
+use common::{Folder, complained, flowing, named, record, said};
 use palpate::motion::Motion;
 use serde_json::Value;
 
@@ -40,11 +40,7 @@ impl Found {
     }
 
     fn ids(&self) -> Vec<&str> {
-        let effects = self.json["effects"].as_array().unwrap();
-        effects
-            .iter()
-            .map(|own| own["id"].as_str().unwrap())
-            .collect()
+        named(&self.json)
     }
 
     fn true_ids(&self) -> Vec<&str> {
@@ -160,6 +156,14 @@ fn dry_friction_and_a_relaxation_are_named_with_their_parameters() {
     found.assert_base(&KELVIN_VOIGT);
 }
 
+/// A folder with a rig, and the model that lacks its effect.
+fn rig_and_base(rig: &str) -> Folder {
+    let folder = Folder::with("rig.toml", rig);
+    let (base, _) = rig.split_once("[[effect]]").unwrap();
+    folder.write("base.toml", base);
+    folder
+}
+
 /// A delay of 6 ms under one slow sine: a lag of 6 ms does the same.
 const DELAYED: &str = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 3.0\n\
                        [[effect]]\nid = \"time_delay\"\ndelay = 0.006\n";
@@ -168,15 +172,9 @@ const SLOW_SINE: &str = "start = -0.0005\n[[segment]]\nkind = \"sine\"\nmean = 0
 
 #[test]
 fn an_ambiguous_log_yields_a_motion_that_runs_and_settles_it() {
-    let folder = Folder::with("rig.toml", DELAYED);
-    let (base, _) = DELAYED.split_once("[[effect]]").unwrap();
-    folder.write("base.toml", base);
+    let folder = rig_and_base(DELAYED);
     folder.write("slow.toml", SLOW_SINE);
-    let palpate = |line: &str| {
-        let done = folder.palpate(line);
-        assert_eq!(done.status.code(), Some(0), "{line}: {}", complained(&done));
-        said(&done)
-    };
+    let palpate = |line: &str| folder.succeeds(line);
     let json = |path: &str| -> Value { serde_json::from_str(&folder.read(path)).unwrap() };
     // GIVEN a log that does not tell a delay from a lag
     palpate("simulate --model rig.toml --motion slow.toml --seed 1 --out old");
@@ -222,25 +220,12 @@ const DEEP_STROKES: &str = "start = -0.001\n[[segment]]\nkind = \"hold\"\nsecond
 
 #[test]
 fn an_exponential_is_found_behind_an_exponent_that_ran_away() {
-    let folder = Folder::with("rig.toml", STIFFENING);
-    let (base, _) = STIFFENING.split_once("[[effect]]").unwrap();
-    folder.write("base.toml", base);
+    let folder = rig_and_base(STIFFENING);
     folder.write("deep.toml", DEEP_STROKES);
-    for line in [
-        "simulate --model rig.toml --motion deep.toml --seed 1 --out sim",
-        "gap --model base.toml --log sim/log.csv --out out",
-    ] {
-        let done = folder.palpate(line);
-        assert_eq!(done.status.code(), Some(0), "{line}: {}", complained(&done));
-    }
+    folder.succeeds("simulate --model rig.toml --motion deep.toml --seed 1 --out sim");
+    folder.succeeds("gap --model base.toml --log sim/log.csv --out out");
     let json: Value = serde_json::from_str(&folder.read("out/gap.json")).unwrap();
-    let named: Vec<&str> = json["effects"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter_map(|own| own["id"].as_str())
-        .collect();
-    assert_eq!(named, ["force_saturation", "exponential_stiffening"]);
+    assert_eq!(named(&json), ["force_saturation", "exponential_stiffening"]);
     let rate = &json["effects"][1]["params"]["rate"];
     let (value, error) = (
         rate["value"].as_f64().unwrap(),

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{Folder, complained, record};
+use common::{Folder, complained, named, record};
 use estimator_core::effect::EffectId;
 use palpate::gap::{Options, gap};
 use palpate::log::{Log, ReadOptions, UniformLog};
@@ -24,14 +24,6 @@ fn answer(name: &str, log: &str) -> Value {
     // No bar in a pipe.
     assert_eq!(complained(&done), "", "{name}");
     serde_json::from_str(&folder.read("out/gap.json")).unwrap()
-}
-
-fn names(json: &Value) -> Vec<&str> {
-    let effects = json["effects"].as_array().unwrap();
-    effects
-        .iter()
-        .map(|own| own["id"].as_str().unwrap())
-        .collect()
 }
 
 fn number(value: &Value) -> f64 {
@@ -146,7 +138,7 @@ fn fixed(mut model: Model) -> Model {
 fn foam_relaxes_over_decades_and_does_not_stick() {
     let json = answer("nist_foam_relaxation", "data_0da.csv");
     // THEN a spectrum of relaxation and nothing else: this foam lets go of the plate by itself.
-    let names = names(&json);
+    let names = named(&json);
     assert!(
         names.len() >= 2 && names.iter().all(|id| *id == "stress_relaxation"),
         "{names:?}"
@@ -166,7 +158,7 @@ fn irradiated_foam_relaxes_and_is_bonded_to_the_plate() {
     let json = answer("nist_foam_relaxation", "data_3da.csv");
     // THEN several modes, a curve that bends, and a bond; nothing that a relaxed bond only looks like
     // (a drift, a set, a softening).
-    let names = names(&json);
+    let names = named(&json);
     let known = ["stress_relaxation", "power_law_stiffness", "adhesion"];
     assert!(names.iter().all(|id| known.contains(id)), "{names:?}");
     let modes = names.iter().filter(|id| **id == "stress_relaxation");

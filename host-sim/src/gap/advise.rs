@@ -17,6 +17,7 @@ use super::regions::words;
 use super::result::{Advised, Finding, Verdict};
 use super::rivals::are_late;
 use super::shape::{Owner, Shape, Term};
+use super::start::repeats;
 use crate::dense;
 use crate::model::EnvironmentLaw;
 
@@ -257,14 +258,6 @@ fn between(evidence: &Evidence<'_>, decision: &Decision) -> Option<Advised> {
         further.sigma
     );
     Some(advised(further, &not_told(target.id, rivals), &gain))
-}
-
-fn repeats(id: EffectId) -> bool {
-    use EffectId as E;
-    matches!(
-        id,
-        E::Cogging | E::EncoderPeriodicError | E::PeriodicDisturbance | E::SurfaceMotion
-    )
 }
 
 /// A fit with one effect taken out, everything else as it stands.

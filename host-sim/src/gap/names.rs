@@ -4,6 +4,7 @@ use estimator_core::effect::EffectId;
 
 use super::decide::Decision;
 use super::fit::Fit;
+use super::price::is_repeated;
 use super::result::Tried;
 use super::rivals::{apart, related};
 use super::search::added;
@@ -47,10 +48,7 @@ pub(super) fn unsized_effect(decision: &Decision) -> Option<usize> {
             .is_none_or(|(size, error)| size.abs() >= KNOWN * error)
     };
     // Modes of one spectrum share theirs, and no name hangs on one of them.
-    let is_one = |number: usize| {
-        let id = best.shape.terms[number].id;
-        best.shape.terms.iter().filter(|own| own.id == id).count() == 1
-    };
+    let is_one = |number: usize| !is_repeated(best.shape.terms[number].id, best);
     let judged = decision.alternatives.iter().zip(&decision.gains);
     let mut each = best.added().into_iter().zip(judged);
     each.position(|(number, (others, gain))| {
@@ -59,9 +57,13 @@ pub(super) fn unsized_effect(decision: &Decision) -> Option<usize> {
     })
 }
 
+/// Squares beyond the floor's, of residuals over what is allowed.
+fn excess(ratio: f64) -> f64 {
+    (ratio * ratio - 1.0).max(0.0)
+}
+
 /// Whether names stand though something is left.
 pub(super) fn stand(decision: &Decision, tried: &[Tried]) -> bool {
-    let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
     let explained = 1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(1e-12);
     explained >= CERTAIN || is_ahead(&added(&decision.best), tried)
 }
@@ -69,8 +71,8 @@ pub(super) fn stand(decision: &Decision, tried: &[Tried]) -> bool {
 /// Whether a set of effects that leaves something explains most of the excess, and every other set as
 /// large leaves several times as much: the form of one of them is another than the catalogue's.
 fn is_ahead(ids: &[EffectId], tried: &[Tried]) -> bool {
-    let excess = |own: &Tried| (own.ratio * own.ratio - 1.0).max(0.0);
-    let of = |ids: &[EffectId]| tried.iter().find(|own| own.ids == ids).map(excess);
+    let left_by = |own: &Tried| excess(own.ratio);
+    let of = |ids: &[EffectId]| tried.iter().find(|own| own.ids == ids).map(left_by);
     let (Some(base), Some(left)) = (of(&[]), of(ids)) else {
         return false;
     };
@@ -78,7 +80,7 @@ fn is_ahead(ids: &[EffectId], tried: &[Tried]) -> bool {
         .iter()
         .filter(|own| own.ids.len() == ids.len() && own.ids != ids)
         .filter(|own| !own.ids.iter().zip(ids).all(|(a, b)| related(*a, *b)));
-    let next = others.map(excess).fold(base, f64::min);
+    let next = others.map(left_by).fold(base, f64::min);
     left <= AHEAD_LEFT * base && next >= AHEAD * left
 }
 

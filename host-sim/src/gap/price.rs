@@ -14,7 +14,7 @@ const MOST: f64 = 0.5;
 const MORE: f64 = 0.2;
 
 /// Whether an effect stands in a fit more than once.
-fn is_repeated(id: EffectId, fit: &Fit) -> bool {
+pub(super) fn is_repeated(id: EffectId, fit: &Fit) -> bool {
     fit.shape.terms.iter().filter(|term| term.id == id).count() > 1
 }
 

@@ -12,7 +12,7 @@ use super::progress::Progress;
 use super::propose::{Ground, Proposal};
 use super::result::Tried;
 use super::shape::{Shape, Term};
-use super::start;
+use super::start::{repeats, starts as starts_of};
 use super::weights::{variances, weights};
 use crate::model;
 
@@ -104,17 +104,11 @@ fn is_one_more(fit: &Fit) -> bool {
 /// Whether it has three waves of a kind and none that is three times the others: a Fourier series of
 /// something that is no wave. A line may have a harmonic, or sidebands of a modulation.
 fn is_series(fit: &Fit) -> bool {
-    use EffectId as E;
-    let waves = [
-        E::PeriodicDisturbance,
-        E::Cogging,
-        E::EncoderPeriodicError,
-        E::SurfaceMotion,
-    ];
     let terms = fit.shape.terms_at(&fit.numbers);
-    waves.into_iter().any(|wave| {
-        let each = terms.iter().filter(|term| term.id == wave && !term.given);
-        let mut sizes: Vec<f64> = each.map(|term| term.row[0].abs()).collect();
+    let waves = terms.iter().filter(|own| !own.given && repeats(own.id));
+    waves.clone().any(|wave| {
+        let each = waves.clone().filter(|own| own.id == wave.id);
+        let mut sizes: Vec<f64> = each.map(|own| own.row[0].abs()).collect();
         sizes.sort_by(|a, b| b.total_cmp(a));
         sizes.len() > 2 && sizes[0] < 3.0 * sizes[1]
     })
@@ -278,15 +272,16 @@ impl Search<'_> {
         }
         // A power of the depth imitates an exponential, and what it leaves shows nothing of one: an
         // exponent of 4.4 for 1.5 and e^{1.2}. The way from the file is longer.
-        let filed = self.filed(from);
         if self.ids.contains(&EXPONENTIAL)
-            && let Some(term) = start::starts(EXPONENTIAL, &from.shape, self.scales).get(1)
+            && let Some(term) = starts_of(EXPONENTIAL, &from.shape, self.scales).get(1)
         {
-            let (shape, start) = self.with(&filed, term);
-            starts.push((shape, start, FIRST_STEPS.iter().sum()));
+            let (shape, _) = self.with(from, term);
+            let filed = shape.start();
+            starts.push((shape, filed, FIRST_STEPS.iter().sum()));
         }
         // A base that ran away hides what is missing from its own linearisation.
         if from.cost > RAN_AWAY * self.floor {
+            let filed = self.filed(from);
             for own in self.proposals(&filed, FROM_FILE) {
                 let (shape, start) = self.with(&filed, &own[0].term);
                 starts.push((shape, start, FIRST_STEPS[0]));

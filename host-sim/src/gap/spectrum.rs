@@ -25,8 +25,9 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a stretch without its trend and its long spikes; others are cut at four times its robust standard deviation, or
-    /// `noise_n` where that is more (most samples of a noise below a converter's step are the same).
+    /// Of a stretch without its trend and its long spikes; others are cut at four times its robust
+    /// standard deviation, or `noise_n` where that is more (most samples of a noise below a converter's
+    /// step are the same).
     pub(super) fn of(force: &[f64], noise_n: f64) -> Spectrum {
         let power = periodogram(clipped(without_spikes(force, noise_n), noise_n));
         // A periodogram's bins are exponential: their median is ln 2 of their mean.
@@ -141,11 +142,15 @@ fn periodogram(wave: Vec<f64>) -> Vec<f64> {
     power.collect()
 }
 
+/// Standard deviation of normal deviations by the median of their sizes, or `noise_n` where that is more.
+fn robust(sizes: impl Iterator<Item = f64>, noise_n: f64) -> f64 {
+    (1.4826 * signal::median(sizes.collect())).max(noise_n)
+}
+
 /// Without what stands out by more than noise does: spikes are no noise, and a floor that counts them
 /// would hide them. A line or a coloured noise has no such tails.
 fn clipped(mut detrended: Vec<f64>, noise_n: f64) -> Vec<f64> {
-    let sizes = detrended.iter().map(|own| own.abs()).collect();
-    let most = 4.0 * (1.4826 * signal::median(sizes)).max(noise_n);
+    let most = 4.0 * robust(detrended.iter().map(|own| own.abs()), noise_n);
     if most > 0.0 {
         detrended
             .iter_mut()
@@ -166,7 +171,7 @@ fn without_spikes(force: &[f64], noise_n: f64) -> Vec<f64> {
     let flat: Vec<f64> = each.map(|(at, own)| own - slope * at as f64).collect();
     let middle = median(&flat);
     let sizes: Vec<f64> = flat.iter().map(|own| (own - middle).abs()).collect();
-    let most = 6.0 * (1.4826 * median(&sizes)).max(noise_n);
+    let most = 6.0 * robust(sizes.iter().copied(), noise_n);
     let calm: Vec<bool> = sizes.iter().map(|own| *own <= most).collect();
     let mut left = detrended_by(force, &calm);
     let spikes = left.iter_mut().zip(&calm).filter(|own| !own.1);

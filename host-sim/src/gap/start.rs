@@ -60,16 +60,18 @@ pub(super) fn is_possible(id: EffectId, shape: &Shape) -> bool {
     use EffectId as E;
     let touches = shape.base.law != EnvironmentLaw::Free;
     let own = matches!(id.info().place, Place::LoadPath | Place::ForceReading);
-    let twice = matches!(
-        id,
-        E::StressRelaxation
-            | E::PeriodicDisturbance
-            | E::Cogging
-            | E::EncoderPeriodicError
-            | E::SurfaceMotion
-    );
+    let twice = repeats(id) || id == E::StressRelaxation;
     let has = shape.terms.iter().any(|term| term.id == id);
     (touches || own) && (twice || !has)
+}
+
+/// Whether it is a wave, in time or along the way.
+pub(super) fn repeats(id: EffectId) -> bool {
+    use EffectId as E;
+    matches!(
+        id,
+        E::Cogging | E::EncoderPeriodicError | E::PeriodicDisturbance | E::SurfaceMotion
+    )
 }
 
 /// Starts of an effect; none if it means nothing on this law.

@@ -52,6 +52,13 @@ impl Folder {
         let arguments: Vec<&str> = line.split_whitespace().collect();
         self.command(&arguments).output().unwrap()
     }
+
+    /// The same where nothing may go wrong: what it said.
+    pub(crate) fn succeeds(&self, line: &str) -> String {
+        let done = self.palpate(line);
+        assert_eq!(done.status.code(), Some(0), "{line}: {}", complained(&done));
+        said(&done)
+    }
 }
 
 impl Drop for Folder {
@@ -64,6 +71,15 @@ impl Drop for Folder {
 pub(crate) fn record(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data");
     path.join(name).to_str().unwrap().to_string()
+}
+
+/// The ids of the effects that a gap.json names.
+pub(crate) fn named(json: &serde_json::Value) -> Vec<&str> {
+    let effects = json["effects"].as_array().unwrap();
+    effects
+        .iter()
+        .map(|own| own["id"].as_str().unwrap())
+        .collect()
 }
 
 /// What the command said on standard output.
