@@ -4,8 +4,9 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use estimator_core::config::{Config, Filter, Method, Surface};
-use estimator_core::law::{ContactLaw, HuntCrossley};
+use estimator_core::estimate::config::{Config, Filter, Surface};
+use estimator_core::estimate::method::Method;
+use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use estimator_core::{Estimate, Faults, Sample, State, Status, step};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -11,8 +11,8 @@ use driver::pair::{CODES_PER_COUNT, Pair};
 use driver::{ads1220, as5047p};
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
-use estimator_core::sensing::{Codes, Watch};
-use estimator_core::settings::{Key, Settings};
+use estimator_core::board::sensing::{Codes, Watch};
+use estimator_core::board::settings::{Key, Settings};
 use estimator_core::{Fault, Faults};
 
 /// A frame of 16 bits out and one in, with the select line low around it.

@@ -1,9 +1,10 @@
 //! The chapter's experiments E1–E4 on the simulated rig: motor, 20 mN load cell in 5 mN steps, 1 µm
 //! encoder, 1 kHz. The surface is known, the estimator knows nothing else.
 
-use estimator_core::config::{Filter, Method};
 use estimator_core::estimate::Event;
-use estimator_core::law::ContactLaw;
+use estimator_core::estimate::config::Filter;
+use estimator_core::estimate::method::Method;
+use estimator_core::physics::law::ContactLaw;
 use estimator_core::{Config, Estimate, Status};
 use palpate::demo::{self, Palpated};
 use palpate::estimate::{Choices, Estimation, estimate};

@@ -1,12 +1,12 @@
 //! What firmware/README.md says in numbers and names is what the code has.
 
 use estimator_core::Fault;
-use estimator_core::effect::EffectId;
-use estimator_core::frame::{CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED, encode};
-use estimator_core::law::LawKind;
-use estimator_core::settings::compensation::Parameter;
-use estimator_core::settings::store::SLOT;
-use estimator_core::settings::{Key, Settings};
+use estimator_core::board::frame::{CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED, encode};
+use estimator_core::board::settings::compensation::Parameter;
+use estimator_core::board::settings::store::SLOT;
+use estimator_core::board::settings::{Key, Settings};
+use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::law::LawKind;
 use estimator_core::{Config, Sample, State, step};
 use palpate::link::backup;
 use std::fs;
@@ -34,7 +34,7 @@ fn its_table_of_faults_has_every_fault_with_its_number_and_its_setting() {
         // What is said in the code up to the comma says what it is; after it, what follows.
         let what = fault.describe().split(',').next().unwrap_or_default();
         assert!(row.contains(what), "{row}: {what}");
-        match fault.setting() {
+        match Key::deciding(fault) {
             Some(key) => assert!(row.contains(key.info().name), "{row}"),
             None => assert!(
                 !row.contains("_code`") && !row.contains("position."),

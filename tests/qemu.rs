@@ -1,14 +1,14 @@
 //! The firmware in QEMU against the host. `cargo xtask test` builds what this needs and says where
 //! it is.
 
+use estimator_core::board::frame::Frame;
+use estimator_core::board::link::{Answer, Command, Health, Identity, Name, Refusal};
+use estimator_core::board::reflection::{Limit, Packet, Rendered};
+use estimator_core::board::sampling::{Record, Sampler};
+use estimator_core::board::sensing::{Codes, Watch};
+use estimator_core::board::settings::store::Store;
+use estimator_core::board::settings::{Key, Settings};
 use estimator_core::estimate::PARAMETER_SLOTS;
-use estimator_core::frame::Frame;
-use estimator_core::link::{Answer, Command, Health, Identity, Name, Refusal};
-use estimator_core::reflection::{Limit, Packet, Rendered};
-use estimator_core::sampling::{Record, Sampler};
-use estimator_core::sensing::{Codes, Watch};
-use estimator_core::settings::store::Store;
-use estimator_core::settings::{Key, Settings};
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
 use palpate::link::Device;
 use palpate::link::board::{Memory, SECTOR};
@@ -560,8 +560,8 @@ fn with_pauses(commands: &[(usize, Command)]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (sequence, ((quiet_ms, _), frame)) in commands.iter().zip(frames).enumerate() {
         bytes.extend(std::iter::repeat_n(0, 2 * quiet_ms));
-        let mut out = [0; estimator_core::frame::MAX_ENCODED];
-        let length = estimator_core::frame::encode(&frame, sequence as u16, &mut out);
+        let mut out = [0; estimator_core::board::frame::MAX_ENCODED];
+        let length = estimator_core::board::frame::encode(&frame, sequence as u16, &mut out);
         bytes.extend_from_slice(&out[..length]);
     }
     bytes
@@ -591,7 +591,7 @@ fn commands_are_answered_refused_with_a_reason_and_settings_outlive_the_run() {
     let identity = Identity {
         board: Name::new("qemu"),
         firmware: Name::new("0.1.0"),
-        layout: estimator_core::settings::store::LAYOUT,
+        layout: estimator_core::board::settings::store::LAYOUT,
         rate_hz: 1000,
         tick: 1_000_000,
         unsaved: false,

@@ -1,10 +1,11 @@
 //! The chapter's experiments E5 and E6 on the simulated rig, and materials that relax under the
 //! other estimators: motor, 20 mN load cell in 5 mN steps, 1 µm encoder, 1 kHz, surface known.
 
-use estimator_core::config::{Inversion, Method, Surface};
 use estimator_core::estimate::Event;
-use estimator_core::identify::hammerstein_coefficients;
-use estimator_core::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
+use estimator_core::estimate::config::{Inversion, Surface};
+use estimator_core::estimate::identify::hammerstein_coefficients;
+use estimator_core::estimate::method::Method;
+use estimator_core::physics::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
 use estimator_core::{Config, Estimate, Real, Sample, State, Status, step};
 use palpate::estimate::{Choices, Estimation, Shown, estimate};
 use palpate::log::UniformLog;

@@ -22,37 +22,18 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-pub mod budget;
-pub mod calibration;
-pub mod config;
-pub mod contact;
-pub mod effect;
-pub mod error;
+pub mod board;
 pub mod estimate;
-pub mod estimator;
-pub mod filter;
-pub mod frame;
-pub mod identify;
-pub mod instants;
-pub mod law;
-pub mod link;
-pub mod noise;
-pub mod reflection;
-pub mod rig;
-pub mod rls;
-pub mod sample;
-pub mod sampling;
-pub mod scalar;
-pub mod sensing;
-pub mod settings;
-pub mod status;
-pub mod units;
+pub mod maths;
+pub mod physics;
 
-pub use config::{Config, Params};
-pub use error::ConfigError;
-pub use estimate::Estimate;
-pub use estimator::{State, step};
-pub use law::LawKind;
-pub use sample::{Fault, Faults, Sample};
-pub use scalar::{Real, Scalar};
-pub use status::Status;
+pub use estimate::config::Config;
+pub use estimate::error::ConfigError;
+pub use estimate::estimator::{State, step};
+pub use estimate::fault::{Fault, Faults};
+pub use estimate::params::Params;
+pub use estimate::record::Estimate;
+pub use estimate::sample::Sample;
+pub use estimate::status::Status;
+pub use maths::scalar::{Real, Scalar};
+pub use physics::law::LawKind;

@@ -24,8 +24,8 @@ pub use qemu::Qemu as Selected;
 use embedded_hal::digital::OutputPin;
 use embedded_storage::nor_flash::NorFlash;
 use estimator_core::Sample;
-use estimator_core::sensing::Codes;
-use estimator_core::settings::store::Store;
+use estimator_core::board::sensing::Codes;
+use estimator_core::board::settings::store::Store;
 use stm32f4xx_hal::pac;
 
 /// Samples per second: the tick of every board.

@@ -19,10 +19,10 @@ use defmt_semihosting as _;
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX])]
 mod app {
     use core::mem::MaybeUninit;
-    use estimator_core::budget::Budget;
-    use estimator_core::link::Change;
-    use estimator_core::reflection::Packet;
-    use estimator_core::sampling::{Record, Sampler};
+    use estimator_core::board::budget::Budget;
+    use estimator_core::board::link::Change;
+    use estimator_core::board::reflection::Packet;
+    use estimator_core::board::sampling::{Record, Sampler};
     use heapless::spsc::{Consumer, Queue};
     use palpate_firmware::board::{Board, Outcome, Parts, Selected};
     use palpate_firmware::force::Force;

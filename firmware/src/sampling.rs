@@ -5,10 +5,10 @@ use crate::board::{Acquired, Board, ForceOutput, RATE_HZ, Selected, Sensors};
 use crate::force::Force;
 use crate::telemetry::QUEUE;
 use estimator_core::Sample;
-use estimator_core::budget::{Budget, Stations};
-use estimator_core::link::Change;
-use estimator_core::reflection::Packet;
-use estimator_core::sampling::{Record, Sampler};
+use estimator_core::board::budget::{Budget, Stations};
+use estimator_core::board::link::Change;
+use estimator_core::board::reflection::Packet;
+use estimator_core::board::sampling::{Record, Sampler};
 use heapless::spsc::{Consumer, Producer};
 
 const FULL: u16 = <Selected as Board>::Output::FULL;

@@ -3,10 +3,10 @@
 
 use crate::board::{Board, Link, Selected};
 use embedded_hal::digital::OutputPin;
-use estimator_core::budget::Meter;
+use estimator_core::board::budget::Meter;
 use estimator_core::estimate::{Event, Phase};
-use estimator_core::frame::{self, Frame, MAX_ENCODED, RECORD_ENCODED};
-use estimator_core::sampling::Record;
+use estimator_core::board::frame::{self, Frame, MAX_ENCODED, RECORD_ENCODED};
+use estimator_core::board::sampling::Record;
 use estimator_core::{Estimate, Fault, Faults, Status};
 
 /// Records that wait for the link: 64 ms of it. Codes, sample and estimate are at most 180 bytes

@@ -24,7 +24,7 @@ mod show;
 mod start;
 mod touch;
 
-use estimator_core::config::Method;
+use estimator_core::estimate::method::Method;
 use estimator_core::{Config, Status};
 
 pub use family::{Family, MOST_MODES};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use estimator_core::Config;
-use estimator_core::config::Method;
+use estimator_core::estimate::method::Method;
 
 use crate::estimate::{Choices, ReadingArgs, estimate};
 use crate::inspect::{Inspection, suspicions};

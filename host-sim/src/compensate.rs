@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use estimator_core::Sample;
-use estimator_core::rig::{Compensation, compensates};
+use estimator_core::estimate::compensation::{Compensation, compensates};
 use estimator_core::{Fault, Faults};
 
 use crate::diagnostic::{Diagnostic, listed};

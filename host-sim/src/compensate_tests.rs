@@ -1,9 +1,9 @@
 //! What a rig hides biases an estimate, and its compensation takes the bias away.
 
 use estimator_core::Config;
-use estimator_core::config::Method;
-use estimator_core::effect::{Effect, EffectId};
-use estimator_core::rig::MOST_EFFECTS;
+use estimator_core::estimate::method::Method;
+use estimator_core::physics::effect::{Effect, EffectId};
+use estimator_core::physics::rig::MOST_EFFECTS;
 
 use super::*;
 use crate::estimate::{Choices, estimate};

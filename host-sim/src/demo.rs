@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use estimator_core::Config;
-use estimator_core::config::Method;
+use estimator_core::estimate::method::Method;
 
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, Shown, document, estimate};
@@ -17,8 +17,8 @@ use crate::motion::Motion;
 use crate::output::{say, write_atomically};
 use crate::plant::{GEL, Material, PLASTIC, Rig, Stage};
 use crate::report::number::Measured;
-use estimator_core::effect::{CoulombFriction, Effect};
-use estimator_core::law::ContactLaw;
+use estimator_core::physics::effect::{CoulombFriction, Effect};
+use estimator_core::physics::law::ContactLaw;
 
 /// What is hidden in the demo's third log (N).
 const HIDDEN_FRICTION_N: f64 = 0.35;

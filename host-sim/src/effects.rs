@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 pub use ignored::{Ignored, example, ignored};
 

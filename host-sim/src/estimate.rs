@@ -12,7 +12,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use estimator_core::config::Method;
+use estimator_core::estimate::method::Method;
 use estimator_core::{Config, Status};
 
 pub use explain::explain;

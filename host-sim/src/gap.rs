@@ -57,7 +57,7 @@ pub(crate) use regions::phase;
 pub use regions::{Region, words};
 pub use result::{Advised, Curves, Finding, Known, Named, Tried, Verdict};
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use course::{Course, Scales};

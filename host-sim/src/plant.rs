@@ -1,7 +1,7 @@
 //! The simulated rig: a position-controlled linear motor presses a probe into a material, a load
 //! cell and an encoder look on.
 //!
-//! The core's [`Rig`](estimator_core::rig::Rig) is the signal chain between motor and sensors; twenty sub-steps a sample, all in f64. Each part is checked against a closed form by the tests
+//! The core's [`Rig`](estimator_core::physics::rig::Rig) is the signal chain between motor and sensors; twenty sub-steps a sample, all in f64. Each part is checked against a closed form by the tests
 //! beside it; what the sensors read and what was true are kept apart.
 
 pub mod chain;

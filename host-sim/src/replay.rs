@@ -1,8 +1,8 @@
 //! The board's step over a log: same code, same single precision, same bits.
 
-use estimator_core::config::Params;
 use estimator_core::estimate::Phase;
-use estimator_core::law::LawKind;
+use estimator_core::estimate::params::Params;
+use estimator_core::physics::law::LawKind;
 use estimator_core::{Config, ConfigError, Estimate, Fault, Faults, Sample, State, step};
 
 use crate::log::UniformLog;

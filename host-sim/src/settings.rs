@@ -43,7 +43,7 @@
 use std::path::Path;
 
 use estimator_core::Config;
-use estimator_core::config::{Filter, Inversion, Surface, Weight};
+use estimator_core::estimate::config::{Filter, Inversion, Surface, Weight};
 
 use crate::diagnostic::Diagnostic;
 use crate::toml_reader::{Bounds, Table, TomlFile};

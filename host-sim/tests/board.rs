@@ -11,9 +11,9 @@ use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
 use common::Folder;
-use estimator_core::frame::Frame;
-use estimator_core::link::{Answer, Command, Refusal};
-use estimator_core::settings::{Key, Settings};
+use estimator_core::board::frame::Frame;
+use estimator_core::board::link::{Answer, Command, Refusal};
+use estimator_core::board::settings::{Key, Settings};
 use estimator_core::{Fault, State, step};
 use palpate::link::board::BYTES_PER_MS;
 use palpate::link::calibrate::{self, CalibrateArgs, Person};

@@ -7,11 +7,11 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use common::{Folder, complained, said};
+use estimator_core::board::frame::Frame;
+use estimator_core::board::link::Command;
+use estimator_core::board::sampling::Sampler;
+use estimator_core::board::settings::Key;
 use estimator_core::estimate::Phase;
-use estimator_core::frame::Frame;
-use estimator_core::link::Command;
-use estimator_core::sampling::Sampler;
-use estimator_core::settings::Key;
 use estimator_core::{Estimate, Fault, Status};
 use palpate::link::board::BYTES_PER_MS;
 use palpate::link::compensate::{self, CompensateArgs};

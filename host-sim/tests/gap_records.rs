@@ -6,7 +6,7 @@ mod common;
 use std::path::Path;
 
 use common::{Folder, complained, named, record};
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 use palpate::gap::{Options, gap};
 use palpate::log::{Log, ReadOptions, UniformLog};
 use palpate::model::Model;

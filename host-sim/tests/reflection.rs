@@ -9,12 +9,12 @@ mod terminal_end;
 use std::sync::{Arc, Mutex};
 
 use common::Folder;
-use estimator_core::frame::Frame;
-use estimator_core::law::{ContactLaw, HuntCrossley};
-use estimator_core::link::{Answer, Command, Refusal};
-use estimator_core::reflection::{Impedance, Output, Packet, Speed};
-use estimator_core::settings::compensation::has_place;
-use estimator_core::settings::{Key, Settings};
+use estimator_core::board::frame::Frame;
+use estimator_core::board::link::{Answer, Command, Refusal};
+use estimator_core::board::reflection::{Impedance, Output, Packet, Speed};
+use estimator_core::board::settings::compensation::has_place;
+use estimator_core::board::settings::{Key, Settings};
+use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use estimator_core::{Fault, Sample, Status};
 use palpate::link::board::{BYTES_PER_MS, FULL};
 use palpate::link::port::Simulated;

@@ -13,7 +13,7 @@ mod rows;
 mod score;
 
 use cases::{Case, SETTINGS, Touched};
-use estimator_core::config::Method;
+use estimator_core::estimate::method::Method;
 use rows::{Skew, Swap};
 use score::{Row, quantile, score};
 

@@ -7,9 +7,9 @@
 //! E5 is the chapter's press of polyurethane and its hold of 50 s. The rig adds its motor, 20 mN of
 //! noise in 5 mN steps and an encoder of 1 µm.
 
-use estimator_core::config::Method;
 use estimator_core::estimate::Estimate;
-use estimator_core::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
+use estimator_core::estimate::method::Method;
+use estimator_core::physics::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
 use palpate::plant::{Contact, Law, MODES, Rig, Stage};

@@ -1,9 +1,10 @@
 //! The rows of the table beside the palpations: skew, swap, hours, holds, precision, ARMCMC.
 
-use estimator_core::config::{Config, Method, Reference, Surface};
+use estimator_core::estimate::config::{Config, Reference, Surface};
+use estimator_core::estimate::method::Method;
 use estimator_core::estimate::{Estimate, Event, Parameters};
-use estimator_core::law::{ContactLaw, HuntCrossley, unilateral};
-use estimator_core::scalar::Real;
+use estimator_core::maths::scalar::Real;
+use estimator_core::physics::law::{ContactLaw, HuntCrossley, unilateral};
 use estimator_core::{Sample, State, step};
 use palpate::motion::{Motion, Segment};
 use palpate::plant::{Contact, Encoder, GEL, Law, PLASTIC, Rig, Run, Stage};

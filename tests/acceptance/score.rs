@@ -1,6 +1,7 @@
 //! What a method made of a case, and of many.
 
-use estimator_core::config::{Config, Method, Surface};
+use estimator_core::estimate::config::{Config, Surface};
+use estimator_core::estimate::method::Method;
 use estimator_core::estimate::{Estimate, Event};
 use estimator_core::{State, step};
 use palpate::log::UniformLog;

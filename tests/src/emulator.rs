@@ -1,7 +1,7 @@
 //! Runs a firmware in QEMU: samples in, log lines and telemetry out.
 
 use estimator_core::Sample;
-use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
+use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};

@@ -3,7 +3,7 @@
 //! and motors is host-sim's.
 
 use estimator_core::Sample;
-use estimator_core::law::{ContactLaw, HuntCrossley, unilateral};
+use estimator_core::physics::law::{ContactLaw, HuntCrossley, unilateral};
 
 /// The rate of the samples (Hz).
 pub const RATE_HZ: f64 = 1000.0;

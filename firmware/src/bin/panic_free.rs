@@ -13,11 +13,11 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
-use estimator_core::budget::Budget;
-use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
-use estimator_core::link::Health;
-use estimator_core::sampling::{Record, Sampler};
-use estimator_core::settings::Settings;
+use estimator_core::board::budget::Budget;
+use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
+use estimator_core::board::link::Health;
+use estimator_core::board::sampling::{Record, Sampler};
+use estimator_core::board::settings::Settings;
 use palpate_firmware::sampling::{Output, Sampling, Tick};
 
 unsafe extern "C" {

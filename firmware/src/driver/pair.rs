@@ -1,6 +1,6 @@
 //! Both sensors as one instant, in the same codes as the reference wiring's.
 
-use estimator_core::sensing::Codes;
+use estimator_core::board::sensing::Codes;
 use estimator_core::{Fault, Faults};
 
 /// The middle of a conversion, in 1/32 of a tick after its start: it takes 0.5 to 0.6 ms of the tick's

@@ -10,7 +10,7 @@ mod palpation;
 use std::error::Error;
 use std::path::Path;
 
-use estimator_core::law::{ContactLaw, HuntCrossley};
+use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use palpate::report::estimate::{
     Elastic, EstimateReport, FinalParameter, ForgettingLaw, Run, Segment, Trajectory,
 };

@@ -1,8 +1,8 @@
 //! Made-up palpations: Hunt–Crossley contacts with noise, and a simple estimate of them.
 
+use estimator_core::estimate::status::Status;
 use estimator_core::estimate::{Estimated, Event};
-use estimator_core::law::{ContactLaw, HuntCrossley};
-use estimator_core::status::Status;
+use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use palpate::report::estimate::{EventKind, EventMark, FinalParameter, ForgettingLaw, Touch};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;

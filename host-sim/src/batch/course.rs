@@ -357,7 +357,7 @@ mod tests {
     use crate::kinematics::kinematics;
     use crate::log::Log;
     use estimator_core::Config;
-    use estimator_core::config::Method;
+    use estimator_core::estimate::method::Method;
 
     /// 1 s of rest, 0.1 s to 2 mm into 2 N/mm, a hold, and back; the release pulls with 0.5 N.
     fn course(hold_s: f64, rate_hz: f64) -> (UniformLog, Course) {

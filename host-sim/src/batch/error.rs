@@ -7,7 +7,7 @@
 //! counts what the neighbours repeat. Of both the larger variance is reported.
 
 use estimator_core::estimate::Estimated;
-use estimator_core::scalar::Dual;
+use estimator_core::maths::Dual;
 
 use super::family::natural;
 use super::fit::Problem;

@@ -14,10 +14,10 @@
 //! in τ, with a prior of ±5 % of a sample period for motions that do not tell (a single ramp). Under
 //! the other laws a delay is a damping or a fast mode, and stays 0.
 
-use estimator_core::law::{
+use estimator_core::maths::scalar::Scalar;
+use estimator_core::physics::law::{
     Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener, unilateral,
 };
-use estimator_core::scalar::Scalar;
 
 use super::course::{Node, Scales};
 
@@ -155,7 +155,7 @@ impl Family {
 
 /// n from its free number.
 fn exponent_of<S: Scalar>(free: S) -> S {
-    let one = S::unit();
+    let one = S::one();
     S::from_f64(LEAST_EXPONENT) + S::from_f64(EXPONENT_RANGE) / (one + (-free).exp())
 }
 
@@ -181,7 +181,7 @@ pub(super) fn damping_unit(scales: &Scales) -> f64 {
 /// What a vector of free numbers means.
 pub(super) fn natural<S: Scalar>(family: Family, free: &[S], scales: &Scales) -> Natural<S> {
     let number = S::from_f64;
-    let (nil, one) = (S::nil(), S::unit());
+    let (nil, one) = (S::zero(), S::one());
     let reference_m = reference_m(scales);
     let mut modes = [RelaxationMode {
         fraction: nil,
@@ -220,7 +220,7 @@ impl<S: Scalar> Natural<S> {
     pub(super) fn reported(&self, family: Family, depth_m: f64) -> Vec<S> {
         let ratio = S::from_f64(self.reference_m / depth_m);
         // K(δ₀) = K·(D/δ₀)^(1−n) and λ(δ₀) = λ·(D/δ₀)^(−n).
-        let stiffness = self.stiffness * ratio.pow_positive(S::unit() - self.exponent);
+        let stiffness = self.stiffness * ratio.pow_positive(S::one() - self.exponent);
         match family {
             Family::KelvinVoigt => vec![self.stiffness, self.damping, self.surface_m],
             Family::HuntCrossley => {
@@ -327,7 +327,7 @@ impl<S: Scalar> Natural<S> {
 mod tests {
     use super::super::course::Use;
     use super::*;
-    use estimator_core::scalar::Dual;
+    use estimator_core::maths::Dual;
 
     const SCALES: Scales = Scales {
         touch_m: 1e-4,

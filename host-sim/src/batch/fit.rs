@@ -4,7 +4,7 @@
 //! A kept crate wants the whole Jacobian at once: 100 000 rows of 12 are 10 MB a step, and the normal
 //! equations of them are all that a step needs.
 
-use estimator_core::scalar::Dual;
+use estimator_core::maths::Dual;
 
 use super::course::{Node, Scales};
 use super::family::{Family, natural};

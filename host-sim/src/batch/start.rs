@@ -5,7 +5,7 @@
 //! the depth before it, rates from half of 1/(longest touch) to a third of the sampling rate in a
 //! dozen steps, of which every subset of the wanted size is tried.
 
-use estimator_core::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw};
+use estimator_core::physics::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw};
 
 use super::course::{Node, Scales};
 use super::family::{Family, MOST_MODES, damping_unit, free_of_exponent, reference_m};

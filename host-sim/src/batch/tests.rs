@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use estimator_core::law::{Elastic, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw};
+use estimator_core::physics::law::{
+    Elastic, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw,
+};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
@@ -290,7 +292,7 @@ fn a_hertzian_sphere_gives_its_modulus() {
     // GIVEN E = 300 kPa under a sphere of 5 mm, ν = 0.5: F = ⁴⁄₃·400 kPa·√R·δ^{3/2}
     let sphere = Indenter::Sphere(5e-3);
     let stiffness = 4.0 / 3.0 * 400e3 * 5e-3_f64.sqrt() * 1e-3_f64.sqrt();
-    let law = estimator_core::law::HuntCrossley::new(stiffness, 30.0, 1.5, 1e-3);
+    let law = estimator_core::physics::law::HuntCrossley::new(stiffness, 30.0, 1.5, 1e-3);
     let contact = Contact {
         law: Law::HuntCrossley(law),
         surface_m: 1e-4,

@@ -4,10 +4,10 @@
 //! fit of the law without the effect to the first.
 
 use estimator_core::Config;
-use estimator_core::effect::{Effect, EffectId};
 use estimator_core::estimate::Estimated;
-use estimator_core::law::KelvinVoigt;
-use estimator_core::rig::MOST_EFFECTS;
+use estimator_core::physics::effect::{Effect, EffectId};
+use estimator_core::physics::law::KelvinVoigt;
+use estimator_core::physics::rig::MOST_EFFECTS;
 
 use crate::batch::{Family, Options, batch};
 use crate::diagnostic::Diagnostic;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use estimator_core::effect::{EffectId, ParameterInfo, Place};
-use estimator_core::rig::compensates;
+use estimator_core::estimate::compensation::compensates;
+use estimator_core::physics::effect::{EffectId, ParameterInfo, Place};
 
 use super::Ignored;
 use crate::report::number::{Measured, quantity};
@@ -38,7 +38,7 @@ fn parameter(info: &ParameterInfo) -> String {
     };
     // An angle says its unit with its bounds.
     match info.bounds {
-        estimator_core::effect::Bounds::Angle => {
+        estimator_core::physics::effect::Bounds::Angle => {
             format!("{} ({}{usual})", info.name, info.bounds.name())
         }
         _ => format!(

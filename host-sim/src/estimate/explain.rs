@@ -1,7 +1,7 @@
 //! What a reader must know before using the numbers: why a law cannot fit, and where its parameters
 //! come from.
 
-use estimator_core::config::Surface;
+use estimator_core::estimate::config::Surface;
 use estimator_core::{LawKind, Status};
 
 use super::outcome::{Outcome, law_with};

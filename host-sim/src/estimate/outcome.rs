@@ -1,7 +1,7 @@
 //! What a replay comes to: the numbers of `estimate.json`.
 
 use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
-use estimator_core::law::{
+use estimator_core::physics::law::{
     Elastic, HuntCrossley, KelvinVoigt, ParameterInfo, QuasiLinear, RelaxationMode, Zener,
     unilateral,
 };

@@ -3,8 +3,9 @@
 //! What a person would set on the board by knowing the rig is read off the log here, and said.
 
 use estimator_core::Config;
-use estimator_core::config::{Method, Surface};
-use estimator_core::contact::NOISE_FLOOR;
+use estimator_core::estimate::config::Surface;
+use estimator_core::estimate::contact::NOISE_FLOOR;
+use estimator_core::estimate::method::Method;
 
 use crate::log::UniformLog;
 use crate::report::number::quantity;

@@ -3,7 +3,7 @@
 //! Predicted on the log and the further motion together, with the fit's own numbers, as
 //! [`super::apart`] predicts it.
 
-use estimator_core::effect::{Bounds, EffectId};
+use estimator_core::physics::effect::{Bounds, EffectId};
 use rayon::prelude::*;
 
 use super::apart::least;

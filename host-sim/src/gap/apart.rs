@@ -6,7 +6,7 @@
 //! the two differ. Linear, at the best of the rival's starts; a rival that could imitate only beyond
 //! its bounds counts as one all the same, so that the answer is on the careful side.
 
-use estimator_core::effect::{EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 use rayon::prelude::*;
 
 use super::basis::{extend, remove};

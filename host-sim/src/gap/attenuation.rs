@@ -75,7 +75,7 @@ pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> Fit {
 mod tests {
     use std::path::Path;
 
-    use estimator_core::effect::{EffectId, MOST_PARAMETERS};
+    use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 
     use super::*;
     use crate::gap::course::Scales;

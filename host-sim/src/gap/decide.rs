@@ -4,7 +4,7 @@
 //! The log is cut into twelve windows; every third is held out. A fit to the others predicts them:
 //! the states (relaxation, play) run through all windows, only the residuals are left out.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use super::attenuation::corrected;
@@ -305,7 +305,7 @@ pub(super) fn depths(fit: &Fit, courses: &[Course]) -> Vec<Vec<f64>> {
                 &fit.shape,
                 &fit.numbers,
                 course,
-                |_, reading: estimator_core::rig::Reading<f64>| {
+                |_, reading: estimator_core::physics::rig::Reading<f64>| {
                     depths.push(reading.touch.depth_m);
                 },
             );

@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 use super::attenuation::bias;
 use super::basis::extend;

@@ -3,9 +3,9 @@
 //! A kept crate has neither bounds nor the block-wise gradients of dual numbers: the Jacobian is
 //! filled eight columns at a time by the rig itself, run over the whole log.
 
-use estimator_core::effect::{EffectId, Motion};
-use estimator_core::rig::Reading;
-use estimator_core::scalar::{Dual, Scalar};
+use estimator_core::maths::{Dual, Scalar};
+use estimator_core::physics::effect::{EffectId, Motion};
+use estimator_core::physics::rig::Reading;
 
 use super::course::{Course, Scales};
 use super::low_pass::LowPass;

@@ -1,6 +1,6 @@
 //! Forms of an effect that are not its plain one: an optional number each, free only where it pays.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use super::course::Scales;

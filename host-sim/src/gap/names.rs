@@ -1,6 +1,6 @@
 //! Whether the names of a decision stand.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 use super::decide::Decision;
 use super::fit::Fit;
@@ -94,7 +94,7 @@ mod tests {
     use crate::log::Log;
     use crate::model::Model;
     use crate::toml_reader::TomlFile;
-    use estimator_core::effect::MOST_PARAMETERS;
+    use estimator_core::physics::effect::MOST_PARAMETERS;
     use std::path::Path;
 
     /// Cost of the best fit to as many samples.

@@ -5,7 +5,7 @@
 //! exponent of 1.4, …), or weaker: so that it changes the force by three times the noise, root mean
 //! square. That it is seen, or told from a rival, means a χ² beyond the search's own price.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use super::apart::{Bench, Presence, least};

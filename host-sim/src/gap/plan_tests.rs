@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use estimator_core::effect::EffectId as E;
+use estimator_core::physics::effect::EffectId as E;
 
 use super::*;
 use crate::motion::Segment;

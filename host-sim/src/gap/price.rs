@@ -1,6 +1,6 @@
 //! What an effect must be worth to be named.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 use super::decide::FLOOR_ERRORS;
 use super::error::rests;
@@ -97,7 +97,7 @@ mod tests {
     use crate::gap::{Floor, Options};
     use crate::log::UniformLog;
     use crate::model::{Environment, EnvironmentLaw, Fit as Kept};
-    use estimator_core::effect::MOST_PARAMETERS;
+    use estimator_core::physics::effect::MOST_PARAMETERS;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 use super::regions::words;
 use super::result::{Finding, Known, Named, Verdict};

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use estimator_core::effect::{EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 use rayon::prelude::*;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;

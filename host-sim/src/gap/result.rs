@@ -1,6 +1,6 @@
 //! What the workflow says.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 use super::floor::Floor;
 use super::regions::Region;

@@ -1,6 +1,6 @@
 //! Who else an effect could be: fits with another one in its place that explain the logs as well.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use super::decide::Evidence;

@@ -1,7 +1,7 @@
 //! Which effects are there: forward steps from a beam of fits, swaps, and backward elimination, every
 //! one a joint refit of law and effects.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use super::course::{Course, Scales};

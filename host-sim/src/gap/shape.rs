@@ -4,10 +4,10 @@
 //! (stiffness, rates). Bounds are physical ones and those that the log sets: no rate slower than the
 //! log is long, no pitch longer than the travel.
 
-use estimator_core::effect::{Effect, EffectId, MOST_PARAMETERS};
-use estimator_core::law::{Elastic, RelaxationMode};
-use estimator_core::rig::{Damping, Environment, Rig};
-use estimator_core::scalar::Scalar;
+use estimator_core::maths::scalar::Scalar;
+use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::law::{Elastic, RelaxationMode};
+use estimator_core::physics::rig::{Damping, Environment, Rig};
 
 use super::course::Scales;
 use crate::model;
@@ -188,7 +188,7 @@ impl Free {
 fn environment<S: Scalar>(base: &model::Environment, values: &[S]) -> Environment<S> {
     use model::EnvironmentLaw as Law;
     let mut values = values.iter().copied();
-    let mut next = || values.next().unwrap_or(S::nil());
+    let mut next = || values.next().unwrap_or(S::zero());
     let reference = S::from_f64(base.reference_depth_m);
     let power = |stiffness_n_per_m: S, exponent: S| {
         Some(Elastic::Power {
@@ -208,8 +208,8 @@ fn environment<S: Scalar>(base: &model::Environment, values: &[S]) -> Environmen
     match &base.law {
         Law::Free => return own,
         Law::KelvinVoigt { .. } => {
-            own.elastic = power(next(), S::unit());
-            own.damping = damper(next(), S::nil());
+            own.elastic = power(next(), S::one());
+            own.damping = damper(next(), S::zero());
         }
         Law::HuntCrossley {
             damping_exponent, ..
@@ -221,7 +221,7 @@ fn environment<S: Scalar>(base: &model::Environment, values: &[S]) -> Environmen
         }
         Law::Zener { .. } => {
             let (first, second, damping) = (next(), next(), next());
-            own.elastic = power(first, S::unit());
+            own.elastic = power(first, S::one());
             own.modes[0] = RelaxationMode {
                 fraction: first / (first + second),
                 rate_per_s: (first + second) / damping,

@@ -1,6 +1,6 @@
 //! Where a candidate may start: sizes of the log make its numbers.
 
-use estimator_core::effect::{EffectId, MOST_PARAMETERS, Place};
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Place};
 
 use super::course::Scales;
 use super::shape::{Shape, Term};

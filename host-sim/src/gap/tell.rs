@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use estimator_core::effect::{Bounds, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{Bounds, EffectId, MOST_PARAMETERS};
 
 use super::Options;
 use super::advise::advice;

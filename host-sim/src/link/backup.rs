@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use estimator_core::settings::{Invalid, Key, Settings};
+use estimator_core::board::settings::{Invalid, Key, Settings};
 
 use crate::diagnostic::Diagnostic;
 use crate::output::write_atomically;

@@ -9,15 +9,15 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use estimator_core::budget::{Budget, Stations};
+use estimator_core::board::budget::{Budget, Stations};
+use estimator_core::board::frame::{Frame, MAX_ENCODED, RECORD_ENCODED, encode};
+use estimator_core::board::link::{Answer, Change, Command, Health, Identity, Name};
+use estimator_core::board::link::{Refusal, Reply, Responder};
+use estimator_core::board::reflection::Packet;
+use estimator_core::board::sampling::{Record, Sampler};
+use estimator_core::board::settings::store::{LAYOUT, SLOT, Store};
+use estimator_core::board::settings::{Key, Settings};
 use estimator_core::estimate::Phase;
-use estimator_core::frame::{Frame, MAX_ENCODED, RECORD_ENCODED, encode};
-use estimator_core::link::{Answer, Change, Command, Health, Identity, Name};
-use estimator_core::link::{Refusal, Reply, Responder};
-use estimator_core::reflection::Packet;
-use estimator_core::sampling::{Record, Sampler};
-use estimator_core::settings::store::{LAYOUT, SLOT, Store};
-use estimator_core::settings::{Key, Settings};
 use estimator_core::{Estimate, Fault, Faults, Status};
 
 use super::world::World;

@@ -6,11 +6,11 @@ use std::io::{self, BufRead, Write};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use estimator_core::calibration::{Calibration, Point, Quality};
-use estimator_core::frame::Frame;
-use estimator_core::link::Command;
-use estimator_core::sensing::Codes;
-use estimator_core::settings::{Key, Settings};
+use estimator_core::board::calibration::{Calibration, Point, Quality};
+use estimator_core::board::frame::Frame;
+use estimator_core::board::link::Command;
+use estimator_core::board::sensing::Codes;
+use estimator_core::board::settings::{Key, Settings};
 
 use super::config::restore;
 use super::{Device, Port};

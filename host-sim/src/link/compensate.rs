@@ -1,7 +1,7 @@
 //! `palpate config compensate`: what the gap workflow found goes to the board, which takes it off
 //! before it estimates.
 //!
-//! A board has one place for each effect of a rig ([`estimator_core::settings::compensation`]). What
+//! A board has one place for each effect of a rig ([`estimator_core::board::settings::compensation`]). What
 //! belongs to the material stays in the force: the board is asked for it. All is checked before
 //! anything is sent, and comes into force as a whole.
 
@@ -9,10 +9,10 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Args;
-use estimator_core::effect::{Effect, EffectId};
-use estimator_core::rig::compensates;
-use estimator_core::settings::compensation::has_place;
-use estimator_core::settings::{Invalid, Settings};
+use estimator_core::board::settings::compensation::has_place;
+use estimator_core::board::settings::{Invalid, Settings};
+use estimator_core::estimate::compensation::compensates;
+use estimator_core::physics::effect::{Effect, EffectId};
 
 use super::config::restore;
 use super::{Device, Port};

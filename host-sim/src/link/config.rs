@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use estimator_core::link::Command;
-use estimator_core::settings::{Key, Settings};
+use estimator_core::board::link::Command;
+use estimator_core::board::settings::{Key, Settings};
 
 use super::calibrate::{self, CalibrateArgs};
 use super::compensate::{self, CompensateArgs};

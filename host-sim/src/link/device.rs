@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use estimator_core::frame::{Decoder, Frame, MAX_ENCODED, encode};
-use estimator_core::link::{Answer, Command, Identity, Refusal};
-use estimator_core::settings::{Key, Settings};
+use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
+use estimator_core::board::link::{Answer, Command, Identity, Refusal};
+use estimator_core::board::settings::{Key, Settings};
 
 use super::port::Port;
 use crate::diagnostic::Diagnostic;

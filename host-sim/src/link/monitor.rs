@@ -6,10 +6,11 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use estimator_core::board::frame::Frame;
+use estimator_core::board::link::{Health, Range};
+use estimator_core::board::reflection::{Limit, Packet, Rendered};
+use estimator_core::board::settings::Key;
 use estimator_core::estimate::Phase;
-use estimator_core::frame::Frame;
-use estimator_core::link::{Health, Range};
-use estimator_core::reflection::{Limit, Packet, Rendered};
 use estimator_core::{Estimate, Fault, Faults, Status};
 
 use super::device::Statistics;
@@ -236,7 +237,7 @@ impl View {
         }
         for fault in self.seen(estimate).iter() {
             write!(text, "  fault {:>2}   {}", fault.code(), fault.describe())?;
-            match fault.setting() {
+            match Key::deciding(fault) {
                 Some(key) => writeln!(text, " ({})", key.info().name)?,
                 None => writeln!(text)?,
             }

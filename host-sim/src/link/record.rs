@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use estimator_core::board::frame::{Decoder, Frame};
+use estimator_core::board::link::Health;
+use estimator_core::board::sensing::Codes;
 use estimator_core::estimate::Phase;
-use estimator_core::frame::{Decoder, Frame};
-use estimator_core::link::Health;
-use estimator_core::sensing::Codes;
 use estimator_core::{Estimate, Sample};
 
 use super::device::Statistics;

@@ -1,8 +1,8 @@
 //! What a simulated board's sensors are connected to: a probe, what it touches, and who moves it.
 
-use estimator_core::law::{ContactLaw, HuntCrossley, unilateral};
-use estimator_core::sample::Faults;
-use estimator_core::sensing::Codes;
+use estimator_core::board::sensing::Codes;
+use estimator_core::estimate::fault::Faults;
+use estimator_core::physics::law::{ContactLaw, HuntCrossley, unilateral};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

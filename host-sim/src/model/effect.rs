@@ -1,6 +1,6 @@
 //! Effects of a rig as a model file names them, and as the core computes them.
 
-use estimator_core::effect::{self, Bounds as CoreBounds, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{self, Bounds as CoreBounds, EffectId, MOST_PARAMETERS};
 
 use super::Fit;
 use crate::diagnostic::{Diagnostic, listed, nearest};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use estimator_core::effect::{self, EffectId, SeriesCompliance};
-use estimator_core::rig::MOST_EFFECTS;
+use estimator_core::physics::effect::{self, EffectId, SeriesCompliance};
+use estimator_core::physics::rig::MOST_EFFECTS;
 
 use super::super::Model;
 use super::*;

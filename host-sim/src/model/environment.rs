@@ -1,6 +1,6 @@
 //! The environment: a contact law by name, with its parameters.
 
-use estimator_core::law::{self, HuntCrossley, KelvinVoigt, QuasiLinear, Zener};
+use estimator_core::physics::law::{self, HuntCrossley, KelvinVoigt, QuasiLinear, Zener};
 
 use super::Fit;
 use crate::diagnostic::{Diagnostic, listed, nearest};

@@ -1,7 +1,7 @@
 //! A model as the core computes it: environment and effects as one [`Rig`].
 
-use estimator_core::effect::EffectId;
-use estimator_core::rig::{self, MOST_EFFECTS, MOST_MODES, Rig};
+use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::rig::{self, MOST_EFFECTS, MOST_MODES, Rig};
 
 use super::{Environment, Model};
 use crate::diagnostic::Diagnostic;

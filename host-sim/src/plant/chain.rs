@@ -7,8 +7,8 @@
 //! loop of a drive, which a position-controlled motor overcomes, and what matters to an estimator is
 //! what the cell sees of it.
 
-use estimator_core::effect::{Effect, EncoderPeriodicError, Motion, Place};
-use estimator_core::rig::{MOST_EFFECTS, Reading, Rig, RigState};
+use estimator_core::physics::effect::{Effect, EncoderPeriodicError, Motion, Place};
+use estimator_core::physics::rig::{MOST_EFFECTS, Reading, Rig, RigState};
 
 use super::contact::Contact;
 use super::delay::Delay;
@@ -172,7 +172,7 @@ impl Channels {
 mod tests {
     use super::super::GEL;
     use super::*;
-    use estimator_core::effect::EffectId;
+    use estimator_core::physics::effect::EffectId;
 
     fn none() -> Effects {
         [None; MOST_EFFECTS]

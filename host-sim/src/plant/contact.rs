@@ -1,10 +1,10 @@
 //! A material under the probe: one of the core's laws, from a surface on, that only pushes.
 
-use estimator_core::law::{
+use estimator_core::physics::law::{
     HuntCrossley, KelvinVoigt, QuasiLinear, QuasiLinearState, RelaxingLaw, Zener, ZenerState,
     unilateral,
 };
-use estimator_core::rig::{Environment, MOST_MODES};
+use estimator_core::physics::rig::{Environment, MOST_MODES};
 
 /// Most relaxation modes of a quasi-linear material; modes that are not used have fraction 0.
 pub const MODES: usize = MOST_MODES;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use estimator_core::effect::{Effect, EffectId};
-use estimator_core::law::KelvinVoigt;
+use estimator_core::physics::effect::{Effect, EffectId};
+use estimator_core::physics::law::KelvinVoigt;
 
 use super::super::{GEL, Law};
 use super::*;

@@ -1,6 +1,6 @@
 //! The chapter's materials.
 
-use estimator_core::law::HuntCrossley;
+use estimator_core::physics::law::HuntCrossley;
 
 use super::contact::{Contact, Law};
 

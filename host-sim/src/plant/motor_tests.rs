@@ -3,7 +3,7 @@
 use super::super::contact::{Contact, Law};
 use super::super::{GEL, PLASTIC};
 use super::*;
-use estimator_core::law::KelvinVoigt;
+use estimator_core::physics::law::KelvinVoigt;
 
 /// The rig's sub-step: 1 kHz, twenty a sample.
 const STEP_S: f64 = 5e-5;

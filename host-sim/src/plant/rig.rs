@@ -1,7 +1,7 @@
 //! Motor, material and sensors together: a motion in, a log and the truth out.
 
-use estimator_core::effect::Motion as Moved;
-use estimator_core::rig::{MOST_EFFECTS, Reading, RigState};
+use estimator_core::physics::effect::Motion as Moved;
+use estimator_core::physics::rig::{MOST_EFFECTS, Reading, RigState};
 
 use super::chain::{Chain, Channels, Effects, motion as moved};
 use super::contact::Contact;

@@ -3,7 +3,7 @@
 use super::super::{GEL, Law, PLASTIC};
 use super::*;
 use crate::motion::Segment;
-use estimator_core::law::KelvinVoigt;
+use estimator_core::physics::law::KelvinVoigt;
 
 const SEED: u64 = 7;
 

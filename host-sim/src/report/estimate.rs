@@ -13,8 +13,8 @@ mod parameters;
 mod tables;
 mod window;
 
+use estimator_core::estimate::status::Status;
 use estimator_core::estimate::{Estimated, Event};
-use estimator_core::status::Status;
 
 use super::{Document, Provenance, Section, Tone};
 

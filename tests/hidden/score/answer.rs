@@ -92,7 +92,7 @@ impl Answer {
             let one = |own: &Known| Some((own.name.clone(), (own.value, own.std_error?)));
             known.iter().filter_map(one).collect()
         };
-        let names = |ids: &[estimator_core::effect::EffectId]| -> Vec<String> {
+        let names = |ids: &[estimator_core::physics::effect::EffectId]| -> Vec<String> {
             ids.iter().map(|id| id.name().to_string()).collect()
         };
         let named = finding.effects.iter().map(|own| Named {

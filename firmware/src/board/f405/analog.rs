@@ -8,9 +8,9 @@ use super::Clock;
 use super::event::{self, PER_SAMPLE};
 use super::ring::{self, Memory, Ring};
 use crate::board::{Acquired, Sensors};
-use estimator_core::instants::{Counter, summed};
-use estimator_core::sensing::{CODES_PER_COUNT, Codes};
-use estimator_core::settings::Key;
+use estimator_core::board::instants::{Counter, summed};
+use estimator_core::board::sensing::{CODES_PER_COUNT, Codes};
+use estimator_core::board::settings::Key;
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{
     self, AdcConfig, Dma, ExternalTrigger, SampleTime, Sequence, TriggerMode,

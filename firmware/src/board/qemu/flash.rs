@@ -3,7 +3,7 @@
 use core::convert::Infallible;
 use core::ffi::CStr;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use estimator_core::settings::store::SLOT;
+use estimator_core::board::settings::store::SLOT;
 use semihosting::fs::File;
 use semihosting::io::{Read, Write};
 

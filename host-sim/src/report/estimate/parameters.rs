@@ -1,7 +1,7 @@
 //! The parameters over time, with their standard errors and the status.
 
 use estimator_core::estimate::Estimated;
-use estimator_core::status::Status;
+use estimator_core::estimate::status::Status;
 
 use super::figures::{Layout, annotate};
 use super::{Run, Trajectory, label};

@@ -286,7 +286,7 @@ fn set(tried: &Tried) -> String {
 fn role(
     finding: &Finding,
     tried: &Tried,
-    chosen: &[estimator_core::effect::EffectId],
+    chosen: &[estimator_core::physics::effect::EffectId],
 ) -> &'static str {
     let same = |one: &[_], other: &[_]| {
         one.len() == other.len() && one.iter().all(|id| other.contains(id))

@@ -1,4 +1,4 @@
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 use super::*;
 use crate::gap::{Floor, Known, Named, Region, Tried, Verdict};

@@ -1,6 +1,6 @@
 //! The sentence to read if only one is read.
 
-use estimator_core::effect::EffectId;
+use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{Finding, Named, Verdict};
 use crate::report::Tone;

@@ -1,0 +1,13 @@
+//! What only a board and its host share: reading sensors, the sampling task's sequence, settings,
+//! frames, and the link between the two.
+
+pub mod budget;
+pub mod calibration;
+pub mod frame;
+pub mod instants;
+pub mod link;
+pub mod reflection;
+pub mod sampling;
+pub mod sensing;
+pub mod settings;
+pub mod wire;

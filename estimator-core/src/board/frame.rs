@@ -1,0 +1,496 @@
+//! One versioned binary frame for telemetry, recording and replay.
+//!
+//! On the wire: COBS(version, kind, sequence, payload, CRC-32) and a zero byte. Zero occurs nowhere
+//! else, so a reader that starts in the middle, or meets garbage, is in step again at the next zero.
+//! All numbers are little-endian.
+
+use crate::board::link::{Command, Health, Reply};
+use crate::board::reflection::{Packet, Rendered};
+use crate::board::sensing::Codes;
+use crate::board::wire::{FrameError, MAX_BODY, Reader, VERSION, Writer};
+use crate::estimate::fault::Faults;
+use crate::estimate::sample::Sample;
+use crate::estimate::status::Status;
+use crate::estimate::{Estimate, Estimated, Event, Innovation, PARAMETER_SLOTS, Phase};
+use crate::physics::law::LawKind;
+
+/// Longest frame on the wire, with its zero byte (bytes).
+pub const MAX_ENCODED: usize = MAX_BODY + 2;
+/// A sample's frame on the wire (bytes).
+pub const SAMPLE_ENCODED: usize = 4 + 18 + 4 + 2;
+/// The codes of an instant on the wire (bytes).
+pub const CODES_ENCODED: usize = 4 + 26 + 4 + 2;
+/// An impedance on its way to the other side on the wire (bytes).
+pub const PACKET_ENCODED: usize = 4 + 62 + 4 + 2;
+/// What was rendered of one, on the wire (bytes).
+pub const RENDERED_ENCODED: usize = 4 + 17 + 4 + 2;
+/// Most that the frames of one instant take on the wire (bytes).
+pub const RECORD_ENCODED: usize =
+    CODES_ENCODED + SAMPLE_ENCODED + MAX_ENCODED + PACKET_ENCODED + RENDERED_ENCODED;
+
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+/// What a frame carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Frame {
+    /// Kind 1: what went in.
+    Sample(Sample<f32>),
+    /// Kind 2: what came out.
+    Estimate(Estimate<f32>),
+    /// Kind 3: the converters' codes that a sample was made from.
+    Codes(Codes),
+    /// Kind 4: how the board is.
+    Health(Health),
+    /// Kind 5, to the board.
+    Command(Command),
+    /// Kind 6: the board's answer.
+    Reply(Reply),
+    /// Kind 7: what was identified, for the other side to render. To a board it is the command
+    /// [`Command::Reflect`]: what one board sends, another takes as it is.
+    Reflection(Packet),
+    /// Kind 8: what was rendered.
+    Rendered(Rendered),
+}
+
+/// Writes a frame and gives its length, zero byte included.
+pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usize {
+    let mut body = Writer::new();
+    let kind = match frame {
+        Frame::Sample(_) => 1,
+        Frame::Estimate(_) => 2,
+        Frame::Codes(_) => 3,
+        Frame::Health(_) => 4,
+        Frame::Reflection(_) | Frame::Command(Command::Reflect(_)) => 7,
+        Frame::Command(_) => 5,
+        Frame::Reply(_) => 6,
+        Frame::Rendered(_) => 8,
+    };
+    body.put([VERSION, kind]);
+    body.put(sequence.to_le_bytes());
+    match frame {
+        Frame::Sample(sample) => put_sample(&mut body, sample),
+        Frame::Estimate(estimate) => put_estimate(&mut body, estimate),
+        Frame::Codes(codes) => put_codes(&mut body, codes),
+        Frame::Health(health) => health.put(&mut body),
+        Frame::Reflection(packet) | Frame::Command(Command::Reflect(packet)) => {
+            packet.put(&mut body);
+        }
+        Frame::Command(command) => command.put(&mut body),
+        Frame::Reply(reply) => reply.put(&mut body),
+        Frame::Rendered(rendered) => put_rendered(&mut body, rendered),
+    }
+    body.put(CRC.checksum(body.written()).to_le_bytes());
+    // MAX_ENCODED leaves room for the one byte of COBS below 254 bytes, and for the zero.
+    let length = cobs::try_encode(body.written(), out).unwrap_or(0);
+    if let Some(end) = out.get_mut(length) {
+        *end = 0;
+    }
+    length + 1
+}
+
+fn put_sample(body: &mut Writer, sample: &Sample<f32>) {
+    body.put(sample.time_us.to_le_bytes());
+    body.put(sample.faults.bits().to_le_bytes());
+    body.put(sample.position_m.to_le_bytes());
+    body.put(sample.force_n.to_le_bytes());
+}
+
+fn put_codes(body: &mut Writer, codes: &Codes) {
+    body.put(codes.time_us.to_le_bytes());
+    body.put(codes.faults.bits().to_le_bytes());
+    for code in [
+        codes.force,
+        codes.force_low,
+        codes.force_high,
+        codes.position,
+    ] {
+        body.put(code.to_le_bytes());
+    }
+}
+
+fn put_rendered(body: &mut Writer, rendered: &Rendered) {
+    body.put(rendered.time_us.to_le_bytes());
+    body.put(rendered.force_n.to_le_bytes());
+    body.put(rendered.sequence.to_le_bytes());
+    body.put([rendered.limits]);
+    body.put(rendered.faults.bits().to_le_bytes());
+}
+
+fn put_estimate(body: &mut Writer, estimate: &Estimate<f32>) {
+    body.put(estimate.time_us.to_le_bytes());
+    let event = estimate.event.map_or(0, |event| event as u8);
+    let (phase, status) = (estimate.phase as u8, estimate.status.code());
+    body.put([estimate.law.code(), phase, status, event]);
+    body.put(estimate.faults.bits().to_le_bytes());
+    let known = (0u8..)
+        .zip(&estimate.parameters)
+        .filter(|(_, parameter)| parameter.is_some());
+    let mask: u16 = known.fold(0, |mask, (slot, _)| mask | 1 << slot);
+    body.put(mask.to_le_bytes());
+    let slots = estimate.law.parameters().len();
+    for parameter in estimate.parameters.iter().take(slots) {
+        let parameter = parameter.unwrap_or_default();
+        body.put(parameter.value.to_le_bytes());
+        body.put(parameter.std_error.to_le_bytes());
+    }
+    let innovation = &estimate.innovation;
+    let numbers = [
+        estimate.depth_m,
+        estimate.speed_mps,
+        estimate.force_n,
+        innovation.prediction_n,
+        innovation.variance_n2,
+        innovation.test_ratio,
+        estimate.forgetting,
+    ];
+    for number in numbers {
+        body.put(number.to_le_bytes());
+    }
+}
+
+/// Finds frames in a stream of bytes.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    bytes: [u8; MAX_ENCODED],
+    length: usize,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Decoder::new()
+    }
+}
+
+impl Decoder {
+    /// In step with a stream that is about to start.
+    pub const fn new() -> Self {
+        Decoder {
+            bytes: [0; MAX_ENCODED],
+            length: 0,
+        }
+    }
+
+    /// Takes one byte. At the end of a frame, gives its sequence number and content, or why it is
+    /// none; the next frame is then read afresh.
+    pub fn push(&mut self, byte: u8) -> Option<Result<(u16, Frame), FrameError>> {
+        if byte != 0 {
+            if let Some(slot) = self.bytes.get_mut(self.length) {
+                *slot = byte;
+            }
+            self.length = self.length.saturating_add(1);
+            return None;
+        }
+        let length = core::mem::replace(&mut self.length, 0);
+        // Two zeros in a row are an idle line, not a broken frame.
+        (length > 0).then(|| match self.bytes.get_mut(..length) {
+            Some(encoded) => decode(encoded),
+            None => Err(FrameError::Framing),
+        })
+    }
+}
+
+fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
+    let length = uncobs(encoded).ok_or(FrameError::Framing)?;
+    let body = encoded.get(..length).ok_or(FrameError::Framing)?;
+    let (content, sum) = body.split_last_chunk::<4>().ok_or(FrameError::Framing)?;
+    if CRC.checksum(content) != u32::from_le_bytes(*sum) {
+        return Err(FrameError::Checksum);
+    }
+    let mut reader = Reader::new(content);
+    let [version, kind] = reader.take()?;
+    if version != VERSION {
+        return Err(FrameError::Version(version));
+    }
+    let sequence = u16::from_le_bytes(reader.take()?);
+    let frame = match kind {
+        1 => Frame::Sample(take_sample(&mut reader)?),
+        2 => Frame::Estimate(take_estimate(&mut reader)?),
+        3 => Frame::Codes(take_codes(&mut reader)?),
+        4 => Frame::Health(Health::take(&mut reader)?),
+        5 => Frame::Command(Command::take(&mut reader)?),
+        6 => Frame::Reply(Reply::take(&mut reader)?),
+        7 => Frame::Reflection(Packet::take(&mut reader)?),
+        8 => Frame::Rendered(take_rendered(&mut reader)?),
+        _ => return Err(FrameError::Content),
+    };
+    if reader.is_empty() {
+        Ok((sequence, frame))
+    } else {
+        Err(FrameError::Content)
+    }
+}
+
+/// COBS in place; gives the length of what was encoded. The crate's own decoder leaves a panic path
+/// that firmware/src/bin/panic_free.rs would not let pass.
+fn uncobs(bytes: &mut [u8]) -> Option<usize> {
+    let (mut read, mut write) = (0_usize, 0_usize);
+    while let Some(&code) = bytes.get(read) {
+        let run = usize::from(code).checked_sub(1)?;
+        read += 1;
+        for _ in 0..run {
+            let byte = *bytes.get(read)?;
+            *bytes.get_mut(write)? = byte;
+            (read, write) = (read + 1, write + 1);
+        }
+        // A zero was taken out here, unless the run is a full one or the last.
+        if code != 0xff && read < bytes.len() {
+            *bytes.get_mut(write)? = 0;
+            write += 1;
+        }
+    }
+    Some(write)
+}
+
+fn take_sample(reader: &mut Reader) -> Result<Sample<f32>, FrameError> {
+    Ok(Sample {
+        time_us: u64::from_le_bytes(reader.take()?),
+        faults: Faults::from_bits(u16::from_le_bytes(reader.take()?)),
+        position_m: reader.number()?,
+        force_n: reader.number()?,
+    })
+}
+
+fn take_codes(reader: &mut Reader) -> Result<Codes, FrameError> {
+    Ok(Codes {
+        time_us: u64::from_le_bytes(reader.take()?),
+        faults: Faults::from_bits(u16::from_le_bytes(reader.take()?)),
+        force: i32::from_le_bytes(reader.take()?),
+        force_low: i32::from_le_bytes(reader.take()?),
+        force_high: i32::from_le_bytes(reader.take()?),
+        position: i32::from_le_bytes(reader.take()?),
+    })
+}
+
+fn take_rendered(reader: &mut Reader) -> Result<Rendered, FrameError> {
+    let time_us = u64::from_le_bytes(reader.take()?);
+    let force_n = reader.number()?;
+    let sequence = u16::from_le_bytes(reader.take()?);
+    let [limits] = reader.take()?;
+    Ok(Rendered {
+        time_us,
+        force_n,
+        sequence,
+        limits,
+        faults: Faults::from_bits(u16::from_le_bytes(reader.take()?)),
+    })
+}
+
+fn take_estimate(reader: &mut Reader) -> Result<Estimate<f32>, FrameError> {
+    let time_us = u64::from_le_bytes(reader.take()?);
+    let [law, phase, status, event] = reader.take()?;
+    let faults = Faults::from_bits(u16::from_le_bytes(reader.take()?));
+    let known = u16::from_le_bytes(reader.take()?);
+    let law = LawKind::from_code(law).ok_or(FrameError::Content)?;
+    let slots = law.parameters().len();
+    let mut parameters = [None; PARAMETER_SLOTS];
+    for (slot, parameter) in (0u8..).zip(parameters.iter_mut().take(slots)) {
+        let read = Estimated {
+            value: reader.number()?,
+            std_error: reader.number()?,
+        };
+        *parameter = (known & (1 << slot) != 0).then_some(read);
+    }
+    let [depth_m, speed_mps, force_n] = [reader.number()?, reader.number()?, reader.number()?];
+    let prediction_n = reader.number()?;
+    let innovation = Innovation {
+        observation_n: force_n,
+        prediction_n,
+        innovation_n: force_n - prediction_n,
+        variance_n2: reader.number()?,
+        test_ratio: reader.number()?,
+    };
+    Ok(Estimate {
+        time_us,
+        law,
+        phase: Phase::from_code(phase).ok_or(FrameError::Content)?,
+        status: Status::from_code(status).ok_or(FrameError::Content)?,
+        depth_m,
+        speed_mps,
+        force_n,
+        parameters,
+        innovation,
+        forgetting: reader.number()?,
+        event: match event {
+            0 => None,
+            code => Some(Event::from_code(code).ok_or(FrameError::Content)?),
+        },
+        faults,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    extern crate std;
+    use std::vec::Vec;
+
+    fn estimate() -> Estimate<f32> {
+        let mut parameters = [None; PARAMETER_SLOTS];
+        parameters[0] = Some(Estimated {
+            value: 1350.0,
+            std_error: 1.5,
+        });
+        parameters[3] = Some(Estimated {
+            value: 2.5e-5,
+            std_error: 1e-6,
+        });
+        Estimate {
+            time_us: u64::from(u32::MAX) * 7,
+            law: LawKind::HuntCrossley,
+            phase: Phase::Contact,
+            status: Status::Converged,
+            depth_m: 1e-3,
+            speed_mps: -0.02,
+            force_n: 3.5,
+            parameters,
+            innovation: Innovation {
+                observation_n: 3.5,
+                prediction_n: 3.25,
+                innovation_n: 0.25,
+                variance_n2: 1e-4,
+                test_ratio: 625.0,
+            },
+            forgetting: 0.9999,
+            event: Some(Event::MaterialChange),
+            faults: Faults::from_bits(5),
+        }
+    }
+
+    fn sample() -> Sample<f32> {
+        Sample {
+            time_us: 1000,
+            position_m: 0.0,
+            force_n: -0.5,
+            faults: Faults::NONE,
+        }
+    }
+
+    fn encoded(frame: &Frame, sequence: u16) -> Vec<u8> {
+        let mut out = [0; MAX_ENCODED];
+        let length = encode(frame, sequence, &mut out);
+        out[..length].to_vec()
+    }
+
+    fn frames(bytes: &[u8]) -> Vec<Result<(u16, Frame), FrameError>> {
+        let mut decoder = Decoder::new();
+        bytes
+            .iter()
+            .filter_map(|byte| decoder.push(*byte))
+            .collect()
+    }
+
+    #[test]
+    fn what_goes_in_comes_out() {
+        let codes = Codes {
+            time_us: 1 << 40,
+            force: -123_456,
+            force_low: -9000,
+            force_high: 8_388_607,
+            position: i32::MIN,
+            faults: Faults::from_bits(9),
+        };
+        assert_eq!(encoded(&Frame::Codes(codes), 1).len(), CODES_ENCODED);
+        for frame in [
+            Frame::Estimate(estimate()),
+            Frame::Sample(sample()),
+            Frame::Codes(codes),
+        ] {
+            assert_eq!(frames(&encoded(&frame, 65_535)), [Ok((65_535, frame))]);
+        }
+    }
+
+    #[test]
+    fn the_decoder_undoes_what_the_encoder_does_at_every_length_and_takes_no_other() {
+        for length in 0..600_usize {
+            let plain: Vec<u8> = (0..length).map(|i| (i * 7 % 11 * (i % 13)) as u8).collect();
+            let dense: Vec<u8> = (0..length).map(|i| (i % 255) as u8 + 1).collect();
+            for bytes in [plain, dense] {
+                let mut coded = std::vec![0; cobs::max_encoding_length(length)];
+                let coded_length = cobs::encode(&bytes, &mut coded);
+                let coded = &mut coded[..coded_length];
+                let decoded = uncobs(coded).unwrap();
+                assert_eq!(&coded[..decoded], bytes);
+            }
+        }
+        // A run that points past the end, and a zero.
+        assert_eq!(uncobs(&mut [5, 1, 2]), None);
+        assert_eq!(uncobs(&mut [2, 1, 0]), None);
+    }
+
+    #[test]
+    fn two_estimates_and_a_sample_fit_two_megabaud_at_a_kilohertz() {
+        // 2 Mbaud carries 200 bytes a millisecond, ten bits each.
+        let length = encoded(&Frame::Estimate(estimate()), 0).len();
+        assert!((80..=86).contains(&length), "{length}");
+        let sample = encoded(&Frame::Sample(sample()), 0).len();
+        assert_eq!(sample, SAMPLE_ENCODED);
+        assert!(2 * length + sample <= 200);
+    }
+
+    #[test]
+    fn the_longest_law_fits_with_its_sample_and_every_law_comes_back() {
+        for law in LawKind::ALL {
+            let slots = law.parameters().len();
+            let mut parameters = [None; PARAMETER_SLOTS];
+            for (slot, parameter) in parameters.iter_mut().take(slots).enumerate() {
+                *parameter = Some(Estimated {
+                    value: slot as f32,
+                    std_error: 0.5,
+                });
+            }
+            let frame = Frame::Estimate(Estimate {
+                law,
+                parameters,
+                ..estimate()
+            });
+            let bytes = encoded(&frame, 3);
+            assert_eq!(bytes.len(), 54 + 8 * slots);
+            assert!(bytes.len() <= MAX_ENCODED);
+            // 2 Mbaud carry 200 bytes a millisecond; a tenth of it is margin.
+            let record = bytes.len() + SAMPLE_ENCODED + CODES_ENCODED;
+            assert!(record <= 180, "{law:?}: {record}");
+            assert_eq!(frames(&bytes), [Ok((3, frame))]);
+        }
+    }
+
+    #[test]
+    fn every_flipped_bit_is_refused_and_the_next_frame_is_read() {
+        let good = encoded(&Frame::Estimate(estimate()), 1);
+        let next = encoded(&Frame::Sample(sample()), 2);
+        for bit in 0..8 * (good.len() - 1) {
+            let mut stream = good.clone();
+            stream[bit / 8] ^= 1 << (bit % 8);
+            stream.extend_from_slice(&next);
+            let found = frames(&stream);
+            assert_eq!(
+                found.last(),
+                Some(&Ok((2, Frame::Sample(sample())))),
+                "bit {bit}"
+            );
+            assert!(
+                found[..found.len() - 1].iter().all(Result::is_err),
+                "bit {bit}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_reader_that_starts_in_the_middle_finds_the_next_frame() {
+        let good = encoded(&Frame::Estimate(estimate()), 1);
+        for cut in 1..good.len() - 1 {
+            let stream = [&good[cut..], &good[..]].concat();
+            assert_eq!(
+                frames(&stream).last(),
+                Some(&Ok((1, Frame::Estimate(estimate()))))
+            );
+        }
+    }
+
+    #[test]
+    fn garbage_of_any_length_is_refused() {
+        let mut stream: Vec<u8> = (0..500u32).map(|i| (i * 37 % 255 + 1) as u8).collect();
+        stream.push(0);
+        assert_eq!(frames(&stream), [Err(FrameError::Framing)]);
+        assert_eq!(frames(&[0, 0, 0]), []);
+    }
+}

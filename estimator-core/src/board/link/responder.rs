@@ -1,0 +1,285 @@
+//! The board's side of the link: takes bytes, answers commands, keeps the settings.
+
+use super::{Answer, Command, Identity, Refusal, Reply};
+use crate::board::frame::{Decoder, Frame};
+use crate::board::reflection::Packet;
+use crate::board::settings::store::{Loaded, Store};
+use crate::board::settings::{Key, Settings, Setup};
+use crate::estimate::fault::{Fault, Faults};
+use embedded_storage::nor_flash::NorFlash;
+
+/// An answer, and what the sampling task has to take over for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answered {
+    /// To be sent.
+    pub reply: Reply,
+    /// Another setup.
+    pub change: Option<Change>,
+    /// An impedance to be rendered.
+    pub packet: Option<Packet>,
+}
+
+/// What changes in the sampling task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// The new setup.
+    pub setup: Setup,
+    /// Whether the estimator starts anew; otherwise only telemetry changes.
+    pub restart: bool,
+}
+
+/// Settings and commands of a board.
+#[derive(Debug)]
+pub struct Responder<F> {
+    settings: Settings,
+    saved: Settings,
+    /// What a host is putting together, until it is committed or discarded.
+    prepared: Option<Settings>,
+    store: Store<F>,
+    identity: Identity,
+    decoder: Decoder,
+    garbled: u32,
+    /// The last impedance that was taken.
+    packet: Option<Packet>,
+    /// Faults from loading, until settings are loaded or set back.
+    standing: Faults,
+    concerns: Option<Key>,
+}
+
+impl<F: NorFlash> Responder<F> {
+    /// Loads the settings; with ones that cannot be used, the defaults take their place, the fault
+    /// [`Fault::SettingsInvalid`] stands, and [`Responder::concerns`] names the setting.
+    pub fn new(mut store: Store<F>, identity: Identity) -> Self {
+        let loaded = store.load();
+        let mut responder = Responder {
+            settings: Settings::default(),
+            saved: Settings::default(),
+            prepared: None,
+            store,
+            identity,
+            decoder: Decoder::new(),
+            garbled: 0,
+            packet: None,
+            standing: Faults::NONE,
+            concerns: None,
+        };
+        match loaded {
+            Ok(Loaded::Good(settings)) => {
+                (responder.settings, responder.saved) = (settings, settings);
+            }
+            Ok(Loaded::Nothing) => {}
+            Ok(Loaded::Bad(invalid)) => responder.invalid(Some(invalid.key)),
+            Ok(Loaded::Newer(_)) | Err(_) => responder.invalid(None),
+        }
+        responder
+    }
+
+    fn invalid(&mut self, concerns: Option<Key>) {
+        self.standing = Faults::NONE.with(Fault::SettingsInvalid);
+        self.concerns = concerns;
+    }
+
+    /// The settings in force.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The setting that could not be used, if that is why the board runs on defaults.
+    pub fn concerns(&self) -> Option<Key> {
+        self.concerns
+    }
+
+    /// Frames that were none, and commands that were none.
+    pub fn garbled(&self) -> u32 {
+        self.garbled
+    }
+
+    /// What the sampling task starts with. The settings have been checked: `None` cannot be.
+    pub fn setup(&self) -> Option<Setup> {
+        let setup = self.settings.setup().ok()?;
+        Some(Setup {
+            conversion: setup.conversion.with_standing(self.standing),
+            ..setup
+        })
+    }
+
+    /// Takes a byte of the link. At the end of a command, gives it with its sequence number.
+    pub fn push(&mut self, byte: u8) -> Option<(u16, Command)> {
+        match self.decoder.push(byte)? {
+            Ok((sequence, Frame::Command(command))) => Some((sequence, command)),
+            Ok((sequence, Frame::Reflection(packet))) => Some((sequence, Command::Reflect(packet))),
+            Ok(_) | Err(_) => {
+                self.garbled = self.garbled.saturating_add(1);
+                None
+            }
+        }
+    }
+
+    /// Answers a command. `in_contact`: what the last estimate says; `busy`: the last change is
+    /// still on its way to the sampling task.
+    pub fn answer(&mut self, to: u16, command: Command, in_contact: bool, busy: bool) -> Answered {
+        let mut rendered = None;
+        let done = match command {
+            Command::Reflect(packet) => self.reflect(packet, &mut rendered),
+            command => self.try_to_answer(command, in_contact, busy),
+        };
+        let (answer, change) = match done {
+            Ok(done) => done,
+            Err((reason, id)) => (Answer::Refused(reason, id), None),
+        };
+        Answered {
+            reply: Reply { to, answer },
+            change,
+            packet: rendered,
+        }
+    }
+
+    /// Checked here, so that the sampling task takes it as it is. The same one again, since the answer to
+    /// it was lost, is taken once: a channel that repeats itself is one that has stopped.
+    fn reflect(&mut self, packet: Packet, rendered: &mut Option<Packet>) -> Done {
+        let most_n = Key::RenderForceN;
+        permit(
+            self.settings.get(most_n) == 0.0,
+            Refusal::NotRendering,
+            most_n.id(),
+        )?;
+        let renderable = packet.is_sound() && packet.reflected().is_ok();
+        permit(!renderable, Refusal::NotRenderable, 0)?;
+        if let Some(last) = &self.packet {
+            permit(packet.is_older_than(last), Refusal::Overtaken, 0)?;
+            let again = packet.time_us == last.time_us && packet.sequence == last.sequence;
+            if again {
+                return Ok((Answer::Done, None));
+            }
+        }
+        (self.packet, *rendered) = (Some(packet), Some(packet));
+        Ok((Answer::Done, None))
+    }
+
+    fn try_to_answer(&mut self, command: Command, in_contact: bool, busy: bool) -> Done {
+        match command {
+            Command::Identify => {
+                let identity = Identity {
+                    unsaved: self.settings != self.saved,
+                    ..self.identity
+                };
+                Ok((Answer::Identity(identity), None))
+            }
+            Command::Get(id) => {
+                let key = Key::from_id(id).ok_or((Refusal::UnknownSetting, id))?;
+                Ok((Answer::Value(id, self.settings.get(key)), None))
+            }
+            Command::Set(id, value) => {
+                let key = Key::from_id(id).ok_or((Refusal::UnknownSetting, id))?;
+                permit(!key.is_harmless() && in_contact, Refusal::InContact, id)?;
+                permit(busy, Refusal::Busy, id)?;
+                self.set(key, value)
+            }
+            Command::Save => {
+                permit(in_contact, Refusal::InContact, 0)?;
+                permit(busy, Refusal::Busy, 0)?;
+                let saved = self.store.save(&self.settings);
+                saved.map_err(|_| (Refusal::FlashFailed, 0))?;
+                self.saved = self.settings;
+                self.forgive()
+            }
+            Command::Reload => {
+                permit(in_contact, Refusal::InContact, 0)?;
+                permit(busy, Refusal::Busy, 0)?;
+                self.reload()
+            }
+            Command::Defaults => {
+                permit(in_contact, Refusal::InContact, 0)?;
+                permit(busy, Refusal::Busy, 0)?;
+                self.settings = Settings::default();
+                self.prepared = None;
+                self.restarted()
+            }
+            // In contact as well: a zero that has crept looks like contact, and this is the way out.
+            Command::Restart => {
+                permit(busy, Refusal::Busy, 0)?;
+                self.restarted()
+            }
+            Command::Discard => {
+                self.prepared = None;
+                Ok((Answer::Done, None))
+            }
+            Command::Prepare(id, value) => {
+                let key = Key::from_id(id).ok_or((Refusal::UnknownSetting, id))?;
+                self.prepared.get_or_insert(self.settings).put(key, value);
+                Ok((Answer::Value(id, value), None))
+            }
+            Command::Commit => {
+                permit(busy, Refusal::Busy, 0)?;
+                self.commit(in_contact)
+            }
+            Command::Unknown(_) | Command::Reflect(_) => Err((Refusal::UnknownCommand, 0)),
+        }
+    }
+
+    fn set(&mut self, key: Key, value: f32) -> Done {
+        let mut changed = self.settings;
+        changed.put(key, value);
+        changed
+            .check()
+            .map_err(|invalid| (Refusal::Unusable, invalid.key.id()))?;
+        self.settings = changed;
+        self.prepared = None;
+        let change = self.change(!key.is_harmless());
+        Ok((Answer::Value(key.id(), value), change))
+    }
+
+    /// With nothing prepared, nothing is to be done: the answer to a first attempt was lost.
+    fn commit(&mut self, in_contact: bool) -> Done {
+        let Some(prepared) = self.prepared else {
+            return Ok((Answer::Done, None));
+        };
+        let differs = |key: &Key| prepared.get(*key) != self.settings.get(*key);
+        let disturbing = |key: &Key| differs(key) && !key.is_harmless();
+        let disturbs = Key::table().iter().copied().find(disturbing);
+        if let Some(key) = disturbs {
+            permit(in_contact, Refusal::InContact, key.id())?;
+        }
+        prepared
+            .check()
+            .map_err(|invalid| (Refusal::Unusable, invalid.key.id()))?;
+        self.settings = prepared;
+        self.prepared = None;
+        Ok((Answer::Done, self.change(disturbs.is_some())))
+    }
+
+    fn reload(&mut self) -> Done {
+        match self.store.load() {
+            Ok(Loaded::Good(settings)) => self.settings = settings,
+            Ok(Loaded::Nothing) => self.settings = Settings::default(),
+            Ok(Loaded::Bad(invalid)) => return Err((Refusal::SavedUnusable, invalid.key.id())),
+            Ok(Loaded::Newer(_)) => return Err((Refusal::SavedUnusable, 0)),
+            Err(_) => return Err((Refusal::FlashFailed, 0)),
+        }
+        (self.saved, self.standing, self.concerns) = (self.settings, Faults::NONE, None);
+        self.prepared = None;
+        self.restarted()
+    }
+
+    /// What is in flash can be used now: a fault from loading is over.
+    fn forgive(&mut self) -> Done {
+        let stood = self.standing != Faults::NONE;
+        (self.standing, self.concerns) = (Faults::NONE, None);
+        let change = if stood { self.change(true) } else { None };
+        Ok((Answer::Done, change))
+    }
+
+    fn restarted(&mut self) -> Done {
+        Ok((Answer::Done, self.change(true)))
+    }
+
+    fn change(&self, restart: bool) -> Option<Change> {
+        self.setup().map(|setup| Change { setup, restart })
+    }
+}
+
+type Done = Result<(Answer, Option<Change>), (Refusal, u8)>;
+
+fn permit(forbidden: bool, reason: Refusal, id: u8) -> Result<(), (Refusal, u8)> {
+    if forbidden { Err((reason, id)) } else { Ok(()) }
+}

@@ -1,0 +1,323 @@
+//! From the codes of the converters to a [`Sample`]: scale, zero, and what can be seen to be wrong
+//! with them. The same for every set of sensors; a board only reads codes.
+
+use crate::board::settings::{Key, Settings};
+use crate::estimate::fault::{Fault, Faults};
+use crate::estimate::sample::Sample;
+
+/// Codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
+pub const CODES_PER_COUNT: f32 = 32.0;
+
+/// One instant as the hardware gave it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Codes {
+    /// Time since start (µs).
+    pub time_us: u64,
+    /// The load cell: the sum of all conversions of the instant.
+    pub force: i32,
+    /// The lowest single conversion in it.
+    pub force_low: i32,
+    /// The highest single conversion in it.
+    pub force_high: i32,
+    /// The encoder, without the wraps of its counter.
+    pub position: i32,
+    /// What the reader of the hardware knows to be wrong.
+    pub faults: Faults,
+}
+
+/// Scale and limits, ready to use. Made by [`Settings::setup`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conversion {
+    n_per_code: f32,
+    zero_code: f32,
+    lowest: f32,
+    highest: f32,
+    stuck_us: u64,
+    m_per_code: f32,
+    fastest_m_per_us: f32,
+    stuck_n: f32,
+    standing: Faults,
+}
+
+/// What [`Conversion::sample`] remembers from one instant to the next.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watch {
+    last: Option<Last>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    time_us: u64,
+    position_m: f32,
+    force: i32,
+    /// Since when the force has had this code.
+    force_since_us: u64,
+    position: i32,
+    /// The least force since the position has had this code.
+    least_n: f32,
+}
+
+impl Conversion {
+    pub(crate) fn new(settings: &Settings) -> Self {
+        Conversion {
+            n_per_code: settings.get(Key::ForcePerCode),
+            zero_code: settings.get(Key::ForceZeroCode),
+            lowest: settings.get(Key::ForceLowestCode),
+            highest: settings.get(Key::ForceHighestCode),
+            stuck_us: (settings.get(Key::ForceStuckS) * 1e6) as u64,
+            m_per_code: settings.get(Key::PositionPerCode),
+            fastest_m_per_us: settings.get(Key::PositionFastestMps) * 1e-6,
+            stuck_n: settings.get(Key::PositionStuckN),
+            standing: settings.standing(),
+        }
+    }
+
+    /// The same conversion with faults that last, such as settings that could not be read.
+    pub fn with_standing(self, faults: Faults) -> Self {
+        Conversion {
+            standing: self.standing | faults,
+            ..self
+        }
+    }
+
+    /// The sample that the estimator sees.
+    ///
+    /// The zero is taken off before the scale is applied, in f32: exact for codes up to 2²⁴.
+    pub fn sample(&self, watch: &mut Watch, codes: &Codes) -> Sample<f32> {
+        let force_n = (codes.force as f32 - self.zero_code) * self.n_per_code;
+        let position_m = codes.position as f32 * self.m_per_code;
+        let faults = codes.faults | self.standing | self.saturation(codes);
+        let (last, seen) = self.watched(watch.last, codes, force_n, position_m);
+        watch.last = Some(last);
+        Sample {
+            time_us: codes.time_us,
+            position_m,
+            force_n,
+            faults: faults | seen,
+        }
+    }
+
+    fn saturation(&self, codes: &Codes) -> Faults {
+        let saturated =
+            (codes.force_low as f32) < self.lowest || codes.force_high as f32 > self.highest;
+        only(saturated, Fault::ForceSaturated)
+    }
+
+    fn watched(
+        &self,
+        last: Option<Last>,
+        codes: &Codes,
+        force_n: f32,
+        position_m: f32,
+    ) -> (Last, Faults) {
+        let first = Last {
+            time_us: codes.time_us,
+            position_m,
+            force: codes.force,
+            force_since_us: codes.time_us,
+            position: codes.position,
+            least_n: force_n,
+        };
+        let Some(last) = last else {
+            return (first, Faults::NONE);
+        };
+        let elapsed_us = codes.time_us.saturating_sub(last.time_us);
+        let way_m = (position_m - last.position_m).abs();
+        let jumped =
+            self.fastest_m_per_us > 0.0 && way_m > self.fastest_m_per_us * elapsed_us as f32;
+        let now = Last {
+            force_since_us: match codes.force == last.force {
+                true => last.force_since_us,
+                false => codes.time_us,
+            },
+            least_n: match codes.position == last.position {
+                true => force_n.min(last.least_n),
+                false => force_n,
+            },
+            ..first
+        };
+        let still_us = codes.time_us.saturating_sub(now.force_since_us);
+        let force_stuck = self.stuck_us > 0 && still_us >= self.stuck_us;
+        // A force that falls over a standing probe is relaxation; one that rises is not.
+        let position_stuck = self.stuck_n > 0.0 && force_n - now.least_n > self.stuck_n;
+        let faults = only(jumped, Fault::PositionJump)
+            | only(force_stuck, Fault::ForceStuck)
+            | only(position_stuck, Fault::PositionStuck);
+        (now, faults)
+    }
+}
+
+fn only(is: bool, fault: Fault) -> Faults {
+    match is {
+        true => Faults::NONE.with(fault),
+        false => Faults::NONE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn conversion(change: impl Fn(&mut Settings)) -> Conversion {
+        let mut settings = Settings::default();
+        settings.put(Key::ForceCalibrated, 1.0);
+        settings.put(Key::PositionCalibrated, 1.0);
+        change(&mut settings);
+        settings.setup().unwrap().conversion
+    }
+
+    /// Instant number `i`: codes that move, well inside their range.
+    fn codes(i: i32) -> Codes {
+        Codes {
+            time_us: (i as u64 + 1) * 1000,
+            force: 65_536 + i % 7,
+            force_low: 2040,
+            force_high: 2060,
+            position: 32 * (i % 5),
+            faults: Faults::NONE,
+        }
+    }
+
+    #[test]
+    fn codes_become_newtons_and_metres_of_either_sign() {
+        let conversion = conversion(|settings| {
+            settings.put(Key::ForcePerCode, -0.001);
+            settings.put(Key::ForceZeroCode, 65_000.0);
+            settings.put(Key::PositionPerCode, 1e-6);
+        });
+        let sample = conversion.sample(
+            &mut Watch::default(),
+            &Codes {
+                force: 64_000,
+                position: -2500,
+                ..codes(3)
+            },
+        );
+        assert_eq!(sample.force_n, 1.0);
+        assert_eq!(sample.position_m, -2500.0 * 1e-6);
+        assert_eq!(sample.time_us, 4000);
+        assert_eq!(sample.faults, Faults::NONE);
+    }
+
+    /// Conditions × fault: the first instant at which it shows, and that it ends.
+    #[test]
+    fn every_fault_of_a_sensor_shows_when_its_condition_holds_and_only_then() {
+        type Bend = fn(i32) -> Codes;
+        let held = |i: i32| (200..1400).contains(&i);
+        let _ = held;
+        let table: [(Fault, Bend, core::ops::Range<i32>); 5] = [
+            (
+                Fault::ForceSaturated,
+                |i| Codes {
+                    force_high: if (200..300).contains(&i) { 4080 } else { 2060 },
+                    ..codes(i)
+                },
+                200..300,
+            ),
+            (
+                Fault::ForceSaturated,
+                |i| Codes {
+                    force_low: if (200..300).contains(&i) { 15 } else { 2040 },
+                    ..codes(i)
+                },
+                200..300,
+            ),
+            (
+                Fault::ForceStuck,
+                |i| Codes {
+                    // The code of instant 200, for 1.2 s: shows after 1 s.
+                    force: if (200..1400).contains(&i) {
+                        65_540
+                    } else {
+                        65_536 + i % 3
+                    },
+                    ..codes(i)
+                },
+                1200..1400,
+            ),
+            (
+                Fault::PositionJump,
+                |i| Codes {
+                    // 6 mm at once, and back: 6 m/s against the 5 that are allowed.
+                    position: if (200..300).contains(&i) {
+                        32 * 6000
+                    } else {
+                        0
+                    },
+                    ..codes(i)
+                },
+                200..201,
+            ),
+            (
+                Fault::PositionStuck,
+                |i| Codes {
+                    // Force rises by 0.1 N an instant over a standing position: 5 N after 51.
+                    force: if (200..300).contains(&i) {
+                        65_536 + (i - 199) * 131
+                    } else {
+                        codes(i).force
+                    },
+                    position: if (190..300).contains(&i) {
+                        64
+                    } else {
+                        32 * (i % 5)
+                    },
+                    ..codes(i)
+                },
+                250..300,
+            ),
+        ];
+        for (fault, bend, expected) in table {
+            let conversion = conversion(|_| {});
+            let mut watch = Watch::default();
+            for i in 0..1600 {
+                let faults = conversion.sample(&mut watch, &bend(i)).faults;
+                let back = fault == Fault::PositionJump && i == 300;
+                let shown = expected.contains(&i) || back;
+                assert_eq!(faults.has(fault), shown, "{fault:?} at {i}");
+                assert!(faults.iter().all(|one| one == fault), "{faults:?} at {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_that_relaxes_over_a_standing_probe_is_no_fault() {
+        let conversion = conversion(|_| {});
+        let mut watch = Watch::default();
+        for i in 0..20_000 {
+            let relaxed = Codes {
+                force: 65_536 + 26_000 - i,
+                position: 32_000,
+                ..codes(i)
+            };
+            assert_eq!(conversion.sample(&mut watch, &relaxed).faults, Faults::NONE);
+        }
+    }
+
+    #[test]
+    fn each_watch_can_be_turned_off() {
+        let conversion = conversion(|settings| {
+            settings.put(Key::ForceStuckS, 0.0);
+            settings.put(Key::PositionFastestMps, 0.0);
+            settings.put(Key::PositionStuckN, 0.0);
+        });
+        let mut watch = Watch::default();
+        for i in 0..5000 {
+            let stuck = Codes {
+                force: 65_536,
+                position: if i == 2000 { 10_000_000 } else { 0 },
+                ..codes(i)
+            };
+            assert_eq!(conversion.sample(&mut watch, &stuck).faults, Faults::NONE);
+        }
+    }
+
+    #[test]
+    fn a_board_that_is_not_calibrated_says_so_with_every_sample() {
+        for key in [Key::ForceCalibrated, Key::PositionCalibrated] {
+            let conversion = conversion(|settings| settings.put(key, 0.0));
+            let sample = conversion.sample(&mut Watch::default(), &codes(1));
+            assert_eq!(sample.faults, Faults::NONE.with(Fault::NotCalibrated));
+        }
+    }
+}

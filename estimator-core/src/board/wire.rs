@@ -1,0 +1,94 @@
+//! The body of a frame, written and read number by number.
+
+use crate::estimate::record::PARAMETER_SLOTS;
+
+/// Version of the layout; a reader refuses any other.
+pub const VERSION: u8 = 2;
+/// Longest frame before COBS (bytes): that of an estimate whose law has all the slots. An estimate
+/// carries as many as its law has: 86 bytes on the wire for Hunt–Crossley.
+pub(crate) const MAX_BODY: usize = 4 + 8 + 8 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
+
+/// Why bytes between two zeros are not a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameError {
+    /// Not COBS, or longer or shorter than any frame.
+    Framing,
+    /// The check sum does not fit.
+    Checksum,
+    /// A frame of another version.
+    Version(u8),
+    /// Right check sum, but a content that this version does not know.
+    Content,
+}
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            FrameError::Framing => f.write_str("not a frame"),
+            FrameError::Checksum => f.write_str("check sum does not fit"),
+            FrameError::Version(v) => write!(f, "frame version {v}, this is version {VERSION}"),
+            FrameError::Content => f.write_str("content unknown to this version"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// Writes the body of a frame, number by number, little-endian.
+pub(crate) struct Writer {
+    bytes: [u8; MAX_BODY],
+    length: usize,
+}
+
+impl Writer {
+    pub(crate) fn new() -> Self {
+        Writer {
+            bytes: [0; MAX_BODY],
+            length: 0,
+        }
+    }
+
+    pub(crate) fn put<const N: usize>(&mut self, bytes: [u8; N]) {
+        if let Some(room) = self.bytes.get_mut(self.length..self.length + N) {
+            room.copy_from_slice(&bytes);
+            self.length += N;
+        }
+    }
+
+    pub(crate) fn written(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or(&[])
+    }
+}
+
+/// Reads it back; what is missing is an error.
+pub(crate) struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        Reader { bytes }
+    }
+
+    pub(crate) fn take<const N: usize>(&mut self) -> Result<[u8; N], FrameError> {
+        let (head, tail) = self
+            .bytes
+            .split_first_chunk::<N>()
+            .ok_or(FrameError::Content)?;
+        self.bytes = tail;
+        Ok(*head)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// Past everything that is left.
+    pub(crate) fn skip(&mut self) {
+        self.bytes = &[];
+    }
+
+    pub(crate) fn number(&mut self) -> Result<f32, FrameError> {
+        Ok(f32::from_le_bytes(self.take()?))
+    }
+}

@@ -1,0 +1,222 @@
+//! Checked parameters of the estimators, in the scales that they compute in.
+
+use crate::estimate::config::{Cascade, Config, Initial, Inversion, Reference, Weight};
+use crate::estimate::contact::ContactParams;
+use crate::estimate::error::{ConfigError, require};
+use crate::estimate::filter::FilterParams;
+use crate::estimate::method::Method;
+use crate::estimate::rls::ForgettingParams;
+use crate::maths::scalar::Real;
+use crate::maths::units::Unit;
+
+/// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, a palpation's.
+pub(super) const SPEED_PER_DEPTH: f64 = 10.0;
+
+/// The scales in which the estimators compute: depth, speed and force are of the order of 1 in
+/// them, from nanonewtons at micrometres to kilonewtons at centimetres. On raw metres an EKF
+/// converged from 26–29 % of random starts, on scaled depth from 95 %.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale<T> {
+    /// δ₀ (m)
+    pub depth_m: T,
+    /// v₀ (m/s)
+    pub speed_mps: T,
+    /// F₀ (N)
+    pub force_n: T,
+}
+
+impl<T: Real> Scale<T> {
+    pub(crate) fn new(reference: Reference) -> Self {
+        let depth = f64::from(reference.depth_m);
+        Scale {
+            depth_m: T::from_f64(depth),
+            speed_mps: T::from_f64(SPEED_PER_DEPTH * depth),
+            force_n: T::from_f64(f64::from(reference.force_n)),
+        }
+    }
+
+    /// N/m in one unit of scaled stiffness.
+    pub fn stiffness(&self) -> T {
+        self.force_n / self.depth_m
+    }
+
+    /// N s/m in one unit of scaled damping.
+    pub fn damping(&self) -> T {
+        self.force_n / self.speed_mps
+    }
+
+    /// SI units in one unit of a scaled parameter. Rates are in 1/s throughout.
+    pub fn of(&self, unit: Unit) -> T {
+        match unit {
+            Unit::NewtonPerMetre => self.stiffness(),
+            Unit::NewtonSecondPerMetre => self.damping(),
+            Unit::Metre => self.depth_m,
+            Unit::Second => self.depth_m / self.speed_mps,
+            // Rates and shares have no size to scale with.
+            _ => T::one(),
+        }
+    }
+}
+
+/// Where an estimator starts, scaled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<T> {
+    /// c of P(0) = c·I
+    pub covariance: T,
+    /// K
+    pub stiffness: T,
+    /// λ
+    pub damping: T,
+    /// n
+    pub exponent: T,
+}
+
+impl<T: Real> Start<T> {
+    pub(crate) fn new(initial: Initial, reference: Reference) -> Self {
+        let scale = Scale::<f64>::new(reference);
+        Start {
+            covariance: T::from_f64(f64::from(initial.covariance)),
+            stiffness: T::from_f64(f64::from(initial.stiffness_n_per_m) / scale.stiffness()),
+            damping: T::from_f64(f64::from(initial.damping_ns_per_m) / scale.damping()),
+            exponent: T::from_f64(f64::from(initial.exponent)),
+        }
+    }
+}
+
+/// What an estimator needs to know of the configuration. Made by [`Config::validate`] only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IdentifyParams<T> {
+    pub(crate) method: Method,
+    pub(crate) scale: Scale<T>,
+    pub(crate) start: Start<T>,
+    pub(crate) forgetting: ForgettingParams<T>,
+    pub(crate) excitation_step: T,
+    pub(crate) inversion: Inversion,
+    pub(crate) cascade: CascadeParams<T>,
+    /// Between two samples of the sensors.
+    pub(crate) period_us: u64,
+    /// Samples that the filter in front still remembers.
+    pub(crate) memory_samples: u32,
+    /// The surface is configured, and no parameter.
+    pub(crate) surface_known: bool,
+}
+
+impl<T: Real> IdentifyParams<T> {
+    pub(crate) fn validate(
+        config: &Config,
+        filter: &FilterParams<T>,
+        contact: &ContactParams<T>,
+    ) -> Result<Self, ConfigError> {
+        require(
+            cfg!(feature = "relaxing") || !config.method.has_history(),
+            "method",
+            f32::from(config.method as u8),
+            "must be below 10: this build has no method over a history",
+        )?;
+        config.reference.check()?;
+        config.initial.check()?;
+        let step = config.forgetting.excitation_step;
+        require(
+            (0.0..=1.0).contains(&step),
+            "forgetting.excitation_step",
+            step,
+            "must lie between 0 (always learn) and 1",
+        )?;
+        let scale = Scale::new(config.reference);
+        Ok(IdentifyParams {
+            method: config.method,
+            scale,
+            start: Start::new(config.initial, config.reference),
+            forgetting: ForgettingParams::validate(config)?,
+            excitation_step: T::from_f64(f64::from(step)),
+            inversion: config.inversion,
+            cascade: config.cascade.validate(&scale)?,
+            period_us: libm::round(1e6 / f64::from(config.rate_hz)) as u64,
+            memory_samples: filter.memory_samples(),
+            surface_known: contact.surface_known(),
+        })
+    }
+}
+
+/// δ̇* in the scale of the estimators, and the weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CascadeParams<T> {
+    pub(crate) loading_speed: T,
+    pub(crate) weight: Weight,
+}
+
+/// δ̇* over the reference speed where it is left open: 5 δ₀/s. The chapter's ramp is 30 mm/s.
+const LOADING_SPEED: f64 = 0.5;
+
+impl Cascade {
+    fn validate<T: Real>(&self, scale: &Scale<T>) -> Result<CascadeParams<T>, ConfigError> {
+        let speed = self.loading_speed_mps.unwrap_or(1.0);
+        require(
+            speed > 0.0 && speed.is_finite(),
+            "cascade.loading_speed_mps",
+            speed,
+            "must be positive, in m/s, or absent",
+        )?;
+        let loading_speed = match self.loading_speed_mps {
+            Some(speed) => T::from_f64(f64::from(speed)) / scale.speed_mps,
+            None => T::from_f64(LOADING_SPEED),
+        };
+        Ok(CascadeParams {
+            loading_speed,
+            weight: self.weight,
+        })
+    }
+}
+
+impl Reference {
+    fn check(&self) -> Result<(), ConfigError> {
+        let depth = self.depth_m;
+        let good = (1e-10..=1.0).contains(&depth);
+        require(
+            good,
+            "reference.depth_m",
+            depth,
+            "must lie between 1e-10 and 1 m",
+        )?;
+        let force = self.force_n;
+        let good = (1e-12..=1e6).contains(&force);
+        require(
+            good,
+            "reference.force_n",
+            force,
+            "must lie between 1e-12 and 1e6 N",
+        )
+    }
+}
+
+impl Initial {
+    fn check(&self) -> Result<(), ConfigError> {
+        let c = self.covariance;
+        let good = (1e-3..=1e8).contains(&c);
+        require(
+            good,
+            "initial.covariance",
+            c,
+            "must lie between 1e-3 and 1e8",
+        )?;
+        let k = self.stiffness_n_per_m;
+        let good = (0.0..=1e9).contains(&k);
+        require(
+            good,
+            "initial.stiffness_n_per_m",
+            k,
+            "must lie between 0 and 1e9 N/m",
+        )?;
+        let b = self.damping_ns_per_m;
+        let good = (0.0..=1e9).contains(&b);
+        require(
+            good,
+            "initial.damping_ns_per_m",
+            b,
+            "must lie between 0 and 1e9 N s/m",
+        )?;
+        let n = self.exponent;
+        let good = (0.5..=3.0).contains(&n);
+        require(good, "initial.exponent", n, "must lie between 0.5 and 3")
+    }
+}

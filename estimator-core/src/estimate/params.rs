@@ -1,0 +1,140 @@
+//! Checked parameters: what [`Config::validate`] makes of a configuration, once, outside the loop.
+
+use crate::estimate::config::Config;
+use crate::estimate::contact::ContactParams;
+use crate::estimate::error::{ConfigError, require};
+use crate::estimate::filter::FilterParams;
+use crate::estimate::identify::IdentifyParams;
+use crate::estimate::monitor::MonitorParams;
+use crate::maths::scalar::Real;
+use crate::physics::law::LawKind;
+
+/// Coefficients of the loop, ready to use. Made by [`Config::validate`] only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Params<T> {
+    pub(crate) period_us: u64,
+    pub(crate) period_s: T,
+    pub(crate) filter: FilterParams<T>,
+    pub(crate) contact: ContactParams<T>,
+    pub(crate) identify: IdentifyParams<T>,
+    pub(crate) monitor: MonitorParams<T>,
+}
+
+impl<T: Real> Params<T> {
+    /// Delay of every record behind the newest sample (µs).
+    pub fn delay_us(&self) -> u64 {
+        self.filter.delay_us()
+    }
+
+    /// The law that is identified.
+    pub fn law(&self) -> LawKind {
+        self.identify.method.law()
+    }
+
+    /// (α₁, α₂ (1/N), α₃ (N)) of (24) at a noise of the raw force (N).
+    pub fn alphas(&self, noise_n: T) -> (T, T, T) {
+        self.identify.forgetting.alphas(noise_n)
+    }
+}
+
+impl Config {
+    /// Checks every field and makes the coefficients.
+    ///
+    /// # Errors
+    /// The first field that cannot be used, with its value and what would be right.
+    pub fn validate<T: Real>(&self) -> Result<Params<T>, ConfigError> {
+        let rate = self.rate_hz;
+        require(
+            (1.0..=1e6).contains(&rate),
+            "rate_hz",
+            rate,
+            "must lie between 1 Hz and 1 MHz",
+        )?;
+        let filter = FilterParams::validate(self.filter, rate)?;
+        let contact = ContactParams::validate(self)?;
+        Ok(Params {
+            period_us: libm::round(1e6 / f64::from(rate)) as u64,
+            period_s: T::from_f64(1.0 / f64::from(rate)),
+            identify: IdentifyParams::validate(self, &filter, &contact)?,
+            filter,
+            contact,
+            monitor: MonitorParams::validate(self)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::config::{Filter, Surface};
+    extern crate std;
+    use std::string::ToString;
+
+    fn error_of(change: impl Fn(&mut Config)) -> ConfigError {
+        let mut config = Config::default();
+        change(&mut config);
+        config.validate::<f32>().unwrap_err()
+    }
+
+    #[test]
+    fn an_error_names_the_field_its_value_and_what_would_be_right() {
+        let error = error_of(|c| c.forgetting.alpha_1 = Some(1.7));
+        let text = error.to_string();
+        assert_eq!(
+            text,
+            "forgetting.alpha_1 = 1.7: must lie between 0 (never forget) and 0.5"
+        );
+    }
+
+    #[test]
+    fn every_field_is_checked_and_not_a_number_is_never_valid() {
+        type Change = fn(&mut Config);
+        let changes: [(&str, Change); 16] = [
+            ("rate_hz", |c| c.rate_hz = f32::NAN),
+            ("reference.depth_m", |c| c.reference.depth_m = f32::NAN),
+            ("reference.force_n", |c| c.reference.force_n = 0.0),
+            ("filter.half_width", |c| {
+                c.filter = Filter::SavitzkyGolay { half_width: 33 }
+            }),
+            ("filter.cutoff_hz", |c| {
+                c.filter = Filter::StateVariable {
+                    cutoff_hz: f32::NAN,
+                    damping_ratio: 1.0,
+                };
+            }),
+            ("filter.damping_ratio", |c| {
+                c.filter = Filter::StateVariable {
+                    cutoff_hz: 40.0,
+                    damping_ratio: 0.0,
+                };
+            }),
+            ("contact.touch_sigma", |c| c.contact.touch_sigma = 2.0),
+            ("contact.release_sigma", |c| {
+                c.contact.release_sigma = f32::NAN
+            }),
+            ("contact.force_noise_n", |c| {
+                c.contact.force_noise_n = Some(f32::INFINITY)
+            }),
+            ("contact.settle_s", |c| c.contact.settle_s = 0.0),
+            ("contact.surface.position_m", |c| {
+                c.contact.surface = Surface::Known {
+                    position_m: f32::NAN,
+                };
+            }),
+            ("forgetting.alpha_2_per_n", |c| {
+                c.forgetting.alpha_2_per_n = Some(-1.0)
+            }),
+            ("forgetting.alpha_3_n", |c| {
+                c.forgetting.alpha_3_n = Some(f32::NAN)
+            }),
+            ("initial.exponent", |c| c.initial.exponent = f32::NAN),
+            ("judgement.window_s", |c| c.judgement.window_s = f32::NAN),
+            ("cascade.loading_speed_mps", |c| {
+                c.cascade.loading_speed_mps = Some(f32::NAN)
+            }),
+        ];
+        for (field, change) in changes {
+            assert_eq!(error_of(change).field, field);
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Numbers: the scalars that laws and estimators compute with, their derivatives, and units.
+
+pub mod circle;
+pub mod dual;
+pub mod scalar;
+pub mod units;
+
+pub use dual::Dual;
+pub use num_traits::{One, Zero};
+pub use scalar::{Real, Scalar};
+pub use units::Unit;

@@ -1,0 +1,6 @@
+//! What is touched and what touches it: contact laws, the effects that a rig adds, and the rig that puts
+//! both together in signal order.
+
+pub mod effect;
+pub mod law;
+pub mod rig;

@@ -1,0 +1,81 @@
+//! A contact that sticks.
+
+use super::{direction, effect};
+use crate::maths::scalar::Scalar;
+
+effect! {
+    /// A constant pull in all contact, and a neck that tears on the way out; or a bond, which pulls only
+    /// as far as the material is drawn out: relaxed by a hold, it holds the probe back. Surfaces that
+    /// close pull less than surfaces that part (adhesion hysteresis).
+    Adhesion = "adhesion", Contact {
+        /// F_a (N)
+        force_n = "force", Newton, Positive;
+        /// d_a (m)
+        neck_length_m = "neck_length", Metre, Positive;
+        /// 0: it pulls in all contact. 1: a bond, max(relaxed + damping, −F_a) until it tears.
+        bond = "bond", One, NotNegative, 0.0;
+        /// h: the share of F_a that is missing on the way in, and half of it at rest. Not of a bond.
+        hysteresis = "hysteresis", One, NotNegative, 0.0;
+    }
+    law: "−F_a in contact; on the way out −F_a(1 + δ/d_a) for −d_a < δ < 0; bond = 1: none in contact, which pulls up to F_a; hysteresis h: F_a(1 − h) on the way in",
+    signature: "negative force after lift-off, none before touch",
+    motion: "leave the contact slowly, and well clear of it",
+}
+
+impl<S: Scalar> Adhesion<S> {
+    /// The pull (N, negative) at a depth. `attached` is 1 while the neck holds, and changes here.
+    pub(crate) fn force_n(&self, attached: &mut S, depth_m: S, speed_mps: S) -> S {
+        let (nil, one) = (S::zero(), S::one());
+        if depth_m > nil {
+            *attached = one;
+            return -self.pull_n(speed_mps);
+        }
+        let left = one + depth_m / self.neck_length_m;
+        if *attached > nil && left > nil {
+            return -(self.pull_n(speed_mps) * left);
+        }
+        *attached = nil;
+        nil
+    }
+
+    /// F_a(1 − h(1 + sgn δ̇)/2)
+    fn pull_n(&self, speed_mps: S) -> S {
+        if self.hysteresis <= S::zero() {
+            return self.force_n;
+        }
+        let closing = S::from_f64(0.5) * (S::one() + direction(speed_mps, S::zero()));
+        self.force_n * S::zero().max_of(S::one() - self.hysteresis * closing)
+    }
+
+    /// The force (N) of a bonded contact that would be pushed by `pushed_n` if it could not tear.
+    /// `memory` is 1 while it holds, 0 before it is made and after its neck, −δ at tearing in between.
+    pub(crate) fn bonded_n(&self, memory: &mut S, depth_m: S, pushed_n: S) -> S {
+        let (nil, one) = (S::zero(), S::one());
+        // Pressing makes it, again after it tore.
+        if depth_m > nil && pushed_n > nil {
+            *memory = one;
+            return pushed_n;
+        }
+        let holds = pushed_n >= -self.force_n;
+        let pull_n = if holds { pushed_n } else { -self.force_n };
+        if *memory > nil {
+            if depth_m > nil {
+                if !holds {
+                    *memory = -depth_m;
+                }
+                return pull_n;
+            }
+            let left = one + depth_m / self.neck_length_m;
+            if left > nil {
+                return pull_n * left;
+            }
+        } else if *memory < nil {
+            let left = one + (depth_m + *memory) / self.neck_length_m;
+            if left > nil {
+                return -(self.force_n * left);
+            }
+        }
+        *memory = nil;
+        nil
+    }
+}

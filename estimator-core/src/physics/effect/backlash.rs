@@ -1,0 +1,30 @@
+//! Play between the motor and the tip.
+
+use super::effect;
+use crate::maths::scalar::Scalar;
+
+effect! {
+    /// The tip stays until the play is used up.
+    Backlash = "backlash", Transmission {
+        /// w (m), total
+        width_m = "width", Metre, Positive;
+    }
+    law: "play of ±w/2 about x",
+    signature: "flat pieces after each reversal, in contact only",
+    motion: "reversals in contact",
+}
+
+impl<S: Scalar> Backlash<S> {
+    /// Where the far side is (m) after the near side has moved to `position_m`, and whether it is
+    /// taken along.
+    pub(crate) fn follow(&self, far_m: S, position_m: S) -> (S, bool) {
+        let half = self.width_m * S::from_f64(0.5);
+        if position_m - half > far_m {
+            (position_m - half, true)
+        } else if position_m + half < far_m {
+            (position_m + half, true)
+        } else {
+            (far_m, false)
+        }
+    }
+}

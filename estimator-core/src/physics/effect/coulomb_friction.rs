@@ -1,0 +1,32 @@
+//! Dry friction of the drive or the guide, between the motor and the load cell.
+
+use super::direction;
+use super::effect;
+use super::presliding::slid;
+use crate::maths::scalar::Scalar;
+
+effect! {
+    /// F_c·sgn(v). With a width the surfaces stick elastically before they slide (Dahl), and the force stays in a hold.
+    CoulombFriction = "coulomb_friction", LoadPath {
+        /// F_c (N)
+        force_n = "force", Newton, Positive;
+        /// Width of the elastic stick (m); 0: sliding only.
+        width_m = "width", Metre, NotNegative, 0.0;
+        /// v_t (m/s): tanh(v/v_t) in place of the sign; 0: the sign. No dry contact reverses at once.
+        transition_mps = "transition_speed", MetrePerSecond, NotNegative, 0.0;
+    }
+    law: "F_c·sgn(v); width > 0: elastic before it slides",
+    signature: "a step at each reversal, also in free motion; whether it stays in a hold tells sliding from pre-sliding",
+    motion: "free motion with reversals, and a hold",
+}
+
+impl<S: Scalar> CoulombFriction<S> {
+    /// Its force (N); `z` is its memory.
+    pub(crate) fn force_n(&self, z: &mut S, speed_mps: S, change_m: S) -> S {
+        if self.width_m > S::zero() {
+            *z = slid(*z, change_m, self.width_m);
+            return self.force_n * *z;
+        }
+        self.force_n * direction(speed_mps, self.transition_mps)
+    }
+}

@@ -1,0 +1,28 @@
+//! A load cell whose zero wanders.
+
+use super::effect;
+use crate::maths::scalar::Scalar;
+
+effect! {
+    /// A ramp, or with a time constant a ramp that levels off.
+    ForceDrift = "force_drift", LoadPath {
+        /// r (N/s)
+        rate_n_per_s = "rate", NewtonPerSecond, Any;
+        /// τ (s); 0: a ramp.
+        time_constant_s = "time_constant", Second, NotNegative, 0.0;
+    }
+    law: "r·t, or r·τ(1 − e^{−t/τ})",
+    signature: "free-motion force wanders",
+    motion: "rest in free air at the beginning and at the end",
+}
+
+impl<S: Scalar> ForceDrift<S> {
+    /// Its force (N).
+    pub(crate) fn force_n(&self, time_s: S) -> S {
+        if self.time_constant_s > S::zero() {
+            self.rate_n_per_s * time_s * (-(time_s / self.time_constant_s)).growth()
+        } else {
+            self.rate_n_per_s * time_s
+        }
+    }
+}

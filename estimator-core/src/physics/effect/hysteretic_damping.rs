@@ -1,0 +1,30 @@
+//! A loop that does not depend on the rate: Bouc and Wen's.
+
+use super::effect;
+use super::presliding::slid;
+use crate::maths::scalar::Scalar;
+
+effect! {
+    /// ż = (δ̇/d_h)(1 − z·sgn δ̇), and z → 0 out of contact.
+    HystereticDamping = "hysteretic_damping", Contact {
+        /// F_h (N)
+        force_n = "force", Newton, Positive;
+        /// d_h (m)
+        yield_displacement_m = "yield_displacement", Metre, Positive;
+    }
+    law: "F_h·z, ż = (δ̇/d_h)(1 − z·sgn δ̇)",
+    signature: "loop area independent of the rate, in contact only",
+    motion: "the same stroke at several speeds",
+}
+
+impl<S: Scalar> HystereticDamping<S> {
+    /// Its force (N) after the depth has changed to `depth_m`; `z` is its memory.
+    pub(crate) fn force_n(&self, z: &mut S, depth_m: S, change_m: S) -> S {
+        *z = if depth_m > S::zero() {
+            slid(*z, change_m, self.yield_displacement_m)
+        } else {
+            S::zero()
+        };
+        self.force_n * *z
+    }
+}

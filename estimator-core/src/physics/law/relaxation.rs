@@ -1,0 +1,41 @@
+//! What laws with memory share: relaxation modes, and their exact course from sample to sample.
+
+use crate::maths::scalar::Scalar;
+
+/// One term cᵢe^{−νᵢt} of the reduced relaxation function g(t), (10).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RelaxationMode<S> {
+    /// cᵢ: the share of the elastic force that it takes away in time; all together less than 1.
+    pub fraction: S,
+    /// νᵢ (1/s): how fast.
+    pub rate_per_s: S,
+}
+
+/// ẇ = u̇ − νw over one period in which u changes by `change`, evenly: exact, however long.
+// A board without relaxing methods has it for rendering alone: 300 bytes each time.
+#[cfg_attr(not(feature = "relaxing"), inline(never))]
+pub(crate) fn high_passed<S: Scalar>(w: S, change: S, rate_per_s: S, period_s: S) -> S {
+    let x = -(rate_per_s * period_s);
+    w * x.exp() + change * x.growth()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_series_and_the_exponential_meet() {
+        for x in [-0.1, -0.099_999_999, 0.099_999_999, 0.1, 1e-9, -3.0, 0.0] {
+            let exact = if x == 0.0 { 1.0 } else { libm::expm1(x) / x };
+            // 10⁻¹⁶ over 0.1 on the side of the exponential.
+            assert!((x.growth() - exact).abs() < 2e-15 * exact, "{x}");
+        }
+    }
+
+    #[test]
+    fn single_precision_keeps_its_digits_at_slow_rates() {
+        let x = -1.3e-4_f64;
+        let error = f64::from((x as f32).growth()) / (libm::expm1(x) / x) - 1.0;
+        assert!(error.abs() < 1.2e-7, "{error}");
+    }
+}

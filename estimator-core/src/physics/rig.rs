@@ -1,0 +1,258 @@
+//! A rig: a contact law and the effects that the rig adds, in signal order. Position in, the load
+//! cell's reading out.
+//!
+//! ```text
+//! x_read → motor side x → tip → depth → elastic → relaxation → contact → load path → F_read
+//! ```
+//!
+//! One formula for simulation, fit and compensation, generic over the scalar: see [`crate::physics::effect`]
+//! for the order, and each effect's file for its law. A `time_delay` is the caller's: F(t − T_d) is
+//! this rig moved as it was T_d ago.
+
+mod contact;
+mod environment;
+
+pub use contact::{ContactState, Touch};
+pub use environment::{Damping, Environment, MOST_MODES};
+
+use crate::maths::scalar::Scalar;
+use crate::physics::effect::{Effect, Motion};
+
+/// Most effects of a rig.
+pub const MOST_EFFECTS: usize = 8;
+
+/// What is touched, and what touches it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rig<S> {
+    /// What is touched.
+    pub environment: Environment<S>,
+    /// What the rig adds, in any order: each enters at its own place.
+    pub effects: [Option<Effect<S>>; MOST_EFFECTS],
+}
+
+/// What a rig remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigState<S> {
+    contact: ContactState<S>,
+    /// Position of the motor side (m) and of the far side of a play, after the first sample.
+    motor_m: S,
+    far_m: S,
+    /// Deflection of a series compliance (m) at the last two samples, and the period between them.
+    deflection_m: [S; 2],
+    period_s: S,
+    /// Friction's z, by effect.
+    sliding: [S; MOST_EFFECTS],
+    /// Force before the lag and after it (N).
+    load_n: S,
+    reading_n: S,
+    started: bool,
+}
+
+/// What a rig does at one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading<S> {
+    /// What the load cell reads (N).
+    pub force_n: S,
+    /// The contact itself.
+    pub touch: Touch<S>,
+}
+
+impl<S: Scalar> RigState<S> {
+    /// The same with another material under the probe, at rest; what the rig itself remembers stays.
+    #[must_use]
+    pub fn renewed(self) -> RigState<S> {
+        RigState {
+            contact: ContactState::at_rest(),
+            deflection_m: [S::zero(); 2],
+            ..self
+        }
+    }
+}
+
+impl<S: Scalar> Rig<S> {
+    /// A rig that adds nothing.
+    pub fn bare(environment: Environment<S>) -> Rig<S> {
+        Rig {
+            environment,
+            effects: [None; MOST_EFFECTS],
+        }
+    }
+
+    /// The same rig with one effect more; unchanged if it has [`MOST_EFFECTS`].
+    #[must_use]
+    pub fn with(mut self, effect: Effect<S>) -> Rig<S> {
+        if let Some(free) = self.effects.iter_mut().find(|slot| slot.is_none()) {
+            *free = Some(effect);
+        }
+        self
+    }
+
+    /// Its effects.
+    pub fn effects(&self) -> impl Iterator<Item = &Effect<S>> {
+        self.effects.iter().flatten()
+    }
+
+    /// How late the force is read (s), of all `time_delay`: for the caller to shift the motion by.
+    pub fn delay_s(&self) -> S {
+        self.effects().fold(S::zero(), |sum, effect| match effect {
+            Effect::TimeDelay(own) => sum + own.delay_s,
+            _ => sum,
+        })
+    }
+
+    /// Standing still out of contact, for ever.
+    pub fn at_rest(&self) -> RigState<S> {
+        let nil = S::zero();
+        RigState {
+            contact: ContactState::at_rest(),
+            motor_m: nil,
+            far_m: nil,
+            deflection_m: [nil; 2],
+            period_s: S::one(),
+            sliding: [nil; MOST_EFFECTS],
+            load_n: nil,
+            reading_n: nil,
+            started: false,
+        }
+    }
+
+    /// The reading one period (s) after the last one; `read` is the motion as the encoder gives it.
+    /// The first step starts the memories: whatever its period, nothing has moved before it.
+    pub fn step(&self, state: &mut RigState<S>, read: Motion<S>, period_s: S) -> Reading<S> {
+        let motor = self.motor_side(read);
+        if !state.started {
+            (state.motor_m, state.far_m) = (motor.position_m, motor.position_m);
+        }
+        let touch = self.touch(state, &motor, period_s);
+        let load_n = touch.force_n + self.load_path(state, &motor);
+        if !state.started {
+            (state.load_n, state.reading_n) = (load_n, load_n);
+        }
+        let force_n = self.reading(state, load_n, period_s);
+        state.motor_m = motor.position_m;
+        state.started = true;
+        Reading { force_n, touch }
+    }
+
+    /// The contact alone, one period after `state`, which stays as it is: what a motor would feel there.
+    pub fn trial(&self, state: &RigState<S>, motor: &Motion<S>, period_s: S) -> Touch<S> {
+        self.touch(&mut { *state }, motor, period_s)
+    }
+
+    /// The motor side behind its encoder.
+    pub fn motor_side(&self, read: Motion<S>) -> Motion<S> {
+        let mut motion = read;
+        for effect in self.effects() {
+            if let Effect::EncoderPeriodicError(own) = effect {
+                motion = own.motor_side(motion);
+            }
+        }
+        motion
+    }
+
+    /// From the motor side to the contact force.
+    fn touch(&self, state: &mut RigState<S>, motor: &Motion<S>, period_s: S) -> Touch<S> {
+        let mut tip = (motor.position_m, motor.speed_mps);
+        let mut yields = false;
+        for effect in self.effects() {
+            match effect {
+                Effect::Backlash(own) => {
+                    let (far_m, taken) = own.follow(state.far_m, motor.position_m);
+                    state.far_m = far_m;
+                    tip = (far_m, if taken { tip.1 } else { S::zero() });
+                }
+                Effect::SeriesCompliance(_) => yields = true,
+                _ => {}
+            }
+        }
+        if yields {
+            self.yielding(state, tip, motor.time_s, period_s)
+        } else {
+            self.contact(&mut state.contact, tip, motor.time_s, period_s)
+        }
+    }
+
+    /// A contact behind a spring: tip = x − u(F), solved for the deflection u at the end of the
+    /// period by Newton's method. u̇ is the slope of the parabola through the last three
+    /// deflections, which is exact to second order and stable for any period.
+    fn yielding(&self, state: &mut RigState<S>, tip: (S, S), time_s: S, period_s: S) -> Touch<S> {
+        /// Newton's steps at most, and the share of the deflection below which a step is the last: it
+        /// squares. The gradients of dual numbers lag one step behind the value.
+        const STEPS: usize = 4;
+        const LAST: f64 = 1e-6;
+        let [u1, u2] = state.deflection_m;
+        let (now, then) = (S::one() / period_s, S::one() / state.period_s);
+        let both = S::one() / (period_s + state.period_s);
+        // A spring that is not yet deflected knows no slope: at touch it has a corner.
+        let (weights, slope) = if u1 == S::zero() {
+            ([now, S::zero()], now)
+        } else {
+            ([now + then, then - both], now + both)
+        };
+        let rate = |u: S| slope * u - weights[0] * u1 + weights[1] * u2;
+        let contact = |from: &mut ContactState<S>, u: S| {
+            let yielded = (tip.0 - u, tip.1 - rate(u));
+            self.contact(from, yielded, time_s, period_s)
+        };
+        let mut u = u1;
+        for _ in 0..STEPS {
+            let touch = contact(&mut state.contact.clone(), u);
+            let stiffness = self
+                .environment
+                .slope(touch.depth_m, touch.speed_mps, slope);
+            let (given_way, softness) = self.given_way(touch.force_n);
+            let error = u - given_way;
+            u = u - error / (S::one() + stiffness * softness);
+            if error.abs() <= S::from_f64(LAST) * u.abs() {
+                break;
+            }
+        }
+        state.deflection_m = [u, u1];
+        state.period_s = period_s;
+        contact(&mut state.contact, u)
+    }
+
+    /// How far the springs give way (m) to a force, and how much further per newton (m/N).
+    fn given_way(&self, force_n: S) -> (S, S) {
+        let mut sum = (S::zero(), S::zero());
+        for effect in self.effects() {
+            if let Effect::SeriesCompliance(own) = effect {
+                sum.0 = sum.0 + own.deflection_m(force_n);
+                sum.1 = sum.1 + own.softness_m_per_n(force_n);
+            }
+        }
+        sum
+    }
+
+    /// What comes to the force between contact and load cell (N).
+    fn load_path(&self, state: &mut RigState<S>, motor: &Motion<S>) -> S {
+        let change_m = motor.position_m - state.motor_m;
+        let mut force_n = S::zero();
+        for (effect, z) in self.effects.iter().zip(&mut state.sliding) {
+            let Some(effect) = effect else { continue };
+            force_n = force_n + effect.load_n(z, motor, change_m);
+        }
+        force_n
+    }
+
+    /// From the force to its reading: lag, then limit.
+    fn reading(&self, state: &mut RigState<S>, load_n: S, period_s: S) -> S {
+        let mut lagged_n = load_n;
+        for effect in self.effects() {
+            if let Effect::ForceLag(own) = effect {
+                lagged_n = own.reading_n(state.reading_n, state.load_n, load_n, period_s);
+            }
+        }
+        (state.load_n, state.reading_n) = (load_n, lagged_n);
+        let mut force_n = lagged_n;
+        for effect in self.effects() {
+            if let Effect::ForceSaturation(own) = effect {
+                force_n = own.reading_n(force_n);
+            }
+        }
+        force_n
+    }
+}
+
+#[cfg(test)]
+mod tests;
