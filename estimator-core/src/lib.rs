@@ -1,23 +1,4 @@
-//! Contact estimation for a motor controller: a load cell and an encoder in, the mechanical
-//! impedance of whatever is being touched out, one sample at a time.
-//!
-//! The crate is the only home of contact physics and estimation in Palpate. It owns no clock, no
-//! seed and no memory beyond its own [`State`]: the board, the emulator and the host's replay run
-//! the same [`step`] and get the same bits.
-//!
-//! ```
-//! use estimator_core::{Config, Sample, State, step};
-//!
-//! let params = Config::default().validate::<f32>().expect("the defaults are valid");
-//! let mut state = State::new(&params);
-//! let sample = Sample { time_us: 1000, position_m: -0.002, force_n: 0.003, ..Sample::default() };
-//! let estimate = step(&params, &mut state, sample);
-//! assert!(estimate.parameters.iter().all(Option::is_none), "nothing has been touched yet");
-//! ```
-//!
-//! Equation numbers are those of Biagiotti & Melchiorri, "Environment Estimation in Teleoperation
-//! Systems", *Advances in Telerobotics*, Springer STAR 31, 2007. Positions grow into the material;
-//! a positive force pushes the probe out.
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
