@@ -1,11 +1,13 @@
 //! From raw samples to position, speed and force that belong to one instant.
 //!
-//! Whatever the filter, position, speed and force leave it with the same delay. A speed from a
-//! causal filter beside a raw force costs every estimator 1.5–3 % on gel.
+//! Position, speed and force leave each filter with the same delay: with a speed from a causal filter
+//! beside a raw force, every estimator errs by 1.5–3 % on gel.
 
+mod aligned;
 mod savitzky_golay;
 mod state_variable;
 
+pub use aligned::Aligned;
 pub use savitzky_golay::{MAX_HALF_WIDTH, SavitzkyGolay, SavitzkyGolayParams};
 pub use state_variable::{StateVariable, StateVariableParams};
 
@@ -14,29 +16,12 @@ use crate::estimate::error::{ConfigError, require};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::Real;
 
-/// Position, speed and force of one instant, `delay` before the newest sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Aligned<T> {
-    /// Position (m).
-    pub position_m: T,
-    /// Speed (m/s).
-    pub speed_mps: T,
-    /// Force (N).
-    pub force_n: T,
-    /// Rate of the force (N/s).
-    pub force_rate_nps: T,
-    /// Variance of the position within the window (m²); 0 from a filter that does not measure it.
-    pub spread_m2: T,
-    /// Covariance of position and speed within the window (m²/s); 0 likewise.
-    pub coupling_m2ps: T,
-}
-
-/// Coefficients of the filter that was chosen.
+/// Coefficients of the configured filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FilterParams<T> {
-    /// See [`StateVariable`].
+    /// Coefficients of the chapter's state-variable filter.
     StateVariable(StateVariableParams<T>),
-    /// See [`SavitzkyGolay`].
+    /// Weights of the Savitzky–Golay window.
     SavitzkyGolay(SavitzkyGolayParams<T>),
 }
 
@@ -79,7 +64,7 @@ impl<T: Real> FilterParams<T> {
         }
     }
 
-    /// Delay of all three outputs (µs).
+    /// Delay of position, speed and force behind the newest sample (µs).
     pub fn delay_us(&self) -> u64 {
         match self {
             Self::StateVariable(p) => p.delay_us(),
@@ -87,7 +72,7 @@ impl<T: Real> FilterParams<T> {
         }
     }
 
-    /// Samples that an output still remembers: a touch that many samples ago is forgotten.
+    /// Length of the filter's memory (samples): an output does not depend on what is older.
     pub fn memory_samples(&self) -> u32 {
         match self {
             Self::StateVariable(p) => p.memory_samples(),
@@ -95,7 +80,7 @@ impl<T: Real> FilterParams<T> {
         }
     }
 
-    /// Variance of the filtered force over that of the raw one, white noise.
+    /// Variance of the filtered force over that of the raw force, for white noise.
     pub fn noise_gain(&self) -> T {
         match self {
             Self::StateVariable(p) => p.noise_gain(),
@@ -104,17 +89,17 @@ impl<T: Real> FilterParams<T> {
     }
 }
 
-/// State of the filter that was chosen.
+/// State of the configured filter.
 #[derive(Clone, Debug)]
 pub enum FilterState<T> {
-    /// See [`StateVariable`].
+    /// State of the chapter's state-variable filter.
     StateVariable(StateVariable<T>),
-    /// See [`SavitzkyGolay`].
+    /// State of the Savitzky–Golay window.
     SavitzkyGolay(SavitzkyGolay<T>),
 }
 
 impl<T: Real> FilterState<T> {
-    /// At rest, before the first sample.
+    /// The state before the first sample.
     pub fn new(params: &FilterParams<T>) -> Self {
         match params {
             FilterParams::StateVariable(_) => Self::StateVariable(StateVariable::default()),
@@ -122,7 +107,7 @@ impl<T: Real> FilterState<T> {
         }
     }
 
-    /// Forgets the past: as if the probe had always been where `sample` says.
+    /// Forgets the past, as if the probe had always rested at this sample.
     pub fn restart(&mut self, sample: &Sample<T>) {
         match self {
             Self::StateVariable(s) => s.restart(sample),
@@ -130,7 +115,8 @@ impl<T: Real> FilterState<T> {
         }
     }
 
-    /// Takes one sample. A state of the other filter gives zeros; `new` never makes one.
+    /// Takes one sample. The result is zero if state and coefficients belong to different filters,
+    /// which [`FilterState::new`] excludes.
     pub fn update(&mut self, params: &FilterParams<T>, sample: &Sample<T>) -> Aligned<T> {
         match (self, params) {
             (Self::StateVariable(s), FilterParams::StateVariable(p)) => s.update(p, sample),

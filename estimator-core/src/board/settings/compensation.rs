@@ -124,7 +124,7 @@ impl Settings {
             return Ok(None);
         }
         let count_m = self.get(Key::PositionPerCode).abs() * CODES_PER_COUNT;
-        Compensation::of(effects, Config::default().rate_hz, f64::from(count_m))
+        Compensation::from_rig_effects(effects, Config::default().rate_hz, f64::from(count_m))
             .map(Some)
             .map_err(|error| self.named(&error))
     }

@@ -1,6 +1,7 @@
-//! What the chain adds comes off again.
+//! What the signal chain of a rig adds is removed again.
 
 use super::*;
+use crate::physics::effect::Motion;
 use crate::physics::law::HuntCrossley;
 use crate::physics::rig::{Environment, Rig};
 

@@ -1,17 +1,17 @@
 //! The chapter's state-variable filter: a second-order low-pass whose second state is the speed.
 
-use super::Aligned;
+use super::aligned::Aligned;
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::Real;
 
-/// Coefficients of ω²/(s² + 2ζωs + ω²) with trapezoidal integrators (g = tan(ωT/2)).
+/// Coefficients of the filter ω²/(s² + 2ζωs + ω²) with trapezoidal integrators, g = tan(ωT/2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateVariableParams<T> {
     g: T,
     a1: T,
     a2: T,
     a3: T,
-    /// 2g/T: from the band-pass state to the rate of the low-pass output.
+    /// 2g/T, the rate of the low-pass output over the band-pass state (1/s).
     to_rate: T,
     noise_gain: T,
     delay_us: u64,
@@ -32,7 +32,7 @@ impl<T: Real> StateVariableParams<T> {
             a2: T::from_f64(g * a1),
             a3: T::from_f64(g * g * a1),
             to_rate: T::from_f64(2.0 * g * rate),
-            // (1/π)∫|H|² over the unit circle, the bilinear map's warp included.
+            // (1/π)∫|H|² over the unit circle, with the frequency warping of the bilinear transform.
             noise_gain: T::from_f64(g * (1.0 + k * g) / (k * (1.0 + k * g + g * g))),
             delay_us: (1e6 * delay_s) as u64,
             // A step is forgotten to 1 % after 3.3 delays at ζ = 1.
@@ -53,7 +53,7 @@ impl<T: Real> StateVariableParams<T> {
     }
 }
 
-/// One channel: the two integrators.
+/// The two integrators of one channel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Channel<T> {
     band: T,
@@ -61,7 +61,7 @@ struct Channel<T> {
 }
 
 impl<T: Real> Channel<T> {
-    /// Low-pass output and its rate.
+    /// Takes one input; gives the low-pass output and its rate.
     fn update(&mut self, p: &StateVariableParams<T>, input: T) -> (T, T) {
         let difference = input - self.low;
         let band = p.a1 * self.band + p.a2 * difference;
@@ -72,9 +72,9 @@ impl<T: Real> Channel<T> {
     }
 }
 
-/// The same second-order low-pass on position and force, so that both are equally late: 2ζ/ω at
-/// low frequencies, 8 ms at 40 Hz. The speed is the exact rate (trapezoidal rule) of the filtered
-/// position.
+/// Passes position and force through the same second-order low-pass, so that both have the same
+/// delay: 2ζ/ω at low frequencies, 8 ms at 40 Hz. The speed is the exact rate, by the trapezoidal rule,
+/// of the filtered position.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StateVariable<T> {
     position: Channel<T>,
@@ -83,7 +83,7 @@ pub struct StateVariable<T> {
 }
 
 impl<T: Real> StateVariable<T> {
-    /// At rest at one sample.
+    /// Sets the integrators to the steady state at this sample.
     pub fn restart(&mut self, sample: &Sample<T>) {
         self.position = Channel {
             band: T::zero(),
@@ -96,7 +96,7 @@ impl<T: Real> StateVariable<T> {
         self.started = true;
     }
 
-    /// Takes one sample.
+    /// Takes one sample and gives the filtered signals.
     pub fn update(&mut self, params: &StateVariableParams<T>, sample: &Sample<T>) -> Aligned<T> {
         if !self.started {
             self.restart(sample);
