@@ -79,8 +79,8 @@ pub struct Compensation<T> {
 }
 
 /// What a [`Compensation`] remembers of the samples.
-#[derive(Clone, Debug)]
-pub struct CompensationState<T> {
+#[derive(Clone, Debug, Default)]
+pub struct CompensationState<T: Real> {
     delay_line: DelayLine<T>,
     window: WindowState<T>,
     /// The internal state z of each effect of the load path.
@@ -159,16 +159,7 @@ impl<T: Real> Compensation<T> {
 
     /// The state before the first sample.
     pub fn at_rest(&self) -> CompensationState<T> {
-        let zero = T::zero();
-        CompensationState {
-            delay_line: DelayLine::default(),
-            window: WindowState::new(),
-            load_path: [zero; MOST_EFFECTS],
-            motor_m: zero,
-            far_m: zero,
-            faults: LingeringFaults::default(),
-            last_time_us: None,
-        }
+        CompensationState::default()
     }
 
     /// Takes one raw sample; gives the position of the tip and the contact force of the instant that

@@ -20,8 +20,8 @@ pub(super) struct Window<T> {
 }
 
 /// What the window remembers of the samples.
-#[derive(Clone, Debug)]
-pub(super) struct WindowState<T> {
+#[derive(Clone, Debug, Default)]
+pub(super) struct WindowState<T: Real> {
     filter: SavitzkyGolay<T>,
     /// The last three averages, newest first.
     averages: [Aligned<T>; 3],
@@ -138,13 +138,6 @@ impl<T: Real> Window<T> {
 }
 
 impl<T: Real> WindowState<T> {
-    pub(super) fn new() -> Self {
-        WindowState {
-            filter: SavitzkyGolay::default(),
-            averages: [Aligned::default(); 3],
-        }
-    }
-
     /// Fills the window as if position (m) and force (N) had always been these.
     pub(super) fn restart(&mut self, position_m: T, force_n: T) {
         self.filter.restart(&Sample {
@@ -200,7 +193,7 @@ mod tests {
         let step_m = 1e-6;
         let window = Window::<f64>::new(1000.0, step_m);
         for (counts, rests) in [(1.0, true), (2.0, false)] {
-            let mut state = WindowState::new();
+            let mut state = WindowState::default();
             let mut at = |i: u32| {
                 let position_m = if i < 20 { 0.0 } else { counts * step_m };
                 window.update(&mut state, 0.0, (position_m, 0.0), 0.0)

@@ -1,7 +1,7 @@
 //! The cascade on presses without noise: what it finds, and what it cannot.
 
 use super::*;
-use crate::estimate::config::Config;
+use crate::estimate::config::{Config, Weight};
 use crate::physics::law::{Elastic, QuasiLinear, RelaxingLaw};
 
 const NOISE: ForceNoise<f64> = ForceNoise {
@@ -105,7 +105,7 @@ fn two_slow_modes_are_told_apart_roughly() {
     config.initial.exponent = 1.6;
     let cascade = press::<2, 4, 2>(config, truth, 100, 100);
     let found = cascade.modes().unwrap();
-    // The second difference of z weighs the press most: what its first 21 ms lack, before the
+    // The second difference of z weighs the press most: what its first 17 ms lack, before the
     // filter's window is full, costs the fast mode 7 and 14 %, and makes the slow rate 0.035.
     let bounds = [(0.1, 0.2), (0.05, 1.0)];
     for ((found, truth), (fraction, rate)) in found.iter().zip(truth).zip(bounds) {

@@ -1,12 +1,12 @@
-//! What the second stage of the cascade looks at: means over a period, and their differences.
+//! The measured force, split into the elastic response and what has relaxed of it.
 
 use nalgebra::Vector3;
 
 use crate::maths::scalar::Real;
 
-/// Means over one period.
+/// The force of one instant, or its mean over a period, in scaled units.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block<T: Real> {
+pub(super) struct SplitForce<T: Real> {
     /// z = F − F̂⁽ᵉ⁾
     pub(super) relaxed: T,
     /// F̂⁽ᵉ⁾
@@ -15,10 +15,10 @@ pub(super) struct Block<T: Real> {
     pub(super) gradient: Vector3<T>,
 }
 
-impl<T: Real> Block<T> {
-    /// The sum of nothing.
-    pub(super) fn empty() -> Self {
-        Block {
+impl<T: Real> SplitForce<T> {
+    /// No force: the start of a sum, and a material that is not touched.
+    pub(super) fn zero() -> Self {
+        SplitForce {
             relaxed: T::zero(),
             elastic: T::zero(),
             gradient: Vector3::repeat(T::zero()),
@@ -27,21 +27,20 @@ impl<T: Real> Block<T> {
 
     /// `self + other · weight`
     pub(super) fn plus(&self, other: &Self, weight: T) -> Self {
-        Block {
+        SplitForce {
             relaxed: self.relaxed + other.relaxed * weight,
             elastic: self.elastic + other.elastic * weight,
             gradient: self.gradient + other.gradient * weight,
         }
     }
 
-    /// Half way between two.
-    pub(super) fn middle(&self, other: &Self) -> Self {
-        Block::empty().plus(&self.plus(other, T::one()), T::from_f64(0.5))
+    /// The mean of two.
+    pub(super) fn midpoint(&self, other: &Self) -> Self {
+        Self::zero().plus(&self.plus(other, T::one()), T::from_f64(0.5))
     }
 
     /// `(self − older)·per_s`
     pub(super) fn rate(&self, older: &Self, per_s: T) -> Self {
-        let difference = self.plus(older, -T::one());
-        Block::empty().plus(&difference, per_s)
+        Self::zero().plus(&self.plus(older, -T::one()), per_s)
     }
 }
