@@ -212,9 +212,10 @@ fn e4_after_a_swap_the_new_values_are_found_uninfluenced_by_the_old() {
             both.outcome.segments
         );
     };
-    let of = |segment: &palpate::estimate::outcome::Segment| Estimate {
-        parameters: segment.parameters,
-        ..*last(&both)
+    let of = |segment: &palpate::estimate::outcome::Segment| {
+        let mut estimate = *last(&both);
+        estimate.parameters = segment.parameters;
+        estimate
     };
     for (segment, material) in [(gel, GEL), (plastic, PLASTIC)] {
         for error in errors(&of(segment), truth(&material)) {

@@ -1,5 +1,5 @@
-//! From samples to estimates: configuration, filters, contact detection, estimators, and how far an
-//! estimate can be trusted.
+//! This room turns samples into estimates: configuration, filters, contact detection, estimators, and
+//! the status that says how far an estimate can be trusted.
 
 pub mod compensation;
 pub mod config;

@@ -1,8 +1,8 @@
-//! Numbers: the scalars that laws and estimators compute with, their derivatives, and units.
+//! This room holds the scalars that laws and estimators compute with, their derivatives, and units.
 
-pub mod circle;
 pub mod dual;
 pub mod scalar;
+mod trig;
 pub mod units;
 
 pub use dual::Dual;

@@ -51,11 +51,10 @@ use window::{Window, WindowMean, WindowState, resting_at};
 const SATURATED_FRACTION: f64 = 0.99;
 
 /// Faults of one sample that belong to every result whose window contains it.
-const LINGERING: [Fault; 3] = [
-    Fault::ForceSaturated,
-    Fault::ForceStuck,
-    Fault::PositionStuck,
-];
+const LINGERING: Faults = Faults::NONE
+    .with(Fault::ForceSaturated)
+    .with(Fault::ForceStuck)
+    .with(Fault::PositionStuck);
 
 /// Whether an effect belongs to the rig, and can be removed; otherwise it belongs to the material.
 pub const fn compensates(id: EffectId) -> bool {
@@ -262,13 +261,7 @@ impl<T: Real> Compensation<T> {
         read: &Sample<T>,
         restarted: bool,
     ) -> Faults {
-        let mut lingering = Faults::NONE;
-        for fault in LINGERING
-            .into_iter()
-            .filter(|fault| read.faults.has(*fault))
-        {
-            lingering = lingering.with(fault);
-        }
+        let mut lingering = read.faults.intersection(LINGERING);
         if self.is_saturated(read.force_n) {
             lingering = lingering.with(Fault::ForceSaturated);
         }

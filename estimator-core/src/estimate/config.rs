@@ -1,157 +1,161 @@
-//! Configuration: what a person writes down.
+//! The configuration of an estimator, as a person writes it.
 //!
-//! [`Config`] → [`Config::validate`] → [`Params`](crate::Params): checked once, outside the loop. A loop
-//! that has parameters cannot be misconfigured.
+//! [`Config::validate`] checks it once, outside the loop, and makes [`Params`](crate::Params) of it, so
+//! that a loop with parameters cannot be misconfigured.
 
 use crate::estimate::method::Method;
 
-/// All settings of an estimator. The defaults are for a 1 kHz motor controller that presses
-/// millimetres deep with newtons.
+/// All settings of an estimator. The defaults are for a motor controller at 1 kHz that presses
+/// millimetres deep with forces of newtons.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
-    /// Samples per second (Hz).
+    /// Sampling rate (Hz).
     pub rate_hz: f32,
-    /// Scales at which the problem is well conditioned and the parameters are reported.
+    /// Depth and force of a typical contact, with which the problem is well conditioned.
     pub reference: Reference,
-    /// How position and force are smoothed and the speed is found.
+    /// Filter that smooths position and force and gives the speed.
     pub filter: Filter,
-    /// How touch and lift-off are found.
+    /// Detection of touch and lift-off.
     pub contact: Contact,
-    /// Which estimator runs.
+    /// Method of estimation.
     pub method: Method,
     /// Error-dependent forgetting (24).
     pub forgetting: Forgetting,
-    /// Where the estimator starts.
+    /// Start values of the parameters and of their covariance.
     pub initial: Initial,
-    /// When an estimate counts as converged, changed or suspect.
+    /// Bounds within which an estimate counts as converged, or as suspect.
     pub judgement: Judgement,
-    /// How the coefficients of (18) become κ₁, κ₂ and λ.
+    /// Conversion of the coefficients of (18) to κ₁, κ₂ and λ.
     pub inversion: Inversion,
     /// Settings of the Hammerstein cascade (39)–(42).
     pub cascade: Cascade,
 }
 
-/// How the coefficients of (18) become κ₁, κ₂ and λ.
+/// Conversion of the coefficients of (18) to κ₁, κ₂ and λ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inversion {
-    /// Exact for a depth that is linear between samples.
+    /// The exact conversion for a depth that is linear between samples.
     Exact,
-    /// Forward Euler, as printed in the chapter: low by νT/2 in the rate.
+    /// Forward Euler, as printed in the chapter; its rate is too low by the fraction νT/2.
     ForwardEuler,
 }
 
 /// Settings of the Hammerstein cascade (39)–(42).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cascade {
-    /// δ̇* (m/s): the elastic response is learned while pressing faster than this; `None`: 5 δ₀/s.
+    /// δ̇* (m/s): the elastic response is learned while the probe presses faster than this. `None` stands
+    /// for 5 δ₀/s.
     pub loading_speed_mps: Option<f32>,
-    /// The weight of Γ₁.
+    /// Weight of the samples in Γ₁.
     pub weight: Weight,
 }
 
-/// The weight that undoes what the logarithm does to small forces.
+/// Weight of a sample in the Hammerstein cascade, which compensates that the logarithm magnifies the
+/// errors of small forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
-    /// e^{y₁} = F, the chapter's.
+    /// The chapter's weight e^{y₁} = F.
     Force,
-    /// e^{2y₁} = F²: minimises the error of F itself.
+    /// The weight e^{2y₁} = F², which minimises the error of F.
     ForceSquared,
 }
 
-/// Scales of the contact. Parameters are reported at `depth_m`.
+/// Depth and force of a typical contact. Parameters are reported at this depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
-    /// δ₀ (m).
+    /// Reference depth δ₀ (m).
     pub depth_m: f32,
-    /// A typical force (N).
+    /// Reference force (N).
     pub force_n: f32,
 }
 
-/// The filter in front of the estimator: one delay for position, speed and force.
+/// The filter in front of the estimator, with the same delay for position, speed and force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
-    /// Second-order state-variable filter, the chapter's.
+    /// The chapter's second-order state-variable filter.
     StateVariable {
         /// Corner frequency (Hz).
         cutoff_hz: f32,
-        /// ζ: 1 is critically damped.
+        /// Damping ratio ζ: 1 is critically damped.
         damping_ratio: f32,
     },
-    /// Savitzky–Golay slope over 2·half_width + 1 samples, with the smoothing that it implies on
-    /// position and force; delay half_width samples at every frequency.
+    /// The Savitzky–Golay slope over 2·half_width + 1 samples, with the smoothing that it implies for
+    /// position and force. Its delay is half_width samples at every frequency: 8 ms by default.
     SavitzkyGolay {
-        /// Samples on either side of the centre.
+        /// Number of samples on either side of the centre.
         half_width: u8,
     },
 }
 
-/// Touch and lift-off.
+/// Detection of touch and lift-off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Where the surface is.
+    /// Source of the position of the surface.
     pub surface: Surface,
-    /// Touch at this many standard deviations of the filtered force.
+    /// Force of a touch, in standard deviations of the raw force.
     pub touch_sigma: f32,
-    /// Lift-off below this many.
+    /// Force of a lift-off, in standard deviations of the raw force.
     pub release_sigma: f32,
-    /// Standard deviation of the raw force (N); `None`: measured while settling.
+    /// Standard deviation of the noise of the raw force (N). `None` stands for that measured while
+    /// settling.
     pub force_noise_n: Option<f32>,
-    /// Time in free air, at the start, over which noise and resting force are measured (s).
+    /// Time in free air at the start over which noise and resting force are measured (s).
     pub settle_s: f32,
 }
 
-/// How the surface is known.
+/// Source of the position of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Surface {
-    /// The position of impact is taken for the surface, anew at every touch (the chapter's way).
+    /// The surface is the position of impact, found anew at every touch as in the chapter.
     AtImpact,
-    /// It is known (m).
+    /// The position of the surface is known.
     Known {
         /// Position of the surface (m).
         position_m: f32,
     },
 }
 
-/// β = 1 − α₁{(1/π)·arctan[α₂(|F − F̂| − α₃)] + ½}, (24).
+/// Error-dependent forgetting factor β = 1 − α₁{(1/π)·arctan[α₂(|F − F̂| − α₃)] + ½}, (24).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forgetting {
-    /// α₁: 1 − α₁ is the forgetting factor for large errors; `None`: 0.03 for the two stages, 0.001
-    /// for Kelvin–Voigt, which on most materials never gets its error small: a memory of a thousand
-    /// samples gives its best average, one of thirty a tangent that turns with every stroke.
+    /// α₁, with 1 − α₁ the forgetting factor for large errors. `None` stands for 0.03 in the methods for
+    /// Hunt–Crossley with two stages or a bank, and 0.001 in the others. The error of Kelvin–Voigt is
+    /// large on most materials: a memory of a thousand samples gives its best average, and one of thirty
+    /// a tangent that turns with every stroke.
     pub alpha_1: Option<f32>,
-    /// α₂ (1/N): steepness of the transition; `None`: 8/α₃.
+    /// α₂ (1/N), the steepness of the transition. `None` stands for 8/α₃.
     pub alpha_2_per_n: Option<f32>,
-    /// α₃ (N): the threshold between small and large errors; `None`: the noise of
-    /// the raw force.
+    /// α₃ (N), the threshold between small and large errors. `None` stands for the noise of the raw
+    /// force.
     pub alpha_3_n: Option<f32>,
-    /// A sample is learned from when the regressor has moved by this fraction of its scale since
-    /// the last one that was: a hold repeats itself and would wind the covariance up. At 0.03 a
-    /// position that jitters by a count of 1 µm at 3 mm does not pass for motion.
+    /// Motion of the regressor that counts as excitation, as a fraction of the regressor: a hold repeats
+    /// one regressor and would let the covariance grow. At 0.03, a position that changes by one count of
+    /// 1 µm at a depth of 3 mm does not count as motion.
     pub excitation_step: f32,
 }
 
-/// Where the estimator starts.
+/// Start values of the parameters and of their covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Initial {
-    /// c of P(0) = c·I, in squared units of the reference scales.
+    /// Factor c of P(0) = c·I, in squared units of the reference scales.
     pub covariance: f32,
-    /// K (N/m) at the reference depth.
+    /// Stiffness K at the reference depth (N/m).
     pub stiffness_n_per_m: f32,
-    /// λ (N s/m) at the reference depth.
+    /// Damping λ at the reference depth (N s/m).
     pub damping_ns_per_m: f32,
-    /// n.
+    /// Exponent n (1).
     pub exponent: f32,
 }
 
-/// When an estimate counts as converged, changed or suspect.
+/// Bounds within which an estimate counts as converged, or as suspect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judgement {
-    /// Converged: every parameter within this fraction of where it was `window_s` of contact ago,
-    /// and every standard error below this fraction of its value.
+    /// Bound for converged estimates: every parameter has changed by less than this fraction within
+    /// `window_s` of contact, and every standard error is below this fraction of its value.
     pub converged_within: f32,
-    /// Time in contact over which parameters must be steady (s).
+    /// Time in contact over which the parameters must be steady (s).
     pub window_s: f32,
-    /// Suspect: mean test ratio over the window above this.
+    /// Bound for a suspect law: the mean test ratio over the window is above this.
     pub suspect_ratio: f32,
 }
 

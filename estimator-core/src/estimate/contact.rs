@@ -1,7 +1,7 @@
-//! Touch and lift-off, and where the surface is.
+//! Detects touch and lift-off, and finds the surface.
 //!
-//! Both are decided on raw samples: a filter smears the kink of a touch over its whole window
-//! (21 ms by default, 250 µm at 12 mm/s). The thresholds are multiples of the measured noise.
+//! Both are decided on raw samples, because a filter smears the kink of a touch over its whole window
+//! (17 ms by default, 200 µm at 12 mm/s). The thresholds are multiples of the measured noise.
 
 use crate::estimate::config::{self, Config};
 use crate::estimate::error::{ConfigError, require};
@@ -10,23 +10,24 @@ use crate::estimate::sample::Sample;
 use crate::estimate::{Event, Phase};
 use crate::maths::scalar::Real;
 
-/// Raw samples kept from before a touch: at 6σ gel is already 0.1 mm deep, some 10 samples.
+/// Number of raw samples kept from before a touch: at 6σ gel is already 0.1 mm deep, some 10 samples.
 const PRE_TRIGGER: usize = 64;
-/// Samples in a row that make a touch: one outlier is none, and the ring gives the delay back.
-const TOUCH_RUN: u32 = 2;
-/// Samples in a row that make a lift-off.
-const RELEASE_RUN: u32 = 3;
+/// Consecutive samples above the threshold that make a touch: one outlier is not a touch, and the
+/// kept samples undo the delay.
+const TOUCH_SAMPLES: u32 = 2;
+/// Consecutive samples below the threshold that make a lift-off.
+const RELEASE_SAMPLES: u32 = 3;
 /// The resting force follows the free-air force with this time constant (s).
 const REST_TIME_S: f64 = 1.0;
-/// Samples next to a contact, on either side, that the resting force is not taken from: what is
-/// pushed by less than the noise is no free air. (Taken up to the touch, gel at 1.2 Hz raised the
-/// resting force by 2 mN and put the surface 1.2 µm too deep.)
-const REST_APART: u32 = 32;
-/// Noise is never taken for less than this fraction of the reference force: a log without noise
-/// would otherwise touch at its first rounding error.
+/// Samples next to a contact, on either side, that the resting force is not taken from: a probe that
+/// is pushed by less than the noise is not in free air. Up to the touch, gel at 1.2 Hz raised the
+/// resting force by 2 mN, which put the surface 1.2 µm too deep.
+const REST_MARGIN: u32 = 32;
+/// Smallest noise that is assumed, as a fraction of the reference force: in a log without noise the
+/// first rounding error would otherwise be a touch.
 pub const NOISE_FLOOR: f64 = 1e-4;
 
-/// Coefficients of touch and lift-off.
+/// Checked parameters of the contact detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactParams<T> {
     surface: Option<T>,
@@ -91,48 +92,49 @@ impl<T: Real> ContactParams<T> {
         })
     }
 
-    /// Whether the surface is configured.
+    /// Whether the configuration gives the position of the surface.
     pub fn surface_known(&self) -> bool {
         self.surface.is_some()
     }
 }
 
-/// A surface position with its uncertainty.
+/// Position of a surface with its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfacePosition<T> {
-    /// Position (m).
+    /// Position of the surface (m).
     pub position_m: T,
-    /// Standard error (m); 0 where it is known.
+    /// Standard error of the position (m); 0 where the position is configured.
     pub std_error_m: T,
 }
 
-/// What the contact detector says about the newest sample.
+/// What the contact detector knows after the newest sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<T> {
     /// Where the probe is.
     pub phase: Phase,
-    /// The phase differs from the last sample's.
+    /// Whether the newest sample is the first of its phase.
     pub changed: bool,
-    /// Raw samples since the touch, or since the force was last lost within the material (a retreat
-    /// that the material cannot follow); 0 in free air.
-    pub run: u32,
-    /// The run began at the surface, and not where a lost force was regained: what the force did
-    /// before it is the law's as well, as far as the probe was in the material.
-    pub fresh: bool,
-    /// The surface of this or the last contact, once there was one.
+    /// Number of consecutive samples under load: since the touch, or since the force was last lost
+    /// within the material by a retreat that the material cannot follow; 0 in free air.
+    pub loaded_samples: u32,
+    /// Whether the load began at the surface, and not where a lost force was regained. If it did, the
+    /// law also explains the force before it, as far as the probe was in the material.
+    pub loaded_from_surface: bool,
+    /// The surface of this contact or of the last one; `None` before the first.
     pub surface: Option<SurfacePosition<T>>,
-    /// Force in free air (N), to be taken off.
-    pub rest_n: T,
-    /// Standard error of it (N), of a force that is white.
-    pub rest_error_n: T,
-    /// Standard deviation of the raw force (N).
-    pub noise_n: T,
-    /// Smallest step that the position has made (m): one count of an encoder; 0 before it moves.
+    /// Mean force in free air (N), to be subtracted.
+    pub resting_force_n: T,
+    /// Standard error of the resting force (N), for white noise.
+    pub resting_force_error_n: T,
+    /// Standard deviation of the noise of the raw force (N).
+    pub force_noise_n: T,
+    /// Smallest step that the position has made (m), which is one count of an encoder; 0 before the
+    /// first motion.
     pub position_step_m: T,
 }
 
 impl<T> Contact<T> {
-    /// Touch or lift-off at the newest sample.
+    /// The touch or lift-off at the newest sample, if there is one.
     pub fn event(&self) -> Option<Event> {
         match (self.changed, self.phase) {
             (true, Phase::Contact) => Some(Event::Contact),
@@ -146,81 +148,83 @@ impl<T> Contact<T> {
 #[derive(Clone, Debug)]
 pub struct ContactState<T> {
     noise: Noise<T>,
-    /// The noise of the cell itself, where samples went through a window before they came here.
-    cell: Noise<T>,
+    /// Noise of the load cell itself, where the samples went through a window before they came here.
+    raw_noise: Noise<T>,
     raw_force_n: Option<T>,
-    rest_n: T,
-    /// 1 over the samples that the resting force is worth.
-    rest_share: T,
-    /// Samples in free air since the last contact.
-    free: u32,
+    resting_force_n: T,
+    /// 1 over the number of samples that the resting force is a mean of.
+    resting_force_gain: T,
+    /// Number of samples in free air since the last contact.
+    free_samples: u32,
     position_step_m: T,
     last_position_m: Option<T>,
-    sigma_n: T,
-    /// What thresholds are multiples of: the noise, or the wander of the free-air force if larger.
+    force_noise_n: T,
+    /// The unit of the thresholds (N): the noise, or the wander of the force in free air if larger.
     wander_n: T,
     phase: Phase,
-    run: u32,
-    fresh: bool,
-    /// The probe has been outside since the last run.
-    left: bool,
-    /// Samples in a row that speak for the other phase.
-    against: u32,
+    loaded_samples: u32,
+    loaded_from_surface: bool,
+    /// Whether the probe has been outside since the last load began.
+    outside_since_load: bool,
+    /// Number of consecutive samples that speak for the other phase.
+    opposing_samples: u32,
     surface: Option<SurfacePosition<T>>,
-    /// The probe has been outside of the last surface since it last touched. If it has not, a lost
-    /// and regained force is a fast retreat within the material and not an impact.
-    outside: bool,
-    ring: [(T, T); PRE_TRIGGER],
+    /// Whether the probe has been outside since it last touched a surface. If it has not, a lost and
+    /// regained force is a fast retreat within the material and not an impact.
+    outside_since_touch: bool,
+    /// Position (m) and force without the resting force (N) of the last samples.
+    recent: [(T, T); PRE_TRIGGER],
     newest: usize,
 }
 
 impl<T: Real> ContactState<T> {
-    /// Before the first sample.
+    /// The state before the first sample.
     pub fn new(params: &ContactParams<T>) -> Self {
         ContactState {
             noise: Noise::default(),
-            cell: Noise::default(),
+            raw_noise: Noise::default(),
             raw_force_n: None,
-            rest_n: T::zero(),
-            rest_share: T::one(),
-            free: 0,
+            resting_force_n: T::zero(),
+            resting_force_gain: T::one(),
+            free_samples: 0,
             position_step_m: T::zero(),
             last_position_m: None,
-            sigma_n: params.noise_floor_n,
+            force_noise_n: params.noise_floor_n,
             wander_n: params.noise_floor_n,
             phase: Phase::Settling,
-            run: 0,
-            fresh: false,
-            left: true,
-            against: 0,
+            loaded_samples: 0,
+            loaded_from_surface: false,
+            outside_since_load: true,
+            opposing_samples: 0,
             surface: None,
-            outside: true,
-            ring: [(T::zero(), T::zero()); PRE_TRIGGER],
+            outside_since_touch: true,
+            recent: [(T::zero(), T::zero()); PRE_TRIGGER],
             newest: 0,
         }
     }
 
-    /// What the force reads in free air (N).
+    /// Mean force in free air (N); 0 while settling.
     pub fn resting_force_n(&self) -> T {
-        self.rest_n
+        self.resting_force_n
     }
 
-    /// Position of the surface (m), once there is one.
+    /// Position of the surface of this contact or of the last one (m); `None` before the first.
     pub fn surface_m(&self) -> Option<T> {
         self.surface.map(|surface| surface.position_m)
     }
 
-    /// Standard deviation of the raw force (N).
+    /// Standard deviation of the noise of the raw force (N).
     pub fn force_noise_n(&self) -> T {
-        self.sigma_n
+        self.force_noise_n
     }
 
-    /// The force (N) as the cell read it, when the next sample's has gone through a window.
+    /// Takes the force (N) as the load cell read it, where that of the next sample went through a
+    /// window.
     pub fn observe_raw_force(&mut self, force_n: T) {
         self.raw_force_n = Some(force_n);
     }
 
-    /// Takes one raw sample.
+    /// Takes one raw sample and says whether the probe touches.
     pub fn update(&mut self, params: &ContactParams<T>, sample: &Sample<T>) -> Contact<T> {
         let before = self.phase;
         self.measure_step(sample.position_m);
@@ -233,12 +237,12 @@ impl<T: Real> ContactState<T> {
         Contact {
             phase: self.phase,
             changed: self.phase != before && before != Phase::Settling,
-            run: self.run,
-            fresh: self.fresh,
+            loaded_samples: self.loaded_samples,
+            loaded_from_surface: self.loaded_from_surface,
             surface: self.surface,
-            rest_n: self.rest_n,
-            rest_error_n: self.sigma_n * self.rest_share.sqrt(),
-            noise_n: self.sigma_n,
+            resting_force_n: self.resting_force_n,
+            resting_force_error_n: self.force_noise_n * self.resting_force_gain.sqrt(),
+            force_noise_n: self.force_noise_n,
             position_step_m: self.position_step_m,
         }
     }
@@ -255,92 +259,104 @@ impl<T: Real> ContactState<T> {
     fn settle(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
         self.noise.update(sample.force_n);
         if let Some(force_n) = self.raw_force_n.take() {
-            self.cell.update(force_n);
+            self.raw_noise.update(force_n);
         }
-        if self.noise.seen() >= params.settle_samples {
-            self.rest_n = self.noise.mean_n();
-            self.rest_share = T::one() / T::from_f64(f64::from(self.noise.seen()));
-            let measured = self.noise.sigma_n().max_of(self.cell.sigma_n());
+        if self.noise.samples() >= params.settle_samples {
+            self.resting_force_n = self.noise.mean_n();
+            self.resting_force_gain = T::one() / T::from_f64(f64::from(self.noise.samples()));
+            let measured = self
+                .noise
+                .white_noise_n()
+                .max_of(self.raw_noise.white_noise_n());
             let sigma = params.configured_noise_n.unwrap_or(measured);
-            self.sigma_n = params.noise_floor_n.max_of(sigma);
+            self.force_noise_n = params.noise_floor_n.max_of(sigma);
             self.wander_n = match params.configured_noise_n {
-                Some(_) => self.sigma_n,
-                None => self.sigma_n.max_of(self.noise.spread_n()),
+                Some(_) => self.force_noise_n,
+                None => self.force_noise_n.max_of(self.noise.std_dev_n()),
             };
             self.phase = Phase::Free;
-            self.free = REST_APART;
+            self.free_samples = REST_MARGIN;
         }
-        self.ring = [(sample.position_m, T::zero()); PRE_TRIGGER];
+        self.recent = [(sample.position_m, T::zero()); PRE_TRIGGER];
     }
 
     fn remember(&mut self, sample: &Sample<T>) {
         self.newest = (self.newest + 1) % PRE_TRIGGER;
-        if let Some(slot) = self.ring.get_mut(self.newest) {
-            *slot = (sample.position_m, sample.force_n - self.rest_n);
+        if let Some(slot) = self.recent.get_mut(self.newest) {
+            *slot = (sample.position_m, sample.force_n - self.resting_force_n);
         }
     }
 
     fn decide(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
-        let force = sample.force_n - self.rest_n;
-        let touching = self.phase == Phase::Contact;
-        let other = match params.surface {
-            Some(surface) => (sample.position_m > surface) != touching,
-            None if touching => force < params.release_sigma * self.wander_n,
-            None => force > params.touch_sigma * self.wander_n,
-        };
-        self.against = if other { self.against + 1 } else { 0 };
-        if self.against >= if touching { RELEASE_RUN } else { TOUCH_RUN } {
-            self.against = 0;
-            self.phase = if touching {
-                Phase::Free
-            } else {
-                Phase::Contact
-            };
-            if !touching && self.outside {
-                self.surface = Some(self.locate(params));
-                self.outside = false;
-            }
-        }
-        let out = self
+        let force_n = sample.force_n - self.resting_force_n;
+        self.decide_phase(params, sample.position_m, force_n);
+        let outside = self
             .surface
             .is_some_and(|surface| sample.position_m < surface.position_m);
-        self.outside |= out;
-        self.left |= out;
-        let pressed = force > params.release_sigma * self.wander_n;
-        if self.phase == Phase::Contact && pressed {
-            if self.run == 0 {
-                self.fresh = core::mem::take(&mut self.left);
+        self.outside_since_touch |= outside;
+        self.outside_since_load |= outside;
+        let loaded = force_n > params.release_sigma * self.wander_n;
+        if self.phase == Phase::Contact && loaded {
+            if self.loaded_samples == 0 {
+                self.loaded_from_surface = core::mem::take(&mut self.outside_since_load);
             }
-            self.run = self.run.saturating_add(1);
+            self.loaded_samples = self.loaded_samples.saturating_add(1);
         } else {
-            self.run = 0;
+            self.loaded_samples = 0;
         }
-        self.free = if self.phase == Phase::Free {
-            self.free.saturating_add(1)
+        self.free_samples = if self.phase == Phase::Free {
+            self.free_samples.saturating_add(1)
         } else {
             0
         };
-        if self.free > 2 * REST_APART {
-            self.follow_rest(params);
+        if self.free_samples > 2 * REST_MARGIN {
+            self.follow_resting_force(params);
         }
     }
 
-    /// Takes the force of a while ago: had that been next to a touch, it would be known by now.
-    fn follow_rest(&mut self, params: &ContactParams<T>) {
-        let then = (self.newest + PRE_TRIGGER - REST_APART as usize) % PRE_TRIGGER;
-        let Some(&(_, force)) = self.ring.get(then) else {
+    /// Changes the phase when enough consecutive samples speak for the other one.
+    fn decide_phase(&mut self, params: &ContactParams<T>, position_m: T, force_n: T) {
+        let touching = self.phase == Phase::Contact;
+        let opposes = match params.surface {
+            Some(surface_m) => (position_m > surface_m) != touching,
+            None if touching => force_n < params.release_sigma * self.wander_n,
+            None => force_n > params.touch_sigma * self.wander_n,
+        };
+        self.opposing_samples = if opposes {
+            self.opposing_samples + 1
+        } else {
+            0
+        };
+        let (needed, other) = match touching {
+            true => (RELEASE_SAMPLES, Phase::Free),
+            false => (TOUCH_SAMPLES, Phase::Contact),
+        };
+        if self.opposing_samples >= needed {
+            self.opposing_samples = 0;
+            self.phase = other;
+            if !touching && core::mem::take(&mut self.outside_since_touch) {
+                self.surface = Some(self.locate(params));
+            }
+        }
+    }
+
+    /// Follows the resting force with the force [`REST_MARGIN`] samples ago: a touch right after it
+    /// would be known by now.
+    fn follow_resting_force(&mut self, params: &ContactParams<T>) {
+        let then = (self.newest + PRE_TRIGGER - REST_MARGIN as usize) % PRE_TRIGGER;
+        let Some(&(_, force)) = self.recent.get(then) else {
             return;
         };
         if force.abs() < T::from_f64(3.0) * self.wander_n {
-            let next = self.rest_share / (T::one() + self.rest_share);
-            self.rest_share = params.rest_gain.max_of(next);
-            self.rest_n += self.rest_share * force;
+            let next = self.resting_force_gain / (T::one() + self.resting_force_gain);
+            self.resting_force_gain = params.rest_gain.max_of(next);
+            self.resting_force_n += self.resting_force_gain * force;
         }
     }
 
-    /// The position of impact: back from the touch to the last sample whose force is within 1σ of
-    /// rest. What is left is a bias of the order of the way from there to the touch, so half of
-    /// that way is the standard error.
+    /// Finds the position of impact: that of the last sample before the touch whose force is within 1σ
+    /// of rest. Its bias is of the order of the way from there to the touch, so half of that way is the
+    /// standard error.
     fn locate(&self, params: &ContactParams<T>) -> SurfacePosition<T> {
         if let Some(position_m) = params.surface {
             return SurfacePosition {
@@ -349,8 +365,8 @@ impl<T: Real> ContactState<T> {
             };
         }
         let (recent, older) = (
-            self.ring.get(..=self.newest),
-            self.ring.get(self.newest + 1..),
+            self.recent.get(..=self.newest),
+            self.recent.get(self.newest + 1..),
         );
         let mut back = recent
             .unwrap_or(&[])
@@ -424,10 +440,10 @@ mod tests {
     fn the_noise_is_that_of_the_cell_where_samples_went_through_a_window() {
         let params = ContactParams::<f64>::validate(&Config::default()).unwrap();
         let noise = |i: u32| if i.is_multiple_of(2) { 0.02 } else { -0.02 };
-        let settled = |hears: bool| {
+        let settled = |observes: bool| {
             let mut state = ContactState::new(&params);
             for i in 0..300 {
-                if hears {
+                if observes {
                     state.observe_raw_force(noise(i));
                 }
                 let averaged = Sample {
@@ -448,7 +464,7 @@ mod tests {
     #[test]
     fn the_resting_force_is_taken_off() {
         let (contacts, _) = approach(&params(Surface::AtImpact), -0.4);
-        assert!((contacts[899].rest_n + 0.4).abs() < 1e-3);
+        assert!((contacts[899].resting_force_n + 0.4).abs() < 1e-3);
         assert_eq!(contacts[899].phase, Phase::Free);
     }
 

@@ -1,13 +1,14 @@
-//! What is wrong with a configuration, said so that it can be put right.
+//! Errors of a configuration, which say what would be right.
 
 use core::fmt;
 
-/// A field of [`crate::Config`] that cannot be used.
+/// The error that a field of [`crate::Config`] cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ConfigError {
-    /// The field, as a path from `Config`: `forgetting.alpha_1`.
+    /// Path of the field from `Config`, such as `forgetting.alpha_1`.
     pub field: &'static str,
-    /// The value that it has.
+    /// Value of the field.
     pub value: f32,
     /// What would be right.
     pub expected: &'static str,
@@ -20,7 +21,8 @@ impl fmt::Display for ConfigError {
 }
 
 impl core::error::Error for ConfigError {}
-/// Ok if `good`, else the error that names the field; NaN is never good.
+
+/// Gives the error that names the field unless `good`, which must be false for NaN.
 pub(crate) fn require(
     good: bool,
     field: &'static str,

@@ -1,4 +1,4 @@
-//! The whole loop on one screen.
+//! The whole loop on one screen: one sample in, one estimate out.
 
 use crate::estimate::contact::{Contact, ContactState, SurfacePosition};
 use crate::estimate::fault::{Fault, Faults};
@@ -10,7 +10,7 @@ use crate::estimate::sample::Sample;
 use crate::estimate::{Estimate, Event, Innovation, Phase};
 use crate::maths::scalar::Real;
 
-/// All that the estimator remembers. Plain data: copy it, keep it, throw it away.
+/// Everything that the estimator remembers, as plain data: it can be copied, stored and replaced.
 #[derive(Clone, Debug)]
 pub struct State<T: Real = f32> {
     filter: FilterState<T>,
@@ -18,14 +18,14 @@ pub struct State<T: Real = f32> {
     identifier: Identifier<T>,
     monitor: ConvergenceMonitor<T>,
     last_time_us: Option<u64>,
-    /// Samples until the filter has forgotten something that must not be learned from.
+    /// Number of samples until the filter has forgotten a fault that must not be learned from.
     holdoff_samples: u32,
     learning: bool,
     last: Estimate<T>,
 }
 
 impl<T: Real> State<T> {
-    /// Before the first sample; also how an estimator is reset.
+    /// The state before the first sample; a new state also resets an estimator.
     pub fn new(params: &Params<T>) -> Self {
         State {
             filter: FilterState::new(&params.filter),
@@ -39,33 +39,34 @@ impl<T: Real> State<T> {
         }
     }
 
-    /// The force (N) as the load cell read it, before a sample that went through the window of a
-    /// [`crate::estimate::compensation::Compensation`]: what is averaged there is no measure of the noise any more, and
-    /// the estimates would look ten times better than they are.
+    /// Takes the force (N) as the load cell read it, before a [`step`] with a sample that went through
+    /// the window of a [`Compensation`](crate::estimate::compensation::Compensation). The averaged force
+    /// is no measure of the noise, and with it standard errors would be ten times too small.
     pub fn observe_raw_force(&mut self, force_n: T) {
         self.contact.observe_raw_force(force_n);
     }
 
-    /// Whether samples teach: on at the start. Off, the estimates stay as they are, and prediction,
-    /// innovation and contact go on.
+    /// Switches learning on or off; it is on at the start. While it is off the estimates stay as they
+    /// are, and prediction, innovation and contact detection go on.
     pub fn enable_learning(&mut self, on: bool) {
         self.learning = on;
     }
 
-    /// Forgets the material, values and covariance, as if nothing had been touched: they start again
-    /// from [`crate::estimate::config::Initial`]. Filter, resting force, noise and contact go on.
+    /// Forgets the material, as if nothing had been touched: values and covariance start again from
+    /// [`Initial`](crate::estimate::config::Initial). Filter, resting force, noise and contact detection
+    /// go on.
     pub fn reset_estimates(&mut self, params: &Params<T>) {
         self.identifier = Identifier::new(&params.identify);
         self.monitor = ConvergenceMonitor::new();
         self.last.parameters = Estimate::nothing(params.law()).parameters;
     }
 
-    /// What the force reads in free air (N), as it is taken off now; 0 while settling.
+    /// Mean force in free air (N), which is subtracted from every force; 0 while settling.
     pub fn resting_force_n(&self) -> T {
         self.contact.resting_force_n()
     }
 
-    /// Position of the surface (m) that depths are measured from, once there is one.
+    /// Position of the surface (m) that depths are measured from; `None` before the first touch.
     pub fn surface_m(&self, params: &Params<T>) -> Option<T> {
         if params.contact.surface_known() {
             return self.contact.surface_m();
@@ -77,43 +78,49 @@ impl<T: Real> State<T> {
         found.or(self.contact.surface_m())
     }
 
-    /// Standard deviation of the raw force (N) that thresholds and standard errors rest on.
+    /// Standard deviation of the noise of the raw force (N), the unit of thresholds and standard errors.
     pub fn force_noise_n(&self) -> T {
         self.contact.force_noise_n()
     }
 }
 
-/// A sample is usable when its force and position are within this many times the reference force and
-/// depth: beyond it, squares would leave the range of single precision.
+/// Largest force and position of a usable sample, over the reference force and depth: beyond it,
+/// squares would leave the range of single precision.
 pub const RANGE: f64 = 1e6;
-/// An instant is learned from when its force is above this many standard deviations.
+/// Smallest force that is learned from, in standard deviations of the filtered force.
 const LEARN_SIGMAS: f64 = 6.0;
-/// An instant is learned from within this many reference depths and speeds: 1 m and 10 m/s at 1 mm.
-/// What an encoder that jumps makes of the motion would otherwise settle the estimates for good.
+/// Largest depth and speed that are learned from, over the reference depth and speed: 1 m and 10 m/s at
+/// 1 mm. The motion that follows from a jump of the encoder would otherwise settle the estimates for
+/// good.
 const PLAUSIBLE: f64 = 1e3;
-/// Standard deviation of the error of a count, in counts: 1/√12.
+/// Standard deviation of the quantization error, in counts: 1/√12.
 const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
-/// Most samples that a count of the encoder is taken to last: what a hold is worth.
+/// Largest number of samples that one count of the encoder is assumed to last, which bounds what a
+/// hold is worth.
 const LONGEST_COUNT: f64 = 256.0;
-/// Least standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
+/// Smallest standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
 const IMPACT_FLOOR: f64 = 5e-3;
 
-/// With one of these, a sample goes through filters and contact detection, but is not learned from,
-/// nor is anything that the filter still remembers of it.
-const NOT_LEARNED_FROM: [Fault; 5] = [
-    Fault::SampleMissed,
-    Fault::ForceSaturated,
-    Fault::ForceStuck,
-    Fault::PositionJump,
-    Fault::PositionStuck,
-];
+/// Faults with which a sample is dropped.
+const DROPPED: Faults = Faults::NONE
+    .with(Fault::ForceUnusable)
+    .with(Fault::PositionUnusable)
+    .with(Fault::TimeNotAdvancing);
+/// Faults with which a sample goes through filters and contact detection, but is not learned from, for
+/// as long as the filter remembers it.
+const NOT_LEARNED_FROM: Faults = Faults::NONE
+    .with(Fault::SampleMissed)
+    .with(Fault::ForceSaturated)
+    .with(Fault::ForceStuck)
+    .with(Fault::PositionJump)
+    .with(Fault::PositionStuck);
 
-/// Takes one sample and says what is known after it. Never panics, never allocates; every number in
-/// the result is finite, whatever comes in.
+/// Takes one sample and gives the estimate after it. It never panics and never allocates, and every
+/// number of the estimate is finite whatever the sample contains.
 pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>) -> Estimate<T> {
-    let elapsed_s = state.elapsed_s(params, &sample);
-    let faults = state.admit(params, &sample);
-    if is_dropped(faults) {
+    let elapsed_us = state.elapsed_us(params, &sample);
+    let faults = faults(params, &sample, elapsed_us);
+    if faults.intersects(DROPPED) {
         return Estimate {
             faults,
             event: None,
@@ -121,16 +128,12 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
             ..state.last
         };
     }
+    state.accept(params, &sample, elapsed_us, faults);
     let aligned = state.filter.update(&params.filter, &sample);
     let contact = state.contact.update(&params.contact, &sample);
-    let (instant, noise) = scaled(params, &aligned, &contact);
-    let instant = Instant {
-        elapsed_s,
-        ..instant
-    };
-    if contact.phase == Phase::Contact {
-        state.monitor.touched();
-    }
+    let instant = scaled(params, &aligned, &contact, elapsed_us);
+    let noise = force_noise(params, &contact);
+    state.monitor.observe_phase(contact.phase);
     let innovation = state.predict(params, &contact, &instant, &noise);
     let learned = state.learn(params, &contact, &instant, &noise, &innovation);
     let change = learned.and_then(|_| state.assess(params, &contact, &noise, &innovation));
@@ -152,48 +155,29 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
 }
 
 impl<T: Real> State<T> {
-    /// Since the last sample that was used (s).
-    fn elapsed_s(&self, params: &Params<T>, sample: &Sample<T>) -> T {
-        let elapsed_us = match self.last_time_us {
+    /// Time since the last sample that was used (µs); one period at the first sample.
+    fn elapsed_us(&self, params: &Params<T>, sample: &Sample<T>) -> u64 {
+        match self.last_time_us {
             Some(last) => sample.time_us.saturating_sub(last),
             None => params.period_us,
-        };
-        T::from_f64(1e-6 * elapsed_us as f64)
+        }
     }
 
-    /// What is wrong with the sample; restarts the filters after a gap.
-    fn admit(&mut self, params: &Params<T>, sample: &Sample<T>) -> Faults {
-        let mut faults = sample.faults;
-        if !within(sample.force_n, params.identify.scale.force_n) {
-            faults = faults.with(Fault::ForceUnusable);
-        }
-        if !within(sample.position_m, params.identify.scale.depth_m) {
-            faults = faults.with(Fault::PositionUnusable);
-        }
-        let elapsed = self
-            .last_time_us
-            .map(|last| sample.time_us.saturating_sub(last));
-        if elapsed == Some(0) {
-            faults = faults.with(Fault::TimeNotAdvancing);
-        }
-        if is_dropped(faults) {
-            return faults;
-        }
+    /// Restarts the filter where the signals jump, and holds off learning until the filter has forgotten
+    /// a fault.
+    fn accept(&mut self, params: &Params<T>, sample: &Sample<T>, elapsed_us: u64, faults: Faults) {
         self.last_time_us = Some(sample.time_us);
-        if elapsed.is_some_and(|elapsed| elapsed > params.period_us + params.period_us / 2) {
-            faults = faults.with(Fault::SampleMissed);
-            self.filter.restart(sample);
-        } else if faults.has(Fault::PositionJump) {
+        if is_gap(params, elapsed_us) || faults.has(Fault::PositionJump) {
             self.filter.restart(sample);
         }
-        self.holdoff_samples = self.holdoff_samples.saturating_sub(1);
-        if NOT_LEARNED_FROM.iter().any(|fault| faults.has(*fault)) {
-            self.holdoff_samples = params.filter.memory_samples();
-        }
-        faults
+        self.holdoff_samples = if faults.intersects(NOT_LEARNED_FROM) {
+            params.filter.memory_samples()
+        } else {
+            self.holdoff_samples.saturating_sub(1)
+        };
     }
 
-    /// The surface as the estimator finds it, else as the contact detector does.
+    /// The surface that the estimator has found, otherwise that of the contact detector.
     fn surface(&self, params: &Params<T>, contact: &Contact<T>) -> Option<SurfacePosition<T>> {
         if params.contact.surface_known() {
             return contact.surface;
@@ -204,7 +188,7 @@ impl<T: Real> State<T> {
             .or(contact.surface)
     }
 
-    /// Penetration (m); 0 while no surface is known.
+    /// Penetration (m); 0 before a surface is known.
     fn depth_m(&self, params: &Params<T>, contact: &Contact<T>, aligned: &Aligned<T>) -> T {
         match self.surface(params, contact) {
             Some(surface) => aligned.position_m - surface.position_m,
@@ -212,7 +196,7 @@ impl<T: Real> State<T> {
         }
     }
 
-    /// Prediction against observation, scaled; nothing outside contact.
+    /// Compares prediction and observation in scaled units; gives zero outside contact.
     fn predict(
         &self,
         params: &Params<T>,
@@ -233,8 +217,8 @@ impl<T: Real> State<T> {
         )
     }
 
-    /// Learns if there is something to learn from, and gives the forgetting factor that it used.
-    /// The whole window of the filter must lie inside the contact, and the force above the noise.
+    /// Learns from the instant if it is usable: the whole window of the filter must lie inside the
+    /// contact, and the force above the noise. Gives the forgetting factor that was used.
     fn learn(
         &mut self,
         params: &Params<T>,
@@ -243,24 +227,29 @@ impl<T: Real> State<T> {
         noise: &ForceNoise<T>,
         innovation: &Innovation<T>,
     ) -> Option<T> {
-        let filled = contact.run >= params.filter.memory_samples();
-        let known = contact.fresh && contact.run > 0 && self.identifier.is_inside(at);
+        let filled = contact.loaded_samples >= params.filter.memory_samples();
+        let known = contact.loaded_from_surface
+            && contact.loaded_samples > 0
+            && self.identifier.is_inside(at);
         let inside = (filled || known) && self.holdoff_samples == 0;
-        let above = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
+        let above_noise = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.abs() < widest && at.speed.abs() < widest;
-        let usable = self.learning && inside && above && plausible;
+        let usable = self.learning && inside && above_noise && plausible;
         let touching = contact.phase == Phase::Contact;
         self.identifier.follow(at, noise, usable, touching);
         if !usable {
             return None;
         }
         let error_n = innovation.innovation_n * params.identify.scale.force_n;
-        let beta = params.identify.forgetting.beta(error_n, contact.noise_n);
+        let beta = params
+            .identify
+            .forgetting
+            .beta(error_n, contact.force_noise_n);
         self.identifier.learn(&params.identify, at, noise, beta)
     }
 
-    /// What the new parameters are worth; refreshes the ones that are reported.
+    /// Updates the status and the parameters that are reported; gives a change of the material.
     fn assess(
         &mut self,
         params: &Params<T>,
@@ -278,19 +267,20 @@ impl<T: Real> State<T> {
             .iter_mut()
             .for_each(|parameter| parameter.std_error *= misfit);
         let law = self.identifier.law(&params.identify);
-        let own = estimates.get(..law.parameters().len() - 1).unwrap_or(&[]);
+        // The last parameter of every law is the surface.
+        let estimates = estimates.get(..law.parameters().len() - 1).unwrap_or(&[]);
         let event = self
             .monitor
-            .update(&params.monitor, own, innovation.test_ratio);
+            .update(&params.monitor, estimates, innovation.test_ratio);
         self.last.law = law;
-        self.last.parameters = identify::report(&params.identify, law, own, surface);
+        self.last.parameters = identify::report(&params.identify, law, estimates, surface);
         if event == Some(Event::MaterialChange) {
             self.identifier.reset_covariance(&params.identify);
         }
         event
     }
 
-    /// Keeps the record for the next sample, or starts anew if it is not finite.
+    /// Keeps the estimate for the next sample, or starts anew if it is not finite.
     fn keep(&mut self, params: &Params<T>, estimate: Estimate<T>) -> Estimate<T> {
         if estimate.is_finite() {
             self.last = estimate;
@@ -311,71 +301,89 @@ impl<T: Real> State<T> {
     }
 }
 
-fn within<T: Real>(value: T, reference: T) -> bool {
+/// The faults of a sample: those that its reader reports, and those that are found here.
+fn faults<T: Real>(params: &Params<T>, sample: &Sample<T>, elapsed_us: u64) -> Faults {
+    let mut faults = sample.faults;
+    if !within_range(sample.force_n, params.identify.scale.force_n) {
+        faults = faults.with(Fault::ForceUnusable);
+    }
+    if !within_range(sample.position_m, params.identify.scale.depth_m) {
+        faults = faults.with(Fault::PositionUnusable);
+    }
+    if elapsed_us == 0 {
+        faults = faults.with(Fault::TimeNotAdvancing);
+    }
+    if is_gap(params, elapsed_us) && !faults.intersects(DROPPED) {
+        faults = faults.with(Fault::SampleMissed);
+    }
+    faults
+}
+
+/// Whether samples are missing: more than 1.5 periods have elapsed.
+fn is_gap<T: Real>(params: &Params<T>, elapsed_us: u64) -> bool {
+    elapsed_us > params.period_us + params.period_us / 2
+}
+
+fn within_range<T: Real>(value: T, reference: T) -> bool {
     value.abs() < T::from_f64(RANGE) * reference
 }
 
-fn is_dropped(faults: Faults) -> bool {
-    [
-        Fault::ForceUnusable,
-        Fault::PositionUnusable,
-        Fault::TimeNotAdvancing,
-    ]
-    .into_iter()
-    .any(|fault| faults.has(fault))
-}
-
-/// Standard error of the surface position, scaled. An impact is never known better than its floor, a
-/// surface that is told no better than the encoder can place it: a count is 1/√12 uncertain.
+/// Standard error of the surface position, scaled. It is at least [`IMPACT_FLOOR`] for an impact, and
+/// the quantization error of the encoder for a configured surface.
 fn surface_error<T: Real>(params: &Params<T>, contact: &Contact<T>) -> T {
-    let own = contact.surface.unwrap_or_default().std_error_m / params.identify.scale.depth_m;
+    let depth_m = params.identify.scale.depth_m;
     if params.contact.surface_known() {
-        contact.position_step_m * T::from_f64(COUNT_ERROR) / params.identify.scale.depth_m
-    } else {
-        own.max_of(T::from_f64(IMPACT_FLOOR))
+        return contact.position_step_m * T::from_f64(COUNT_ERROR) / depth_m;
     }
+    let impact = contact.surface.unwrap_or_default().std_error_m / depth_m;
+    impact.max_of(T::from_f64(IMPACT_FLOOR))
 }
 
-/// The aligned signals and the noise in the scales of the estimators.
+/// The aligned signals in the scales of the estimators.
 fn scaled<T: Real>(
     params: &Params<T>,
     aligned: &Aligned<T>,
     contact: &Contact<T>,
-) -> (Instant<T>, ForceNoise<T>) {
+    elapsed_us: u64,
+) -> Instant<T> {
     let scale = &params.identify.scale;
-    let surface = match contact.surface {
+    let surface_m = match contact.surface {
         Some(surface) => surface.position_m,
         None => aligned.position_m,
     };
-    let instant = Instant {
-        depth: (aligned.position_m - surface) / scale.depth_m,
+    Instant {
+        depth: (aligned.position_m - surface_m) / scale.depth_m,
         speed: aligned.speed_mps / scale.speed_mps,
-        force: (aligned.force_n - contact.rest_n) / scale.force_n,
-        surface: surface / scale.depth_m,
+        force: (aligned.force_n - contact.resting_force_n) / scale.force_n,
+        surface: surface_m / scale.depth_m,
         surface_error: surface_error(params, contact),
         spread: aligned.spread_m2 / (scale.depth_m * scale.depth_m),
         coupling: aligned.coupling_m2ps / (scale.depth_m * scale.speed_mps),
-        elapsed_s: T::zero(),
+        elapsed_s: T::from_f64(1e-6 * elapsed_us as f64),
         rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
-        jitter: jitter_m2(params, aligned, contact) / (scale.depth_m * scale.depth_m),
-        rest_error: contact.rest_error_n / scale.force_n,
-    };
-    (instant, force_noise(params, contact))
+        jitter: quantization_variance_m2(params, aligned, contact)
+            / (scale.depth_m * scale.depth_m),
+        rest_error: contact.resting_force_error_n / scale.force_n,
+    }
 }
 
-/// Variance that the counts of an encoder give an instant (m²): q²/12, times the samples that a count
-/// lasts, since they all err alike.
-fn jitter_m2<T: Real>(params: &Params<T>, aligned: &Aligned<T>, contact: &Contact<T>) -> T {
+/// Variance of the position of an instant by the counts of the encoder (m²): q²/12, times the number of
+/// samples that a count lasts, since all of them have the same error.
+fn quantization_variance_m2<T: Real>(
+    params: &Params<T>,
+    aligned: &Aligned<T>,
+    contact: &Contact<T>,
+) -> T {
     let step_m = contact.position_step_m;
     let moved_m = aligned.speed_mps.abs() * params.period_s;
     let error_m = step_m * T::from_f64(COUNT_ERROR);
-    let lasts = T::one().max_of(step_m / (moved_m + step_m * T::from_f64(1.0 / LONGEST_COUNT)));
-    error_m * error_m * lasts
+    let lasting = T::one().max_of(step_m / (moved_m + step_m * T::from_f64(1.0 / LONGEST_COUNT)));
+    error_m * error_m * lasting
 }
 
-/// What the force channel is worth, scaled.
+/// Standard deviations of the raw and of the filtered force, scaled.
 fn force_noise<T: Real>(params: &Params<T>, contact: &Contact<T>) -> ForceNoise<T> {
-    let raw = contact.noise_n / params.identify.scale.force_n;
+    let raw = contact.force_noise_n / params.identify.scale.force_n;
     ForceNoise {
         raw,
         filtered: raw * params.filter.noise_gain().sqrt(),

@@ -1,50 +1,54 @@
-//! What can be wrong with a sample or a board, by number.
+//! Numbered faults of samples and boards.
 
-/// A numbered fault. The numbers are stable: they stand in frames, logs and `estimate.json`.
+/// A fault of a sample or of a board. The codes are stable, since frames, logs and `estimate.json`
+/// contain them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 #[repr(u8)]
 pub enum Fault {
     /// The force is NaN, infinite or beyond [`crate::estimate::estimator::RANGE`]; the sample is dropped.
     ForceUnusable = 1,
     /// The position is NaN, infinite or beyond [`crate::estimate::estimator::RANGE`]; the sample is dropped.
     PositionUnusable = 2,
-    /// The time did not advance; the sample is dropped.
+    /// The time stamp is not later than that of the last sample; the sample is dropped.
     TimeNotAdvancing = 3,
-    /// More than 1.5 periods since the last sample; the filters start anew.
+    /// More than 1.5 periods have passed since the last sample; the filters start anew.
     SampleMissed = 4,
-    /// The force channel stands at the end of its range; the sample is not learned from.
+    /// The force is at the end of its range; the sample is not learned from.
     ForceSaturated = 5,
-    /// The 1 kHz task was late; reported by the board.
+    /// The 1 kHz task was late. Reported by the board.
     Overrun = 6,
-    /// A calculation left the finite numbers; the estimator started anew.
+    /// The result of a calculation was not finite; the estimator started anew.
     NotFinite = 7,
-    /// The force has had one code for too long: a converter that hangs, a cable that is off; the
-    /// sample is not learned from. Reported by [`crate::board::sensing`], as are the next four.
+    /// The force has not changed for too long, because the converter hangs or a cable is off; the sample
+    /// is not learned from. Reported by [`crate::board::sensing`].
     ForceStuck = 8,
-    /// The position moved faster than the probe can; the filters start anew.
+    /// The position moved faster than the probe can; the filters start anew. Reported by
+    /// [`crate::board::sensing`].
     PositionJump = 9,
-    /// The force rises while the position stands still; the sample is not learned from.
+    /// The force rises while the position does not change; the sample is not learned from. Reported by
+    /// [`crate::board::sensing`].
     PositionStuck = 10,
-    /// The settings in the board's memory cannot be used, and the defaults took their place.
+    /// The stored settings of the board cannot be used, and it runs on the defaults.
     SettingsInvalid = 11,
-    /// Force or position has not been calibrated: numbers have the scale of the wiring's data sheet.
+    /// Force or position has not been calibrated: their scale is that of the data sheets.
     NotCalibrated = 12,
-    /// The law does not explain the force: the estimate's status is `model_suspect`. Reported by the
-    /// board in its [`crate::board::link::Health`]; an estimate says it by its status.
+    /// The law does not explain the force. Reported by the board in its [`crate::board::link::Health`];
+    /// in an estimate the status `model_suspect` says it.
     EstimatorSuspect = 13,
-    /// The board's crystal is dead and its clock the internal oscillator: time is off by up to 1 %,
-    /// speed and damping with it. Reported by the board.
+    /// The crystal of the board does not run, and its clock is the internal oscillator: time, speed and
+    /// damping are wrong by up to 1 %. Reported by the board.
     ClockInternal = 14,
-    /// Impedances to render have stopped coming: the force has faded out, or is about to. Reported by
-    /// [`crate::board::reflection::Renderer`], as is the next.
+    /// No impedances to render arrive any more, and the force fades out. Reported by
+    /// [`crate::board::reflection::Renderer`].
     RenderStopped = 15,
-    /// What is rendered is not a usable number, or the position that it is rendered at is none: the
-    /// force is zero.
+    /// The impedance or the position to render is not a usable number, and the force is zero. Reported by
+    /// [`crate::board::reflection::Renderer`].
     RenderUnusable = 16,
 }
 
 impl Fault {
-    /// All faults in the order of their numbers.
+    /// All faults in the order of their codes.
     pub const ALL: [Fault; 16] = [
         Fault::ForceUnusable,
         Fault::PositionUnusable,
@@ -64,12 +68,12 @@ impl Fault {
         Fault::RenderUnusable,
     ];
 
-    /// The stable number.
+    /// The stable code of the fault.
     pub const fn code(self) -> u8 {
         self as u8
     }
 
-    /// A short sentence for people.
+    /// Describes the fault in a short sentence for people.
     pub const fn describe(self) -> &'static str {
         match self {
             Fault::ForceUnusable => "force is not a usable number, sample dropped",
@@ -94,25 +98,25 @@ impl Fault {
     }
 }
 
-/// A set of [`Fault`]s; bit `code − 1` stands for the fault with that code.
+/// A set of [`Fault`]s, in which bit `code − 1` stands for the fault with that code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults(u16);
 
 impl Faults {
-    /// Nothing wrong.
+    /// The empty set.
     pub const NONE: Faults = Faults(0);
 
-    /// The set as bits, for frames.
+    /// The bits of the set, as frames contain them.
     pub const fn bits(self) -> u16 {
         self.0
     }
 
-    /// The set from bits of a frame; unknown bits are kept.
+    /// The set with these bits of a frame; unknown bits are kept.
     pub const fn from_bits(bits: u16) -> Faults {
         Faults(bits)
     }
 
-    /// This set and one fault more.
+    /// Adds a fault to the set.
     pub const fn with(self, fault: Fault) -> Faults {
         Faults(self.0 | 1 << (fault.code() - 1))
     }
@@ -122,7 +126,17 @@ impl Faults {
         self.0 & (1 << (fault.code() - 1)) != 0
     }
 
-    /// The faults in the set, by number.
+    /// Whether the two sets have a fault in common.
+    pub const fn intersects(self, others: Faults) -> bool {
+        self.0 & others.0 != 0
+    }
+
+    /// The faults that are in both sets.
+    pub const fn intersection(self, others: Faults) -> Faults {
+        Faults(self.0 & others.0)
+    }
+
+    /// The faults in the set, in the order of their codes.
     pub fn iter(self) -> impl Iterator<Item = Fault> {
         Fault::ALL.into_iter().filter(move |fault| self.has(*fault))
     }

@@ -1,22 +1,24 @@
-//! Whether an estimate has converged: parameters that stay, standard errors within the bound, and
-//! innovations that the noise explains.
+//! Decides whether an estimate has converged: its parameters are steady, their standard errors are
+//! within the bound, and the noise explains the innovations.
 
 use crate::estimate::config::Config;
 use crate::estimate::error::{ConfigError, require};
-use crate::estimate::phase::Event;
+use crate::estimate::phase::{Event, Phase};
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::status::Status;
 use crate::maths::scalar::Real;
 
-/// Snapshots of the parameters that steadiness is judged over.
+/// Number of snapshots of the parameters that steadiness is decided over.
 const SNAPSHOTS: usize = 8;
-/// Memory of the quick mean of the test ratio (samples): 20 ms at 1 kHz.
-const QUICK: f64 = 20.0;
-/// A change: the quick mean is this many times what the law used to leave. At 20 independent
-/// samples the quick mean exceeds 12 by chance with probability below 10⁻³⁰.
+/// Memory of the fast mean of the test ratio (samples): 20 ms at 1 kHz.
+const FAST_SAMPLES: f64 = 20.0;
+/// The material has changed when the fast mean of the test ratio exceeds the slow one this many times.
+/// With 20 independent samples the fast mean exceeds 12 by chance with probability below 10⁻³⁰.
 const CHANGE_RATIO: f64 = 12.0;
+/// Largest test ratio that enters the means: a single outlier must not fill them for seconds.
+const MAX_RATIO: f64 = 1e6;
 
-/// Bounds of the judgement.
+/// Checked bounds of the convergence monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MonitorParams<T> {
     converged_within: T,
@@ -56,93 +58,94 @@ impl<T: Real> MonitorParams<T> {
     }
 }
 
-/// One parameter as the monitor sees it: value, standard error and the size that both are compared
-/// with, all in the same unit.
+/// One parameter with its standard error and the scale that both are compared with, all in the same
+/// unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ParameterEstimate<T> {
-    /// The estimate.
+    /// Estimated value.
     pub value: T,
-    /// Its standard error.
+    /// Standard error of the value.
     pub std_error: T,
-    /// The size of a contribution that matters.
+    /// Change of the value that matters; 0 for a parameter that cannot be observed.
     pub scale: T,
 }
 
 impl<T: Real> ParameterEstimate<T> {
-    /// A parameter with half its size of error is not known.
+    /// Whether the data determine the parameter: its standard error is below half of its scale.
     pub fn observable(&self) -> bool {
         self.std_error < T::from_f64(0.5) * self.scale
     }
 }
 
-/// State of the judgement: called for every sample that was learned from.
+/// State of the convergence monitor, updated with every sample that was learned from.
 #[derive(Clone, Debug)]
 pub struct ConvergenceMonitor<T> {
     status: Status,
-    quick: T,
-    slow: T,
+    /// Means of the test ratio over 20 samples and over a window.
+    fast_ratio: T,
+    slow_ratio: T,
     snapshots: [[T; PARAMETER_SLOTS]; SNAPSHOTS],
+    /// Number of snapshots taken; counts on in a circle above [`SNAPSHOTS`] once all are taken.
     taken: usize,
+    /// Number of samples until the next snapshot.
     until_snapshot: u32,
-    changed_for: u32,
+    /// Number of samples for which the status stays [`Status::Changed`].
+    changed_samples: u32,
 }
 
 impl<T: Real> ConvergenceMonitor<T> {
-    /// Before the first contact.
+    /// The state before the first contact.
     pub fn new() -> Self {
         ConvergenceMonitor {
             status: Status::NoContact,
-            quick: T::one(),
-            slow: T::one(),
+            fast_ratio: T::one(),
+            slow_ratio: T::one(),
             snapshots: [[T::zero(); PARAMETER_SLOTS]; SNAPSHOTS],
             taken: 0,
             until_snapshot: 0,
-            changed_for: 0,
+            changed_samples: 0,
         }
     }
 
-    /// The verdict so far.
+    /// Status of the estimate after the last sample.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// By how much the innovations exceed the noise, 1 or more; multiplies standard errors.
+    /// Factor by which the innovations exceed the noise, at least 1: standard errors are multiplied by it.
     pub fn misfit(&self) -> T {
-        T::one().max_of(self.slow).sqrt()
+        T::one().max_of(self.slow_ratio).sqrt()
     }
 
-    /// Something is being touched.
-    pub fn touched(&mut self) {
-        if self.status == Status::NoContact {
+    /// Takes the phase of a sample, learned from or not.
+    pub fn observe_phase(&mut self, phase: Phase) {
+        if phase == Phase::Contact && self.status == Status::NoContact {
             self.status = Status::Unobservable;
         }
     }
 
-    /// Takes the parameters after a sample and the test ratio before it.
+    /// Takes the parameters after a sample and the test ratio of its innovation; says whether the
+    /// material has changed.
     pub fn update(
         &mut self,
         params: &MonitorParams<T>,
         parameters: &[ParameterEstimate<T>],
         test_ratio: T,
     ) -> Option<Event> {
-        let ratio = if test_ratio > T::from_f64(1e6) {
-            T::from_f64(1e6)
-        } else {
-            test_ratio
-        };
-        self.quick += T::from_f64(1.0 / QUICK) * (ratio - self.quick);
-        let usual = T::one().max_of(self.slow);
-        self.slow += params.slow_gain * (ratio - self.slow);
+        let ratio = test_ratio.min_of(T::from_f64(MAX_RATIO));
+        self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
+        let baseline = T::one().max_of(self.slow_ratio);
+        self.slow_ratio += params.slow_gain * (ratio - self.slow_ratio);
         let steady_so_far = matches!(self.status, Status::Converged | Status::ModelSuspect);
-        if steady_so_far && self.quick > T::from_f64(CHANGE_RATIO) * usual {
-            self.start_anew(params);
+        if steady_so_far && self.fast_ratio > T::from_f64(CHANGE_RATIO) * baseline {
+            self.restart(params);
             return Some(Event::MaterialChange);
         }
         let steady = self.steady(params, parameters);
-        self.changed_for = self.changed_for.saturating_sub(1);
-        self.status = if self.changed_for > 0 {
+        self.changed_samples = self.changed_samples.saturating_sub(1);
+        self.status = if self.changed_samples > 0 {
             Status::Changed
-        } else if self.taken >= SNAPSHOTS && self.slow > params.suspect_ratio {
+        } else if self.taken >= SNAPSHOTS && self.slow_ratio > params.suspect_ratio {
             Status::ModelSuspect
         } else if !parameters.iter().all(ParameterEstimate::observable) {
             Status::Unobservable
@@ -154,15 +157,16 @@ impl<T: Real> ConvergenceMonitor<T> {
         None
     }
 
-    fn start_anew(&mut self, params: &MonitorParams<T>) {
+    /// Starts anew for another material.
+    fn restart(&mut self, params: &MonitorParams<T>) {
         self.status = Status::Changed;
-        self.changed_for = params.window / 2;
+        self.changed_samples = params.window / 2;
         self.taken = 0;
-        self.slow = T::one();
+        self.slow_ratio = T::one();
     }
 
-    /// Every standard error within the bound, and every parameter within it of all the snapshots,
-    /// which span one window of learning.
+    /// Whether every standard error is within the bound, and every parameter within the bound of all its
+    /// snapshots, which span one window of learning.
     fn steady(&mut self, params: &MonitorParams<T>, parameters: &[ParameterEstimate<T>]) -> bool {
         let mut steady = self.taken >= SNAPSHOTS;
         for (slot, parameter) in parameters.iter().enumerate() {
@@ -180,7 +184,6 @@ impl<T: Real> ConvergenceMonitor<T> {
                     *then = parameter.value;
                 }
             }
-            // Counts on in a circle, above SNAPSHOTS once it is full.
             self.taken = if self.taken + 1 < 2 * SNAPSHOTS {
                 self.taken + 1
             } else {

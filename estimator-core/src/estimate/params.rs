@@ -1,4 +1,4 @@
-//! Checked parameters: what [`Config::validate`] makes of a configuration, once, outside the loop.
+//! Checked parameters, which [`Config::validate`] makes of a configuration once, outside the loop.
 
 use crate::estimate::config::Config;
 use crate::estimate::contact::ContactParams;
@@ -9,7 +9,7 @@ use crate::estimate::monitor::MonitorParams;
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
-/// Coefficients of the loop, ready to use. Made by [`Config::validate`] only.
+/// Checked parameters of the loop, which only [`Config::validate`] makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params<T> {
     pub(crate) period_us: u64,
@@ -21,27 +21,27 @@ pub struct Params<T> {
 }
 
 impl<T: Real> Params<T> {
-    /// Delay of every record behind the newest sample (µs).
+    /// Delay of every estimate behind the newest sample (µs).
     pub fn delay_us(&self) -> u64 {
         self.filter.delay_us()
     }
 
-    /// The law that is identified.
+    /// The law that the configured method identifies.
     pub fn law(&self) -> LawKind {
         self.identify.method.law()
     }
 
-    /// (α₁, α₂ (1/N), α₃ (N)) of (24) at a noise of the raw force (N).
+    /// The coefficients α₁, α₂ (1/N) and α₃ (N) of (24) for a raw force with this noise (N).
     pub fn alphas(&self, noise_n: T) -> (T, T, T) {
         self.identify.forgetting.alphas(noise_n)
     }
 }
 
 impl Config {
-    /// Checks every field and makes the coefficients.
+    /// Checks every field and makes the parameters of the loop.
     ///
     /// # Errors
-    /// The first field that cannot be used, with its value and what would be right.
+    /// The error names the first field that cannot be used, its value and what would be right.
     pub fn validate<T: Real>(&self) -> Result<Params<T>, ConfigError> {
         let rate = self.rate_hz;
         require(

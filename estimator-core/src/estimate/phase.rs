@@ -1,20 +1,20 @@
-//! Where the probe is, and what happened to it.
+//! Phases and events of a contact.
 
-/// Where the probe is.
+/// Phase of a contact: where the probe is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Phase {
-    /// Measuring the noise and the resting force; the probe should be in free air.
+    /// Noise and resting force are being measured; the probe should be in free air.
     #[default]
     Settling = 0,
-    /// In free air.
+    /// The probe is in free air.
     Free = 1,
-    /// In contact.
+    /// The probe is in contact.
     Contact = 2,
 }
 
 impl Phase {
-    /// The phase with a number.
+    /// The phase with this code.
     pub const fn from_code(code: u8) -> Option<Phase> {
         match code {
             0 => Some(Phase::Settling),
@@ -25,7 +25,7 @@ impl Phase {
     }
 }
 
-/// Something that happened at this sample.
+/// Event at one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Event {
@@ -33,12 +33,12 @@ pub enum Event {
     Contact = 1,
     /// The probe lifted off.
     Release = 2,
-    /// The material is another one.
+    /// The material has changed.
     MaterialChange = 3,
 }
 
 impl Event {
-    /// The event with a number.
+    /// The event with this code.
     pub const fn from_code(code: u8) -> Option<Event> {
         match code {
             1 => Some(Event::Contact),
@@ -48,7 +48,7 @@ impl Event {
         }
     }
 
-    /// The name in `estimate.json`.
+    /// The name of the event in `estimate.json`.
     pub const fn name(self) -> &'static str {
         match self {
             Event::Contact => "contact",

@@ -1,4 +1,4 @@
-//! What comes out: one record per sample.
+//! The output of the estimator: one record per sample.
 
 use crate::estimate::fault::Faults;
 use crate::estimate::phase::{Event, Phase};
@@ -6,38 +6,39 @@ use crate::estimate::status::Status;
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
-/// Slots for parameters; [`LawKind::parameters`] says what stands in which. The longest law has 7.
+/// Number of slots for parameters, whose meaning [`LawKind::parameters`] gives; the longest law uses 7.
 pub const PARAMETER_SLOTS: usize = 12;
 
-/// A value with its standard error, both in the unit of the parameter.
+/// An estimated parameter: a value with its standard error, both in the unit of the parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimated<T> {
-    /// The estimate.
+    /// Estimated value.
     pub value: T,
-    /// One standard deviation of its error, as far as the law holds.
+    /// Standard deviation of the error of the value, provided that the law holds.
     pub std_error: T,
 }
 
-/// The parameters of the law in the order of [`LawKind::parameters`]; `None` is not observable.
+/// The parameters of a law in the order of [`LawKind::parameters`]; `None` is a parameter that the data
+/// do not determine.
 pub type Parameters<T> = [Option<Estimated<T>>; PARAMETER_SLOTS];
 
-/// Prediction against observation, before the estimate has seen the sample.
+/// Innovation of one sample: its observation against the prediction of the estimates before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Innovation<T> {
-    /// Force that was measured (N), filtered, without the resting force.
+    /// Measured force (N), filtered and without the resting force.
     pub observation_n: T,
-    /// Force that the law predicts with the estimates so far (N).
+    /// Force that the law predicts with the estimates before this sample (N).
     pub prediction_n: T,
-    /// Observation − prediction (N).
+    /// Innovation (N): observation − prediction.
     pub innovation_n: T,
-    /// Variance that the innovation should have (N²).
+    /// Expected variance of the innovation (N²).
     pub variance_n2: T,
-    /// innovation² / variance: about 1 while the law explains the force.
+    /// Test ratio, innovation² / variance: about 1 while the law explains the force.
     pub test_ratio: T,
 }
 
 impl<T: Real> Innovation<T> {
-    /// The record of one observation and its prediction, of variance `variance_n2` > 0.
+    /// Compares an observation with its prediction; their difference has the variance `variance_n2` > 0.
     pub(crate) fn new(observation_n: T, prediction_n: T, variance_n2: T) -> Self {
         let innovation_n = observation_n - prediction_n;
         Innovation {
@@ -49,7 +50,7 @@ impl<T: Real> Innovation<T> {
         }
     }
 
-    /// The record in newtons from one in units of `unit` newtons.
+    /// Converts an innovation in units of `unit` newtons to newtons.
     pub(crate) fn in_newtons(self, unit: T) -> Self {
         Innovation {
             observation_n: self.observation_n * unit,
@@ -61,37 +62,39 @@ impl<T: Real> Innovation<T> {
     }
 }
 
-/// One record per sample. Every number in it is finite, whatever came in.
+/// Everything that is known after one sample. Every number in it is finite, whatever the sample
+/// contains.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Estimate<T = f32> {
-    /// The instant that the record describes (µs): the sample's time less the delay of the filter.
+    /// Instant that the estimate describes (µs): the time of the sample less the delay of the filter.
     pub time_us: u64,
-    /// The law that the parameters belong to.
+    /// Law that the parameters belong to.
     pub law: LawKind,
     /// Where the probe is.
     pub phase: Phase,
-    /// How far the parameters can be trusted.
+    /// Status that says how far the parameters can be trusted.
     pub status: Status,
-    /// Penetration (m): filtered position − surface; negative in free air, 0 while no surface is known.
+    /// Penetration (m), filtered position − surface: negative in free air, 0 before a surface is known.
     pub depth_m: T,
-    /// Rate of penetration (m/s), with the same delay.
+    /// Rate of the penetration (m/s), with the same delay.
     pub speed_mps: T,
-    /// Force (N) with the same delay, resting force removed.
+    /// Filtered force (N) without the resting force, with the same delay.
     pub force_n: T,
-    /// The parameters, in SI units at the reference depth.
+    /// Parameters of the law in SI units, at the reference depth.
     pub parameters: Parameters<T>,
-    /// Prediction against observation.
+    /// Innovation of the sample; zero outside contact.
     pub innovation: Innovation<T>,
-    /// The forgetting factor β of (24) that was used; 1 where nothing was learned.
+    /// Forgetting factor β of (24) that was used; 1 if nothing was learned.
     pub forgetting: T,
-    /// What happened, if anything.
+    /// Event at this sample, if there is one.
     pub event: Option<Event>,
-    /// What is wrong, if anything.
+    /// Faults of this sample.
     pub faults: Faults,
 }
 
 impl<T: Real> Estimate<T> {
-    /// The record before anything was touched.
+    /// The estimate before anything was touched.
     pub(crate) fn nothing(law: LawKind) -> Self {
         Estimate {
             time_us: 0,
@@ -109,7 +112,7 @@ impl<T: Real> Estimate<T> {
         }
     }
 
-    /// Every number is finite.
+    /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         let innovation = &self.innovation;
         let signals = [self.depth_m, self.speed_mps, self.force_n, self.forgetting];

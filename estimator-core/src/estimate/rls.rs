@@ -1,5 +1,5 @@
-//! Recursive least squares (20)–(23), factorised so that f32 keeps its covariance positive for as
-//! long as the power is on.
+//! Recursive least squares (20)–(23), with the covariance in factors so that it stays positive in f32
+//! for any number of samples.
 
 mod excitation;
 mod forgetting;
@@ -13,17 +13,17 @@ use nalgebra::SVector;
 
 use crate::maths::scalar::Real;
 
-/// Recursive least squares for `N` parameters: y = φᵀθ + noise.
+/// Recursive least squares for the `N` parameters θ of y = φᵀθ + noise.
 #[derive(Clone, Debug)]
 pub struct Rls<T: Real, const N: usize> {
-    /// θ̂
+    /// The estimate θ̂.
     pub theta: SVector<T, N>,
-    /// P, in factors.
+    /// The covariance P in factors.
     pub covariance: Ud<T, N>,
 }
 
 impl<T: Real, const N: usize> Rls<T, N> {
-    /// θ̂(0) = `theta`, P(0) = `covariance`·I.
+    /// Starts from θ̂(0) = `theta` and P(0) = `covariance`·I.
     pub fn new(theta: SVector<T, N>, covariance: T) -> Self {
         Rls {
             theta,
@@ -31,17 +31,17 @@ impl<T: Real, const N: usize> Rls<T, N> {
         }
     }
 
-    /// φᵀθ̂
+    /// Predicts y as φᵀθ̂.
     pub fn predict(&self, phi: &SVector<T, N>) -> T {
         phi.dot(&self.theta)
     }
 
-    /// θ̂(h) = θ̂(h−1) + Q(h)[y(h) − φᵀ(h)θ̂(h−1)] with forgetting factor β, (20)–(23).
+    /// Updates θ̂(h) = θ̂(h−1) + Q(h)[y(h) − φᵀ(h)θ̂(h−1)] with forgetting factor β, (20)–(23).
     pub fn update(&mut self, phi: &SVector<T, N>, y: T, beta: T) {
         self.update_weighted(phi, y, beta, T::one());
     }
 
-    /// The same for a sample of weight w: Q = Pφ[β/w + φᵀPφ]⁻¹, (40).
+    /// Updates θ̂ with a sample of weight w, whose gain is Q = Pφ[β/w + φᵀPφ]⁻¹, (40).
     pub fn update_weighted(&mut self, phi: &SVector<T, N>, y: T, beta: T, weight: T) {
         let innovation = y - self.predict(phi);
         let UdUpdate { gain, .. } = self.covariance.update(phi, beta, weight);

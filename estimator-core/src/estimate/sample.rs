@@ -1,24 +1,24 @@
-//! What goes in: one instant of both channels, and what may be wrong with it.
+//! The input of the estimator: force and position of one instant, and their faults.
 
 use crate::estimate::fault::Faults;
 use crate::maths::scalar::Real;
 
-/// One instant of force and position, taken at the same tick.
+/// Force and position that were read at the same tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample<T = f32> {
-    /// Time since start (µs). 64 bits: a u32 wraps after 71 minutes, and seconds in f32 resolve
-    /// only 10 ms after a day.
+    /// Time since the start (µs), in 64 bits: a u32 wraps after 71 minutes, and after a day seconds in
+    /// f32 resolve only 10 ms.
     pub time_us: u64,
     /// Position of the probe (m), growing into the material.
     pub position_m: T,
     /// Force on the probe (N), positive when it pushes the probe out.
     pub force_n: T,
-    /// What the reader of the sensors already knows to be wrong; [`Faults::NONE`] if nothing.
+    /// Faults that the reader of the sensors has found; [`Faults::NONE`] if there are none.
     pub faults: Faults,
 }
 
 impl<T: Real> Sample<T> {
-    /// The same instant in another precision.
+    /// Converts the sample to another precision.
     pub fn cast<U: Real>(self) -> Sample<U> {
         Sample {
             time_us: self.time_us,

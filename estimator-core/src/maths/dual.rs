@@ -1,4 +1,4 @@
-//! Forward-mode dual numbers: a value and its derivatives by N parameters, exact to rounding.
+//! Forward-mode dual numbers carry a value and its derivatives by N parameters, exact to rounding.
 
 use core::cmp::Ordering;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -11,12 +11,12 @@ use num_traits::{One, Zero};
 pub struct Dual<T, const N: usize> {
     /// The value.
     pub value: T,
-    /// ∂value/∂parameter, in the caller's order of parameters.
+    /// The derivatives ∂value/∂parameter, in the caller's order of parameters.
     pub gradient: [T; N],
 }
 
 impl<T: Scalar, const N: usize> Dual<T, N> {
-    /// A number that depends on no parameter.
+    /// Makes a number that depends on no parameter.
     pub fn constant(value: T) -> Self {
         Dual {
             value,
@@ -24,16 +24,16 @@ impl<T: Scalar, const N: usize> Dual<T, N> {
         }
     }
 
-    /// Parameter number `index` itself. An index of `N` or more gives a constant.
+    /// Makes the parameter with this index; an index of `N` or more gives a constant.
     pub fn parameter(value: T, index: usize) -> Self {
         let mut gradient = [T::zero(); N];
-        if let Some(own) = gradient.get_mut(index) {
-            *own = T::one();
+        if let Some(slope) = gradient.get_mut(index) {
+            *slope = T::one();
         }
         Dual { value, gradient }
     }
 
-    /// f(self), given f and f' at `self.value`.
+    /// Applies the chain rule to a function with this value and slope at `self.value`.
     fn chain(self, value: T, slope: T) -> Self {
         Dual {
             value,
@@ -51,7 +51,7 @@ impl<T: Scalar, const N: usize> Dual<T, N> {
     }
 }
 
-/// Comparisons look at the value alone, so that a law takes the same branch for every scalar.
+/// Comparisons use the value only, so that a law takes the same branch for every scalar.
 impl<T: Scalar, const N: usize> PartialEq for Dual<T, N> {
     fn eq(&self, other: &Self) -> bool {
         self.value == other.value
@@ -166,9 +166,10 @@ impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
         (self.chain(sin, cos), self.chain(cos, -sin))
     }
 
-    /// By its derivative, (eˣ − growth)/x: nine divisions of whole gradients less than the series.
-    fn growth(self) -> Self {
-        /// k/(k + 1)! for k = 9…1: the derivative's own series.
+    /// The derivative is (eˣ − exprel x)/x, which saves nine divisions of whole gradients against the
+    /// series of the value.
+    fn exprel(self) -> Self {
+        /// Coefficients k/(k + 1)! for k = 9…1 of the series of the derivative.
         const SERIES: [f64; 9] = [
             9.0 / 3_628_800.0,
             1.0 / 45_360.0,
@@ -181,7 +182,7 @@ impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
             1.0 / 2.0,
         ];
         let x = self.value;
-        let value = x.growth();
+        let value = x.exprel();
         let slope = if is_far(x) {
             (x.exp() - value) / x
         } else {
@@ -204,8 +205,8 @@ mod tests {
         d.pow_positive(n) * d.exp() / (d + n) - d.ln() * n
             + (d * n).sin_cos().0 * d.sin_cos().1
             + d.tanh()
-            + (d * n).growth()
-            + (d * S::from_f64(0.02)).growth()
+            + (d * n).exprel()
+            + (d * S::from_f64(0.02)).exprel()
     }
 
     #[test]

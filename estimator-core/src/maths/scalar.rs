@@ -1,14 +1,13 @@
 //! The numbers that the core computes with.
 //!
-//! [`Scalar`] is what a contact law needs; it is implemented for `f32`, `f64` and
-//! [`Dual`](crate::maths::Dual) numbers,
-//! so that the host gets exact gradients from the code that the board runs. [`Real`] is what the
-//! estimators need besides: `f32` on the board, `f64` for reference.
+//! [`Scalar`] has the operations of a contact law. It is implemented for `f32`, `f64` and
+//! [`Dual`](crate::maths::Dual) numbers, so that the host gets exact gradients from the code that the
+//! board runs. [`Real`] adds those of the estimators, for `f32` on the board and `f64` on the host.
 //!
-//! Every transcendental comes from `libm` or from here, never from the platform: host and board agree to
-//! the bit.
+//! Every transcendental function comes from `libm` or from this room, never from the platform, so that
+//! host and board agree bit for bit.
 
-use crate::maths::circle;
+use super::trig;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use num_traits::{One, Zero};
@@ -29,22 +28,22 @@ pub trait Scalar:
 {
     /// The constant nearest to `value`.
     fn from_f64(value: f64) -> Self;
-    /// The value without its derivatives.
+    /// The value without its derivatives, in double precision.
     fn to_f64(self) -> f64;
-    /// e to the power of `self`.
+    /// The exponential eˣ.
     fn exp(self) -> Self;
-    /// Natural logarithm.
+    /// The natural logarithm.
     fn ln(self) -> Self;
-    /// `self` to the power of `exponent`, for `self` > 0; 0 for `self` ≤ 0, derivatives included:
-    /// a depth that is not in the material has no power and no slope.
+    /// The power `self`^`exponent` for `self` > 0; 0 with derivatives of 0 for `self` ≤ 0, since a probe
+    /// outside of the material feels no force.
     fn pow_positive(self, exponent: Self) -> Self;
-    /// Sine and cosine of an angle in rad: together, since a derivative of one is the other.
+    /// The sine and the cosine of an angle (rad), together since each is the derivative of the other.
     fn sin_cos(self) -> (Self, Self);
 
-    /// (eˣ − 1)/x, 1 at x = 0: without the cancellation that costs f32 its last four digits at
-    /// x = 10⁻³, a rate of 1/s at 1 kHz.
-    fn growth(self) -> Self {
-        /// The first term left out is x⁹/10!, 3·10⁻¹⁶ at the series' end.
+    /// The relative exponential (eˣ − 1)/x, which is 1 at x = 0. It avoids the cancellation that costs f32
+    /// its last four digits at x = 10⁻³, which is a rate of 1/s at 1 kHz.
+    fn exprel(self) -> Self {
+        /// The first omitted term is x⁹/10!, 3·10⁻¹⁶ where the series is used last.
         const TERMS: u32 = 9;
         if is_far(self) {
             return (self.exp() - Self::one()) / self;
@@ -56,22 +55,22 @@ pub trait Scalar:
         sum
     }
 
-    /// The larger of two numbers; the first of two that are equal.
+    /// The larger of two numbers, or `self` if they are equal or not comparable.
     fn max_of(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
 
-    /// The smaller of two numbers; the first of two that are equal.
+    /// The smaller of two numbers, or `self` if they are equal or not comparable.
     fn min_of(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
 
-    /// Absolute value.
+    /// The absolute value.
     fn abs(self) -> Self {
         if self < Self::zero() { -self } else { self }
     }
 
-    /// Hyperbolic tangent; ±1 beyond ±20, where it rounds to that in f64 as well.
+    /// The hyperbolic tangent, which is ±1 beyond ±20, where it rounds to that in f64 as well.
     fn tanh(self) -> Self {
         let (one, far) = (Self::one(), Self::from_f64(20.0));
         if self > far {
@@ -85,7 +84,7 @@ pub trait Scalar:
     }
 }
 
-/// Whether (eˣ − 1)/x is taken as it stands, and not as a series.
+/// Whether `x` is so far from 0 that (eˣ − 1)/x is computed directly, and not as a series.
 pub(super) fn is_far<S: Scalar>(x: S) -> bool {
     const SERIES_BELOW: f64 = 0.1;
     !(-SERIES_BELOW..SERIES_BELOW).contains(&x.to_f64())
@@ -104,13 +103,13 @@ pub trait Real:
     + MulAssign
     + Default
 {
-    /// Neither NaN nor infinite.
+    /// Whether the number is neither NaN nor infinite.
     fn is_finite(self) -> bool;
-    /// Square root.
+    /// The square root.
     fn sqrt(self) -> Self;
-    /// Arc tangent (rad).
+    /// The arc tangent (rad).
     fn atan(self) -> Self;
-    /// Tangent of an angle in rad.
+    /// The tangent of an angle (rad).
     fn tan(self) -> Self;
 }
 
@@ -172,14 +171,14 @@ macro_rules! real {
     };
 }
 
-// d^n as exp(n ln d): 114 instructions on the board where libm's powf takes 241. The relative error
-// is |n ln d| ulp at most, 1e-6 in f32 over the depths of a palpation.
+// The power dⁿ is computed as exp(n ln d), with 114 instructions on the board where libm's powf takes
+// 241. Its relative error is at most |n ln d| ulp, 1e-6 in f32 over the depths of a palpation.
 real!(
     f32,
     expf,
     logf,
-    circle::sine,
-    circle::cosine,
+    trig::sine,
+    trig::cosine,
     sqrtf,
     atanf,
     tanf

@@ -1,11 +1,12 @@
-//! One table of the units that parameters are reported in.
+//! The units that parameters are reported in, in one table.
 
 use core::fmt;
 
-/// The unit of a parameter, SI throughout.
+/// The SI unit of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Unit {
-    /// 1
+    /// 1, of a number without unit.
     One,
     /// m
     Metre,
@@ -34,7 +35,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The symbol as it stands in `estimate.json`.
+    /// The symbol of the unit in `estimate.json`.
     pub const fn symbol(self) -> &'static str {
         match self {
             Unit::One => "1",

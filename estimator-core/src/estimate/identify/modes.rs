@@ -110,7 +110,7 @@ pub(super) struct PerPeriod<S> {
 impl<S: Scalar> PerPeriod<S> {
     pub(super) fn of(rate_per_s: S, period_s: S) -> Self {
         let x = rate_per_s * period_s;
-        let mean = (-x).growth();
+        let mean = (-x).exprel();
         PerPeriod {
             decayed: x * mean,
             lag: S::one() - mean,

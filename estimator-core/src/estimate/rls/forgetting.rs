@@ -1,20 +1,20 @@
-//! Error-dependent forgetting, (24).
+//! Error-dependent forgetting (24): the larger the error, the faster the past is forgotten.
 
 use crate::estimate::config::Config;
 use crate::estimate::error::{ConfigError, require};
 use crate::estimate::method::Method;
 use crate::maths::scalar::Real;
 
-/// α₂α₃ when α₂ is left open, and α₃ over the noise of the raw force when α₃ is left open.
+/// Default of α₂α₃, and default of α₃ over the noise of the raw force.
 ///
 /// Chosen for the two stages on gel and plastic over 16 seeds (largest error of K, λ, n: 1.2 %) and
 /// on 200 materials (K 300–20 000 N/m, λ/K 3–40 ms, n 1.05–1.7; 166 end within 5 %). A softer or
-/// higher threshold forgets at zero error and costs λ: 3.9 % of plastic's at 2 and 1.5. With α₁ from
-/// 0.08 on n runs into its bound and stays there.
+/// higher threshold forgets at zero error, which makes λ of plastic 3.9 % wrong at 2 and 1.5. With α₁
+/// of 0.08 or more, n runs into its bound and stays there.
 const STEEPNESS: f64 = 8.0;
 const THRESHOLD_SIGMAS: f64 = 1.0;
 
-/// Coefficients of (24).
+/// Checked coefficients of the forgetting factor (24).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForgettingParams<T> {
     alpha_1: T,
@@ -33,7 +33,7 @@ impl<T: Real> ForgettingParams<T> {
             | Method::HuntCrossleyBank
             | Method::HuntCrossleyBankSkew => 0.03,
             Method::ZenerArx | Method::HammersteinCascade | Method::HammersteinCascade2 => 0.001,
-            // They forget by no error: what is another material starts them anew.
+            // These do not forget by their error: another material starts them anew.
             Method::ZenerBank
             | Method::QuasiLinearBank
             | Method::QuasiLinearBank2
@@ -67,7 +67,7 @@ impl<T: Real> ForgettingParams<T> {
         })
     }
 
-    /// (α₁, α₂ (1/N), α₃ (N)) at a noise of the raw force (N).
+    /// The coefficients α₁, α₂ (1/N) and α₃ (N) for a raw force with this noise (N).
     pub fn alphas(&self, noise_n: T) -> (T, T, T) {
         let alpha_3 = self
             .alpha_3_n
@@ -78,7 +78,7 @@ impl<T: Real> ForgettingParams<T> {
         (self.alpha_1, alpha_2, alpha_3)
     }
 
-    /// β for an error |F − F̂| (N), (24).
+    /// The forgetting factor β for an error F − F̂ (N) of a raw force with this noise (N), (24).
     pub fn beta(&self, error_n: T, noise_n: T) -> T {
         let (alpha_1, alpha_2, alpha_3) = self.alphas(noise_n);
         let angle = (alpha_2 * (error_n.abs() - alpha_3)).atan();

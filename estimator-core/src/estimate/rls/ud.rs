@@ -1,17 +1,18 @@
-//! The covariance P = U·D·Uᵀ in factors (Bierman 1977): U unit upper triangular, D diagonal and
+//! The covariance P = U·D·Uᵀ in factors (Bierman 1977): U is unit upper triangular, D is diagonal and
 //! positive by construction.
 //!
-//! Plain P ← (I − Qφᵀ)P/β in f32 lost positivity and went NaN within 100 000 samples.
+//! The textbook's P ← (I − Qφᵀ)P/β is no longer positive after less than 100 000 samples in f32, and
+//! becomes NaN.
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::maths::scalar::Real;
 
-/// P is kept between `floor` and its start value in every direction of D: forgetting cannot wind it
-/// up, and 10⁸ samples cannot wear it out.
+/// Smallest element of D over its start value, which is also its largest: forgetting cannot let P grow
+/// without bound, and 10⁸ samples cannot make it vanish.
 const FLOOR: f64 = 1e-12;
 
-/// A covariance in factors.
+/// Covariance of `N` parameters in factors.
 #[derive(Clone, Debug)]
 pub struct Ud<T: Real, const N: usize> {
     upper: SMatrix<T, N, N>,
@@ -19,17 +20,17 @@ pub struct Ud<T: Real, const N: usize> {
     ceiling: T,
 }
 
-/// What one sample did to the covariance.
+/// Gain and prior variance of one update.
 #[derive(Clone, Copy, Debug)]
 pub struct UdUpdate<T: Real, const N: usize> {
-    /// Q(h), (22).
+    /// The gain Q(h), (22).
     pub gain: SVector<T, N>,
-    /// φᵀ(h)P(h−1)φ(h)
+    /// Variance of the prediction before the update, φᵀ(h)P(h−1)φ(h).
     pub prior_variance: T,
 }
 
 impl<T: Real, const N: usize> Ud<T, N> {
-    /// P = `covariance`·I.
+    /// Starts from P(0) = `covariance`·I.
     pub fn new(covariance: T) -> Self {
         let upper = SMatrix::identity();
         Ud {
@@ -39,12 +40,12 @@ impl<T: Real, const N: usize> Ud<T, N> {
         }
     }
 
-    /// c of P(0) = c·I.
+    /// The factor c of P(0) = c·I.
     pub fn start(&self) -> T {
         self.ceiling
     }
 
-    /// φᵀPφ
+    /// Variance φᵀPφ of a prediction.
     pub fn variance(&self, phi: &SVector<T, N>) -> T {
         let mut sum = T::zero();
         for j in 0..N {
@@ -54,7 +55,7 @@ impl<T: Real, const N: usize> Ud<T, N> {
         sum
     }
 
-    /// Pφ
+    /// The product Pφ.
     pub fn times(&self, phi: &SVector<T, N>) -> SVector<T, N> {
         let mut out = SVector::repeat(T::zero());
         for j in 0..N {
@@ -76,7 +77,8 @@ impl<T: Real, const N: usize> Ud<T, N> {
         f
     }
 
-    /// P ← (P − PφφᵀP/(β/w + φᵀPφ))/β, forgetting factor β, weight w of the sample, (22)–(23).
+    /// Updates P ← (P − PφφᵀP/(β/w + φᵀPφ))/β with forgetting factor β and a sample of weight w,
+    /// (22)–(23).
     pub fn update(&mut self, phi: &SVector<T, N>, beta: T, weight: T) -> UdUpdate<T, N> {
         let start = beta / weight;
         let mut alpha = start;
@@ -85,7 +87,7 @@ impl<T: Real, const N: usize> Ud<T, N> {
         for j in 0..N {
             let f = self.project(phi, j);
             if f == T::zero() {
-                // The sample says nothing about it: half of a law's parameters may be another's.
+                // The sample does not depend on this direction.
                 self.diagonal[j] = self.bounded(self.diagonal[j] / beta);
                 continue;
             }
@@ -109,15 +111,10 @@ impl<T: Real, const N: usize> Ud<T, N> {
 
     fn bounded(&self, value: T) -> T {
         let floor = self.ceiling * T::from_f64(FLOOR);
-        let raised = floor.max_of(value);
-        if raised > self.ceiling {
-            self.ceiling
-        } else {
-            raised
-        }
+        floor.max_of(value).min_of(self.ceiling)
     }
 
-    /// P itself, N×N.
+    /// The matrix P.
     pub fn matrix(&self) -> SMatrix<T, N, N> {
         let mut scaled = self.upper;
         for j in 0..N {
@@ -140,7 +137,7 @@ impl<T: Real, const N: usize> Ud<T, N> {
         out
     }
 
-    /// Every factor is finite and D is positive.
+    /// Whether both factors are finite and D is positive.
     pub fn is_sound(&self) -> bool {
         self.diagonal
             .iter()

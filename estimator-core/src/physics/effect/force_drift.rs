@@ -20,7 +20,7 @@ impl<S: Scalar> ForceDrift<S> {
     /// Its force (N).
     pub(crate) fn force_n(&self, time_s: S) -> S {
         if self.time_constant_s > S::zero() {
-            self.rate_n_per_s * time_s * (-(time_s / self.time_constant_s)).growth()
+            self.rate_n_per_s * time_s * (-(time_s / self.time_constant_s)).exprel()
         } else {
             self.rate_n_per_s * time_s
         }

@@ -44,7 +44,7 @@ impl<S: Scalar> Elastic<S> {
             Elastic::Exponential {
                 stiffness_n_per_m,
                 stiffening_rate_per_m,
-            } => stiffness_n_per_m * depth_m * (stiffening_rate_per_m * depth_m).growth(),
+            } => stiffness_n_per_m * depth_m * (stiffening_rate_per_m * depth_m).exprel(),
         }
     }
 }

@@ -215,7 +215,7 @@ fn courses<T: Real>(duration_s: T) -> [(T, T); RATES] {
     let mut courses = [(T::zero(), T::zero()); RATES];
     let mut x = duration_s * T::from_f64(SLOWEST);
     for course in &mut courses {
-        let mean = (-x).growth();
+        let mean = (-x).exprel();
         *course = ((-x).exp(), mean);
         x *= T::from_f64(RATE_RATIO);
     }

@@ -90,7 +90,7 @@ impl<T: Real> Pace<T> {
                 duration_s,
                 x,
                 decayed: (-x).exp(),
-                mean: (-x).growth(),
+                mean: (-x).exprel(),
             };
         }
         *self

@@ -1,42 +1,44 @@
-//! Sine and cosine in single precision, for angles that a rig has.
+//! Sine and cosine in single precision, for the angles of a rig.
 //!
-//! libm's take 6.6 KiB of flash, most of it to reduce angles beyond 10⁵ rad exactly. Here π comes off
-//! in three parts (Cody & Waite), and what is left within ±π/2 is the series up to r¹¹: the error stays
-//! below 2·10⁻⁷ up to 100 rad, and then grows with what f32 resolves of the angle.
+//! The functions of libm take 6.6 KiB of flash, most of it to reduce angles beyond 10⁵ rad exactly. Here
+//! multiples of π are subtracted in three parts (Cody & Waite), and the remainder r within ±π/2 goes
+//! into the series up to r¹¹: the error stays below 2·10⁻⁷ up to 100 rad, and then grows with the
+//! resolution of the angle in f32.
 
-/// Beyond so many half turns, where f32 resolves less than 0.01 rad, an angle says nothing.
-const MOST_HALF_TURNS: f32 = 32_768.0;
-/// π in three parts; the first two times a half turn's number are exact.
+/// Largest number of half turns: beyond it f32 resolves an angle to no better than 0.01 rad, and both
+/// functions give 0.
+const MAX_HALF_TURNS: f32 = 32_768.0;
+/// π in three parts, of which the first two are exact when multiplied by a number of half turns.
 const PI: [f32; 3] = [3.140_625, 9.675_026e-4, 1.509_958e-7];
 
-/// sin x
+/// The sine of an angle (rad).
 pub(super) fn sine(angle: f32) -> f32 {
     let half_turns = libm::floorf(angle * core::f32::consts::FRAC_1_PI + 0.5);
-    folded(angle, half_turns, half_turns)
+    reduced(angle, half_turns, half_turns)
 }
 
-/// cos x
+/// The cosine of an angle (rad).
 pub(super) fn cosine(angle: f32) -> f32 {
     let half_turns = libm::floorf(angle * core::f32::consts::FRAC_1_PI);
-    -folded(angle, half_turns + 0.5, half_turns)
+    -reduced(angle, half_turns + 0.5, half_turns)
 }
 
-/// (−1)^`half_turns` sin(x − `middle`·π)
-fn folded(angle: f32, middle: f32, half_turns: f32) -> f32 {
+/// Computes (−1)^`half_turns` sin(`angle` − `middle`·π).
+fn reduced(angle: f32, middle: f32, half_turns: f32) -> f32 {
     if angle.is_nan() {
         return angle;
     }
-    if half_turns.abs() > MOST_HALF_TURNS {
+    if half_turns.abs() > MAX_HALF_TURNS {
         return 0.0;
     }
-    let left = PI.iter().fold(angle, |left, part| left - middle * part);
+    let remainder = PI.iter().fold(angle, |left, part| left - middle * part);
     match half_turns as i32 & 1 {
-        0 => series(left),
-        _ => -series(left),
+        0 => series(remainder),
+        _ => -series(remainder),
     }
 }
 
-/// r − r³/3! + … − r¹¹/11!
+/// The series r − r³/3! + … − r¹¹/11! of the sine.
 fn series(r: f32) -> f32 {
     const OVER_FACTORIAL: [f32; 5] = [
         -1.0 / 39_916_800.0,
@@ -76,7 +78,7 @@ mod tests {
                 for value in [sine(angle), cosine(angle)] {
                     assert!(value.abs() <= 1.0 + 1e-6, "{angle}: {value}");
                 }
-                if angle.abs() < MOST_HALF_TURNS * 3.0 {
+                if angle.abs() < MAX_HALF_TURNS * 3.0 {
                     let error = (f64::from(sine(angle)) - libm::sin(f64::from(angle))).abs();
                     assert!(error < 1e-6, "sin {angle}: {error:e}");
                 }
