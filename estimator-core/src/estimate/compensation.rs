@@ -169,13 +169,13 @@ impl<T: Real> Compensation<T> {
             return read;
         }
         let position_m = self.motor_side_m(read.position_m);
-        let interrupted =
-            state.interrupted(read.time_us, self.period_us) || read.faults.has(Fault::PositionJump);
-        if interrupted {
+        let last_us = state.last_time_us.replace(read.time_us);
+        let follows = last_us.is_some_and(|last| self.follows(last, read.time_us));
+        let restarts = !follows || read.faults.has(Fault::PositionJump);
+        if restarts {
             self.restart(state, position_m, read.force_n);
         }
-        let started = state.last_time_us.replace(read.time_us).is_some();
-        let faults = self.faults(state, &read, interrupted && started);
+        let faults = self.faults(state, &read, restarts && last_us.is_some());
         let mean = self.mean(state, read.time_us, position_m, read.force_n);
         let force_n = mean.force_n - self.load_path_n(state, &mean);
         Sample {
@@ -184,6 +184,11 @@ impl<T: Real> Compensation<T> {
             force_n,
             faults,
         }
+    }
+
+    /// Whether a sample is the next after that at `last` (µs): it comes within 1.5 periods.
+    fn follows(&self, last: u64, time_us: u64) -> bool {
+        time_us >= last && time_us - last <= self.period_us + self.period_us / 2 + 1
     }
 
     /// Position of the motor side (m) for a reading of the encoder.
@@ -290,14 +295,6 @@ impl<T: Real> Compensation<T> {
             .restart(&mut state.delay_line, position_m, force_n);
         state.window.restart(position_m, force_n);
         (state.motor_m, state.far_m) = (position_m, position_m);
-    }
-}
-
-impl<T: Real> CompensationState<T> {
-    /// Whether this is the first sample, or one after more than 1.5 periods or a step back in time.
-    fn interrupted(&self, time_us: u64, period_us: u64) -> bool {
-        self.last_time_us
-            .is_none_or(|last| time_us < last || time_us - last > period_us + period_us / 2 + 1)
     }
 }
 

@@ -208,9 +208,9 @@ impl<T: Real> ContactState<T> {
         self.resting_force_n
     }
 
-    /// Position of the surface of this contact or of the last one (m); `None` before the first.
-    pub fn surface_m(&self) -> Option<T> {
-        self.surface.map(|surface| surface.position_m)
+    /// The surface of this contact or of the last one; `None` before the first.
+    pub fn surface(&self) -> Option<SurfacePosition<T>> {
+        self.surface
     }
 
     /// Standard deviation of the noise of the raw force (N).
@@ -224,7 +224,7 @@ impl<T: Real> ContactState<T> {
         self.raw_force_n = Some(force_n);
     }
 
-    /// Takes one raw sample and says whether the probe touches.
+    /// Takes one raw sample and decides whether the probe touches.
     pub fn update(&mut self, params: &ContactParams<T>, sample: &Sample<T>) -> Contact<T> {
         let before = self.phase;
         self.measure_step(sample.position_m);
@@ -340,17 +340,20 @@ impl<T: Real> ContactState<T> {
         }
     }
 
+    /// Position (m) and force without the resting force (N) this many samples before the newest.
+    fn before(&self, samples: usize) -> (T, T) {
+        let slot = (self.newest + PRE_TRIGGER - samples) % PRE_TRIGGER;
+        self.recent.get(slot).copied().unwrap_or_default()
+    }
+
     /// Follows the resting force with the force [`REST_MARGIN`] samples ago: a touch right after it
     /// would be known by now.
     fn follow_resting_force(&mut self, params: &ContactParams<T>) {
-        let then = (self.newest + PRE_TRIGGER - REST_MARGIN as usize) % PRE_TRIGGER;
-        let Some(&(_, force)) = self.recent.get(then) else {
-            return;
-        };
-        if force.abs() < T::from_f64(3.0) * self.wander_n {
+        let (_, force_n) = self.before(REST_MARGIN as usize);
+        if force_n.abs() < T::from_f64(3.0) * self.wander_n {
             let next = self.resting_force_gain / (T::one() + self.resting_force_gain);
             self.resting_force_gain = params.rest_gain.max_of(next);
-            self.resting_force_n += self.resting_force_gain * force;
+            self.resting_force_n += self.resting_force_gain * force_n;
         }
     }
 
@@ -364,19 +367,10 @@ impl<T: Real> ContactState<T> {
                 std_error_m: T::zero(),
             };
         }
-        let (recent, older) = (
-            self.recent.get(..=self.newest),
-            self.recent.get(self.newest + 1..),
-        );
-        let mut back = recent
-            .unwrap_or(&[])
-            .iter()
-            .rev()
-            .chain(older.unwrap_or(&[]).iter().rev());
-        let touch = back.next().copied().unwrap_or_default();
-        let impact = back
-            .find(|(_, force)| *force < self.wander_n)
-            .copied()
+        let touch = self.before(0);
+        let impact = (1..PRE_TRIGGER)
+            .map(|samples| self.before(samples))
+            .find(|(_, force_n)| *force_n < self.wander_n)
             .unwrap_or(touch);
         SurfacePosition {
             position_m: impact.0,

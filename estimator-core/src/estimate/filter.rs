@@ -4,10 +4,12 @@
 //! beside a raw force, every estimator errs by 1.5–3 % on gel.
 
 mod aligned;
+mod response;
 mod savitzky_golay;
 mod state_variable;
 
 pub use aligned::Aligned;
+pub use response::Response;
 pub use savitzky_golay::{MAX_HALF_WIDTH, SavitzkyGolay, SavitzkyGolayParams};
 pub use state_variable::{StateVariable, StateVariableParams};
 
@@ -64,27 +66,11 @@ impl<T: Real> FilterParams<T> {
         }
     }
 
-    /// Delay of position, speed and force behind the newest sample (µs).
-    pub fn delay_us(&self) -> u64 {
+    /// Delay, memory and noise gain of the filter.
+    pub fn response(&self) -> &Response<T> {
         match self {
-            Self::StateVariable(p) => p.delay_us(),
-            Self::SavitzkyGolay(p) => p.delay_us(),
-        }
-    }
-
-    /// Length of the filter's memory (samples): an output does not depend on what is older.
-    pub fn memory_samples(&self) -> u32 {
-        match self {
-            Self::StateVariable(p) => p.memory_samples(),
-            Self::SavitzkyGolay(p) => p.memory_samples(),
-        }
-    }
-
-    /// Variance of the filtered force over that of the raw force, for white noise.
-    pub fn noise_gain(&self) -> T {
-        match self {
-            Self::StateVariable(p) => p.noise_gain(),
-            Self::SavitzkyGolay(p) => p.noise_gain(),
+            Self::StateVariable(params) => params.response(),
+            Self::SavitzkyGolay(params) => params.response(),
         }
     }
 }

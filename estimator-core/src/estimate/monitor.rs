@@ -93,9 +93,9 @@ pub struct ConvergenceMonitor<T> {
     changed_samples: u32,
 }
 
-impl<T: Real> ConvergenceMonitor<T> {
-    /// The state before the first contact.
-    pub fn new() -> Self {
+/// The state before the first contact.
+impl<T: Real> Default for ConvergenceMonitor<T> {
+    fn default() -> Self {
         ConvergenceMonitor {
             status: Status::NoContact,
             fast_ratio: T::one(),
@@ -106,7 +106,9 @@ impl<T: Real> ConvergenceMonitor<T> {
             changed_samples: 0,
         }
     }
+}
 
+impl<T: Real> ConvergenceMonitor<T> {
     /// Status of the estimate after the last sample.
     pub fn status(&self) -> Status {
         self.status
@@ -195,12 +197,6 @@ impl<T: Real> ConvergenceMonitor<T> {
     }
 }
 
-impl<T: Real> Default for ConvergenceMonitor<T> {
-    fn default() -> Self {
-        ConvergenceMonitor::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -225,7 +221,7 @@ mod tests {
 
     #[test]
     fn steady_parameters_converge_after_a_window_and_not_before() {
-        let mut monitor = ConvergenceMonitor::new();
+        let mut monitor = ConvergenceMonitor::default();
         feed(&mut monitor, 400, 1.0, 1.0);
         assert_eq!(monitor.status(), Status::Converging);
         feed(&mut monitor, 200, 1.0, 1.0);
@@ -234,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_parameter_that_moves_is_not_converged() {
-        let mut monitor = ConvergenceMonitor::new();
+        let mut monitor = ConvergenceMonitor::default();
         for i in 0..2000 {
             monitor.update(&params(), &at(1.0 + 2e-4 * f64::from(i)), 1.0);
         }
@@ -243,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_large_standard_error_is_unobservable() {
-        let mut monitor = ConvergenceMonitor::new();
+        let mut monitor = ConvergenceMonitor::default();
         let unknown = [ParameterEstimate {
             value: 1.0,
             std_error: 0.6,
@@ -257,7 +253,7 @@ mod tests {
 
     #[test]
     fn a_change_is_flagged_once_and_only_after_convergence() {
-        let mut monitor = ConvergenceMonitor::new();
+        let mut monitor = ConvergenceMonitor::default();
         assert_eq!(
             feed(&mut monitor, 100, 1.0, 1e4),
             0,
@@ -271,7 +267,7 @@ mod tests {
 
     #[test]
     fn a_lasting_misfit_is_suspect() {
-        let mut monitor = ConvergenceMonitor::new();
+        let mut monitor = ConvergenceMonitor::default();
         feed(&mut monitor, 3000, 1.0, 60.0);
         assert_eq!(monitor.status(), Status::ModelSuspect);
         assert!((monitor.misfit() - libm::sqrt(60.0)).abs() < 0.1);

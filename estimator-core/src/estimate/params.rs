@@ -23,7 +23,7 @@ pub struct Params<T> {
 impl<T: Real> Params<T> {
     /// Delay of every estimate behind the newest sample (µs).
     pub fn delay_us(&self) -> u64 {
-        self.filter.delay_us()
+        self.filter.response().delay_us
     }
 
     /// The law that the configured method identifies.

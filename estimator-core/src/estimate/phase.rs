@@ -15,13 +15,10 @@ pub enum Phase {
 
 impl Phase {
     /// The phase with this code.
-    pub const fn from_code(code: u8) -> Option<Phase> {
-        match code {
-            0 => Some(Phase::Settling),
-            1 => Some(Phase::Free),
-            2 => Some(Phase::Contact),
-            _ => None,
-        }
+    pub fn from_code(code: u8) -> Option<Phase> {
+        [Phase::Settling, Phase::Free, Phase::Contact]
+            .into_iter()
+            .find(|phase| *phase as u8 == code)
     }
 }
 
@@ -39,13 +36,10 @@ pub enum Event {
 
 impl Event {
     /// The event with this code.
-    pub const fn from_code(code: u8) -> Option<Event> {
-        match code {
-            1 => Some(Event::Contact),
-            2 => Some(Event::Release),
-            3 => Some(Event::MaterialChange),
-            _ => None,
-        }
+    pub fn from_code(code: u8) -> Option<Event> {
+        [Event::Contact, Event::Release, Event::MaterialChange]
+            .into_iter()
+            .find(|event| *event as u8 == code)
     }
 
     /// The name of the event in `estimate.json`.

@@ -9,7 +9,7 @@
 
 use super::trig;
 use core::fmt::Debug;
-use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 use num_traits::{One, Zero};
 
 /// A number that a contact law can be evaluated with.
@@ -98,9 +98,6 @@ pub trait Real:
     + nalgebra::ClosedSubAssign
     + nalgebra::ClosedMulAssign
     + nalgebra::ClosedDivAssign
-    + AddAssign
-    + SubAssign
-    + MulAssign
     + Default
 {
     /// Whether the number is neither NaN nor infinite.
@@ -109,12 +106,10 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// The arc tangent (rad).
     fn atan(self) -> Self;
-    /// The tangent of an angle (rad).
-    fn tan(self) -> Self;
 }
 
 macro_rules! real {
-    ($type:ty, $exp:ident, $log:ident, $sin:path, $cos:path, $sqrt:ident, $atan:ident, $tan:ident) => {
+    ($type:ty, $exp:ident, $log:ident, $sin:path, $cos:path, $sqrt:ident, $atan:ident) => {
         impl Scalar for $type {
             #[inline]
             fn from_f64(value: f64) -> Self {
@@ -163,27 +158,14 @@ macro_rules! real {
             fn atan(self) -> Self {
                 libm::$atan(self)
             }
-            #[inline]
-            fn tan(self) -> Self {
-                libm::$tan(self)
-            }
         }
     };
 }
 
 // The power dⁿ is computed as exp(n ln d), with 114 instructions on the board where libm's powf takes
 // 241. Its relative error is at most |n ln d| ulp, 1e-6 in f32 over the depths of a palpation.
-real!(
-    f32,
-    expf,
-    logf,
-    trig::sine,
-    trig::cosine,
-    sqrtf,
-    atanf,
-    tanf
-);
-real!(f64, exp, log, libm::sin, libm::cos, sqrt, atan, tan);
+real!(f32, expf, logf, trig::sine, trig::cosine, sqrtf, atanf);
+real!(f64, exp, log, libm::sin, libm::cos, sqrt, atan);
 
 #[cfg(test)]
 mod tests {

@@ -27,21 +27,21 @@ fn palpation(time_s: f64) -> Motion<f64> {
     }
 }
 
-/// Largest errors of tip (m) and contact force (N) after the effects of the rig have been taken off
-/// what the rig's sensors read, from the tenth of a second on.
-fn left(effects: &[(EffectId, [f64; 4])]) -> [f64; 2] {
+/// Largest errors of the tip (m) and of the contact force (N) after the effects of a rig have been
+/// removed from the readings of its sensors, from the tenth of a second on.
+fn remaining_errors(effects: &[(EffectId, [f64; 4])]) -> [f64; 2] {
     let mut rig = Rig::bare(Environment::from(GEL));
     for (id, row) in effects {
         rig = rig.with(Effect::new(*id, row));
     }
     let compensation = Compensation::<f64>::new(&rig.effects, RATE_HZ, 0.0).unwrap();
     let ripple = rig.effects().find_map(|effect| match effect {
-        Effect::EncoderPeriodicError(own) => Some(*own),
+        Effect::EncoderPeriodicError(error) => Some(*error),
         _ => None,
     });
     // The motor side is known here: the rig must not look for it behind an encoder.
     let mut chain = rig;
-    let moves = |own: &Effect<f64>| own.id() != EffectId::EncoderPeriodicError;
+    let moves = |effect: &Effect<f64>| effect.id() != EffectId::EncoderPeriodicError;
     chain.effects = chain.effects.map(|slot| slot.filter(moves));
     let shift_s = rig.delay_s();
     let (mut now, mut late) = (chain.at_rest(), chain.at_rest());
@@ -55,7 +55,7 @@ fn left(effects: &[(EffectId, [f64; 4])]) -> [f64; 2] {
         let moved = palpation(time_s);
         let sample = Sample {
             time_us: u64::from(at) * 1000,
-            position_m: ripple.map_or(moved.position_m, |own| own.reading_m(moved.position_m)),
+            position_m: ripple.map_or(moved.position_m, |error| error.reading_m(moved.position_m)),
             force_n,
             ..Sample::default()
         };
@@ -72,9 +72,9 @@ fn left(effects: &[(EffectId, [f64; 4])]) -> [f64; 2] {
 }
 
 #[test]
-fn each_effect_of_the_rig_comes_off_its_readings() {
-    // (effect, parameters, tip left (m), force left (N)). What is left of a window of ±5 ms is the
-    // rounding of the touch itself, 12 mN, and ½ẍΣhₖ(kT)² = 0.406 µm of the sine; a rig without one is exact.
+fn each_effect_of_the_rig_is_removed_from_its_readings() {
+    // (effect, parameters, error of the tip (m), error of the force (N)). A window of ±5 ms rounds the
+    // touch off by 12 mN and the sine by ½ẍΣhₖ(kT)² = 0.406 µm; a rig without a window is exact.
     for (id, row, tip_m, force_n) in [
         (EffectId::ForceOffset, [0.5, 0.0, 0.0, 0.0], 1e-15, 1e-12),
         (EffectId::ForceDrift, [0.05, 10.0, 0.0, 0.0], 1e-15, 1e-12),
@@ -140,14 +140,14 @@ fn each_effect_of_the_rig_comes_off_its_readings() {
             6e-2,
         ),
     ] {
-        let [tip, force] = left(&[(id, row)]);
+        let [tip, force] = remaining_errors(&[(id, row)]);
         assert!(tip < tip_m, "{}: {tip:e} m", id.name());
         assert!(force < force_n, "{}: {force:e} N", id.name());
     }
 }
 
 #[test]
-fn several_effects_come_off_together_and_those_of_the_material_stay() {
+fn several_effects_are_removed_together_and_those_of_the_material_stay() {
     let together = [
         (EffectId::ToolInertia, [0.2, 0.0, 0.0, 0.0]),
         (EffectId::ForceLag, [3e-3, 0.0, 0.0, 0.0]),
@@ -156,8 +156,8 @@ fn several_effects_come_off_together_and_those_of_the_material_stay() {
         (EffectId::Adhesion, [0.2, 4e-4, 0.0, 0.0]),
         (EffectId::StressRelaxation, [0.3, 2.0, 0.0, 0.0]),
     ];
-    let [tip, force] = left(&together);
-    // Adhesion begins with a step of 0.2 N, half of which the window has not seen yet.
+    let [tip, force] = remaining_errors(&together);
+    // Adhesion begins with a step of 0.2 N, half of which the window does not contain yet.
     assert!(tip < 1e-5 && force < 0.15, "{tip:e} {force:e}");
     let rig = together
         .iter()
@@ -187,7 +187,7 @@ fn friction_has_no_direction_where_the_encoder_sees_no_motion() {
     let compensation = Compensation::<f32>::new(&slots, RATE_HZ, 1e-6).unwrap();
     let mut state = compensation.at_rest();
     for at in 0..200_u64 {
-        // A count that comes and goes.
+        // One count comes and goes.
         let position_m = if at % 40 < 20 { 0.1 } else { 0.1 + 1e-6 };
         let read = Sample {
             time_us: at * 1000,
@@ -203,7 +203,7 @@ fn friction_has_no_direction_where_the_encoder_sees_no_motion() {
 }
 
 #[test]
-fn nothing_that_comes_in_makes_something_that_is_no_number() {
+fn a_finite_sample_gives_a_finite_result_after_any_other() {
     let row = [0.5, 0.1, 0.05, 0.01];
     for id in EffectId::ALL {
         let mut slots = [None; MOST_EFFECTS];
@@ -268,7 +268,7 @@ fn a_force_at_the_limit_is_marked_until_the_window_has_forgotten_it() {
 }
 
 #[test]
-fn what_is_wrong_with_a_sample_is_wrong_with_every_result_it_is_in() {
+fn a_fault_of_a_sample_is_a_fault_of_every_result_that_contains_it() {
     let mut slots = [None; MOST_EFFECTS];
     slots[0] = Some(Effect::new(EffectId::ViscousDrag, &[1.0, 0.0, 0.0, 0.0]));
     let compensation = Compensation::<f32>::new(&slots, RATE_HZ, 1e-6).unwrap();

@@ -108,7 +108,7 @@ impl<T: Real> Window<T> {
         }
     }
 
-    /// Σ hₖ f(kT), the mean of a force along the parabola whose own mean is `mean`.
+    /// Σ hₖ f(kT), the mean of a force along the parabola x̄, v̄, ā of `mean`.
     #[inline(never)]
     pub(super) fn mean_force_n(
         &self,

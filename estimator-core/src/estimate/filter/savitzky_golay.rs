@@ -1,6 +1,7 @@
 //! Savitzky–Golay differentiation of position and force, with the smoothing that it implies.
 
 use super::aligned::Aligned;
+use super::response::Response;
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::Real;
 
@@ -19,9 +20,7 @@ const MAX_WIDTH: usize = 2 * MAX_HALF_WIDTH + 1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SavitzkyGolayParams<T> {
     half_width: usize,
-    delay_us: u64,
-    /// Σhₖ²: 0.6/m for a wide window.
-    noise_gain: T,
+    response: Response<T>,
     /// (hₖ, weight of the slope) for k = 1…m; entries beyond m are not used.
     sides: [(T, T); MAX_HALF_WIDTH],
 }
@@ -34,6 +33,7 @@ impl<T: Real> SavitzkyGolayParams<T> {
         let squares = m * (m + 1.0) * (2.0 * m + 1.0) / 3.0;
         let value = |k: f64| (m * (m + 1.0) - k * k) / (2.0 * squares);
         let mut sides = [(T::zero(), T::zero()); MAX_HALF_WIDTH];
+        // Σhₖ², 0.6/m for a wide window.
         let mut noise_gain = value(0.0) * value(0.0);
         for (k, side) in (1u8..=half_width).zip(sides.iter_mut()) {
             let k = f64::from(k);
@@ -42,8 +42,11 @@ impl<T: Real> SavitzkyGolayParams<T> {
         }
         SavitzkyGolayParams {
             half_width: usize::from(half_width),
-            delay_us: (1e6 * m / rate) as u64,
-            noise_gain: T::from_f64(noise_gain),
+            response: Response {
+                delay_us: (1e6 * m / rate) as u64,
+                memory_samples: 2 * u32::from(half_width) + 1,
+                noise_gain: T::from_f64(noise_gain),
+            },
             sides,
         }
     }
@@ -53,16 +56,8 @@ impl<T: Real> SavitzkyGolayParams<T> {
         self.sides.get(..self.half_width).unwrap_or(&[])
     }
 
-    pub(crate) fn delay_us(&self) -> u64 {
-        self.delay_us
-    }
-
-    pub(crate) fn memory_samples(&self) -> u32 {
-        2 * self.half_width as u32 + 1
-    }
-
-    pub(crate) fn noise_gain(&self) -> T {
-        self.noise_gain
+    pub(super) fn response(&self) -> &Response<T> {
+        &self.response
     }
 }
 
@@ -270,8 +265,11 @@ mod tests {
             .map(|sample| filter.update(&params, &sample).force_n)
             .map(|h| h * h)
             .sum();
-        assert!((energy - params.noise_gain()).abs() < 1e-15, "{energy}");
-        assert!((params.noise_gain() - 0.06).abs() < 0.004);
+        assert!(
+            (energy - params.response.noise_gain).abs() < 1e-15,
+            "{energy}"
+        );
+        assert!((params.response.noise_gain - 0.06).abs() < 0.004);
     }
 
     #[test]

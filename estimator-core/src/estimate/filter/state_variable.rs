@@ -1,6 +1,7 @@
 //! The chapter's state-variable filter: a second-order low-pass whose second state is the speed.
 
 use super::aligned::Aligned;
+use super::response::Response;
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::Real;
 
@@ -13,9 +14,7 @@ pub struct StateVariableParams<T> {
     a3: T,
     /// 2g/T, the rate of the low-pass output over the band-pass state (1/s).
     to_rate: T,
-    noise_gain: T,
-    delay_us: u64,
-    memory_samples: u32,
+    response: Response<T>,
 }
 
 impl<T: Real> StateVariableParams<T> {
@@ -32,24 +31,18 @@ impl<T: Real> StateVariableParams<T> {
             a2: T::from_f64(g * a1),
             a3: T::from_f64(g * g * a1),
             to_rate: T::from_f64(2.0 * g * rate),
-            // (1/π)∫|H|² over the unit circle, with the frequency warping of the bilinear transform.
-            noise_gain: T::from_f64(g * (1.0 + k * g) / (k * (1.0 + k * g + g * g))),
-            delay_us: (1e6 * delay_s) as u64,
-            // A step is forgotten to 1 % after 3.3 delays at ζ = 1.
-            memory_samples: (4.0 * delay_s * rate) as u32 + 1,
+            response: Response {
+                delay_us: (1e6 * delay_s) as u64,
+                // A step is forgotten to 1 % after 3.3 delays at ζ = 1.
+                memory_samples: (4.0 * delay_s * rate) as u32 + 1,
+                // (1/π)∫|H|² over the unit circle, with the frequency warping of the bilinear transform.
+                noise_gain: T::from_f64(g * (1.0 + k * g) / (k * (1.0 + k * g + g * g))),
+            },
         }
     }
 
-    pub(crate) fn delay_us(&self) -> u64 {
-        self.delay_us
-    }
-
-    pub(crate) fn memory_samples(&self) -> u32 {
-        self.memory_samples
-    }
-
-    pub(crate) fn noise_gain(&self) -> T {
-        self.noise_gain
+    pub(super) fn response(&self) -> &Response<T> {
+        &self.response
     }
 }
 
@@ -141,7 +134,7 @@ mod tests {
         let late_s = 0.999 - out.position_m / 0.02;
         assert!((late_s - 7.958e-3).abs() < 0.06e-3, "{late_s}");
         assert!((out.speed_mps - 0.02).abs() < 1e-9);
-        assert_eq!(p.delay_us(), 7957);
+        assert_eq!(p.response.delay_us, 7957);
     }
 
     #[test]
@@ -158,9 +151,9 @@ mod tests {
             .map(|h| h * h)
             .sum();
         assert!(
-            (energy / p.noise_gain() - 1.0).abs() < 0.01,
+            (energy / p.response.noise_gain - 1.0).abs() < 0.01,
             "{energy} {}",
-            p.noise_gain()
+            p.response.noise_gain
         );
     }
 

@@ -132,7 +132,7 @@ impl<T: Real> IdentifyParams<T> {
             inversion: config.inversion,
             cascade: config.cascade.validate(&scale)?,
             period_us: libm::round(1e6 / f64::from(config.rate_hz)) as u64,
-            memory_samples: filter.memory_samples(),
+            memory_samples: filter.response().memory_samples,
             surface_known: contact.surface_known(),
         })
     }

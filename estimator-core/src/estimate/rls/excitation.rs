@@ -1,4 +1,4 @@
-//! Excitation: a sample is worth learning from while the regressor moves.
+//! The gate of excitation: samples are learned from while the regressor moves.
 
 use nalgebra::SVector;
 

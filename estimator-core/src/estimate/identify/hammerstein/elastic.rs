@@ -151,24 +151,26 @@ impl<T: Real> ElasticStage<T> {
         let theta = &self.gamma_1.rls.theta;
         let bounded = log_stiffness != theta.x || exponent != theta.y;
         let unlearned = self.gamma_1.ignorance() > T::from_f64(0.1);
-        let stiffness = log_stiffness.exp();
-        let estimate = |value: T, gain: T, scale: T, (variance, shift): (T, T)| ParameterEstimate {
-            value,
-            std_error: gain * (variance + shift * shift).sqrt(),
-            scale: if bounded || unlearned {
+        let scale = |scale: T| {
+            if bounded || unlearned {
                 T::zero()
             } else {
                 scale
-            },
+            }
         };
+        let std_error = |variance: T, shift: T| (variance + shift * shift).sqrt();
+        let stiffness = log_stiffness.exp();
         [
-            estimate(
-                stiffness,
-                stiffness,
-                size(stiffness, stiffness),
-                (covariance.m11, moved.x),
-            ),
-            estimate(exponent, T::one(), T::one(), (covariance.m22, moved.y)),
+            ParameterEstimate {
+                value: stiffness,
+                std_error: stiffness * std_error(covariance.m11, moved.x),
+                scale: scale(size(stiffness, stiffness)),
+            },
+            ParameterEstimate {
+                value: exponent,
+                std_error: std_error(covariance.m22, moved.y),
+                scale: scale(T::one()),
+            },
         ]
     }
 
