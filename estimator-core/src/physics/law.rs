@@ -180,6 +180,7 @@ laws! {
 const FREE: LawInfo = LawInfo {
     name: "free",
     alias: None,
+    relaxes: false,
     summary: "Nothing to touch",
     parameters: &[],
     optional: &[],
@@ -197,10 +198,15 @@ impl LawId {
         self.info().name
     }
 
+    /// The name of the law and, if it has one, its alias.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        core::iter::once(self.name()).chain(self.info().alias)
+    }
+
     /// The law with a name or an alias of files.
     pub fn from_name(name: &str) -> Option<LawId> {
         let mut laws = LawId::ALL.iter().copied();
-        laws.find(|id| id.name() == name || id.info().alias == Some(name))
+        laws.find(|id| id.names().any(|known| known == name))
     }
 }
 

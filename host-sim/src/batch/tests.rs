@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use estimator_core::physics::law::{
-    Elastic, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw,
+    Elastic, KelvinVoigt, Law, QuasiLinear, RelaxationMode, RelaxingLaw,
 };
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -11,7 +11,7 @@ use rand_distr::{Distribution, Normal};
 use super::*;
 use crate::log::{Log, ReadOptions};
 use crate::motion::Motion;
-use crate::plant::{Contact, GEL, Law, Material, PLASTIC, Rig, Stage};
+use crate::plant::{Contact, GEL, Material, PLASTIC, Rig, Stage};
 
 /// Seeds of the sensors' noise.
 const SEED_RIG: u64 = 7;

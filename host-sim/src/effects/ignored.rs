@@ -6,14 +6,14 @@
 use estimator_core::Config;
 use estimator_core::estimate::Estimated;
 use estimator_core::physics::effect::{Effect, EffectId};
-use estimator_core::physics::law::KelvinVoigt;
+use estimator_core::physics::law::{KelvinVoigt, Law};
 use estimator_core::physics::rig::MOST_EFFECTS;
 
 use crate::batch::{Family, Options, batch};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 use crate::motion::Motion;
-use crate::plant::{Contact, GEL, Law, Rig, Stage};
+use crate::plant::{Contact, GEL, Rig, Stage};
 
 /// An effect on a simulated palpation, and what a fit without it makes of that.
 #[derive(Clone, Debug)]

@@ -66,6 +66,7 @@ impl<S: Scalar> LawRow<S> for HuntCrossley<S> {
     const INFO: LawInfo = LawInfo {
         name: "hunt_crossley",
         alias: None,
+        relaxes: false,
         summary: "F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ",
         parameters: &[STIFFNESS, DAMPING, EXPONENT],
         // It is n unless a model gives it.

@@ -35,6 +35,8 @@ pub struct LawInfo {
     pub name: &'static str,
     /// Another name under which files may have it.
     pub alias: Option<&'static str>,
+    /// Whether the force depends on how the depth came about: it relaxes in a hold.
+    pub relaxes: bool,
     /// The law in one line.
     pub summary: &'static str,
     /// The parameters that it always has, in the order of files and estimates.
