@@ -234,7 +234,7 @@ fn relaxation(table: &Table<'_>) -> Result<Vec<Parameter>, Diagnostic> {
         for (key, info) in fields {
             values.push(Parameter {
                 name: format!("relaxation_{key}_{}", at + 1),
-                ..parameter(&info, mode.required_number(key, info.bounds)?)
+                ..parameter(info, mode.required_number(key, info.bounds)?)
             });
         }
         mode.finish()?;

@@ -96,7 +96,7 @@ impl<S: Scalar, const R: usize> LawRow<S> for QuasiLinear<S, R> {
             elastic,
             modes: [RelaxationMode::unused(); R],
         };
-        for (mode, [fraction, rate]) in law.modes.iter_mut().zip(&RELAXATION).take(modes) {
+        for (mode, [fraction, rate]) in law.modes.iter_mut().zip(RELAXATION).take(modes) {
             mode.fraction = value(fraction.name)?;
             mode.rate_per_s = value(rate.name)?;
         }

@@ -66,7 +66,7 @@ pub(super) const DAMPING_EXPONENT: ParameterInfo =
 pub const STIFFENING_RATE: ParameterInfo =
     required("stiffening_rate", Unit::PerMetre, Bounds::Positive);
 /// cᵢ and νᵢ (1/s) of the relaxation modes.
-pub const RELAXATION: [[ParameterInfo; 2]; MOST_MODES] = [
+pub const RELAXATION: &[[ParameterInfo; 2]; MOST_MODES] = &[
     mode("relaxation_fraction_1", "relaxation_rate_1"),
     mode("relaxation_fraction_2", "relaxation_rate_2"),
     mode("relaxation_fraction_3", "relaxation_rate_3"),
