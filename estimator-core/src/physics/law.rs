@@ -317,3 +317,65 @@ const fn slots<const N: usize>(law: &LawInfo, modes: usize, skewed: bool) -> [Pa
     }
     list
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slots_of_a_frame_are_those_that_loggers_know() {
+        let slots = |kind: LawKind| kind.parameters().iter().map(|info| info.name);
+        for (code, name, names) in [
+            (1, "kelvin_voigt", "stiffness damping surface"),
+            (2, "hunt_crossley", "stiffness damping exponent surface"),
+            (3, "zener", "stiffness second_stiffness damping surface"),
+            (
+                4,
+                "quasi_linear",
+                "stiffness exponent relaxation_fraction_1 relaxation_rate_1 surface",
+            ),
+            (
+                5,
+                "quasi_linear",
+                "stiffness exponent relaxation_fraction_1 relaxation_rate_1 \
+                 relaxation_fraction_2 relaxation_rate_2 surface",
+            ),
+            (
+                6,
+                "hunt_crossley",
+                "stiffness damping exponent skew surface",
+            ),
+        ] {
+            let kind = LawKind::from_code(code).unwrap();
+            assert_eq!(kind.name(), name);
+            assert!(slots(kind).eq(names.split(' ')), "{kind:?}");
+        }
+        assert_eq!(LawKind::ALL.len(), 6);
+    }
+
+    #[test]
+    fn every_name_leads_back_to_its_law_and_every_law_to_its_values() {
+        for id in LawId::ALL {
+            assert!(id.names().all(|name| LawId::from_name(name) == Some(*id)));
+            let law = Law::<f64>::from_values(*id, 0, |_| Some(1.5), 1e-3).unwrap();
+            assert_eq!(law.id(), *id);
+            let unknown = Law::<f64>::from_values(*id, 0, |_| None, 1e-3);
+            assert_eq!(unknown.is_some(), *id == LawId::Free);
+        }
+        let five = Law::<f64>::from_values(LawId::QuasiLinear, 5, |_| Some(1.5), 1e-3);
+        assert_eq!(five, None);
+    }
+
+    #[test]
+    fn the_state_of_another_law_is_that_of_a_material_at_rest() {
+        let of = |id| Law::<f64>::from_values(id, 1, |_| Some(1.5), 1e-3).unwrap();
+        let (zener, quasi_linear) = (of(LawId::Zener), of(LawId::QuasiLinear));
+        let mut state = zener.at_rest();
+        zener.step(&mut state, 1e-3, 0.0, 1e-3);
+        let force_n = quasi_linear.step(&mut state, 2e-3, 0.0, 1e-3);
+        assert_eq!(
+            force_n,
+            quasi_linear.step(&mut quasi_linear.at_rest(), 2e-3, 0.0, 1e-3)
+        );
+    }
+}
