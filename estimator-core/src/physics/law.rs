@@ -1,4 +1,5 @@
-//! Forward contact laws: penetration and its rate in, force out. One file and one row a law.
+//! Forward contact laws: penetration and its rate in, force out. Each law is one file and one row of
+//! the table below.
 //!
 //! All laws report their stiffness and damping at a reference depth δ₀ (1 mm unless configured), so
 //! that the numbers of different laws can be compared and keep their units whatever the exponent:
@@ -6,8 +7,8 @@
 //!
 //! **Adding a law** touches these files:
 //! 1. `physics/law/<law>.rs`: the law and its `LawRow`;
-//! 2. `physics/law.rs`: its row in the table below. Models, the simulated rig, the report and `gap` then
-//!    have it;
+//! 2. `physics/law.rs`: its row. Model files, the simulated rig, `gap`, `--law` and the reports have the
+//!    law then; if frames carry it too, a row of [`LawKind`], which its estimator fills;
 //! 3. `board/reflection/impedance.rs`, if a master is to render it;
 //! 4. `host-sim/src/batch/family.rs`, and 5. `host-sim/src/batch/start.rs`, if a whole log is to be
 //!    fitted with it: the free numbers that mean the law, and where they start.
@@ -97,9 +98,9 @@ macro_rules! laws {
                 }
             }
 
-            /// A law from its values by name, with this many relaxation modes as files list them and
-            /// with stiffness and damping that hold at a depth (m); `None` if a value is missing or
-            /// there are more than `R` modes.
+            /// A law from its values by name, with this many of the relaxation modes that files list.
+            /// Its stiffness and damping hold at a depth (m). `None` if a value is missing or there are
+            /// more than `R` modes.
             pub fn from_values(
                 id: LawId,
                 modes: usize,
@@ -114,8 +115,8 @@ macro_rules! laws {
                 })
             }
 
-            /// The law in the parts that effects act on. The depth (m) is for a law that has none: it
-            /// changes nothing until an effect gives a part an exponent.
+            /// The law in the parts that effects act on. The depth (m) is for a law without a reference
+            /// depth: it changes nothing until an effect gives a part an exponent.
             pub fn parts(&self, reference_depth_m: S) -> Environment<S> {
                 match self {
                     $(Law::$Law(law) => law.parts(reference_depth_m),)+
@@ -180,6 +181,7 @@ laws! {
 const FREE: LawInfo = LawInfo {
     name: "free",
     alias: None,
+    title: "free",
     relaxes: false,
     summary: "Nothing to touch",
     parameters: &[],

@@ -6,7 +6,6 @@
 //! Damping stays linear and may come out negative: bounded, its standard error would be wrong where
 //! there is none. Within the fit the reference depth is half of the depth reached, where K and n are
 //! least correlated; K and λ are carried to δ₀ at the end, with their covariance.
-
 //!
 //! **Skew.** Force and position of one row are rarely of one instant: 1 ms between them makes the
 //! damping of a stiff plastic wrong by 27–53 %. Under Hunt–Crossley the two differ in how they grow
@@ -282,7 +281,7 @@ impl<S: Scalar> Natural<S> {
 
     /// Force of the law alone (N) at every node in turn.
     pub(super) fn unsaturated(&self, family: Family, nodes: &[Node], each: impl FnMut(&Node, S)) {
-        // A mode more than needed costs as much as one that is.
+        // A mode that is not used would cost as much as one that is.
         match family.modes {
             0 | 1 => self.run(&self.law::<1>(family), nodes, each),
             2 => self.run(&self.law::<2>(family), nodes, each),

@@ -19,7 +19,7 @@ impl Contact {
         surface_m: 0.0,
     };
 
-    /// The same in the parts that effects act on.
+    /// The material in the parts that effects act on.
     pub fn environment(&self) -> Environment<f64> {
         self.law.parts(DEFAULT_REFERENCE_DEPTH_M).at(self.surface_m)
     }

@@ -66,6 +66,7 @@ impl<S: Scalar> LawRow<S> for HuntCrossley<S> {
     const INFO: LawInfo = LawInfo {
         name: "hunt_crossley",
         alias: None,
+        title: "Hunt–Crossley",
         relaxes: false,
         summary: "F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ",
         parameters: &[STIFFNESS, DAMPING, EXPONENT],

@@ -34,6 +34,7 @@ impl<S: Scalar> LawRow<S> for KelvinVoigt<S> {
     const INFO: LawInfo = LawInfo {
         name: "kelvin_voigt",
         alias: None,
+        title: "Kelvin–Voigt",
         relaxes: false,
         summary: "F = Kδ + λδ̇",
         parameters: &[STIFFNESS, DAMPING],

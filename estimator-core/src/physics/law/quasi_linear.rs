@@ -65,6 +65,7 @@ impl<S: Scalar, const R: usize> LawRow<S> for QuasiLinear<S, R> {
     const INFO: LawInfo = LawInfo {
         name: "quasi_linear",
         alias: Some("hammerstein"),
+        title: "quasi-linear",
         relaxes: true,
         summary: "Kδ₀(δ/δ₀)ⁿ that relaxes in one or two modes, in up to four by batch",
         parameters: &[STIFFNESS, EXPONENT],

@@ -12,20 +12,21 @@ pub(super) trait LawRow<S: Scalar>: RelaxingLaw<S> + Sized {
     /// The facts about the law that files and the command line need.
     const INFO: LawInfo;
 
-    /// The law from its values by name, with this many listed relaxation modes, stiffness and damping
-    /// holding at a depth (m); `None` if a value is missing or there are more modes than it can have.
+    /// The law from its values by name, with this many of the relaxation modes that files list. Its
+    /// stiffness and damping hold at a depth (m). `None` if a value is missing or there are more modes
+    /// than the law can have.
     fn from_values(
         modes: usize,
         value: &impl Fn(&str) -> Option<S>,
         reference_depth_m: S,
     ) -> Option<Self>;
 
-    /// The law in the parts that effects act on. The depth (m) is for a law that has none: it changes
-    /// nothing until an effect gives a part an exponent.
+    /// The law in the parts that effects act on. The depth (m) is for a law without a reference depth:
+    /// it changes nothing until an effect gives a part an exponent.
     fn parts(&self, reference_depth_m: S) -> Environment<S>;
 }
 
-/// δ₀ (m) unless a model says otherwise: that of the chapter's numbers.
+/// The reference depth δ₀ (m) unless a model says otherwise: that of the chapter's numbers.
 pub const DEFAULT_REFERENCE_DEPTH_M: f64 = 1e-3;
 
 /// The facts about a law that files and the command line need.
@@ -35,6 +36,8 @@ pub struct LawInfo {
     pub name: &'static str,
     /// Another name under which files may have it.
     pub alias: Option<&'static str>,
+    /// The name for people.
+    pub title: &'static str,
     /// Whether the force depends on how the depth came about: it relaxes in a hold.
     pub relaxes: bool,
     /// The law in one line.
@@ -62,10 +65,10 @@ pub(super) const EXPONENT: ParameterInfo =
 /// q
 pub(super) const DAMPING_EXPONENT: ParameterInfo =
     required("damping_exponent", Unit::One, Bounds::Within(0.0, 10.0));
-/// b (1/m)
+/// The rate b (1/m) at which an exponential response stiffens.
 pub const STIFFENING_RATE: ParameterInfo =
     required("stiffening_rate", Unit::PerMetre, Bounds::Positive);
-/// cᵢ and νᵢ (1/s) of the relaxation modes.
+/// The fraction cᵢ and the rate νᵢ (1/s) of each relaxation mode.
 pub const RELAXATION: &[[ParameterInfo; 2]; MOST_MODES] = &[
     mode("relaxation_fraction_1", "relaxation_rate_1"),
     mode("relaxation_fraction_2", "relaxation_rate_2"),
@@ -74,7 +77,7 @@ pub const RELAXATION: &[[ParameterInfo; 2]; MOST_MODES] = &[
 ];
 /// How much later the force is read than the position (s).
 pub(super) const SKEW: ParameterInfo = required("skew", Unit::Second, Bounds::Any);
-/// Position of the surface (m).
+/// The position of the surface (m).
 pub const SURFACE: ParameterInfo = required("surface", Unit::Metre, Bounds::Any);
 
 const fn required(name: &'static str, unit: Unit, bounds: Bounds) -> ParameterInfo {

@@ -95,6 +95,7 @@ impl<S: Scalar> LawRow<S> for Zener<S> {
     const INFO: LawInfo = LawInfo {
         name: "zener",
         alias: None,
+        title: "Zener",
         relaxes: true,
         summary: "Standard linear solid: a spring in series with a spring and damper in parallel",
         parameters: &[
