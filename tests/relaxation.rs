@@ -5,12 +5,14 @@ use estimator_core::estimate::Event;
 use estimator_core::estimate::config::{Inversion, Surface};
 use estimator_core::estimate::identify::hammerstein_coefficients;
 use estimator_core::estimate::method::Method;
-use estimator_core::physics::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
+use estimator_core::physics::law::{
+    Elastic, Law, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
+};
 use estimator_core::{Config, Estimate, Real, Sample, State, Status, step};
 use palpate::estimate::{Choices, Estimation, Shown, estimate};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
-use palpate::plant::{Contact, GEL, Law, MODES, Rig, Run, Stage};
+use palpate::plant::{Contact, GEL, Rig, Run, Stage};
 use palpate::replay::samples;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -28,7 +30,7 @@ const FREE: RelaxationMode<f64> = RelaxationMode {
 };
 
 /// A polyurethane gel: 11.6 N at 3 mm at once, of which 30 % relax with a time constant of 8 s.
-const POLYURETHANE: QuasiLinear<f64, MODES> = QuasiLinear {
+const POLYURETHANE: QuasiLinear<f64, MOST_MODES> = QuasiLinear {
     elastic: Elastic::Power {
         stiffness_n_per_m: 2000.0,
         exponent: 1.6,
@@ -54,7 +56,7 @@ const SOLID: Zener<f64> = Zener {
     damping_ns_per_m: 1400.0,
 };
 
-fn touch(law: Law, motion: &Motion, seed: u64) -> Run {
+fn touch(law: Law<f64>, motion: &Motion, seed: u64) -> Run {
     let contact = Contact {
         law,
         surface_m: 0.0,
@@ -64,7 +66,7 @@ fn touch(law: Law, motion: &Motion, seed: u64) -> Run {
 }
 
 /// 30 mm/s down to 3.1 mm, a hold of 50 s, up again: the chapter's E5.
-fn e5(law: Law, seed: u64) -> Run {
+fn e5(law: Law<f64>, seed: u64) -> Run {
     let ramp = |to_m| Segment::Ramp {
         to_m,
         speed_mps: 0.03,
@@ -74,7 +76,7 @@ fn e5(law: Law, seed: u64) -> Run {
     touch(law, &Motion::new(-2e-3, segments).unwrap(), seed)
 }
 
-fn palpated(law: Law, seed: u64) -> Run {
+fn palpated(law: Law<f64>, seed: u64) -> Run {
     let once = Motion::palpation(3e-3);
     touch(law, &once.then(&once), seed)
 }

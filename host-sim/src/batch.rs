@@ -25,9 +25,10 @@ mod start;
 mod touch;
 
 use estimator_core::estimate::method::Method;
+use estimator_core::physics::law::LawId;
 use estimator_core::{Config, Status};
 
-pub use family::{Family, MOST_MODES};
+pub use family::Family;
 pub use files::write;
 pub use modulus::Indenter;
 pub use print::summary;
@@ -79,11 +80,8 @@ impl Default for Options {
 
 /// Every law, simplest first.
 pub fn all_families() -> Vec<Family> {
-    let modes = (1..=MOST_MODES).map(Family::QuasiLinear);
-    [Family::KelvinVoigt, Family::HuntCrossley, Family::Zener]
-        .into_iter()
-        .chain(modes)
-        .collect()
+    let laws = LawId::ALL.iter().filter(|law| **law != LawId::Free);
+    laws.flat_map(|law| Family::of(*law)).collect()
 }
 
 /// Fits a whole log.
@@ -141,9 +139,9 @@ fn nothing(log: &UniformLog, replay: &Replay, notes: Vec<String>) -> Batch {
     let outcome = Outcome::of(log, replay);
     let inspection = inspect(log, replay, &outcome.touches);
     Batch {
-        family: Family::KelvinVoigt,
+        family: Family::KELVIN_VOIGT,
         status: Status::NoContact,
-        parameters: unknown(Family::KelvinVoigt),
+        parameters: unknown(Family::KELVIN_VOIGT),
         offset: None,
         skew: None,
         reference_depth_m: f64::from(replay.config.reference.depth_m),
@@ -168,12 +166,6 @@ fn nothing(log: &UniformLog, replay: &Replay, notes: Vec<String>) -> Batch {
 }
 
 fn unknown(family: Family) -> Vec<Parameter> {
-    let names = family.parameters().into_iter();
-    names
-        .map(|(name, unit)| Parameter {
-            name,
-            unit,
-            estimate: None,
-        })
-        .collect()
+    let infos = family.parameters();
+    infos.map(|info| Parameter::new(info, None)).collect()
 }

@@ -9,7 +9,7 @@ mod rig;
 mod write;
 
 pub use effect::Effect;
-pub use environment::{Elastic, Environment, EnvironmentLaw, Parameter, RelaxationMode};
+pub use environment::{Environment, Parameter};
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,7 @@
 //! Models read, are refused with a reason, and come back as they were written.
 
 use super::*;
+use estimator_core::physics::law::Law;
 
 fn parse(text: &str) -> Result<Model, Diagnostic> {
     let path = Path::new("m.toml");
@@ -160,14 +161,14 @@ fn a_model_becomes_a_contact_where_the_rig_has_its_law() {
         let model = parse(&format!("[environment]\n{text}\n")).unwrap();
         model.environment.contact().map(|contact| contact.law)
     };
-    let Some(crate::plant::Law::Zener(zener)) =
+    let Some(Law::Zener(zener)) =
         law("law = \"zener\"\nstiffness = 3\nsecond_stiffness = 2\ndamping = 1")
     else {
         panic!("a Zener model is a Zener material");
     };
     assert_eq!(zener.second_stiffness_n_per_m, 2.0);
     let quasi_linear = "law = \"quasi_linear\"\nstiffness = 1\nexponent = 2\nrelaxation = ";
-    let Some(crate::plant::Law::QuasiLinear(two)) = law(&format!(
+    let Some(Law::QuasiLinear(two)) = law(&format!(
         "{quasi_linear}[{{ fraction = 0.2, rate = 3 }}, {{ fraction = 0.1, rate = 0.5 }}]"
     )) else {
         panic!("a quasi-linear model is a quasi-linear material");

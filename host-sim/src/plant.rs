@@ -13,7 +13,7 @@ pub mod rig;
 pub mod sensors;
 
 pub use chain::{Effects, depth_at_m};
-pub use contact::{Contact, Law, MODES, Memory};
+pub use contact::Contact;
 pub use material::{GEL, Material, PLASTIC};
 pub use motor::{Motor, MotorState};
 pub use rig::{Rig, Run, Stage, Truth};

@@ -5,10 +5,10 @@
 //! cycle, or of ramp–hold–ramp at 2, 4 or 8 depths a second; the surface within ±0.5 mm. The rig adds
 //! its motor, 20 mN of noise in 5 mN steps and an encoder of 1 µm.
 
-use estimator_core::physics::law::{ContactLaw, HuntCrossley};
+use estimator_core::physics::law::{ContactLaw, HuntCrossley, Law};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
-use palpate::plant::{Contact, GEL, Law, LoadCell, PLASTIC, Rig, Sensors, Stage, Truth};
+use palpate::plant::{Contact, GEL, LoadCell, PLASTIC, Rig, Sensors, Stage, Truth};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -9,10 +9,12 @@
 
 use estimator_core::estimate::Estimate;
 use estimator_core::estimate::method::Method;
-use estimator_core::physics::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw, Zener};
+use estimator_core::physics::law::{
+    Elastic, Law, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
+};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
-use palpate::plant::{Contact, Law, MODES, Rig, Stage};
+use palpate::plant::{Contact, Rig, Stage};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -106,7 +108,7 @@ const FREE: RelaxationMode<f64> = RelaxationMode {
     rate_per_s: 0.0,
 };
 
-fn drawn(rng: &mut Pcg64, touched: Relaxing) -> (Law, Vec<f64>) {
+fn drawn(rng: &mut Pcg64, touched: Relaxing) -> (Law<f64>, Vec<f64>) {
     let mut between = |low: f64, high: f64| low * (high / low).powf(rng.random());
     let (mut stiffness, mut rate) = (between(300.0, 20_000.0), between(0.3, 10.0));
     let mut exponent = rng.random_range(1.05..1.7);
@@ -125,7 +127,7 @@ fn drawn(rng: &mut Pcg64, touched: Relaxing) -> (Law, Vec<f64>) {
         };
         return (Law::Zener(law), vec![stiffness, second, damping]);
     }
-    let mut modes: [RelaxationMode<f64>; MODES] = [FREE; MODES];
+    let mut modes: [RelaxationMode<f64>; MOST_MODES] = [FREE; MOST_MODES];
     modes[0] = RelaxationMode {
         fraction,
         rate_per_s: rate,
@@ -152,15 +154,7 @@ fn drawn(rng: &mut Pcg64, touched: Relaxing) -> (Law, Vec<f64>) {
     (Law::QuasiLinear(QuasiLinear { elastic, modes }), truth)
 }
 
-fn elastic_n(law: &Law, depth_m: f64) -> f64 {
-    match law {
-        Law::Zener(law) => law.elastic_n(depth_m),
-        Law::QuasiLinear(law) => law.elastic_n(depth_m),
-        _ => 0.0,
-    }
-}
-
-fn motion(rng: &mut Pcg64, touched: Relaxing, stroke: Stroke, law: &Law) -> Motion {
+fn motion(rng: &mut Pcg64, touched: Relaxing, stroke: Stroke, law: &Law<f64>) -> Motion {
     let hold = |seconds| Segment::Hold { seconds };
     let ramp = |to_m, speed_mps| Segment::Ramp { to_m, speed_mps };
     if touched == Relaxing::E5 {
@@ -177,7 +171,7 @@ fn motion(rng: &mut Pcg64, touched: Relaxing, stroke: Stroke, law: &Law) -> Moti
     let frequency_hz = rng.random_range(0.9..1.6);
     let quickness = [2.0, 4.0, 8.0][rng.random_range(0..3)];
     let mut depth_m = 0.05;
-    while elastic_n(law, depth_m) > peak_n {
+    while law.elastic_n(depth_m) > peak_n {
         depth_m *= 0.99;
     }
     let gap_m = (0.4 * depth_m).clamp(1e-4, 5e-4);

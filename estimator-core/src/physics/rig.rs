@@ -10,23 +10,20 @@
 //! this rig moved as it was T_d ago.
 
 mod contact;
-mod environment;
 
-pub use contact::{ContactState, Touch};
-pub use environment::{Damping, Environment, MOST_MODES};
+pub use super::law::{Damping, Environment, MOST_MODES};
+use contact::Contact;
+pub use contact::{ContactState, MOST_EFFECTS, Touch};
 
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::{Effect, Motion};
-
-/// Most effects of a rig.
-pub const MOST_EFFECTS: usize = 8;
 
 /// What is touched, and what touches it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rig<S> {
     /// What is touched.
     pub environment: Environment<S>,
-    /// What the rig adds, in any order: each enters at its own place.
+    /// What the rig adds, in any order: each effect enters at its stage of the chain.
     pub effects: [Option<Effect<S>>; MOST_EFFECTS],
 }
 
@@ -34,17 +31,21 @@ pub struct Rig<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigState<S> {
     contact: ContactState<S>,
-    /// Position of the motor side (m) and of the far side of a play, after the first sample.
+    /// Position of the motor side (m) at the last sample.
     motor_m: S,
+    /// Position of the far side of a play (m) at the last sample.
     far_m: S,
-    /// Deflection of a series compliance (m) at the last two samples, and the period between them.
+    /// Deflection of a series compliance (m) at the last two samples.
     deflection_m: [S; 2],
+    /// Period between those two samples (s).
     period_s: S,
-    /// Friction's z, by effect.
+    /// The internal variable z of each friction.
     sliding: [S; MOST_EFFECTS],
-    /// Force before the lag and after it (N).
+    /// Force before the lag (N) at the last sample.
     load_n: S,
+    /// Force after the lag (N) at the last sample.
     reading_n: S,
+    /// Whether a sample has come yet.
     started: bool,
 }
 
@@ -87,7 +88,7 @@ impl<S: Scalar> Rig<S> {
         self
     }
 
-    /// Its effects.
+    /// The effects that the rig adds.
     pub fn effects(&self) -> impl Iterator<Item = &Effect<S>> {
         self.effects.iter().flatten()
     }
@@ -95,23 +96,23 @@ impl<S: Scalar> Rig<S> {
     /// How late the force is read (s), of all `time_delay`: for the caller to shift the motion by.
     pub fn delay_s(&self) -> S {
         self.effects().fold(S::zero(), |sum, effect| match effect {
-            Effect::TimeDelay(own) => sum + own.delay_s,
+            Effect::TimeDelay(delay) => sum + delay.delay_s,
             _ => sum,
         })
     }
 
     /// Standing still out of contact, for ever.
     pub fn at_rest(&self) -> RigState<S> {
-        let nil = S::zero();
+        let zero = S::zero();
         RigState {
             contact: ContactState::at_rest(),
-            motor_m: nil,
-            far_m: nil,
-            deflection_m: [nil; 2],
+            motor_m: zero,
+            far_m: zero,
+            deflection_m: [zero; 2],
             period_s: S::one(),
-            sliding: [nil; MOST_EFFECTS],
-            load_n: nil,
-            reading_n: nil,
+            sliding: [zero; MOST_EFFECTS],
+            load_n: zero,
+            reading_n: zero,
             started: false,
         }
     }
@@ -143,11 +144,18 @@ impl<S: Scalar> Rig<S> {
     pub fn motor_side(&self, read: Motion<S>) -> Motion<S> {
         let mut motion = read;
         for effect in self.effects() {
-            if let Effect::EncoderPeriodicError(own) = effect {
-                motion = own.motor_side(motion);
+            if let Effect::EncoderPeriodicError(error) = effect {
+                motion = error.motor_side(motion);
             }
         }
         motion
+    }
+
+    fn contact(&self) -> Contact<'_, S> {
+        Contact {
+            environment: &self.environment,
+            effects: &self.effects,
+        }
     }
 
     /// From the motor side to the contact force.
@@ -156,8 +164,8 @@ impl<S: Scalar> Rig<S> {
         let mut yields = false;
         for effect in self.effects() {
             match effect {
-                Effect::Backlash(own) => {
-                    let (far_m, taken) = own.follow(state.far_m, motor.position_m);
+                Effect::Backlash(backlash) => {
+                    let (far_m, taken) = backlash.follow(state.far_m, motor.position_m);
                     state.far_m = far_m;
                     tip = (far_m, if taken { tip.1 } else { S::zero() });
                 }
@@ -168,7 +176,8 @@ impl<S: Scalar> Rig<S> {
         if yields {
             self.yielding(state, tip, motor.time_s, period_s)
         } else {
-            self.contact(&mut state.contact, tip, motor.time_s, period_s)
+            self.contact()
+                .step(&mut state.contact, tip, motor.time_s, period_s)
         }
     }
 
@@ -192,7 +201,7 @@ impl<S: Scalar> Rig<S> {
         let rate = |u: S| slope * u - weights[0] * u1 + weights[1] * u2;
         let contact = |from: &mut ContactState<S>, u: S| {
             let yielded = (tip.0 - u, tip.1 - rate(u));
-            self.contact(from, yielded, time_s, period_s)
+            self.contact().step(from, yielded, time_s, period_s)
         };
         let mut u = u1;
         for _ in 0..STEPS {
@@ -216,9 +225,9 @@ impl<S: Scalar> Rig<S> {
     fn given_way(&self, force_n: S) -> (S, S) {
         let mut sum = (S::zero(), S::zero());
         for effect in self.effects() {
-            if let Effect::SeriesCompliance(own) = effect {
-                sum.0 = sum.0 + own.deflection_m(force_n);
-                sum.1 = sum.1 + own.softness_m_per_n(force_n);
+            if let Effect::SeriesCompliance(compliance) = effect {
+                sum.0 = sum.0 + compliance.deflection_m(force_n);
+                sum.1 = sum.1 + compliance.softness_m_per_n(force_n);
             }
         }
         sum
@@ -239,15 +248,15 @@ impl<S: Scalar> Rig<S> {
     fn reading(&self, state: &mut RigState<S>, load_n: S, period_s: S) -> S {
         let mut lagged_n = load_n;
         for effect in self.effects() {
-            if let Effect::ForceLag(own) = effect {
-                lagged_n = own.reading_n(state.reading_n, state.load_n, load_n, period_s);
+            if let Effect::ForceLag(lag) = effect {
+                lagged_n = lag.reading_n(state.reading_n, state.load_n, load_n, period_s);
             }
         }
         (state.load_n, state.reading_n) = (load_n, lagged_n);
         let mut force_n = lagged_n;
         for effect in self.effects() {
-            if let Effect::ForceSaturation(own) = effect {
-                force_n = own.reading_n(force_n);
+            if let Effect::ForceSaturation(saturation) = effect {
+                force_n = saturation.reading_n(force_n);
             }
         }
         force_n

@@ -110,18 +110,14 @@ impl Given<'_> {
         let known = |name: &str, estimate: &Estimated<f64>| {
             let far = match name {
                 "surface" => self.course.scales.depth_m,
-                "damping" if family != Family::Zener => f64::INFINITY,
+                "damping" if family != Family::ZENER => f64::INFINITY,
                 _ => KNOWN * estimate.value.abs(),
             };
             estimate.value.is_finite() && estimate.std_error < far
         };
-        let names = family.parameters().into_iter().zip(values);
-        names
-            .map(|((name, unit), value)| Parameter {
-                estimate: Some(*value).filter(|value| known(&name, value)),
-                name,
-                unit,
-            })
+        let parameters = family.parameters().zip(values);
+        parameters
+            .map(|(info, value)| Parameter::new(info, known(info.name, value).then_some(*value)))
             .collect()
     }
 
@@ -202,8 +198,8 @@ impl Given<'_> {
     ) -> Option<Modulus> {
         let exponent = indenter.exponent();
         let family = match best.fit.family {
-            Family::KelvinVoigt if exponent != 1.0 => Family::HuntCrossley,
-            Family::Zener if exponent != 1.0 => Family::QuasiLinear(1),
+            Family::KELVIN_VOIGT if exponent != 1.0 => Family::HUNT_CROSSLEY,
+            Family::ZENER if exponent != 1.0 => Family::quasi_linear(1),
             family => family,
         };
         let fixed = Fixed {
@@ -224,7 +220,7 @@ impl Given<'_> {
                 value,
                 std_error: value * stiffness.std_error / stiffness.value,
             },
-            relaxed_pa: (family.modes() > 0).then_some(value * (1.0 - relaxes)),
+            relaxed_pa: (family.modes > 0).then_some(value * (1.0 - relaxes)),
             indenter: indenter.name(),
             poisson,
             exponent_assumed: exponent,
@@ -250,11 +246,10 @@ fn status(fit: &Fit, parameters: &[Parameter], rmse: f64, noise_n: f64) -> Statu
 
 /// Modes fast to slow, as everywhere.
 fn sorted(family: Family, mut parameters: Vec<Parameter>) -> Vec<Parameter> {
-    let Family::QuasiLinear(modes) = family else {
-        return parameters;
-    };
+    let modes = family.listed_modes();
     let rate = |pair: &[Parameter]| pair[1].estimate.map_or(0.0, |rate| rate.value);
-    let of_modes = 2..2 + 2 * modes;
+    let first = family.law.info().parameters.len();
+    let of_modes = first..first + 2 * modes;
     let mut pairs: Vec<Vec<Parameter>> = parameters[of_modes.clone()]
         .chunks(2)
         .map(<[Parameter]>::to_vec)

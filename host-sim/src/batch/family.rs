@@ -6,7 +6,6 @@
 //! Damping stays linear and may come out negative: bounded, its standard error would be wrong where
 //! there is none. Within the fit the reference depth is half of the depth reached, where K and n are
 //! least correlated; K and λ are carried to δ₀ at the end, with their covariance.
-
 //!
 //! **Skew.** Force and position of one row are rarely of one instant: 1 ms between them makes the
 //! damping of a stiff plastic wrong by 27–53 %. Under Hunt–Crossley the two differ in how they grow
@@ -16,22 +15,18 @@
 
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::law::{
-    Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener, unilateral,
+    Elastic, Law, LawId, MOST_MODES, ParameterInfo, RELAXATION, RelaxationMode, RelaxingLaw,
+    SURFACE as SURFACE_INFO, Zener, unilateral,
 };
 
 use super::course::{Node, Scales};
-
-/// Most relaxation modes.
-pub const MOST_MODES: usize = 4;
 
 /// Positions of the free numbers that all laws have.
 pub(super) const SURFACE: usize = 0;
 pub(super) const OFFSET: usize = 1;
 pub(super) const STIFFNESS: usize = 2;
 
-/// Where the skew of Hunt–Crossley stands.
-const SKEW: usize = 5;
-/// Its prior, in sample periods.
+/// Prior of the skew of Hunt–Crossley, in sample periods.
 const SKEW_PRIOR: f64 = 0.05;
 
 /// Smallest exponent, and the range above it.
@@ -40,18 +35,14 @@ const EXPONENT_RANGE: f64 = 3.5;
 
 /// A law, with the number of its relaxation modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
-    /// F = Kδ + λδ̇, (1)
-    KelvinVoigt,
-    /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
-    HuntCrossley,
-    /// F + λ/(κ₁+κ₂)·Ḟ = κ₁/(κ₁+κ₂)·(κ₂δ + λδ̇), (2)
-    Zener,
-    /// Kδ₀(δ/δ₀)ⁿ, relaxing in so many modes, (9)–(17)
-    QuasiLinear(usize),
+pub struct Family {
+    /// The law.
+    pub law: LawId,
+    /// The number of its relaxation modes.
+    pub modes: usize,
 }
 
-/// What the free numbers mean, in SI units at the fit's own reference depth.
+/// What the free numbers mean, in SI units at the reference depth of the fit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Natural<S> {
     pub(super) surface_m: S,
@@ -67,38 +58,50 @@ pub(super) struct Natural<S> {
 }
 
 impl Family {
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Family::KelvinVoigt => "kelvin_voigt",
-            Family::HuntCrossley => "hunt_crossley",
-            Family::Zener => "zener",
-            Family::QuasiLinear(_) => "quasi_linear",
-        }
+    /// Kelvin–Voigt.
+    pub const KELVIN_VOIGT: Family = Family::with(LawId::KelvinVoigt, 0);
+    /// Hunt–Crossley.
+    pub const HUNT_CROSSLEY: Family = Family::with(LawId::HuntCrossley, 0);
+    /// Zener.
+    pub const ZENER: Family = Family::with(LawId::Zener, 1);
+
+    /// The quasi-linear law with this many modes.
+    pub const fn quasi_linear(modes: usize) -> Family {
+        Family::with(LawId::QuasiLinear, modes)
     }
 
-    /// Relaxation modes.
-    pub fn modes(self) -> usize {
-        match self {
-            Family::QuasiLinear(modes) => modes,
-            Family::Zener => 1,
-            Family::KelvinVoigt | Family::HuntCrossley => 0,
-        }
+    const fn with(law: LawId, modes: usize) -> Family {
+        Family { law, modes }
+    }
+
+    /// The families of a law: one for each number of modes that it can have.
+    pub fn of(law: LawId) -> impl Iterator<Item = Family> {
+        let modes = match law.info().most_modes {
+            0 => usize::from(law.info().relaxes)..=usize::from(law.info().relaxes),
+            most => 1..=most,
+        };
+        modes.map(move |modes| Family::with(law, modes))
+    }
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        self.law.name()
+    }
+
+    /// Modes that are parameters themselves; the one of a Zener material follows from its springs and
+    /// damper.
+    pub(super) fn listed_modes(self) -> usize {
+        self.modes.min(self.law.info().most_modes)
     }
 
     /// Free numbers of the fit: those of the law, and the force offset.
     pub fn free(self) -> usize {
-        match self {
-            Family::KelvinVoigt => 4,
-            Family::HuntCrossley => 6,
-            Family::Zener => 5,
-            Family::QuasiLinear(modes) => 4 + 2 * modes,
-        }
+        self.first_mode() + 2 * self.modes + usize::from(self.skew().is_some())
     }
 
     /// Where the skew stands among the free numbers.
     pub(super) fn skew(self) -> Option<usize> {
-        (self == Family::HuntCrossley).then_some(SKEW)
+        (self.law == LawId::HuntCrossley).then_some(self.first_mode())
     }
 
     /// Free numbers that are known before the fit: which, and 1/σ² around 0.
@@ -108,48 +111,34 @@ impl Family {
 
     /// Where the exponent stands among the free numbers.
     pub(super) fn exponent(self) -> Option<usize> {
-        match self {
-            Family::HuntCrossley => Some(4),
-            Family::QuasiLinear(_) => Some(3),
-            Family::KelvinVoigt | Family::Zener => None,
-        }
+        self.position("exponent")
     }
 
     /// Where the damping stands among the free numbers.
-    pub(super) fn damping(self) -> Option<usize> {
-        matches!(self, Family::KelvinVoigt | Family::HuntCrossley).then_some(3)
+    fn damping(self) -> Option<usize> {
+        self.position("damping")
     }
 
-    /// Where fraction and rate of the modes begin.
+    /// Where a parameter of the law stands among the free numbers, if it is one.
+    fn position(self, name: &str) -> Option<usize> {
+        let mut infos = self.law.info().parameters[..self.first_mode() - STIFFNESS].iter();
+        Some(STIFFNESS + infos.position(|info| info.name == name)?)
+    }
+
+    /// Where fraction and rate of the modes begin: behind the law's parameters, of which Zener has the
+    /// stiffness alone, since its mode stands for the others.
     pub(super) fn first_mode(self) -> usize {
-        match self {
-            Family::QuasiLinear(_) => 4,
-            _ => 3,
+        match self.law {
+            LawId::Zener => STIFFNESS + 1,
+            law => STIFFNESS + law.info().parameters.len(),
         }
     }
 
-    /// Names and units of the parameters, in the order of `estimate.json`.
-    pub fn parameters(self) -> Vec<(String, &'static str)> {
-        let mut list = vec![("stiffness".to_string(), "N/m")];
-        let damping = ("damping".to_string(), "N s/m");
-        let exponent = ("exponent".to_string(), "1");
-        match self {
-            Family::KelvinVoigt => list.push(damping),
-            Family::HuntCrossley => list.extend([damping, exponent]),
-            Family::Zener => {
-                list.push(("second_stiffness".into(), "N/m"));
-                list.push(damping);
-            }
-            Family::QuasiLinear(modes) => {
-                list.push(exponent);
-                for mode in 1..=modes {
-                    list.push((format!("relaxation_fraction_{mode}"), "1"));
-                    list.push((format!("relaxation_rate_{mode}"), "1/s"));
-                }
-            }
-        }
-        list.push(("surface".into(), "m"));
-        list
+    /// The parameters in the order of `estimate.json`.
+    pub fn parameters(self) -> impl Iterator<Item = &'static ParameterInfo> {
+        let modes = RELAXATION[..self.listed_modes()].iter().flatten();
+        let parameters = self.law.info().parameters.iter();
+        parameters.chain(modes).chain([&SURFACE_INFO])
     }
 }
 
@@ -188,7 +177,7 @@ pub(super) fn natural<S: Scalar>(family: Family, free: &[S], scales: &Scales) ->
         rate_per_s: one,
     }; MOST_MODES];
     let pairs = &free[family.first_mode()..];
-    let used = family.modes();
+    let used = family.modes;
     if used > 0 {
         let weights: [S; MOST_MODES] =
             std::array::from_fn(|i| if i < used { pairs[2 * i].exp() } else { nil });
@@ -219,32 +208,45 @@ impl<S: Scalar> Natural<S> {
     /// The parameters in the order of [`Family::parameters`], at a reference depth of `depth_m`.
     pub(super) fn reported(&self, family: Family, depth_m: f64) -> Vec<S> {
         let ratio = S::from_f64(self.reference_m / depth_m);
-        // K(δ₀) = K·(D/δ₀)^(1−n) and λ(δ₀) = λ·(D/δ₀)^(−n).
-        let stiffness = self.stiffness * ratio.pow_positive(S::one() - self.exponent);
-        match family {
-            Family::KelvinVoigt => vec![self.stiffness, self.damping, self.surface_m],
-            Family::HuntCrossley => {
-                let damping = self.damping * ratio.pow_positive(-self.exponent);
-                vec![stiffness, damping, self.exponent, self.surface_m]
+        let scaled = family.exponent().is_some();
+        let value = |info: &ParameterInfo| {
+            let value = self.value(family, info.name).unwrap_or(S::zero());
+            match info.name {
+                // K(δ₀) = K·(D/δ₀)^(1−n) and λ(δ₀) = λ·(D/δ₀)^(−n).
+                "stiffness" if scaled => value * ratio.pow_positive(S::one() - self.exponent),
+                "damping" if scaled => value * ratio.pow_positive(-self.exponent),
+                _ => value,
             }
-            Family::Zener => {
-                let law = self.zener();
-                vec![
-                    law.stiffness_n_per_m,
-                    law.second_stiffness_n_per_m,
-                    law.damping_ns_per_m,
-                    self.surface_m,
-                ]
-            }
-            Family::QuasiLinear(modes) => {
-                let mut list = vec![stiffness, self.exponent];
-                for mode in &self.modes[..modes] {
-                    list.extend([mode.fraction, mode.rate_per_s]);
+        };
+        family.parameters().map(value).collect()
+    }
+
+    /// A parameter of the law by its name, at the reference depth of the fit.
+    fn value(&self, family: Family, name: &str) -> Option<S> {
+        Some(match (family.law, name) {
+            (LawId::Zener, "second_stiffness") => self.zener().second_stiffness_n_per_m,
+            (LawId::Zener, "damping") => self.zener().damping_ns_per_m,
+            (_, "stiffness") => self.stiffness,
+            (_, "damping") => self.damping,
+            (_, "exponent") => self.exponent,
+            (_, "surface") => self.surface_m,
+            _ => {
+                let is = |info: &ParameterInfo| info.name == name;
+                let (mode, [fraction, _]) = std::iter::zip(&self.modes, RELAXATION)
+                    .find(|(_, infos)| infos.iter().any(is))?;
+                match is(fraction) {
+                    true => mode.fraction,
+                    false => mode.rate_per_s,
                 }
-                list.push(self.surface_m);
-                list
             }
-        }
+        })
+    }
+
+    /// The law; nothing to touch where it has more than `R` modes.
+    fn law<const R: usize>(&self, family: Family) -> Law<S, R> {
+        let value = |name: &str| self.value(family, name);
+        let reference_m = S::from_f64(self.reference_m);
+        Law::from_values(family.law, family.listed_modes(), value, reference_m).unwrap_or(Law::Free)
     }
 
     /// κ₁, κ₂ and λ of c = κ₁/(κ₁+κ₂) and ν = (κ₁+κ₂)/λ.
@@ -258,20 +260,14 @@ impl<S: Scalar> Natural<S> {
         }
     }
 
-    fn quasi_linear<const R: usize>(&self) -> QuasiLinear<S, R> {
-        QuasiLinear {
-            elastic: Elastic::Power {
-                stiffness_n_per_m: self.stiffness,
-                exponent: self.exponent,
-                reference_depth_m: S::from_f64(self.reference_m),
-            },
-            modes: std::array::from_fn(|i| self.modes[i]),
-        }
-    }
-
     /// Elastic force (N): at once, without damping.
     pub(super) fn elastic_n(&self, depth_m: S) -> S {
-        self.quasi_linear::<0>().elastic_n(depth_m)
+        let elastic = Elastic::Power {
+            stiffness_n_per_m: self.stiffness,
+            exponent: self.exponent,
+            reference_depth_m: S::from_f64(self.reference_m),
+        };
+        elastic.force_n(depth_m)
     }
 
     /// What the load cell reads (N) of a surface that pushes and does not pull, max(law, 0) and the
@@ -285,25 +281,12 @@ impl<S: Scalar> Natural<S> {
 
     /// Force of the law alone (N) at every node in turn.
     pub(super) fn unsaturated(&self, family: Family, nodes: &[Node], each: impl FnMut(&Node, S)) {
-        match family {
-            Family::KelvinVoigt => {
-                let law = KelvinVoigt {
-                    stiffness_n_per_m: self.stiffness,
-                    damping_ns_per_m: self.damping,
-                };
-                self.run(&law, nodes, each);
-            }
-            Family::HuntCrossley => {
-                let reference_m = S::from_f64(self.reference_m);
-                let law =
-                    HuntCrossley::new(self.stiffness, self.damping, self.exponent, reference_m);
-                self.run(&law, nodes, each);
-            }
-            Family::Zener => self.run(&self.zener(), nodes, each),
-            Family::QuasiLinear(1) => self.run(&self.quasi_linear::<1>(), nodes, each),
-            Family::QuasiLinear(2) => self.run(&self.quasi_linear::<2>(), nodes, each),
-            Family::QuasiLinear(3) => self.run(&self.quasi_linear::<3>(), nodes, each),
-            Family::QuasiLinear(_) => self.run(&self.quasi_linear::<4>(), nodes, each),
+        // A mode that is not used would cost as much as one that is.
+        match family.modes {
+            0 | 1 => self.run(&self.law::<1>(family), nodes, each),
+            2 => self.run(&self.law::<2>(family), nodes, each),
+            3 => self.run(&self.law::<3>(family), nodes, each),
+            _ => self.run(&self.law::<MOST_MODES>(family), nodes, each),
         }
     }
 
@@ -328,6 +311,7 @@ mod tests {
     use super::super::course::Use;
     use super::*;
     use estimator_core::maths::Dual;
+    use estimator_core::physics::law::HuntCrossley;
 
     const SCALES: Scales = Scales {
         touch_m: 1e-4,
@@ -389,18 +373,18 @@ mod tests {
 
     #[test]
     fn the_gradients_of_every_family_agree_with_central_differences() {
-        check(Family::KelvinVoigt, [-0.03, 0.01, 0.1, 0.2]);
-        check(Family::HuntCrossley, [-0.03, 0.01, 0.1, 0.2, -0.9, 0.3]);
-        check(Family::Zener, [-0.03, 0.01, 0.1, -0.5, 1.0]);
-        check(Family::QuasiLinear(1), [-0.03, 0.01, 0.1, -0.9, -0.5, 1.0]);
+        check(Family::KELVIN_VOIGT, [-0.03, 0.01, 0.1, 0.2]);
+        check(Family::HUNT_CROSSLEY, [-0.03, 0.01, 0.1, 0.2, -0.9, 0.3]);
+        check(Family::ZENER, [-0.03, 0.01, 0.1, -0.5, 1.0]);
+        check(Family::quasi_linear(1), [-0.03, 0.01, 0.1, -0.9, -0.5, 1.0]);
         let two = [-0.03, 0.01, 0.1, -0.9, -0.5, 1.0, -1.5, -0.7];
-        check(Family::QuasiLinear(2), two);
+        check(Family::quasi_linear(2), two);
     }
 
     #[test]
     fn whatever_the_free_numbers_the_law_is_possible() {
         for extreme in [-15.0, -3.0, 0.0, 3.0, 15.0] {
-            let law = natural(Family::QuasiLinear(4), &[extreme; 12], &SCALES);
+            let law = natural(Family::quasi_linear(4), &[extreme; 12], &SCALES);
             assert!(law.stiffness > 0.0 && (0.5..=4.0).contains(&law.exponent));
             let sum: f64 = law.modes.iter().map(|mode| mode.fraction).sum();
             assert!(sum > 0.0 && sum < 1.0, "{extreme}: {sum}");
@@ -411,9 +395,9 @@ mod tests {
     #[test]
     fn the_reference_depth_changes_the_numbers_and_not_the_force() {
         let free = [-0.03, 0.01, 0.1, 0.2, -0.9, 0.3];
-        let law = natural(Family::HuntCrossley, &free, &SCALES);
+        let law = natural(Family::HUNT_CROSSLEY, &free, &SCALES);
         let force = |depth_m: f64| {
-            let p = law.reported(Family::HuntCrossley, depth_m);
+            let p = law.reported(Family::HUNT_CROSSLEY, depth_m);
             HuntCrossley::new(p[0], p[1], p[2], depth_m).step(&mut (), 1.7e-3, 0.01, 1e-3)
         };
         assert!((force(1e-3) / force(1e-4) - 1.0).abs() < 1e-12);

@@ -49,7 +49,7 @@ fn estimated(estimate: Option<Estimated<f64>>, unit: &str) -> Value {
 fn parameters(parameters: &[Parameter]) -> Value {
     let entries = parameters.iter().map(|parameter| {
         (
-            parameter.name.clone(),
+            parameter.name.to_string(),
             estimated(parameter.estimate, parameter.unit),
         )
     });
@@ -90,7 +90,7 @@ pub(super) fn json(batch: &Batch) -> Value {
     let selection = batch.selection.iter().map(|tried| {
         json!({
             "law": tried.family.name(),
-            "modes": tried.family.modes(),
+            "modes": tried.family.modes,
             "parameters": tried.parameters,
             "force_rmse_n": number(tried.force_rmse_n),
             "score": number(tried.score),

@@ -74,11 +74,9 @@ fn write_summary(
 
 /// A law's name, with the number of its modes if it has a choice.
 pub(super) fn name(tried: &Tried) -> String {
-    match tried.family {
-        super::Family::QuasiLinear(modes) => {
-            format!("{} with {}", tried.family.name(), counted(modes, "mode"))
-        }
-        family => family.name().into(),
+    match tried.family.listed_modes() {
+        0 => tried.family.name().into(),
+        modes => format!("{} with {}", tried.family.name(), counted(modes, "mode")),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use estimator_core::Status;
 use estimator_core::estimate::Estimated;
+use estimator_core::physics::law::ParameterInfo;
 
 use super::family::Family;
 use crate::inspect::Inspection;
@@ -11,11 +12,21 @@ use crate::report::estimate::{EventMark, Touch};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// As in files: `stiffness`.
-    pub name: String,
+    pub name: &'static str,
     /// Without prefix: `N/m`, `1`.
     pub unit: &'static str,
     /// `None` if the log does not tell it.
     pub estimate: Option<Estimated<f64>>,
+}
+
+impl Parameter {
+    pub(super) fn new(info: &'static ParameterInfo, estimate: Option<Estimated<f64>>) -> Self {
+        Parameter {
+            name: info.name,
+            unit: info.unit.symbol(),
+            estimate,
+        }
+    }
 }
 
 /// A law that was tried.

@@ -83,7 +83,7 @@ pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> 
     };
     let (chain, alone): (Vec<Family>, Vec<Family>) = families
         .iter()
-        .partition(|family| matches!(family, Family::QuasiLinear(_)));
+        .partition(|family| family.listed_modes() > 0);
     // The chain takes longest, so it is begun first.
     let mut tasks = vec![chain];
     tasks.extend(alone.into_iter().map(|family| vec![family]));
@@ -190,7 +190,7 @@ impl Round<'_> {
             weights: self.weights.to_vec(),
             score: 0.0,
         };
-        if family == Family::KelvinVoigt {
+        if family == Family::KELVIN_VOIGT {
             mask_surface(&mut candidate.weights, self.course, &candidate.fit);
             let masked = Problem {
                 weights: &candidate.weights,

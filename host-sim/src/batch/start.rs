@@ -5,10 +5,10 @@
 //! the depth before it, rates from half of 1/(longest touch) to a third of the sampling rate in a
 //! dozen steps, of which every subset of the wanted size is tried.
 
-use estimator_core::physics::law::{Elastic, QuasiLinear, RelaxationMode, RelaxingLaw};
+use estimator_core::physics::law::{Elastic, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw};
 
 use super::course::{Node, Scales};
-use super::family::{Family, MOST_MODES, damping_unit, free_of_exponent, reference_m};
+use super::family::{Family, damping_unit, free_of_exponent, reference_m};
 use crate::dense;
 
 const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];
@@ -88,7 +88,7 @@ pub(super) fn scan(
         Some(surface) => vec![surface],
         None => SURFACES.iter().map(|before| -before).collect(),
     };
-    let deep = families.iter().any(|family| family.modes() > 0);
+    let deep = families.iter().any(|family| family.modes > 0);
     for exponent in exponents {
         for surface in &surfaces {
             let place = Place {
@@ -213,9 +213,9 @@ fn scan_memoryless(starts: &mut Starts, course: &Thinned, scales: &Scales, place
     }
     let all = [0, 1, 2];
     for (family, solved) in [
-        (Family::HuntCrossley, hunt_crossley.solve(&all)),
+        (Family::HUNT_CROSSLEY, hunt_crossley.solve(&all)),
         (
-            Family::KelvinVoigt,
+            Family::KELVIN_VOIGT,
             kelvin_voigt.solve(&all).filter(|_| linear),
         ),
     ] {
@@ -224,7 +224,7 @@ fn scan_memoryless(starts: &mut Starts, course: &Thinned, scales: &Scales, place
         {
             starts.offer(family, cost, || {
                 let mut free = vec![place.surface, x[0], x[1].ln(), x[2]];
-                if family == Family::HuntCrossley {
+                if family == Family::HUNT_CROSSLEY {
                     free.extend([free_of_exponent(place.exponent), 0.0]);
                 }
                 free
@@ -260,7 +260,7 @@ fn scan_relaxing(starts: &mut Starts, course: &Thinned, scales: &Scales, place: 
         linear.add(&row, value, *weight);
     }
     for modes in 1..=MOST_MODES {
-        let family = Family::QuasiLinear(modes);
+        let family = Family::quasi_linear(modes);
         let zener = modes == 1 && place.exponent == 1.0;
         for subset in subsets(modes) {
             let mut chosen = vec![0, 1];
@@ -283,7 +283,7 @@ fn scan_relaxing(starts: &mut Starts, course: &Thinned, scales: &Scales, place: 
                 [head.clone(), vec![exponent], pairs.clone()].concat()
             });
             if zener {
-                starts.offer(Family::Zener, cost, || [head, pairs].concat());
+                starts.offer(Family::ZENER, cost, || [head, pairs].concat());
             }
         }
     }

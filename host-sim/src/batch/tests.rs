@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use estimator_core::physics::law::{
-    Elastic, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw,
+    Elastic, KelvinVoigt, Law, QuasiLinear, RelaxationMode, RelaxingLaw,
 };
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -11,7 +11,7 @@ use rand_distr::{Distribution, Normal};
 use super::*;
 use crate::log::{Log, ReadOptions};
 use crate::motion::Motion;
-use crate::plant::{Contact, GEL, Law, Material, PLASTIC, Rig, Stage};
+use crate::plant::{Contact, GEL, Material, PLASTIC, Rig, Stage};
 
 /// Seeds of the sensors' noise.
 const SEED_RIG: u64 = 7;
@@ -78,7 +78,7 @@ fn gel_and_plastic_of_unknown_surface_are_found_by_auto() {
     for (material, surface_m) in [(GEL, 2.3e-4), (PLASTIC, -1.7e-4)] {
         let log = palpated(material.at(surface_m), material.peak_depth_m, SEED_RIG);
         let found = fitted(&log, &Options::default());
-        assert_eq!(found.family, Family::HuntCrossley, "{}", material.name);
+        assert_eq!(found.family, Family::HUNT_CROSSLEY, "{}", material.name);
         assert_eq!(found.status, Status::Converged, "{:?}", found.notes);
         assert_near(&found, &truth(&material, surface_m), NEAR);
         let noise = found.force_rmse_n.unwrap() / found.noise_n;
@@ -98,7 +98,7 @@ fn a_kelvin_voigt_contact_is_found_by_auto_and_gets_no_modes() {
         surface_m: 1.1e-4,
     };
     let found = fitted(&palpated(contact, 3e-3, SEED_RIG), &Options::default());
-    assert_eq!(found.family, Family::KelvinVoigt, "{:?}", found.selection);
+    assert_eq!(found.family, Family::KELVIN_VOIGT, "{:?}", found.selection);
     let truth = [
         ("stiffness", 2260.0),
         ("damping", 23.0),
@@ -160,7 +160,7 @@ fn a_gel_that_relaxes_in_two_modes_is_found_with_two_modes() {
     let found = fitted(&relaxing(3e-4), &Options::default());
     assert_eq!(
         found.family,
-        Family::QuasiLinear(2),
+        Family::quasi_linear(2),
         "{:?}",
         found.selection
     );
@@ -187,7 +187,7 @@ fn a_gel_that_relaxes_in_two_modes_is_found_with_two_modes() {
 
 #[test]
 fn intervals_of_95_percent_cover_the_truth_as_often_as_they_say() {
-    let options = with(&[Family::HuntCrossley]);
+    let options = with(&[Family::HUNT_CROSSLEY]);
     let (mut inside, mut all) = (0, 0);
     for seed in SEEDS_COVERAGE {
         let log = palpated(GEL.at(0.0), GEL.peak_depth_m, seed);
@@ -218,8 +218,8 @@ fn read(name: &str) -> UniformLog {
 #[test]
 fn rigs_of_another_simulator_get_their_law_and_their_parameters() {
     for (rig, family) in [
-        ("rig-06", Family::KelvinVoigt),
-        ("rig-13", Family::HuntCrossley),
+        ("rig-06", Family::KELVIN_VOIGT),
+        ("rig-13", Family::HUNT_CROSSLEY),
     ] {
         let found = fitted(
             &read(&format!("hidden-effects/{rig}/measured.csv.gz")),
@@ -236,7 +236,7 @@ fn rigs_of_another_simulator_get_their_law_and_their_parameters() {
             ("surface", "x0"),
         ] {
             let Some(estimate) = found.value(name) else {
-                assert_eq!((name, family), ("exponent", Family::KelvinVoigt));
+                assert_eq!((name, family), ("exponent", Family::KELVIN_VOIGT));
                 continue;
             };
             let truth = truth["base"][key].as_f64().unwrap();
@@ -256,7 +256,13 @@ fn the_foam_of_nist_relaxes_in_as_many_modes_as_its_hold_tells() {
         &Options::default(),
     );
     assert!(
-        matches!(found.family, Family::QuasiLinear(2..=4)),
+        matches!(
+            found.family,
+            Family {
+                law: LawId::QuasiLinear,
+                modes: 2..=4
+            }
+        ),
         "{:?}",
         found.family
     );
@@ -275,7 +281,13 @@ fn the_cell_under_the_afm_relaxes_in_three_or_four_modes() {
         &Options::default(),
     );
     assert!(
-        matches!(found.family, Family::QuasiLinear(3 | 4)),
+        matches!(
+            found.family,
+            Family {
+                law: LawId::QuasiLinear,
+                modes: 3 | 4
+            }
+        ),
         "{:?}",
         found.family
     );
@@ -300,7 +312,7 @@ fn a_hertzian_sphere_gives_its_modulus() {
     let log = palpated(contact, 2e-3, SEED_RIG);
     let options = Options {
         indenter: Some(sphere),
-        ..with(&[Family::HuntCrossley])
+        ..with(&[Family::HUNT_CROSSLEY])
     };
     let modulus = fitted(&log, &options).modulus.unwrap();
     let far = (3.0 * modulus.value.std_error).max(NEAR * 300e3);
@@ -326,7 +338,7 @@ fn a_known_surface_is_kept() {
     let log = palpated(GEL.at(0.0), GEL.peak_depth_m, SEED_RIG);
     let options = Options {
         surface_m: Some(0.0),
-        ..with(&[Family::HuntCrossley])
+        ..with(&[Family::HUNT_CROSSLEY])
     };
     let found = fitted(&log, &options);
     let surface = found.value("surface").unwrap();
@@ -361,7 +373,7 @@ fn invented_samples_in_gaps_do_not_count() {
     let holey = holey.uniform().unwrap();
     assert!(holey.in_gap.iter().filter(|in_gap| **in_gap).count() > log.len() / 20);
     // THEN the gel is the gel, and none of the invented samples was fitted to.
-    let found = fitted(&holey, &with(&[Family::HuntCrossley]));
+    let found = fitted(&holey, &with(&[Family::HUNT_CROSSLEY]));
     assert_near(&found, &truth(&GEL, 0.0), NEAR);
     let fitted = found.columns.used.iter().zip(&holey.in_gap);
     assert!(fitted.clone().any(|(used, _)| *used));

@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use estimator_core::physics::law::LawId;
+
 use super::course::{Course, Node, Scales, Use};
 use super::family::{Family, OFFSET, SURFACE, natural};
 use super::fit::{Fit, Problem};
@@ -31,7 +33,7 @@ pub(super) fn touches(
 ) -> Vec<TouchFit> {
     let ranges = ranges(course);
     let law = natural(best.fit.family, &best.fit.free, &course.scales);
-    let rates = law.modes[..best.fit.family.modes()]
+    let rates = law.modes[..best.fit.family.modes]
         .iter()
         .map(|mode| mode.rate_per_s);
     let memory_s = REMEMBERED / rates.fold(f64::INFINITY, f64::min);
@@ -90,7 +92,7 @@ impl OneTouch<'_> {
         let measured = &self.course.nodes[self.range.clone()];
         for (weight, node) in weights.iter_mut().zip(measured) {
             // Free of a material that has not recovered yet, perhaps: not the law's force.
-            if family.modes() > 0 && node.force_n < low_n {
+            if family.modes > 0 && node.force_n < low_n {
                 *weight = 0.0;
             }
         }
@@ -108,16 +110,15 @@ impl OneTouch<'_> {
         let fit = problem.fit(self.best.fit.free.clone());
         let own = problem.covariance(&fit.free);
         let values = problem.reported(&fit.free, &own, self.depth_m);
-        let names = family.parameters().into_iter().zip(values);
-        let parameters = names
-            .filter(|((name, _), _)| OWN.contains(&name.as_str()))
-            .map(|((name, unit), value)| Parameter {
-                name,
-                unit,
-                estimate: Some(value).filter(|value| {
-                    value.value.is_finite() && value.std_error.is_finite() && fit.converged
-                }),
-            });
+        let parameters = family.parameters().zip(values);
+        let parameters =
+            parameters
+                .filter(|(info, _)| OWN.contains(&info.name))
+                .map(|(info, value)| {
+                    let known =
+                        value.value.is_finite() && value.std_error.is_finite() && fit.converged;
+                    Parameter::new(info, known.then_some(value))
+                });
         let parameters: Vec<Parameter> = parameters.collect();
         Some(TouchFit {
             from_s,
@@ -131,7 +132,7 @@ impl OneTouch<'_> {
     /// the probe had only just reached the surface.
     fn without_memory(&self, scales: &Scales) -> Vec<Node> {
         let mut nodes = self.course.nodes[self.range.clone()].to_vec();
-        if self.best.fit.family.modes() == 0 || self.reach >= self.range.start {
+        if self.best.fit.family.modes == 0 || self.reach >= self.range.start {
             return nodes;
         }
         let law = natural(self.best.fit.family, &self.best.fit.free, scales);
@@ -155,10 +156,10 @@ impl OneTouch<'_> {
 /// All but stiffness, damping and exponent.
 fn fixed(family: Family) -> Vec<usize> {
     let mut fixed = vec![SURFACE, OFFSET];
-    match family {
-        Family::Zener => fixed.push(3),
-        Family::QuasiLinear(_) => fixed.extend(family.first_mode()..family.free()),
-        Family::KelvinVoigt | Family::HuntCrossley => fixed.extend(family.skew()),
+    match family.law {
+        // The rate of its mode is its damping.
+        LawId::Zener => fixed.push(family.first_mode()),
+        _ => fixed.extend(family.first_mode()..family.free()),
     }
     fixed
 }

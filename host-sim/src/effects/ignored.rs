@@ -6,14 +6,14 @@
 use estimator_core::Config;
 use estimator_core::estimate::Estimated;
 use estimator_core::physics::effect::{Effect, EffectId};
-use estimator_core::physics::law::KelvinVoigt;
+use estimator_core::physics::law::{KelvinVoigt, Law};
 use estimator_core::physics::rig::MOST_EFFECTS;
 
 use crate::batch::{Family, Options, batch};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 use crate::motion::Motion;
-use crate::plant::{Contact, GEL, Law, Rig, Stage};
+use crate::plant::{Contact, GEL, Rig, Stage};
 
 /// An effect on a simulated palpation, and what a fit without it makes of that.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub struct Ignored {
     /// The same motion with it.
     pub with: UniformLog,
     /// Parameters of the base: name, unit, truth and what the fit found.
-    pub base: Vec<(String, &'static str, f64, Option<Estimated<f64>>)>,
+    pub base: Vec<(&'static str, &'static str, f64, Option<Estimated<f64>>)>,
     /// Depth below the fitted surface (m).
     pub depth_m: Vec<f64>,
     /// Force that the fit does not explain (N); in free air all of it but the offset.
@@ -84,9 +84,9 @@ fn base(id: EffectId) -> (Contact, Family) {
                 law: Law::KelvinVoigt(law),
                 surface_m: 0.0,
             };
-            (contact, Family::KelvinVoigt)
+            (contact, Family::KELVIN_VOIGT)
         }
-        _ => (GEL.at(0.0), Family::HuntCrossley),
+        _ => (GEL.at(0.0), Family::HUNT_CROSSLEY),
     }
 }
 
@@ -137,7 +137,7 @@ pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
         base: found
             .parameters
             .iter()
-            .map(|own| (own.name.clone(), own.unit, truth(&own.name), own.estimate))
+            .map(|own| (own.name, own.unit, truth(own.name), own.estimate))
             .collect(),
         residual_n: forces.map(residual).collect(),
         depth_m: columns.depth_m.clone(),
@@ -152,7 +152,7 @@ impl Ignored {
     /// How far the fit is off in this parameter, of the truth (1); `None` of one that is unknown or
     /// truly 0.
     pub fn bias(&self, name: &str) -> Option<f64> {
-        let (_, _, truth, found) = self.base.iter().find(|(own, ..)| own == name)?;
+        let (_, _, truth, found) = self.base.iter().find(|(own, ..)| *own == name)?;
         (*truth != 0.0).then_some(())?;
         Some((*found)?.value / truth - 1.0)
     }

@@ -99,7 +99,7 @@ fn parameters(own: &Ignored) -> Table {
             Cell::Number(percent(share))
         });
         [
-            name.as_str().into(),
+            (*name).into(),
             Cell::measured(*truth, None, unit),
             found_cell,
             off,

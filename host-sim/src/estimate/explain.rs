@@ -1,8 +1,9 @@
 //! What a reader must know before using the numbers: why a law cannot fit, and where its parameters
 //! come from.
 
+use estimator_core::Status;
 use estimator_core::estimate::config::Surface;
-use estimator_core::{LawKind, Status};
+use estimator_core::physics::law::LawId;
 
 use super::outcome::{Outcome, law_with};
 use crate::inspect::{Inspection, suspicions};
@@ -115,10 +116,7 @@ fn surface_misfit(replay: &Replay, outcome: &Outcome) -> Option<f64> {
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
-    if !matches!(
-        outcome.law,
-        LawKind::KelvinVoigt | LawKind::HuntCrossley | LawKind::HuntCrossleySkew
-    ) {
+    if outcome.law.law().info().relaxes {
         return None;
     }
     let hold = inspection
@@ -159,13 +157,12 @@ fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
         true => format!(", known to {}", quantity(error_m, 2, "m")),
         false => ", which came too suddenly to say how well it is known".into(),
     };
-    let bent = match outcome.law {
-        LawKind::KelvinVoigt => "stiffness and damping",
-        LawKind::HuntCrossley | LawKind::HuntCrossleySkew => {
-            "stiffness, damping and exponent together"
-        }
-        LawKind::Zener => "the resting stiffness",
-        LawKind::QuasiLinear | LawKind::QuasiLinear2 => "stiffness and exponent together",
+    let bent = match outcome.law.law() {
+        LawId::KelvinVoigt => "stiffness and damping",
+        LawId::HuntCrossley => "stiffness, damping and exponent together",
+        LawId::Zener => "the resting stiffness",
+        LawId::QuasiLinear => "stiffness and exponent together",
+        _ => "the parameters",
     };
     Some(format!(
         "the surface is taken from the impact{known}: an error of it bends {bent}, and their \

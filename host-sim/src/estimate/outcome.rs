@@ -1,14 +1,10 @@
 //! What a replay comes to: the numbers of `estimate.json`.
 
 use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
-use estimator_core::physics::law::{
-    Elastic, HuntCrossley, KelvinVoigt, ParameterInfo, QuasiLinear, RelaxationMode, Zener,
-    unilateral,
-};
+use estimator_core::physics::law::{Law, ParameterInfo, RelaxingLaw, unilateral};
 use estimator_core::{Faults, LawKind, Status};
 
 use crate::log::UniformLog;
-use crate::plant::{Law, MODES, Memory};
 use crate::replay::Replay;
 pub use crate::report::estimate::{EventKind, EventMark, Touch};
 use crate::signal;
@@ -93,45 +89,18 @@ impl Outcome {
     }
 }
 
-/// The law with a set of parameters, in double precision.
-pub fn law_with(law: LawKind, parameters: &Parameters<f32>, reference_depth_m: f64) -> Option<Law> {
-    let value = |slot: usize| parameters[slot].map(|p| f64::from(p.value));
-    Some(match law {
-        LawKind::KelvinVoigt => Law::KelvinVoigt(KelvinVoigt {
-            stiffness_n_per_m: value(0)?,
-            damping_ns_per_m: value(1)?,
-        }),
-        LawKind::HuntCrossley | LawKind::HuntCrossleySkew => Law::HuntCrossley(HuntCrossley::new(
-            value(0)?,
-            value(1)?,
-            value(2)?,
-            reference_depth_m,
-        )),
-        LawKind::Zener => Law::Zener(Zener {
-            stiffness_n_per_m: value(0)?,
-            second_stiffness_n_per_m: value(1)?,
-            damping_ns_per_m: value(2)?,
-        }),
-        LawKind::QuasiLinear | LawKind::QuasiLinear2 => {
-            let mut modes = [RelaxationMode {
-                fraction: 0.0,
-                rate_per_s: 0.0,
-            }; MODES];
-            let count = (law.parameters().len() - 3) / 2;
-            for (mode, slot) in modes.iter_mut().zip((2..).step_by(2)).take(count) {
-                mode.fraction = value(slot)?;
-                mode.rate_per_s = value(slot + 1)?;
-            }
-            Law::QuasiLinear(QuasiLinear {
-                elastic: Elastic::Power {
-                    stiffness_n_per_m: value(0)?,
-                    exponent: value(1)?,
-                    reference_depth_m,
-                },
-                modes,
-            })
-        }
-    })
+/// The law with a set of parameters, in double precision; `None` while one of them is not known.
+pub fn law_with(
+    kind: LawKind,
+    parameters: &Parameters<f32>,
+    reference_depth_m: f64,
+) -> Option<Law<f64>> {
+    let value = |name: &str| {
+        let mut infos = kind.parameters().iter();
+        let slot = infos.position(|info| info.name == name)?;
+        parameters[slot].map(|p| f64::from(p.value))
+    };
+    Law::from_values(kind.law(), kind.modes(), value, reference_depth_m)
 }
 
 /// The record whose parameters stand for the log: the last one, unless the log ends before a change
@@ -167,7 +136,7 @@ fn replay_force(
         true => parameters[kind.parameters().len() - 1],
         false => None,
     };
-    let mut memory = law.at_rest();
+    let mut state = law.at_rest();
     let touched = replay.contacts().first().map_or(usize::MAX, |c| c.start);
     for (index, record) in replay.records.iter().enumerate().skip(touched) {
         let Some(sample) = replay.sample_of(index) else {
@@ -177,12 +146,12 @@ fn replay_force(
             signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
         let surface_m = found.map_or(replay.surface_m[index], |surface| surface.value);
         let depth_m = position_m - f64::from(surface_m);
-        let force_n = law.step(&mut memory, depth_m, speed_mps, log.period_s());
+        let force_n = law.step(&mut state, depth_m, speed_mps, log.period_s());
         // A material that lags behind its depth lets go of the probe; the chapter saturates the
         // force of its Hammerstein model, and lets its linear one show that it pulls (E2).
-        let force_n = match memory {
-            Memory::None => force_n,
-            _ => unilateral(force_n),
+        let force_n = match kind.law().info().relaxes {
+            true => unilateral(force_n),
+            false => force_n,
         };
         if record.phase == Phase::Contact {
             forces[index] = force_n as f32;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use estimator_core::Status;
 use estimator_core::estimate::{Estimated, Parameters, Phase};
-use estimator_core::physics::law::ParameterInfo;
+use estimator_core::physics::law::{ParameterInfo, RelaxingLaw};
 
 use super::Estimation;
 use super::explain::times;

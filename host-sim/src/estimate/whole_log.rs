@@ -4,9 +4,10 @@ use std::error::Error;
 
 use clap::Args;
 use estimator_core::Config;
+use estimator_core::physics::law::{LawId, MOST_MODES};
 
-use super::{EstimateArgs, LawChoice, MethodChoice, names};
-use crate::batch::{Family, Indenter, MOST_MODES, Options, all_families, batch, summary, write};
+use super::{EstimateArgs, MethodChoice, names};
+use crate::batch::{Family, Indenter, Options, all_families, batch, summary, write};
 use crate::diagnostic::Diagnostic;
 use crate::output::say;
 
@@ -54,17 +55,11 @@ pub(super) fn wanted(args: &EstimateArgs) -> bool {
     args.method == Some(MethodChoice::Batch)
 }
 
-fn families(law: LawChoice, modes: Option<u8>) -> Vec<Family> {
-    let wanted = |family: &Family| match (law, family) {
-        (LawChoice::Auto, Family::QuasiLinear(own))
-        | (LawChoice::QuasiLinear, Family::QuasiLinear(own)) => {
-            modes.is_none_or(|modes| usize::from(modes) == *own)
-        }
-        (LawChoice::Auto, _) => true,
-        (LawChoice::KelvinVoigt, family) => *family == Family::KelvinVoigt,
-        (LawChoice::HuntCrossley, family) => *family == Family::HuntCrossley,
-        (LawChoice::Zener, family) => *family == Family::Zener,
-        (LawChoice::QuasiLinear, _) => false,
+fn families(law: Option<LawId>, modes: Option<u8>) -> Vec<Family> {
+    let wanted = |family: &Family| {
+        let listed = family.law.info().most_modes > 0;
+        law.is_none_or(|law| law == family.law)
+            && (!listed || modes.is_none_or(|modes| usize::from(modes) == family.modes))
     };
     all_families().into_iter().filter(wanted).collect()
 }
@@ -106,10 +101,10 @@ mod tests {
 
     #[test]
     fn auto_compares_every_law_and_a_number_of_modes_can_be_given() {
-        assert_eq!(families(LawChoice::Auto, None), all_families());
-        let two = families(LawChoice::QuasiLinear, Some(2));
-        assert_eq!(two, [Family::QuasiLinear(2)]);
-        assert_eq!(families(LawChoice::QuasiLinear, None).len(), MOST_MODES);
+        assert_eq!(families(None, None), all_families());
+        let two = families(Some(LawId::QuasiLinear), Some(2));
+        assert_eq!(two, [Family::quasi_linear(2)]);
+        assert_eq!(families(Some(LawId::QuasiLinear), None).len(), MOST_MODES);
     }
 
     #[test]

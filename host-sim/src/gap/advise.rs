@@ -19,7 +19,6 @@ use super::rivals::are_late;
 use super::shape::{Owner, Shape, Term};
 use super::start::repeats;
 use crate::dense;
-use crate::model::EnvironmentLaw;
 
 /// Samples of the log on the bench.
 const SAMPLES: usize = 2_000;
@@ -100,7 +99,7 @@ impl Next {
 /// As deep as the log went, and `pace` times as fast.
 fn reach(evidence: &Evidence<'_>, fit: &Fit, pace: f64) -> Reach {
     let scales = evidence.scales;
-    let touches = fit.shape.base.law != EnvironmentLaw::Free;
+    let touches = !fit.shape.base.is_free();
     let parameters = fit
         .shape
         .base
@@ -299,7 +298,7 @@ fn has_size(shape: &Shape, at: usize) -> bool {
             let infos = shape.terms[number].id.info().parameters;
             infos
                 .get(own)
-                .is_some_and(|info| info.bounds != Bounds::Angle && info.usual.is_none())
+                .is_some_and(|info| info.bounds != Bounds::Angle && info.default.is_none())
         }
     }
 }

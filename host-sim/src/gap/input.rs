@@ -7,7 +7,7 @@ use super::result::Finding;
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{exchanged, suspicions, suspicions_without_contact};
 use crate::log::UniformLog;
-use crate::model::{EnvironmentLaw, Model};
+use crate::model::Model;
 use crate::report::number::quantity;
 use crate::signal;
 
@@ -59,7 +59,7 @@ pub(super) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, 
             "give the column that holds the force (--columns f=NAME), or look whether the sensor is on",
         );
     }
-    if model.environment.law == EnvironmentLaw::Free {
+    if model.environment.is_free() {
         return Ok(suspicions_without_contact(log));
     }
     if let Some(text) = exchanged(log) {
@@ -98,7 +98,7 @@ pub(super) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
     }
     let depths = finding.curves.iter().flat_map(|own| &own.depth_m);
     let touches = depths.copied().fold(f64::NEG_INFINITY, f64::max) > 0.0;
-    if model.environment.law != EnvironmentLaw::Free && !touches {
+    if !model.environment.is_free() && !touches {
         notes.push(
             "the fitted surface is never reached, so the base model's parameters are not observable: its \
              law is not what this log shows"

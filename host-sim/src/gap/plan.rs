@@ -17,7 +17,7 @@ use super::rivals::related;
 use super::shape::{Shape, Term};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
-use crate::model::{EnvironmentLaw, Model};
+use crate::model::Model;
 use crate::motion::Motion;
 use crate::plant::depth_at_m;
 use crate::simulate::simulated;
@@ -277,7 +277,7 @@ fn reach(model: &Model, motion: Option<&Motion>, sensor: Sensor) -> Result<Reach
         .filter(|depth| *depth > 0.0);
     // A stroke of a second; slower where a second is few samples.
     let stroke_s = f64::max(1.0, 200.0 / sensor.rate_hz);
-    let touches = model.environment.law != EnvironmentLaw::Free;
+    let touches = !model.environment.is_free();
     Ok(Reach {
         surface_m: if touches { surface_m } else { 0.0 },
         touches,

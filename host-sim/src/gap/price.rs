@@ -96,8 +96,9 @@ mod tests {
     use crate::gap::weights::{variances, weights};
     use crate::gap::{Floor, Options};
     use crate::log::UniformLog;
-    use crate::model::{Environment, EnvironmentLaw, Fit as Kept};
+    use crate::model::{Environment, Fit as Kept, Parameter};
     use estimator_core::physics::effect::MOST_PARAMETERS;
+    use estimator_core::physics::law::LawId;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use std::f64::consts::TAU;
@@ -140,10 +141,19 @@ mod tests {
         let courses = [Course::of(&log)];
         let scales = Scales::of(&courses);
         let base = Environment {
-            law: EnvironmentLaw::KelvinVoigt {
-                stiffness: STIFFNESS,
-                damping: 1.0,
-            },
+            law: LawId::KelvinVoigt,
+            values: vec![
+                Parameter {
+                    name: "stiffness".into(),
+                    value: STIFFNESS,
+                    unit: "N/m",
+                },
+                Parameter {
+                    name: "damping".into(),
+                    value: 1.0,
+                    unit: "N s/m",
+                },
+            ],
             surface_m: 0.0,
             reference_depth_m: 1e-3,
             fit: Kept::default(),

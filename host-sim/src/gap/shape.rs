@@ -6,8 +6,8 @@
 
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
-use estimator_core::physics::law::{Elastic, RelaxationMode};
-use estimator_core::physics::rig::{Damping, Environment, Rig};
+use estimator_core::physics::law::{Law, LawId};
+use estimator_core::physics::rig::{Environment, Rig};
 
 use super::course::Scales;
 use crate::model;
@@ -61,9 +61,7 @@ impl Shape {
         for (at, parameter) in parameters.iter().enumerate() {
             if !base.fit.fixed.contains(&parameter.name) {
                 let mut own = of_environment(at, parameter, scales);
-                if matches!(base.law, model::EnvironmentLaw::Zener { .. })
-                    && parameter.name == "damping"
-                {
+                if base.law == LawId::Zener && parameter.name == "damping" {
                     // It sets a rate.
                     own = logarithmic(own.owner, 1e-6 * parameter.value, 1e6 * parameter.value);
                 }
@@ -186,70 +184,14 @@ impl Free {
 
 /// The environment of a model with other values, in the order of [`model::Environment::parameters`].
 fn environment<S: Scalar>(base: &model::Environment, values: &[S]) -> Environment<S> {
-    use model::EnvironmentLaw as Law;
-    let mut values = values.iter().copied();
-    let mut next = || values.next().unwrap_or(S::zero());
-    let reference = S::from_f64(base.reference_depth_m);
-    let power = |stiffness_n_per_m: S, exponent: S| {
-        Some(Elastic::Power {
-            stiffness_n_per_m,
-            exponent,
-            reference_depth_m: reference,
-        })
-    };
-    let damper = |coefficient_ns_per_m: S, exponent: S| {
-        Some(Damping {
-            coefficient_ns_per_m,
-            exponent,
-            reference_depth_m: reference,
-        })
-    };
-    let mut own = Environment::free();
-    match &base.law {
-        Law::Free => return own,
-        Law::KelvinVoigt { .. } => {
-            own.elastic = power(next(), S::one());
-            own.damping = damper(next(), S::zero());
-        }
-        Law::HuntCrossley {
-            damping_exponent, ..
-        } => {
-            let (stiffness, damping, exponent) = (next(), next(), next());
-            let second = damping_exponent.map_or(exponent, |_| next());
-            own.elastic = power(stiffness, exponent);
-            own.damping = damper(damping, second);
-        }
-        Law::Zener { .. } => {
-            let (first, second, damping) = (next(), next(), next());
-            own.elastic = power(first, S::one());
-            own.modes[0] = RelaxationMode {
-                fraction: first / (first + second),
-                rate_per_s: (first + second) / damping,
-            };
-        }
-        Law::QuasiLinear {
-            elastic,
-            relaxation,
-            ..
-        } => {
-            let (stiffness, shape) = (next(), next());
-            own.elastic = match elastic {
-                model::Elastic::Power { .. } => power(stiffness, shape),
-                model::Elastic::Exponential { .. } => Some(Elastic::Exponential {
-                    stiffness_n_per_m: stiffness,
-                    stiffening_rate_per_m: shape,
-                }),
-            };
-            for mode in own.modes.iter_mut().take(relaxation.len()) {
-                *mode = RelaxationMode {
-                    fraction: next(),
-                    rate_per_s: next(),
-                };
-            }
-        }
+    // Models with more modes than a law has are refused before anything is fitted.
+    let law = base.law_with(values).unwrap_or(Law::Free);
+    match (law, values.last()) {
+        (Law::Free, _) | (_, None) => Environment::free(),
+        (law, Some(surface_m)) => law
+            .parts(S::from_f64(base.reference_depth_m))
+            .at(*surface_m),
     }
-    own.surface_m = next();
-    own
 }
 
 fn linear(owner: Owner, lowest: f64, highest: f64) -> Free {

@@ -1,10 +1,10 @@
 //! Where a candidate may start: sizes of the log make its numbers.
 
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Place};
+use estimator_core::physics::law::LawId;
 
 use super::course::Scales;
 use super::shape::{Shape, Term};
-use crate::model::EnvironmentLaw;
 
 /// Effects whose force may have either sign.
 pub(super) fn is_signed(id: EffectId) -> bool {
@@ -58,7 +58,7 @@ pub(super) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: usize) -> 
 /// a second one of a kind means nothing but in a spectrum: relaxation, harmonics.
 pub(super) fn is_possible(id: EffectId, shape: &Shape) -> bool {
     use EffectId as E;
-    let touches = shape.base.law != EnvironmentLaw::Free;
+    let touches = !shape.base.is_free();
     let own = matches!(id.info().place, Place::LoadPath | Place::ForceReading);
     let twice = repeats(id) || id == E::StressRelaxation;
     let has = shape.terms.iter().any(|term| term.id == id);
@@ -77,11 +77,8 @@ pub(super) fn repeats(id: EffectId) -> bool {
 /// Starts of an effect; none if it means nothing on this law.
 pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
     use EffectId as E;
-    let law = &shape.base.law;
-    let linear = matches!(
-        law,
-        EnvironmentLaw::KelvinVoigt { .. } | EnvironmentLaw::Zener { .. }
-    );
+    let exponential = shape.base.has("stiffening_rate");
+    let linear = !exponential && !shape.base.has("exponent");
     if !is_possible(id, shape) {
         return Vec::new();
     }
@@ -107,18 +104,11 @@ pub(super) fn starts(id: EffectId, shape: &Shape, s: &Scales) -> Vec<Term> {
             rates.map(|rate| whole(id, row(&[0.1, rate]), 2)).collect()
         }
         E::PowerLawStiffness if linear => grid(&[&[1.15], &[1.4], &[1.8], &[0.85]], 1),
-        E::DepthDependentDamping if matches!(law, EnvironmentLaw::KelvinVoigt { .. }) => {
+        E::DepthDependentDamping if shape.base.law == LawId::KelvinVoigt => {
             grid(&[&[0.3], &[0.8], &[1.5]], 1)
         }
         E::PowerLawStiffness | E::DepthDependentDamping => Vec::new(),
         E::ExponentialStiffening => {
-            let exponential = matches!(
-                law,
-                EnvironmentLaw::QuasiLinear {
-                    elastic: crate::model::Elastic::Exponential { .. },
-                    ..
-                }
-            );
             if exponential {
                 Vec::new()
             } else {

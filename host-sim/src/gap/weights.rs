@@ -55,7 +55,7 @@ pub(super) fn variances(
     let mut variances = Vec::with_capacity(of_position.len());
     for (course, floor) in courses.iter().zip(floors) {
         let share = low_pass.map_or(1.0, |own| own.share(course.period_s));
-        let contact = fit.shape.base.law != crate::model::EnvironmentLaw::Free;
+        let contact = !fit.shape.base.is_free();
         along(&fit.shape, &fit.numbers, course, |at, reading| {
             let row = variances.len();
             // Within a sample of the surface a force that jumps is somewhere in between.

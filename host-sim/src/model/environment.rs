@@ -1,96 +1,28 @@
 //! The environment: a contact law by name, with its parameters.
 
-use estimator_core::physics::law::{self, HuntCrossley, KelvinVoigt, QuasiLinear, Zener};
+use estimator_core::maths::scalar::Scalar;
+use estimator_core::physics::law::{
+    DEFAULT_REFERENCE_DEPTH_M, Law, LawId, ParameterInfo, RELAXATION, STIFFENING_RATE, SURFACE,
+};
 
 use super::Fit;
 use crate::diagnostic::{Diagnostic, listed, nearest};
-use crate::plant::{Contact, Law, MODES};
+use crate::plant::Contact;
 use crate::toml_reader::{Bounds, Table};
-
-/// δ₀ (m) unless a model says otherwise: that of the chapter's numbers.
-const USUAL_REFERENCE_DEPTH_M: f64 = 1e-3;
-
-/// Exponents that a contact can have: 1 a layer, 3/2 a sphere, 2 a cone; fits wander further.
-const EXPONENTS: Bounds = Bounds::Within(0.1, 10.0);
 
 /// What is touched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    /// The law and its parameters.
-    pub law: EnvironmentLaw,
+    /// The law.
+    pub law: LawId,
+    /// The law's parameters: those that it always has, optional ones that are given, relaxation modes.
+    pub values: Vec<Parameter>,
     /// Position of the surface (m).
     pub surface_m: f64,
     /// δ₀ (m), at which stiffness and damping hold.
     pub reference_depth_m: f64,
     /// What a fit must not move and what it found.
     pub fit: Fit,
-}
-
-/// The laws that a model can name.
-#[derive(Clone, Debug, PartialEq)]
-pub enum EnvironmentLaw {
-    /// Nothing to touch.
-    Free,
-    /// F = Kδ + λδ̇, (1)
-    KelvinVoigt {
-        /// K (N/m)
-        stiffness: f64,
-        /// λ (N s/m)
-        damping: f64,
-    },
-    /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
-    HuntCrossley {
-        /// K (N/m)
-        stiffness: f64,
-        /// λ (N s/m)
-        damping: f64,
-        /// n
-        exponent: f64,
-        /// q, if it is not n.
-        damping_exponent: Option<f64>,
-    },
-    /// The standard linear solid, (2)
-    Zener {
-        /// κ₁ (N/m), the spring in series: F/δ at once.
-        stiffness: f64,
-        /// κ₂ (N/m), parallel to the damper.
-        second_stiffness: f64,
-        /// λ (N s/m)
-        damping: f64,
-    },
-    /// Fung's quasi-linear law, (9)
-    QuasiLinear {
-        /// K (N/m) at δ₀, or m of (11).
-        stiffness: f64,
-        /// The elastic response.
-        elastic: Elastic,
-        /// Relaxation, (10), fast to slow.
-        relaxation: Vec<RelaxationMode>,
-    },
-}
-
-/// The elastic response of a quasi-linear law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Elastic {
-    /// Kδ₀(δ/δ₀)ⁿ, (14)
-    Power {
-        /// n
-        exponent: f64,
-    },
-    /// (m/b)(e^{bδ} − 1), (13)
-    Exponential {
-        /// b (1/m)
-        stiffening_rate: f64,
-    },
-}
-
-/// One term of the reduced relaxation function (10).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RelaxationMode {
-    /// c
-    pub fraction: f64,
-    /// ν (1/s)
-    pub rate: f64,
 }
 
 /// A parameter by the name that it has in files.
@@ -104,45 +36,23 @@ pub struct Parameter {
     pub unit: &'static str,
 }
 
-const LAWS: [&str; 6] = [
-    "kelvin_voigt",
-    "hunt_crossley",
-    "zener",
-    "quasi_linear",
-    "hammerstein",
-    "free",
-];
-
 /// Keys of every environment.
 const COMMON_KEYS: [&str; 5] = ["law", "surface", "reference_depth", "fixed", "std_error"];
 
-fn keys_of(law: &str) -> &'static [&'static str] {
-    match law {
-        "kelvin_voigt" => &["stiffness", "damping"],
-        "hunt_crossley" => &["stiffness", "damping", "exponent", "damping_exponent"],
-        "zener" => &["stiffness", "second_stiffness", "damping"],
-        "quasi_linear" | "hammerstein" => &[
-            "stiffness",
-            "exponent",
-            "stiffening_rate",
-            "elastic",
-            "relaxation",
-        ],
-        _ => &[],
-    }
-}
-
 impl Environment {
     pub(super) fn from_table(table: &Table<'_>) -> Result<Environment, Diagnostic> {
-        let name = table.required_text("law", &LAWS)?;
-        table.understand(keys_of(name));
+        let names: Vec<&str> = LawId::ALL.iter().flat_map(|law| law.names()).collect();
+        let name = table.required_text("law", &names)?;
+        let law = LawId::from_name(name).ok_or_else(|| unknown_law(table, name, &names))?;
+        table.understand(&keys_of(law));
         table.understand(&COMMON_KEYS);
-        let law = EnvironmentLaw::from_table(name, table)?;
+        let values = values(law, table)?;
         let reference = table.number("reference_depth", Bounds::Positive)?;
         let mut environment = Environment {
             law,
-            surface_m: table.number("surface", Bounds::Any)?.unwrap_or(0.0),
-            reference_depth_m: reference.unwrap_or(USUAL_REFERENCE_DEPTH_M),
+            values,
+            surface_m: table.number(SURFACE.name, SURFACE.bounds)?.unwrap_or(0.0),
+            reference_depth_m: reference.unwrap_or(DEFAULT_REFERENCE_DEPTH_M),
             fit: Fit::default(),
         };
         let names: Vec<String> = environment
@@ -155,11 +65,21 @@ impl Environment {
         Ok(environment)
     }
 
+    /// Whether there is nothing to touch.
+    pub fn is_free(&self) -> bool {
+        self.law == LawId::Free
+    }
+
+    /// Whether the law has a parameter of that name here.
+    pub fn has(&self, name: &str) -> bool {
+        self.values.iter().any(|parameter| parameter.name == name)
+    }
+
     /// The law's parameters, then the surface. The reference depth is a choice, no parameter.
     pub fn parameters(&self) -> Vec<Parameter> {
-        let mut parameters = self.law.parameters();
-        if self.law != EnvironmentLaw::Free {
-            parameters.push(parameter("surface", self.surface_m, "m"));
+        let mut parameters = self.values.clone();
+        if !self.is_free() {
+            parameters.push(parameter(&SURFACE, self.surface_m));
         }
         parameters
     }
@@ -169,235 +89,105 @@ impl Environment {
     #[must_use]
     pub fn with_values(&self, values: &[f64]) -> Environment {
         let mut environment = self.clone();
-        let mut values = values.iter().copied();
-        let mut set = |own: &mut f64| *own = values.next().unwrap_or(*own);
-        match &mut environment.law {
-            EnvironmentLaw::Free => return environment,
-            EnvironmentLaw::KelvinVoigt { stiffness, damping } => {
-                set(stiffness);
-                set(damping);
-            }
-            EnvironmentLaw::HuntCrossley {
-                stiffness,
-                damping,
-                exponent,
-                damping_exponent,
-            } => {
-                set(stiffness);
-                set(damping);
-                set(exponent);
-                damping_exponent.iter_mut().for_each(&mut set);
-            }
-            EnvironmentLaw::Zener {
-                stiffness,
-                second_stiffness,
-                damping,
-            } => {
-                set(stiffness);
-                set(second_stiffness);
-                set(damping);
-            }
-            EnvironmentLaw::QuasiLinear {
-                stiffness,
-                elastic,
-                relaxation,
-            } => {
-                set(stiffness);
-                match elastic {
-                    Elastic::Power { exponent } => set(exponent),
-                    Elastic::Exponential { stiffening_rate } => set(stiffening_rate),
-                }
-                for mode in relaxation {
-                    set(&mut mode.fraction);
-                    set(&mut mode.rate);
-                }
-            }
+        let mut values = values.iter();
+        for (parameter, value) in environment.values.iter_mut().zip(values.by_ref()) {
+            parameter.value = *value;
         }
-        set(&mut environment.surface_m);
+        match values.next() {
+            Some(surface_m) if !self.is_free() => environment.surface_m = *surface_m,
+            _ => {}
+        }
         environment
     }
 
-    /// The environment as the simulated rig can have it; `None` if it has more than [`MODES`]
-    /// relaxation modes.
-    pub fn contact(&self) -> Option<Contact> {
-        let law = match &self.law {
-            EnvironmentLaw::Free => Law::Free,
-            EnvironmentLaw::KelvinVoigt { stiffness, damping } => Law::KelvinVoigt(KelvinVoigt {
-                stiffness_n_per_m: *stiffness,
-                damping_ns_per_m: *damping,
-            }),
-            EnvironmentLaw::HuntCrossley {
-                stiffness,
-                damping,
-                exponent,
-                damping_exponent,
-            } => Law::HuntCrossley(HuntCrossley {
-                stiffness_n_per_m: *stiffness,
-                damping_ns_per_m: *damping,
-                exponent: *exponent,
-                damping_exponent: damping_exponent.unwrap_or(*exponent),
-                reference_depth_m: self.reference_depth_m,
-            }),
-            EnvironmentLaw::Zener {
-                stiffness,
-                second_stiffness,
-                damping,
-            } => Law::Zener(Zener {
-                stiffness_n_per_m: *stiffness,
-                second_stiffness_n_per_m: *second_stiffness,
-                damping_ns_per_m: *damping,
-            }),
-            EnvironmentLaw::QuasiLinear {
-                stiffness,
-                elastic,
-                relaxation,
-            } => Law::QuasiLinear(QuasiLinear {
-                elastic: elastic.law(*stiffness, self.reference_depth_m),
-                modes: modes(relaxation)?,
-            }),
+    /// Fraction and rate (1/s) of each relaxation mode, fast to slow.
+    pub(super) fn modes(&self) -> impl Iterator<Item = (f64, f64)> {
+        let modes = &self.values[self.values.len() - self.mode_values()..];
+        modes
+            .chunks_exact(2)
+            .map(|mode| (mode[0].value, mode[1].value))
+    }
+
+    /// The number of values that belong to relaxation modes; they are the last.
+    fn mode_values(&self) -> usize {
+        let values = self.values.iter();
+        values
+            .filter(|own| own.name.starts_with("relaxation_"))
+            .count()
+    }
+
+    /// The law with other values, in the order of [`Environment::parameters`]; `None` if it has more
+    /// relaxation modes than the core's laws have.
+    pub(crate) fn law_with<S: Scalar>(&self, values: &[S]) -> Option<Law<S>> {
+        let value = |name: &str| {
+            let at = self.values.iter().position(|own| own.name == name)?;
+            values.get(at).copied()
         };
+        let reference_depth_m = S::from_f64(self.reference_depth_m);
+        Law::from_values(self.law, self.mode_values() / 2, value, reference_depth_m)
+    }
+
+    /// The environment as the simulated rig can have it; `None` if it has more relaxation modes than
+    /// the core's laws have.
+    pub fn contact(&self) -> Option<Contact> {
+        let values: Vec<f64> = self.values.iter().map(|own| own.value).collect();
         Some(Contact {
-            law,
+            law: self.law_with(&values)?,
             surface_m: self.surface_m,
         })
     }
 }
 
-impl Elastic {
-    fn law(self, stiffness_n_per_m: f64, reference_depth_m: f64) -> law::Elastic<f64> {
-        match self {
-            Elastic::Power { exponent } => law::Elastic::Power {
-                stiffness_n_per_m,
-                exponent,
-                reference_depth_m,
-            },
-            Elastic::Exponential { stiffening_rate } => law::Elastic::Exponential {
-                stiffness_n_per_m,
-                stiffening_rate_per_m: stiffening_rate,
-            },
-        }
-    }
-}
-
-/// The modes of a model, and ones of fraction 0; `None` if there are more than the rig has.
-fn modes(relaxation: &[RelaxationMode]) -> Option<[law::RelaxationMode<f64>; MODES]> {
-    let mut modes = [law::RelaxationMode {
-        fraction: 0.0,
-        rate_per_s: 0.0,
-    }; MODES];
-    for (index, own) in relaxation.iter().enumerate() {
-        *modes.get_mut(index)? = law::RelaxationMode {
-            fraction: own.fraction,
-            rate_per_s: own.rate,
-        };
-    }
-    Some(modes)
-}
-
-impl EnvironmentLaw {
-    /// Its name in files.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            EnvironmentLaw::Free => "free",
-            EnvironmentLaw::KelvinVoigt { .. } => "kelvin_voigt",
-            EnvironmentLaw::HuntCrossley { .. } => "hunt_crossley",
-            EnvironmentLaw::Zener { .. } => "zener",
-            EnvironmentLaw::QuasiLinear { .. } => "quasi_linear",
-        }
-    }
-
-    fn from_table(name: &str, table: &Table<'_>) -> Result<EnvironmentLaw, Diagnostic> {
-        let stiffness = |key: &str| table.required_number(key, Bounds::Positive);
-        let damping = || table.required_number("damping", Bounds::NotNegative);
-        Ok(match name {
-            "free" => EnvironmentLaw::Free,
-            "kelvin_voigt" => EnvironmentLaw::KelvinVoigt {
-                stiffness: stiffness("stiffness")?,
-                damping: damping()?,
-            },
-            "hunt_crossley" => EnvironmentLaw::HuntCrossley {
-                stiffness: stiffness("stiffness")?,
-                damping: damping()?,
-                exponent: table.required_number("exponent", EXPONENTS)?,
-                damping_exponent: table.number("damping_exponent", Bounds::Within(0.0, 10.0))?,
-            },
-            "zener" => EnvironmentLaw::Zener {
-                stiffness: stiffness("stiffness")?,
-                second_stiffness: stiffness("second_stiffness")?,
-                damping: table.required_number("damping", Bounds::Positive)?,
-            },
-            "quasi_linear" | "hammerstein" => EnvironmentLaw::QuasiLinear {
-                stiffness: stiffness("stiffness")?,
-                elastic: elastic(table)?,
-                relaxation: relaxation(table)?,
-            },
-            other => return Err(unknown_law(table, other)),
-        })
-    }
-
-    fn parameters(&self) -> Vec<Parameter> {
-        match self {
-            EnvironmentLaw::Free => Vec::new(),
-            EnvironmentLaw::KelvinVoigt { stiffness, damping } => vec![
-                parameter("stiffness", *stiffness, "N/m"),
-                parameter("damping", *damping, "N s/m"),
-            ],
-            EnvironmentLaw::HuntCrossley {
-                stiffness,
-                damping,
-                exponent,
-                damping_exponent,
-            } => {
-                let mut parameters = vec![
-                    parameter("stiffness", *stiffness, "N/m"),
-                    parameter("damping", *damping, "N s/m"),
-                    parameter("exponent", *exponent, "1"),
-                ];
-                parameters.extend(damping_exponent.map(|q| parameter("damping_exponent", q, "1")));
-                parameters
-            }
-            EnvironmentLaw::Zener {
-                stiffness,
-                second_stiffness,
-                damping,
-            } => vec![
-                parameter("stiffness", *stiffness, "N/m"),
-                parameter("second_stiffness", *second_stiffness, "N/m"),
-                parameter("damping", *damping, "N s/m"),
-            ],
-            EnvironmentLaw::QuasiLinear {
-                stiffness,
-                elastic,
-                relaxation,
-            } => {
-                let mut parameters = vec![parameter("stiffness", *stiffness, "N/m")];
-                parameters.push(match elastic {
-                    Elastic::Power { exponent } => parameter("exponent", *exponent, "1"),
-                    Elastic::Exponential { stiffening_rate } => {
-                        parameter("stiffening_rate", *stiffening_rate, "1/m")
-                    }
-                });
-                for (index, mode) in relaxation.iter().enumerate() {
-                    let name = |what: &str| format!("relaxation_{what}_{}", index + 1);
-                    parameters.push(parameter(&name("fraction"), mode.fraction, "1"));
-                    parameters.push(parameter(&name("rate"), mode.rate, "1/s"));
-                }
-                parameters
-            }
-        }
-    }
-}
-
-fn parameter(name: &str, value: f64, unit: &'static str) -> Parameter {
+/// A parameter with its value.
+fn parameter(info: &ParameterInfo, value: f64) -> Parameter {
     Parameter {
-        name: name.to_string(),
+        name: info.name.to_string(),
         value,
-        unit,
+        unit: info.unit.symbol(),
     }
+}
+
+fn keys_of(law: LawId) -> Vec<&'static str> {
+    let info = law.info();
+    let parameters = info.parameters.iter().chain(info.optional);
+    let mut keys: Vec<&str> = parameters.map(|parameter| parameter.name).collect();
+    if has_exponential_form(law) {
+        keys.push("elastic");
+    }
+    if info.most_modes > 0 {
+        keys.push("relaxation");
+    }
+    keys
+}
+
+/// Whether the elastic response can be an exponential in place of a power.
+fn has_exponential_form(law: LawId) -> bool {
+    law.info().optional.contains(&STIFFENING_RATE)
+}
+
+/// The parameters of a law as a file gives them.
+fn values(law: LawId, table: &Table<'_>) -> Result<Vec<Parameter>, Diagnostic> {
+    let exponential = has_exponential_form(law);
+    let mut values = Vec::new();
+    for info in law.info().parameters {
+        values.push(match exponential && info.name == "exponent" {
+            true => elastic(table, info)?,
+            false => parameter(info, table.required_number(info.name, info.bounds)?),
+        });
+    }
+    let optional = law.info().optional.iter();
+    for info in optional.filter(|info| **info != STIFFENING_RATE) {
+        let given = table.number(info.name, info.bounds)?;
+        values.extend(given.map(|value| parameter(info, value)));
+    }
+    if law.info().most_modes > 0 {
+        values.extend(relaxation(table)?);
+    }
+    Ok(values)
 }
 
 /// `exponent`, or `stiffening_rate` (also as `elastic = "exponential"` with `rate`).
-fn elastic(table: &Table<'_>) -> Result<Elastic, Diagnostic> {
+fn elastic(table: &Table<'_>, exponent: &ParameterInfo) -> Result<Parameter, Diagnostic> {
     let exponential = match table.text("elastic")? {
         None => None,
         Some("power") => Some(false),
@@ -410,42 +200,46 @@ fn elastic(table: &Table<'_>) -> Result<Elastic, Diagnostic> {
                 ));
         }
     };
-    let rate = table.number("stiffening_rate", Bounds::Positive)?;
+    let (key, bounds) = (STIFFENING_RATE.name, STIFFENING_RATE.bounds);
+    let rate = table.number(key, bounds)?;
     let rate = match exponential {
-        Some(true) => rate.or(table.number("rate", Bounds::Positive)?),
+        Some(true) => rate.or(table.number("rate", bounds)?),
         _ => rate,
     };
     match (exponential, rate) {
         (Some(false), Some(_)) => Err(table
-            .wrong("stiffening_rate", "a power law has no stiffening rate")
+            .wrong(key, "a power law has no stiffening rate")
             .remedy("remove it, or write elastic = \"exponential\"")),
-        (_, Some(_)) if table.number("exponent", EXPONENTS)?.is_some() => Err(table
-            .wrong("exponent", "an exponential response has no exponent")
+        (_, Some(_)) if table.number(exponent.name, exponent.bounds)?.is_some() => Err(table
+            .wrong(exponent.name, "an exponential response has no exponent")
             .remedy("remove it, or remove the stiffening rate")),
-        (_, Some(stiffening_rate)) => Ok(Elastic::Exponential { stiffening_rate }),
-        (Some(true), None) => {
-            let stiffening_rate = table.required_number("stiffening_rate", Bounds::Positive)?;
-            Ok(Elastic::Exponential { stiffening_rate })
-        }
-        (_, None) => {
-            let exponent = table.required_number("exponent", EXPONENTS)?;
-            Ok(Elastic::Power { exponent })
-        }
+        (_, Some(rate)) => Ok(parameter(&STIFFENING_RATE, rate)),
+        (Some(true), None) => Ok(parameter(
+            &STIFFENING_RATE,
+            table.required_number(key, bounds)?,
+        )),
+        (_, None) => Ok(parameter(
+            exponent,
+            table.required_number(exponent.name, exponent.bounds)?,
+        )),
     }
 }
 
-fn relaxation(table: &Table<'_>) -> Result<Vec<RelaxationMode>, Diagnostic> {
-    let mode = |table: &Table<'_>| -> Result<RelaxationMode, Diagnostic> {
-        let mode = RelaxationMode {
-            fraction: table.required_number("fraction", Bounds::Fraction)?,
-            rate: table.required_number("rate", Bounds::Positive)?,
-        };
-        table.finish()?;
-        Ok(mode)
-    };
-    let modes = table.tables("relaxation")?;
-    let modes = modes.iter().map(mode).collect::<Result<Vec<_>, _>>()?;
-    let sum: f64 = modes.iter().map(|mode| mode.fraction).sum();
+/// Fraction and rate of every relaxation mode, one after another.
+fn relaxation(table: &Table<'_>) -> Result<Vec<Parameter>, Diagnostic> {
+    let [[fraction, rate], ..] = RELAXATION;
+    let (mut values, mut sum) = (Vec::new(), 0.0);
+    for (at, mode) in table.tables("relaxation")?.iter().enumerate() {
+        let fields = [("fraction", fraction), ("rate", rate)];
+        for (key, info) in fields {
+            values.push(Parameter {
+                name: format!("relaxation_{key}_{}", at + 1),
+                ..parameter(info, mode.required_number(key, info.bounds)?)
+            });
+        }
+        mode.finish()?;
+        sum += values[2 * at].value;
+    }
     if sum >= 1.0 {
         return Err(table
             .wrong(
@@ -455,14 +249,15 @@ fn relaxation(table: &Table<'_>) -> Result<Vec<RelaxationMode>, Diagnostic> {
             .value(sum)
             .remedy("their sum must be less than 1: the rest is the force that stays"));
     }
-    Ok(modes)
+    Ok(values)
 }
 
-fn unknown_law(table: &Table<'_>, name: &str) -> Diagnostic {
+fn unknown_law(table: &Table<'_>, name: &str, known: &[&str]) -> Diagnostic {
+    let names = || known.iter().copied();
     let diagnostic = table
         .wrong("law", format!("unknown law `{name}`"))
-        .note(format!("the laws are {}", listed(LAWS)));
-    match nearest(name, LAWS) {
+        .note(format!("the laws are {}", listed(names())));
+    match nearest(name, names()) {
         Some(near) => diagnostic.remedy(format!("write \"{near}\"")),
         None => diagnostic.remedy("write one of them"),
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value};
 
-use super::{Effect, Elastic, Environment, EnvironmentLaw, Fit, Model};
+use super::{Effect, Environment, Fit, Model};
 use crate::plant::Sensors;
 
 impl Model {
@@ -38,23 +38,15 @@ fn environment(environment: &Environment) -> Table {
             table[&parameter.name] = value(parameter.value);
         }
     }
-    if let EnvironmentLaw::QuasiLinear {
-        elastic,
-        relaxation,
-        ..
-    } = &environment.law
-    {
-        if matches!(elastic, Elastic::Exponential { .. }) {
-            table["elastic"] = value("exponential");
-        }
-        let modes: Array = relaxation
-            .iter()
-            .map(|mode| {
-                let fields = [("fraction", mode.fraction), ("rate", mode.rate)];
-                Value::InlineTable(fields.into_iter().collect::<InlineTable>())
-            })
-            .collect();
-        table["relaxation"] = value(modes);
+    if environment.has("stiffening_rate") {
+        table["elastic"] = value("exponential");
+    }
+    if environment.law.info().most_modes > 0 {
+        let modes = environment.modes().map(|(fraction, rate)| {
+            let fields = [("fraction", fraction), ("rate", rate)];
+            Value::InlineTable(fields.into_iter().collect::<InlineTable>())
+        });
+        table["relaxation"] = value(modes.collect::<Array>());
     }
     table["surface"] = value(environment.surface_m);
     table["reference_depth"] = value(environment.reference_depth_m);

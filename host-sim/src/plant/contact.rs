@@ -1,92 +1,13 @@
 //! A material under the probe: one of the core's laws, from a surface on, that only pushes.
 
-use estimator_core::physics::law::{
-    HuntCrossley, KelvinVoigt, QuasiLinear, QuasiLinearState, RelaxingLaw, Zener, ZenerState,
-    unilateral,
-};
-use estimator_core::physics::rig::{Environment, MOST_MODES};
-
-/// Most relaxation modes of a quasi-linear material; modes that are not used have fraction 0.
-pub const MODES: usize = MOST_MODES;
-
-/// The laws that the rig simulates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
-    /// Nothing to touch.
-    Free,
-    /// F = Kδ + λδ̇, (1)
-    KelvinVoigt(KelvinVoigt<f64>),
-    /// F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ, (3)
-    HuntCrossley(HuntCrossley<f64>),
-    /// The standard linear solid, (2)
-    Zener(Zener<f64>),
-    /// An elastic response that relaxes, (9)–(17)
-    QuasiLinear(QuasiLinear<f64, MODES>),
-}
-
-/// What a material remembers of the touches so far.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Memory {
-    /// Nothing: the law has none.
-    None,
-    /// Of a Zener material.
-    Zener(ZenerState<f64>),
-    /// Of a quasi-linear material.
-    QuasiLinear(QuasiLinearState<f64, MODES>),
-}
-
-impl Law {
-    /// Before the first touch.
-    pub fn at_rest(&self) -> Memory {
-        match self {
-            Law::Free | Law::KelvinVoigt(_) | Law::HuntCrossley(_) => Memory::None,
-            Law::Zener(law) => Memory::Zener(law.at_rest()),
-            Law::QuasiLinear(law) => Memory::QuasiLinear(law.at_rest()),
-        }
-    }
-
-    /// Force (N) one period after the last step, see [`RelaxingLaw::step`]. A memory of another law
-    /// is one of a material at rest.
-    pub fn step(&self, memory: &mut Memory, depth_m: f64, speed_mps: f64, period_s: f64) -> f64 {
-        match (self, &mut *memory) {
-            (Law::Free, _) => 0.0,
-            (Law::KelvinVoigt(law), _) => law.step(&mut (), depth_m, speed_mps, period_s),
-            (Law::HuntCrossley(law), _) => law.step(&mut (), depth_m, speed_mps, period_s),
-            (Law::Zener(law), Memory::Zener(state)) => {
-                law.step(state, depth_m, speed_mps, period_s)
-            }
-            (Law::QuasiLinear(law), Memory::QuasiLinear(state)) => {
-                law.step(state, depth_m, speed_mps, period_s)
-            }
-            _ => {
-                *memory = self.at_rest();
-                self.step(memory, depth_m, speed_mps, period_s)
-            }
-        }
-    }
-
-    /// Force (N) of a material that was at rest until now.
-    pub fn force_n(&self, depth_m: f64, speed_mps: f64) -> f64 {
-        self.step(&mut self.at_rest(), depth_m, speed_mps, 0.0)
-    }
-
-    /// Force at once (N), before anything relaxes: F⁽ᵉ⁾(δ).
-    pub fn elastic_n(&self, depth_m: f64) -> f64 {
-        match self {
-            Law::Free => 0.0,
-            Law::KelvinVoigt(law) => law.elastic_n(depth_m),
-            Law::HuntCrossley(law) => law.elastic_n(depth_m),
-            Law::Zener(law) => law.elastic_n(depth_m),
-            Law::QuasiLinear(law) => law.elastic_n(depth_m),
-        }
-    }
-}
+use estimator_core::physics::law::{DEFAULT_REFERENCE_DEPTH_M, Law, unilateral};
+use estimator_core::physics::rig::Environment;
 
 /// A law and where its material begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The law.
-    pub law: Law,
+    pub law: Law<f64>,
     /// Position of the surface (m).
     pub surface_m: f64,
 }
@@ -98,16 +19,9 @@ impl Contact {
         surface_m: 0.0,
     };
 
-    /// The same in the parts that effects act on.
+    /// The material in the parts that effects act on.
     pub fn environment(&self) -> Environment<f64> {
-        let environment = match self.law {
-            Law::Free => Environment::free(),
-            Law::KelvinVoigt(law) => law.into(),
-            Law::HuntCrossley(law) => law.into(),
-            Law::Zener(law) => law.into(),
-            Law::QuasiLinear(law) => law.into(),
-        };
-        environment.at(self.surface_m)
+        self.law.parts(DEFAULT_REFERENCE_DEPTH_M).at(self.surface_m)
     }
 
     /// Force on the probe (N) at `position_m` (m), moving at `speed_mps` (m/s), of a material that
@@ -126,6 +40,7 @@ impl Contact {
 mod tests {
     use super::super::{GEL, PLASTIC};
     use super::*;
+    use estimator_core::physics::law::KelvinVoigt;
 
     #[test]
     fn kelvin_voigt_under_a_prescribed_sine_is_the_closed_form() {

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use estimator_core::physics::effect::{Effect, EffectId};
-use estimator_core::physics::law::KelvinVoigt;
+use estimator_core::physics::law::{KelvinVoigt, Law};
 
-use super::super::{GEL, Law};
+use super::super::GEL;
 use super::*;
 use crate::motion::Segment;
 

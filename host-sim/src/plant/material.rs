@@ -1,8 +1,8 @@
 //! The chapter's materials.
 
-use estimator_core::physics::law::HuntCrossley;
+use estimator_core::physics::law::{HuntCrossley, Law};
 
-use super::contact::{Contact, Law};
+use super::contact::Contact;
 
 /// δ₀ (m) of the numbers printed in the chapter.
 pub const REFERENCE_DEPTH_M: f64 = 1e-3;

@@ -1,9 +1,9 @@
 //! The motor against closed forms, before anything is built on it.
 
-use super::super::contact::{Contact, Law};
+use super::super::contact::Contact;
 use super::super::{GEL, PLASTIC};
 use super::*;
-use estimator_core::physics::law::KelvinVoigt;
+use estimator_core::physics::law::{KelvinVoigt, Law};
 
 /// The rig's sub-step: 1 kHz, twenty a sample.
 const STEP_S: f64 = 5e-5;

@@ -1,9 +1,9 @@
 //! The rig as a whole: what it records is what happened, and material can be swapped.
 
-use super::super::{GEL, Law, PLASTIC};
+use super::super::{GEL, PLASTIC};
 use super::*;
 use crate::motion::Segment;
-use estimator_core::physics::law::KelvinVoigt;
+use estimator_core::physics::law::{KelvinVoigt, Law};
 
 const SEED: u64 = 7;
 

@@ -15,6 +15,7 @@ mod window;
 
 use estimator_core::estimate::status::Status;
 use estimator_core::estimate::{Estimated, Event};
+use estimator_core::physics::law::LawId;
 
 use super::{Document, Provenance, Section, Tone};
 
@@ -241,12 +242,9 @@ fn interleave<T>(runs: Vec<Vec<T>>) -> Vec<T> {
 
 /// Name of a law for people.
 pub fn law_title(name: &str) -> String {
-    match name {
-        "kelvin_voigt" => "Kelvin–Voigt".into(),
-        "hunt_crossley" => "Hunt–Crossley".into(),
-        "zener" => "Zener".into(),
-        "quasi_linear" => "quasi-linear".into(),
-        other => other.replace('_', " "),
+    match LawId::from_name(name) {
+        Some(law) => law.info().title.into(),
+        None => name.replace('_', " "),
     }
 }
 

@@ -3,21 +3,13 @@
 use super::packet::{NotRenderable, PACKET_SLOTS};
 use crate::maths::scalar::Scalar;
 use crate::physics::law::{
-    ContactLaw, Elastic, HuntCrossley, KelvinVoigt, LawKind, QuasiLinear, QuasiLinearState,
-    RelaxationMode, RelaxingLaw, Zener,
+    Elastic, HuntCrossley, KelvinVoigt, Law, LawKind, LawState, QuasiLinear, RelaxationMode,
+    RelaxingLaw, Zener,
 };
 
-/// A law with its parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Impedance {
-    /// (1)
-    KelvinVoigt(KelvinVoigt<f32>),
-    /// (3)
-    HuntCrossley(HuntCrossley<f32>),
-    /// (9) with one mode or two: an unused one has fraction 0. A Zener material (2) is the one with
-    /// n = 1 and one mode.
-    QuasiLinear(QuasiLinear<f32, 2>),
-}
+/// A law with the parameters of a packet. A Zener material (2) comes as the quasi-linear law (9) with
+/// n = 1 and one mode.
+pub type Impedance = Law<f32, 2>;
 
 /// What there is to render: an impedance, and where it begins (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +20,8 @@ pub struct Reflected {
     pub surface_m: f32,
 }
 
-/// What a quasi-linear law remembers; at rest where the law is another one.
-pub(super) type Memory = Option<QuasiLinearState<f32, 2>>;
+/// What the law remembers; `None` at rest.
+pub(super) type Memory = Option<LawState<f32, 2>>;
 
 /// Beyond every material and device, and far within f32 when multiplied.
 const LARGEST: f32 = 1e9;
@@ -128,73 +120,68 @@ impl Reflected {
     }
 }
 
-impl Impedance {
-    /// The same with stiffness and damping times a factor: Colgate's impedance shaping.
-    fn shaped(mut self, by: f32) -> Impedance {
-        match &mut self {
-            Impedance::KelvinVoigt(law) => {
-                law.stiffness_n_per_m *= by;
-                law.damping_ns_per_m *= by;
-            }
-            Impedance::HuntCrossley(law) => {
-                law.stiffness_n_per_m *= by;
-                law.damping_ns_per_m *= by;
-            }
-            Impedance::QuasiLinear(law) => {
-                let (Elastic::Power {
-                    stiffness_n_per_m, ..
-                }
-                | Elastic::Exponential {
-                    stiffness_n_per_m, ..
-                }) = &mut law.elastic;
-                *stiffness_n_per_m *= by;
-            }
+/// The law with stiffness and damping times a factor: Colgate's impedance shaping.
+fn shaped(mut law: Impedance, by: f32) -> Impedance {
+    match &mut law {
+        Law::KelvinVoigt(law) => {
+            law.stiffness_n_per_m *= by;
+            law.damping_ns_per_m *= by;
         }
-        self
+        Law::HuntCrossley(law) => {
+            law.stiffness_n_per_m *= by;
+            law.damping_ns_per_m *= by;
+        }
+        Law::QuasiLinear(law) => {
+            let (Elastic::Power {
+                stiffness_n_per_m, ..
+            }
+            | Elastic::Exponential {
+                stiffness_n_per_m, ..
+            }) = &mut law.elastic;
+            *stiffness_n_per_m *= by;
+        }
+        // Comes in no packet.
+        Law::Zener(_) | Law::Free => {}
     }
+    law
+}
 
-    /// Force on the probe (N), as the law itself gives it.
-    fn force_n(&self, memory: &mut Memory, depth_m: f32, speed_mps: f32, period_s: f32) -> f32 {
-        if !matches!(self, Impedance::QuasiLinear(_)) {
-            *memory = None;
-        }
-        match self {
-            Impedance::KelvinVoigt(law) => law.force_n(depth_m, speed_mps),
-            Impedance::HuntCrossley(law) => law.force_n(depth_m, speed_mps),
-            Impedance::QuasiLinear(law) => {
-                let state = memory.get_or_insert(law.at_rest());
-                law.step(state, depth_m, speed_mps, period_s)
-            }
-        }
-    }
+/// The elastic part Kδ₀(δ/δ₀)ⁿ and the damping λ(δ/δ₀)^q.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Parts {
+    /// K (N/m)
+    stiffness: f32,
+    /// n
+    n: f32,
+    /// δ₀ (m)
+    reference_m: f32,
+    /// λ (N s/m); a law that relaxes is a spring at first, and has none.
+    damping: f32,
+    /// q
+    q: f32,
+}
 
-    /// K (N/m), n and δ₀ (m) of the elastic part Kδ₀(δ/δ₀)ⁿ.
-    fn elastic(&self) -> (f32, f32, f32) {
-        match *self {
-            Impedance::KelvinVoigt(law) => (law.stiffness_n_per_m, 1.0, 1.0),
-            Impedance::HuntCrossley(law) => {
-                (law.stiffness_n_per_m, law.exponent, law.reference_depth_m)
-            }
-            Impedance::QuasiLinear(law) => match law.elastic {
-                Elastic::Power {
-                    stiffness_n_per_m,
-                    exponent,
-                    reference_depth_m,
-                } => (stiffness_n_per_m, exponent, reference_depth_m),
-                // Comes in no packet.
-                Elastic::Exponential {
-                    stiffness_n_per_m, ..
-                } => (stiffness_n_per_m, 1.0, 1.0),
-            },
-        }
-    }
-
-    /// λ (N s/m) and q of a damping λ(δ/δ₀)^q; what relaxes is a spring to begin with, and has none.
-    fn damping(&self) -> (f32, f32) {
-        match *self {
-            Impedance::KelvinVoigt(law) => (law.damping_ns_per_m, 0.0),
-            Impedance::HuntCrossley(law) => (law.damping_ns_per_m, law.damping_exponent),
-            Impedance::QuasiLinear(_) => (0.0, 0.0),
+impl Parts {
+    fn of(law: &Impedance) -> Parts {
+        let parts = law.parts(1.0);
+        let (stiffness, n, reference_m) = match parts.elastic {
+            Some(Elastic::Power {
+                stiffness_n_per_m,
+                exponent,
+                reference_depth_m,
+            }) => (stiffness_n_per_m, exponent, reference_depth_m),
+            // Comes in no packet.
+            Some(Elastic::Exponential { .. }) | None => (0.0, 1.0, 1.0),
+        };
+        let (damping, q) = parts
+            .damping
+            .map_or((0.0, 0.0), |own| (own.coefficient_ns_per_m, own.exponent));
+        Parts {
+            stiffness,
+            n,
+            reference_m,
+            damping,
+            q,
         }
     }
 }
@@ -210,6 +197,7 @@ fn power(base: f32, exponent: f32) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounded {
     law: Impedance,
+    parts: Parts,
     surface_m: f32,
     /// Largest slope of the elastic part (N/m).
     stiffest: f32,
@@ -227,9 +215,15 @@ impl Bounded {
     /// With the largest stiffness (N/m) and damping (N s/m) that the master can render, both above 0.
     #[inline(never)]
     pub(super) fn new(of: Reflected, shaping: f32, stiffest: f32, most_damping: f32) -> Self {
-        let law = of.impedance.shaped(shaping);
-        let (stiffness, n, reference_m) = law.elastic();
-        let (damping, q) = law.damping();
+        let law = shaped(of.impedance, shaping);
+        let parts = Parts::of(&law);
+        let Parts {
+            stiffness,
+            n,
+            reference_m,
+            damping,
+            q,
+        } = parts;
         let knee_m = if n > 1.0 {
             // nK(δ/δ₀)^(n−1) = stiffest
             reference_m * power(stiffest / (n * stiffness), 1.0 / (n - 1.0))
@@ -247,6 +241,7 @@ impl Bounded {
         };
         Bounded {
             law,
+            parts,
             surface_m: of.surface_m,
             stiffest,
             knee_m,
@@ -273,14 +268,20 @@ impl Bounded {
         let depth_m = position_m - self.surface_m;
         let rendered_m = self.depth_within(depth_m);
         let rendered_mps = speed_mps * self.share_of_damping(rendered_m);
-        let force_n = self.law.force_n(memory, rendered_m, rendered_mps, period_s);
+        let state = memory.get_or_insert(self.law.at_rest());
+        let force_n = self.law.step(state, rendered_m, rendered_mps, period_s);
         (force_n, rendered_m < depth_m, rendered_mps != speed_mps)
     }
 
     /// The depth at which the law has the force that it would have had, had its slope stayed within
     /// the bound.
     fn depth_within(&self, depth_m: f32) -> f32 {
-        let (stiffness, n, reference_m) = self.law.elastic();
+        let Parts {
+            stiffness,
+            n,
+            reference_m,
+            ..
+        } = self.parts;
         let rising = n >= 1.0;
         if depth_m <= 0.0 || rising == (depth_m <= self.knee_m) {
             return depth_m;
@@ -298,10 +299,7 @@ impl Bounded {
 
     fn share_of_damping(&self, depth_m: f32) -> f32 {
         match depth_m > self.damped_m {
-            true => {
-                let (_, q) = self.law.damping();
-                power(self.damped_m / depth_m, q)
-            }
+            true => power(self.damped_m / depth_m, self.parts.q),
             false => self.damped_share,
         }
     }

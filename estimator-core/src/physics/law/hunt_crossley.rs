@@ -1,6 +1,9 @@
 //! Non-linear spring with depth-dependent damping, equation (3).
 
-use super::ContactLaw;
+use super::contact_law::{ContactLaw, RelaxingLaw, remembers_nothing};
+use super::elastic::Elastic;
+use super::environment::{Damping, Environment};
+use super::row::{DAMPING, DAMPING_EXPONENT, EXPONENT, LawInfo, LawRow, STIFFNESS};
 use crate::maths::scalar::Scalar;
 
 /// F = Kδ₀(δ/δ₀)ⁿ + λδ̇(δ/δ₀)^q for δ > 0: (3) with the depth in units of δ₀.
@@ -16,14 +19,14 @@ pub struct HuntCrossley<S> {
     pub damping_ns_per_m: S,
     /// n: near 1, 3/2 for a Hertzian sphere.
     pub exponent: S,
-    /// q: usually n.
+    /// q: n unless a model says otherwise.
     pub damping_exponent: S,
     /// δ₀ (m)
     pub reference_depth_m: S,
 }
 
 impl<S: Scalar> HuntCrossley<S> {
-    /// The usual case q = n.
+    /// The law with q = n.
     pub fn new(
         stiffness_n_per_m: S,
         damping_ns_per_m: S,
@@ -49,11 +52,59 @@ impl<S: Scalar> HuntCrossley<S> {
     }
 }
 
+remembers_nothing!(HuntCrossley);
+
 impl<S: Scalar> ContactLaw<S> for HuntCrossley<S> {
     fn force_n(&self, depth_m: S, speed_mps: S) -> S {
         let depth = depth_m / self.reference_depth_m;
         self.stiffness_n_per_m * self.reference_depth_m * depth.pow_positive(self.exponent)
             + self.damping_ns_per_m * speed_mps * depth.pow_positive(self.damping_exponent)
+    }
+}
+
+impl<S: Scalar> LawRow<S> for HuntCrossley<S> {
+    const INFO: LawInfo = LawInfo {
+        name: "hunt_crossley",
+        alias: None,
+        title: "Hunt–Crossley",
+        relaxes: false,
+        summary: "F = (Kδ₀ + λδ̇)(δ/δ₀)ⁿ",
+        parameters: &[STIFFNESS, DAMPING, EXPONENT],
+        // It is n unless a model gives it.
+        optional: &[DAMPING_EXPONENT],
+        most_modes: 0,
+    };
+
+    fn from_values(
+        _modes: usize,
+        value: &impl Fn(&str) -> Option<S>,
+        reference_depth_m: S,
+    ) -> Option<Self> {
+        let exponent = value(EXPONENT.name)?;
+        Some(HuntCrossley {
+            stiffness_n_per_m: value(STIFFNESS.name)?,
+            damping_ns_per_m: value(DAMPING.name)?,
+            exponent,
+            damping_exponent: value(DAMPING_EXPONENT.name).unwrap_or(exponent),
+            reference_depth_m,
+        })
+    }
+
+    fn parts(&self, _reference_depth_m: S) -> Environment<S> {
+        let reference_depth_m = self.reference_depth_m;
+        Environment {
+            elastic: Some(Elastic::Power {
+                stiffness_n_per_m: self.stiffness_n_per_m,
+                exponent: self.exponent,
+                reference_depth_m,
+            }),
+            damping: Some(Damping {
+                coefficient_ns_per_m: self.damping_ns_per_m,
+                exponent: self.damping_exponent,
+                reference_depth_m,
+            }),
+            ..Environment::free()
+        }
     }
 }
 

@@ -1,6 +1,9 @@
 //! Spring and damper in parallel, equation (1).
 
-use super::ContactLaw;
+use super::contact_law::{ContactLaw, RelaxingLaw, remembers_nothing};
+use super::elastic::Elastic;
+use super::environment::{Damping, Environment};
+use super::row::{DAMPING, LawInfo, LawRow, STIFFNESS};
 use crate::maths::scalar::Scalar;
 
 /// F = Kδ + λδ̇ for δ > 0, (1).
@@ -15,12 +18,54 @@ pub struct KelvinVoigt<S> {
     pub damping_ns_per_m: S,
 }
 
+remembers_nothing!(KelvinVoigt);
+
 impl<S: Scalar> ContactLaw<S> for KelvinVoigt<S> {
     fn force_n(&self, depth_m: S, speed_mps: S) -> S {
         if depth_m > S::zero() {
             self.stiffness_n_per_m * depth_m + self.damping_ns_per_m * speed_mps
         } else {
             S::zero()
+        }
+    }
+}
+
+impl<S: Scalar> LawRow<S> for KelvinVoigt<S> {
+    const INFO: LawInfo = LawInfo {
+        name: "kelvin_voigt",
+        alias: None,
+        title: "Kelvin–Voigt",
+        relaxes: false,
+        summary: "F = Kδ + λδ̇",
+        parameters: &[STIFFNESS, DAMPING],
+        optional: &[],
+        most_modes: 0,
+    };
+
+    fn from_values(
+        _modes: usize,
+        value: &impl Fn(&str) -> Option<S>,
+        _reference_depth_m: S,
+    ) -> Option<Self> {
+        Some(KelvinVoigt {
+            stiffness_n_per_m: value(STIFFNESS.name)?,
+            damping_ns_per_m: value(DAMPING.name)?,
+        })
+    }
+
+    fn parts(&self, reference_depth_m: S) -> Environment<S> {
+        Environment {
+            elastic: Some(Elastic::Power {
+                stiffness_n_per_m: self.stiffness_n_per_m,
+                exponent: S::one(),
+                reference_depth_m,
+            }),
+            damping: Some(Damping {
+                coefficient_ns_per_m: self.damping_ns_per_m,
+                exponent: S::zero(),
+                reference_depth_m,
+            }),
+            ..Environment::free()
         }
     }
 }

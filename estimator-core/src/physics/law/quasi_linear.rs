@@ -1,53 +1,12 @@
 //! Fung's quasi-linear law in its Hammerstein form: a static elastic response, then a linear filter,
 //! equations (9)–(17).
 
-use super::RelaxingLaw;
-use super::relaxation::{RelaxationMode, high_passed};
+use super::contact_law::RelaxingLaw;
+use super::elastic::Elastic;
+use super::environment::Environment;
+use super::relaxation::{MOST_MODES, RelaxationMode, high_passed};
+use super::row::{EXPONENT, LawInfo, LawRow, RELAXATION, STIFFENING_RATE, STIFFNESS};
 use crate::maths::scalar::Scalar;
-
-/// The elastic response F⁽ᵉ⁾(δ): the force at once, before anything relaxes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Elastic<S> {
-    /// Kδ₀(δ/δ₀)ⁿ: (14) with the depth in units of δ₀; n = q + 1, and p = nKδ₀^(1−n).
-    Power {
-        /// K (N/m): the secant stiffness at δ₀.
-        stiffness_n_per_m: S,
-        /// n
-        exponent: S,
-        /// δ₀ (m)
-        reference_depth_m: S,
-    },
-    /// (m/b)(e^{bδ} − 1), (13).
-    Exponential {
-        /// m (N/m): the stiffness at the surface.
-        stiffness_n_per_m: S,
-        /// b (1/m); 0 is a spring.
-        stiffening_rate_per_m: S,
-    },
-}
-
-impl<S: Scalar> Elastic<S> {
-    /// F⁽ᵉ⁾ (N) at a depth (m); 0 outside the material, slope included.
-    pub fn force_n(&self, depth_m: S) -> S {
-        if depth_m <= S::zero() {
-            return S::zero();
-        }
-        match *self {
-            Elastic::Power {
-                stiffness_n_per_m,
-                exponent,
-                reference_depth_m,
-            } => {
-                let depth = depth_m / reference_depth_m;
-                stiffness_n_per_m * reference_depth_m * depth.pow_positive(exponent)
-            }
-            Elastic::Exponential {
-                stiffness_n_per_m,
-                stiffening_rate_per_m,
-            } => stiffness_n_per_m * depth_m * (stiffening_rate_per_m * depth_m).exprel(),
-        }
-    }
-}
 
 /// F = F⁽ᵉ⁾ − Σcᵢ(F⁽ᵉ⁾ − wᵢ), ẇᵢ = Ḟ⁽ᵉ⁾ − νᵢwᵢ, `R` modes: (9) with the relaxation function (10),
 /// c₀ = 1 − Σcᵢ.
@@ -99,6 +58,61 @@ impl<S: Scalar, const R: usize> RelaxingLaw<S> for QuasiLinear<S, R> {
 
     fn elastic_n(&self, depth_m: S) -> S {
         self.elastic.force_n(depth_m)
+    }
+}
+
+impl<S: Scalar, const R: usize> LawRow<S> for QuasiLinear<S, R> {
+    const INFO: LawInfo = LawInfo {
+        name: "quasi_linear",
+        alias: Some("hammerstein"),
+        title: "quasi-linear",
+        relaxes: true,
+        summary: "Kδ₀(δ/δ₀)ⁿ that relaxes in one or two modes, in up to four by batch",
+        parameters: &[STIFFNESS, EXPONENT],
+        optional: &[STIFFENING_RATE],
+        most_modes: MOST_MODES,
+    };
+
+    fn from_values(
+        modes: usize,
+        value: &impl Fn(&str) -> Option<S>,
+        reference_depth_m: S,
+    ) -> Option<Self> {
+        if modes > R.min(MOST_MODES) {
+            return None;
+        }
+        let stiffness_n_per_m = value(STIFFNESS.name)?;
+        let elastic = match value(STIFFENING_RATE.name) {
+            Some(stiffening_rate_per_m) => Elastic::Exponential {
+                stiffness_n_per_m,
+                stiffening_rate_per_m,
+            },
+            None => Elastic::Power {
+                stiffness_n_per_m,
+                exponent: value(EXPONENT.name)?,
+                reference_depth_m,
+            },
+        };
+        let mut law = QuasiLinear {
+            elastic,
+            modes: [RelaxationMode::unused(); R],
+        };
+        for (mode, [fraction, rate]) in law.modes.iter_mut().zip(RELAXATION).take(modes) {
+            mode.fraction = value(fraction.name)?;
+            mode.rate_per_s = value(rate.name)?;
+        }
+        Some(law)
+    }
+
+    fn parts(&self, _reference_depth_m: S) -> Environment<S> {
+        let mut environment = Environment {
+            elastic: Some(self.elastic),
+            ..Environment::free()
+        };
+        for (part, mode) in environment.modes.iter_mut().zip(self.modes) {
+            *part = mode;
+        }
+        environment
     }
 }
 

@@ -2,6 +2,9 @@
 
 use crate::maths::scalar::Scalar;
 
+/// Most relaxation modes of a law; effects may add more.
+pub const MOST_MODES: usize = 4;
+
 /// One term cᵢe^{−νᵢt} of the reduced relaxation function g(t), (10).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelaxationMode<S> {
@@ -11,7 +14,17 @@ pub struct RelaxationMode<S> {
     pub rate_per_s: S,
 }
 
-/// ẇ = u̇ − νw over one period in which u changes by `change`, evenly: exact, however long.
+impl<S: Scalar> RelaxationMode<S> {
+    /// A mode that takes nothing away.
+    pub fn unused() -> Self {
+        RelaxationMode {
+            fraction: S::zero(),
+            rate_per_s: S::zero(),
+        }
+    }
+}
+
+/// The course of ẇ = u̇ − νw over one period in which u changes by `change`, evenly: exact, however long.
 // A board without relaxing methods has it for rendering alone: 300 bytes each time.
 #[cfg_attr(not(feature = "relaxing"), inline(never))]
 pub(crate) fn high_passed<S: Scalar>(w: S, change: S, rate_per_s: S, period_s: S) -> S {

@@ -1,8 +1,13 @@
 //! The standard linear solid: a spring in series with a spring and damper in parallel, equation (2).
 
+use super::contact_law::RelaxingLaw;
+use super::elastic::Elastic;
+use super::environment::Environment;
+use super::quasi_linear::QuasiLinear;
 use super::relaxation::{RelaxationMode, high_passed};
-use super::{Elastic, QuasiLinear, RelaxingLaw};
+use super::row::{DAMPING, LawInfo, LawRow, SECOND_STIFFNESS, STIFFNESS};
 use crate::maths::scalar::Scalar;
+use crate::physics::parameter::{Bounds, ParameterInfo};
 
 /// F + λ/(κ₁+κ₂)·Ḟ = κ₁/(κ₁+κ₂)·(κ₂δ + λδ̇), (2).
 ///
@@ -83,6 +88,45 @@ impl<S: Scalar> RelaxingLaw<S> for Zener<S> {
 
     fn elastic_n(&self, depth_m: S) -> S {
         self.stiffness_n_per_m * S::zero().max_of(depth_m)
+    }
+}
+
+impl<S: Scalar> LawRow<S> for Zener<S> {
+    const INFO: LawInfo = LawInfo {
+        name: "zener",
+        alias: None,
+        title: "Zener",
+        relaxes: true,
+        summary: "Standard linear solid: a spring in series with a spring and damper in parallel",
+        parameters: &[
+            STIFFNESS,
+            SECOND_STIFFNESS,
+            // Without it there is no time in which the material relaxes.
+            ParameterInfo {
+                bounds: Bounds::Positive,
+                ..DAMPING
+            },
+        ],
+        optional: &[],
+        most_modes: 0,
+    };
+
+    fn from_values(
+        _modes: usize,
+        value: &impl Fn(&str) -> Option<S>,
+        _reference_depth_m: S,
+    ) -> Option<Self> {
+        Some(Zener {
+            stiffness_n_per_m: value(STIFFNESS.name)?,
+            second_stiffness_n_per_m: value(SECOND_STIFFNESS.name)?,
+            damping_ns_per_m: value(DAMPING.name)?,
+        })
+    }
+
+    /// κ₁ that relaxes by κ₁/(κ₁+κ₂) at the rate (κ₁+κ₂)/λ: (2) is (9) with one mode and n = 1.
+    fn parts(&self, reference_depth_m: S) -> Environment<S> {
+        self.quasi_linear(reference_depth_m)
+            .parts(reference_depth_m)
     }
 }
 

@@ -1,10 +1,11 @@
 //! From the tip's motion to the contact force: depth, elastic force, relaxation, damping, adhesion.
 
-use super::environment::{Damping, MOST_MODES};
-use super::{MOST_EFFECTS, Rig};
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::Effect;
-use crate::physics::law::{RelaxationMode, high_passed};
+use crate::physics::law::{Damping, Environment, MOST_MODES, RelaxationMode, high_passed};
+
+/// Most effects of a rig.
+pub const MOST_EFFECTS: usize = 8;
 
 /// A contact at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,12 @@ pub struct Touch<S> {
     pub speed_mps: S,
 }
 
+/// What is touched, with the effects that change the contact.
+pub(super) struct Contact<'a, S> {
+    pub(super) environment: &'a Environment<S>,
+    pub(super) effects: &'a [Option<Effect<S>>; MOST_EFFECTS],
+}
+
 /// What a contact remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactState<S> {
@@ -25,27 +32,28 @@ pub struct ContactState<S> {
     depth_m: S,
     /// F⁽ᵉ⁾ (N) at the last sample.
     elastic_n: S,
-    /// wᵢ (N) of the environment's modes, and of the effects'.
+    /// wᵢ (N) of the environment's modes.
     modes: [S; MOST_MODES],
-    memories: [S; MOST_EFFECTS],
+    /// What each effect remembers: a stress relaxation wᵢ (N), others what their files say.
+    effects: [S; MOST_EFFECTS],
 }
 
 impl<S: Scalar> ContactState<S> {
     pub(super) fn at_rest() -> ContactState<S> {
-        let nil = S::zero();
+        let zero = S::zero();
         ContactState {
-            deepest_m: nil,
-            depth_m: nil,
-            elastic_n: nil,
-            modes: [nil; MOST_MODES],
-            memories: [nil; MOST_EFFECTS],
+            deepest_m: zero,
+            depth_m: zero,
+            elastic_n: zero,
+            modes: [zero; MOST_MODES],
+            effects: [zero; MOST_EFFECTS],
         }
     }
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar> Contact<'_, S> {
     /// The contact one period later, the tip being at `tip.0` (m) with the speed `tip.1` (m/s).
-    pub(super) fn contact(
+    pub(super) fn step(
         &self,
         state: &mut ContactState<S>,
         tip: (S, S),
@@ -60,19 +68,19 @@ impl<S: Scalar> Rig<S> {
         if let Some(damping) = self.damping() {
             pushed_n = pushed_n + damping.force_n(depth_m, speed_mps);
         }
-        for (effect, memory) in self.effects.iter().zip(&mut state.memories) {
-            if let Some(Effect::HystereticDamping(own)) = effect {
-                pushed_n = pushed_n + own.force_n(memory, depth_m, change_m);
+        for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
+            if let Some(Effect::HystereticDamping(hysteresis)) = effect {
+                pushed_n = pushed_n + hysteresis.force_n(memory, depth_m, change_m);
             }
         }
         let touches = depth_m > S::zero() && pushed_n > S::zero();
         let mut force_n = if touches { pushed_n } else { S::zero() };
-        for (effect, memory) in self.effects.iter().zip(&mut state.memories) {
-            if let Some(Effect::Adhesion(own)) = effect {
-                force_n = if own.bond > S::zero() {
-                    own.bonded_n(memory, depth_m, pushed_n)
+        for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
+            if let Some(Effect::Adhesion(adhesion)) = effect {
+                force_n = if adhesion.bond > S::zero() {
+                    adhesion.bonded_n(memory, depth_m, pushed_n)
                 } else {
-                    force_n + own.force_n(memory, depth_m, speed_mps)
+                    force_n + adhesion.force_n(memory, depth_m, speed_mps)
                 };
             }
         }
@@ -83,7 +91,7 @@ impl<S: Scalar> Rig<S> {
         }
     }
 
-    /// δ and δ̇.
+    /// The penetration δ (m) and its rate δ̇ (m/s).
     fn depth(&self, state: &mut ContactState<S>, tip: (S, S), time_s: S) -> (S, S) {
         let raw_m = tip.0 - self.environment.surface_m;
         let grows = raw_m > state.deepest_m;
@@ -91,15 +99,15 @@ impl<S: Scalar> Rig<S> {
             state.deepest_m = raw_m;
         }
         let (mut depth_m, mut speed_mps) = (raw_m, tip.1);
-        for effect in self.effects() {
+        for effect in self.effects.iter().flatten() {
             match effect {
-                Effect::SurfaceMotion(own) => {
-                    let (displacement_m, rate_mps) = own.displacement(time_s);
+                Effect::SurfaceMotion(motion) => {
+                    let (displacement_m, rate_mps) = motion.displacement(time_s);
                     depth_m = depth_m - displacement_m;
                     speed_mps = speed_mps - rate_mps;
                 }
-                Effect::PermanentSet(own) => {
-                    let (recession_m, slope) = own.recession_m(state.deepest_m);
+                Effect::PermanentSet(set) => {
+                    let (recession_m, slope) = set.recession_m(state.deepest_m);
                     depth_m = depth_m - recession_m;
                     if grows {
                         speed_mps = speed_mps - slope * tip.1;
@@ -111,7 +119,7 @@ impl<S: Scalar> Rig<S> {
         (depth_m, speed_mps)
     }
 
-    /// Fᵉ, with what effects make of it.
+    /// The elastic force F⁽ᵉ⁾ (N), with what effects make of it.
     fn elastic(&self, state: &ContactState<S>, depth_m: S) -> S {
         let Some(mut elastic) = self.environment.elastic else {
             return S::zero();
@@ -119,26 +127,28 @@ impl<S: Scalar> Rig<S> {
         if depth_m <= S::zero() {
             return S::zero();
         }
-        for effect in self.effects() {
-            if let Effect::PowerLawStiffness(own) = effect {
-                elastic = own.bend(elastic);
+        for effect in self.effects.iter().flatten() {
+            if let Effect::PowerLawStiffness(power) = effect {
+                elastic = power.bend(elastic);
             }
         }
         let (mut factor, mut layers_n) = (S::one(), S::zero());
-        for effect in self.effects() {
+        for effect in self.effects.iter().flatten() {
             match effect {
-                Effect::ExponentialStiffening(own) => factor = factor * own.factor(depth_m),
-                Effect::CyclicSoftening(own) => {
-                    factor = factor * own.factor(state.deepest_m - depth_m);
+                Effect::ExponentialStiffening(stiffening) => {
+                    factor = factor * stiffening.factor(depth_m)
                 }
-                Effect::BuriedLayer(own) => layers_n = layers_n + own.force_n(depth_m),
+                Effect::CyclicSoftening(softening) => {
+                    factor = factor * softening.factor(state.deepest_m - depth_m);
+                }
+                Effect::BuriedLayer(layer) => layers_n = layers_n + layer.force_n(depth_m),
                 _ => {}
             }
         }
         elastic.force_n(depth_m) * factor + layers_n
     }
 
-    /// Fᵉ − Σcᵢ(Fᵉ − wᵢ), (9), over the environment's modes and the effects'.
+    /// The relaxed force F⁽ᵉ⁾ − Σcᵢ(F⁽ᵉ⁾ − wᵢ) (N), (9), over the environment's modes and the effects'.
     fn relaxed(&self, state: &mut ContactState<S>, depth_m: S, period_s: S) -> S {
         let elastic_n = self.elastic(state, depth_m);
         let change_n = elastic_n - state.elastic_n;
@@ -153,19 +163,20 @@ impl<S: Scalar> Rig<S> {
                 relax(mode, w);
             }
         }
-        for (effect, w) in self.effects.iter().zip(&mut state.memories) {
-            if let Some(Effect::StressRelaxation(own)) = effect {
-                relax(&own.mode(), w);
+        for (effect, w) in self.effects.iter().zip(&mut state.effects) {
+            if let Some(Effect::StressRelaxation(relaxation)) = effect {
+                relax(&relaxation.mode(), w);
             }
         }
         force_n
     }
 
+    /// The environment's damping, with the exponent that an effect gives it.
     fn damping(&self) -> Option<Damping<S>> {
         let mut damping = self.environment.damping?;
-        for effect in self.effects() {
-            if let Effect::DepthDependentDamping(own) = effect {
-                damping.exponent = own.exponent;
+        for effect in self.effects.iter().flatten() {
+            if let Effect::DepthDependentDamping(dependence) = effect {
+                damping.exponent = dependence.exponent;
             }
         }
         Some(damping)
