@@ -363,11 +363,12 @@ fn scaled<T: Real>(
         force: (aligned.force_n - contact.resting_force_n) / scale.force_n,
         surface: surface_m / scale.depth_m,
         surface_error: surface_error(params, contact),
-        spread: aligned.spread_m2 / (scale.depth_m * scale.depth_m),
-        coupling: aligned.coupling_m2ps / (scale.depth_m * scale.speed_mps),
+        position_variance: aligned.position_variance_m2 / (scale.depth_m * scale.depth_m),
+        position_velocity_cov: aligned.position_velocity_cov_m2ps
+            / (scale.depth_m * scale.speed_mps),
         elapsed_s: T::from_f64(1e-6 * elapsed_us as f64),
         rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
-        jitter: quantization_variance_m2(params, aligned, contact)
+        quantization_variance: quantization_variance_m2(params, aligned, contact)
             / (scale.depth_m * scale.depth_m),
         rest_error: contact.resting_force_error_n / scale.force_n,
     }

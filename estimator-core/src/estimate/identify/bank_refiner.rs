@@ -41,7 +41,7 @@ const CATCH_UP: u32 = 3;
 const BANK_BETA: f64 = 0.996;
 const REFINER_BETA: f64 = 0.99984;
 /// A window is inside when the depth, less this many standard errors of the surface, squared, is
-/// this many times its spread: 2.2² = 1/0.2.
+/// this many times the variance of the position in it: 2.2² = 1/0.2.
 const SURELY: f64 = 3.0;
 const INSIDE: f64 = 0.2;
 /// Prior standard deviation of the skew (s), if it is asked for, and if it is not: no two converters
@@ -122,8 +122,8 @@ impl<T: Real> BankRefiner<T> {
         let ([_, _, _, surface, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
         let depth = at.position() - surface - T::from_f64(SURELY) * error;
         depth > T::zero()
-            && at.spread > T::zero()
-            && at.spread < T::from_f64(INSIDE) * depth * depth
+            && at.position_variance > T::zero()
+            && at.position_variance < T::from_f64(INSIDE) * depth * depth
     }
 
     /// Everything learns from a pool.

@@ -19,9 +19,9 @@ pub struct Instant<T> {
     /// Its standard error.
     pub surface_error: T,
     /// Variance of the depth within the filter's window.
-    pub spread: T,
+    pub position_variance: T,
     /// Covariance of depth and speed within it.
-    pub coupling: T,
+    pub position_velocity_cov: T,
     /// Since the instant before (s).
     pub elapsed_s: T,
     /// Rate of the force.
@@ -29,7 +29,7 @@ pub struct Instant<T> {
     /// Variance that the steps of the position sensor give the depth: of one instant, as long as
     /// steps follow each other; where the position rests, the error is the same for many instants
     /// and this is that much larger.
-    pub jitter: T,
+    pub quantization_variance: T,
     /// Standard error of the resting force.
     pub rest_error: T,
 }

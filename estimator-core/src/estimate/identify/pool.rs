@@ -1,7 +1,7 @@
 //! Neighbouring instants as one: what a refiner can remember of a stroke.
 //!
 //! Eight instants of a smooth motion teach as much by their mean as one by one, if the law is asked
-//! for its mean over the motion between them: spread and coupling say what that is, as they do for
+//! for its mean over the motion between them: variance and covariance say what that is, as they do for
 //! the filter's window. A second of contact then fits into 4 kB, and can be learned from again with
 //! a better linearisation.
 
@@ -25,11 +25,11 @@ pub struct Pooled<T> {
     /// Rate of the force.
     pub rate: T,
     /// Variance of the position about its mean.
-    pub spread: T,
+    pub position_variance: T,
     /// Covariance of position and speed.
-    pub coupling: T,
+    pub position_velocity_cov: T,
     /// Variance of the position's error, per instant.
-    pub jitter: T,
+    pub quantization_variance: T,
     /// Number of instants.
     pub count: T,
 }
@@ -42,9 +42,9 @@ impl<T: Real> Pooled<T> {
             speed: at.speed,
             force: at.force,
             rate: at.rate,
-            spread: at.spread,
-            coupling: at.coupling,
-            jitter: at.jitter,
+            position_variance: at.position_variance,
+            position_velocity_cov: at.position_velocity_cov,
+            quantization_variance: at.quantization_variance,
             count: T::one(),
         }
     }
@@ -80,9 +80,9 @@ impl<T: Real> Pool<T> {
         self.sum.speed += faster;
         self.sum.force += at.force - self.first.force;
         self.sum.rate += at.rate;
-        self.sum.spread += at.spread + moved * moved;
-        self.sum.coupling += at.coupling + moved * faster;
-        self.sum.jitter += at.jitter;
+        self.sum.position_variance += at.position_variance + moved * moved;
+        self.sum.position_velocity_cov += at.position_velocity_cov + moved * faster;
+        self.sum.quantization_variance += at.quantization_variance;
         self.taken += 1;
         if self.taken >= SIZE {
             return self.finish();
@@ -102,9 +102,9 @@ impl<T: Real> Pool<T> {
             speed: self.first.speed + faster,
             force: self.first.force + self.sum.force / count,
             rate: self.sum.rate / count,
-            spread: T::zero().max_of(self.sum.spread / count - moved * moved),
-            coupling: self.sum.coupling / count - moved * faster,
-            jitter: self.sum.jitter / count,
+            position_variance: T::zero().max_of(self.sum.position_variance / count - moved * moved),
+            position_velocity_cov: self.sum.position_velocity_cov / count - moved * faster,
+            quantization_variance: self.sum.quantization_variance / count,
             count,
         };
         self.sum = Pooled::default();
@@ -166,23 +166,29 @@ mod tests {
             speed: 0.02 + 2e-3 * t,
             force: 3.0 * t,
             surface: 200.0,
-            spread: 0.01,
+            position_variance: 0.01,
             ..Instant::default()
         }
     }
 
     #[test]
-    fn eight_instants_become_their_mean_spread_and_coupling() {
+    fn eight_instants_become_their_mean_variance_and_covariance() {
         let mut pool = Pool::default();
         let pooled = (0..8).filter_map(|i| pool.take(&at(i))).last().unwrap();
         let mean = |of: &dyn Fn(Instant<f64>) -> f64| (0..8).map(|i| of(at(i))).sum::<f64>() / 8.0;
         let (x, v) = (mean(&|at| at.position()), mean(&|at| at.speed));
         assert!((pooled.position - x).abs() < 1e-12);
         assert!((pooled.force - 10.5).abs() < 1e-12 && pooled.count == 8.0);
-        let spread = mean(&|at| (at.position() - x) * (at.position() - x));
-        let coupling = mean(&|at| (at.position() - x) * (at.speed - v));
-        assert!((pooled.spread - 0.01 - spread).abs() < 1e-12, "{pooled:?}");
-        assert!((pooled.coupling - coupling).abs() < 1e-12, "{pooled:?}");
+        let position_variance = mean(&|at| (at.position() - x) * (at.position() - x));
+        let position_velocity_cov = mean(&|at| (at.position() - x) * (at.speed - v));
+        assert!(
+            (pooled.position_variance - 0.01 - position_variance).abs() < 1e-12,
+            "{pooled:?}"
+        );
+        assert!(
+            (pooled.position_velocity_cov - position_velocity_cov).abs() < 1e-12,
+            "{pooled:?}"
+        );
     }
 
     #[test]

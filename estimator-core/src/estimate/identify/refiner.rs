@@ -147,7 +147,10 @@ impl<T: Real> Refiner<T> {
         // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
         let slope = predicted.gradient.w;
         let model = self.covariance.variance(&phi) + self.bend;
-        (predicted.force, model + slope * slope * at.jitter)
+        (
+            predicted.force,
+            model + slope * slope * at.quantization_variance,
+        )
     }
 
     /// Learns from a pool of instants with forgetting factor β.
@@ -160,7 +163,8 @@ impl<T: Real> Refiner<T> {
         let linear = there.force + phi.dot(&self.deviation);
         let error = at.force - linear;
         let slope = there.gradient.w;
-        let weight = at.count * self.weight(error, &phi, slope * slope * at.jitter, noise);
+        let weight =
+            at.count * self.weight(error, &phi, slope * slope * at.quantization_variance, noise);
         // The UD update of P is for unit noise; dividing φ by σ and e by σ is the same as this.
         let phi_noise = phi / noise.raw;
         let update = self.covariance.update(&phi_noise, beta, weight);
@@ -176,11 +180,11 @@ impl<T: Real> Refiner<T> {
     }
 
     /// Weight of a sample: less than 1 where the error of the position makes its force less certain
-    /// (`jitter`, its variance as a force), and for an error that is not to be expected: where the
+    /// (`quantization`, its variance as a force), and for an error that is not to be expected: where the
     /// motion jumps between two samples, force and speed do not belong together.
-    fn weight(&self, error: T, phi: &Vector5<T>, jitter: T, noise: &ForceNoise<T>) -> T {
+    fn weight(&self, error: T, phi: &Vector5<T>, quantization: T, noise: &ForceNoise<T>) -> T {
         let variance = noise.raw * noise.raw;
-        let certain = variance / (variance + jitter);
+        let certain = variance / (variance + quantization);
         let model = self.covariance.variance(phi);
         let left = noise.filtered * noise.filtered / certain + model + self.bend;
         let expected = T::from_f64(HUBER) * left.sqrt();
@@ -218,16 +222,17 @@ fn predict<T: Real>(theta: &[T; 5], at: &Pooled<T>) -> Predicted<T> {
     let shape = (exponent * log).exp();
     // Where the window spans more than a fifth of the depth, two orders do not describe it; the
     // gradient would be huge, and one such sample would settle a parameter for good.
-    if at.spread > T::from_f64(WIDEST) * depth * depth {
+    if at.position_variance > T::from_f64(WIDEST) * depth * depth {
         let force = (stiffness + damping * at.speed) * shape;
         return Predicted {
             force,
             gradient: Vector5::repeat(T::zero()),
         };
     }
-    let curve = T::from_f64(0.5) * exponent * (exponent - T::one()) * at.spread / (depth * depth);
+    let curve = T::from_f64(0.5) * exponent * (exponent - T::one()) * at.position_variance
+        / (depth * depth);
     let by_stiffness = shape * (T::one() + curve);
-    let by_damping = by_stiffness * at.speed + shape * exponent * at.coupling / depth;
+    let by_damping = by_stiffness * at.speed + shape * exponent * at.position_velocity_cov / depth;
     let force = stiffness * by_stiffness + damping * by_damping;
     let by_surface = -(exponent * force / depth);
     Predicted {
@@ -350,7 +355,7 @@ mod tests {
                 predict(&other, &at).force
             };
             let slope = (shifted(1e-6) - shifted(-1e-6)) / 2e-6;
-            // Central differences of a smooth function; without spread the gradient is exact.
+            // Central differences of a smooth function; without a variance within the window the gradient is exact.
             assert!(
                 (gradient[slot] - slope).abs() < 1e-6 * slope.abs().max(1.0),
                 "slot {slot}"

@@ -25,8 +25,8 @@ pub(super) struct Block<T> {
     pub(super) position: T,
     pub(super) speed: T,
     pub(super) force: T,
-    pub(super) spread: T,
-    pub(super) coupling: T,
+    pub(super) position_variance: T,
+    pub(super) position_velocity_cov: T,
     pub(super) duration_s: T,
     /// Samples that the force is worth; 0 if it must not be learned from, −1 in free air.
     pub(super) count: T,
@@ -39,8 +39,8 @@ impl<T: Real> Block<T> {
             position: at.position(),
             speed: at.speed,
             force: at.force,
-            spread: at.spread,
-            coupling: at.coupling,
+            position_variance: at.position_variance,
+            position_velocity_cov: at.position_velocity_cov,
             duration_s: at.elapsed_s,
             count: T::one(),
         }
@@ -72,8 +72,8 @@ struct Open<T> {
     speed: T,
     mixed: T,
     force: T,
-    spread: T,
-    coupling: T,
+    position_variance: T,
+    position_velocity_cov: T,
 }
 
 impl<T: Real> Open<T> {
@@ -89,21 +89,22 @@ impl<T: Real> Open<T> {
         self.speed += at.speed;
         self.mixed += moved * at.speed;
         self.force += at.force;
-        self.spread += at.spread;
-        self.coupling += at.coupling;
+        self.position_variance += at.position_variance;
+        self.position_velocity_cov += at.position_velocity_cov;
     }
 
     fn closed(&self) -> Block<T> {
         let count = T::from_f64(f64::from(self.samples));
         let share = T::one() / count;
         let (moved, speed) = (self.position * share, self.speed * share);
-        let spread = (self.spread + self.square) * share - moved * moved;
+        let position_variance = (self.position_variance + self.square) * share - moved * moved;
         Block {
             position: self.first + moved,
             speed,
             force: self.force * share,
-            spread: T::zero().max_of(spread),
-            coupling: (self.coupling + self.mixed) * share - moved * speed,
+            position_variance: T::zero().max_of(position_variance),
+            position_velocity_cov: (self.position_velocity_cov + self.mixed) * share
+                - moved * speed,
             duration_s: self.duration_s,
             count: match self.kind {
                 Kind::Learned => count,

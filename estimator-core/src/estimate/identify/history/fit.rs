@@ -155,12 +155,12 @@ impl<T: Real> Shape<T> {
         let log = depth.ln();
         let power = (exponent * log).exp();
         let per_depth = T::one() / depth;
-        let narrow = block.spread < T::from_f64(WIDEST) * depth * depth;
+        let narrow = block.position_variance < T::from_f64(WIDEST) * depth * depth;
         let curve = if narrow {
             T::from_f64(0.5)
                 * exponent
                 * (exponent - T::one())
-                * block.spread
+                * block.position_variance
                 * per_depth
                 * per_depth
         } else {
@@ -171,7 +171,7 @@ impl<T: Real> Shape<T> {
             s,
             by_exponent: s * log,
             by_surface: -(exponent * s * per_depth),
-            damped: s * block.speed + power * exponent * block.coupling * per_depth,
+            damped: s * block.speed + power * exponent * block.position_velocity_cov * per_depth,
             log,
             damped_per_depth: per_depth,
             narrow,
@@ -582,8 +582,8 @@ mod tests {
             position: 2.0 * (1.0 - libm::cos(angle)) - 0.2,
             speed: 1.2 * libm::sin(angle),
             duration_s: 8e-3,
-            spread: 1e-4,
-            coupling: 2e-4,
+            position_variance: 1e-4,
+            position_velocity_cov: 2e-4,
             count: 8.0,
             ..Block::default()
         }
@@ -649,7 +649,7 @@ mod tests {
                 &memory,
                 &Block {
                     position: mean,
-                    spread: square - mean * mean,
+                    position_variance: square - mean * mean,
                     duration_s: 8e-3,
                     ..Block::default()
                 },
