@@ -240,9 +240,9 @@ impl<T: Real> State<T> {
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.abs() < widest && at.speed.abs() < widest;
         let usable = self.learning && inside && above_noise && plausible;
-        let touching = contact.phase == Phase::Contact;
-        self.identifier.follow(at, noise, usable, touching);
         if !usable {
+            let in_contact = contact.phase == Phase::Contact;
+            self.identifier.observe(at, noise, in_contact);
             return None;
         }
         let error_n = innovation.innovation_n * params.identify.scale.force_n;

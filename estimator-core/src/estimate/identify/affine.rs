@@ -3,17 +3,24 @@
 
 use nalgebra::Vector3;
 
-use super::kelvin_voigt::{damper, estimates, spring};
 use super::params::IdentifyParams;
+use super::slots::{damper, in_slots, spring};
 use super::{ForceNoise, Identify, Instant};
 use crate::estimate::contact::SurfacePosition;
+use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
+use crate::physics::law::LawKind;
 
 /// Forgetting (50 000 samples): one material shall only get better; another clears the covariance.
 const BETA: f64 = 0.99998;
+
+impl Method {
+    /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
+    pub const KELVIN_VOIGT_SURFACE: Self = Self::from_code(6);
+}
 
 /// The estimator, scaled: θ = [K, λ, −K·(x₀ − origin)], the origin being the first impact.
 #[derive(Clone, Debug)]
@@ -35,8 +42,25 @@ impl<T: Real> Affine<T> {
         }
     }
 
-    /// The surface (m) with its standard error, once something was learned.
-    pub fn surface(
+    fn regressor(&self, at: &Instant<T>) -> Vector3<T> {
+        let origin = self.origin.unwrap_or(at.surface);
+        Vector3::new(at.position() - origin, at.speed, T::one())
+    }
+}
+
+impl<T: Real> Identify<T> for Affine<T> {
+    const METHODS: &'static [MethodInfo] = &[MethodInfo {
+        offer: Offer::Default,
+        finds_surface: true,
+        ..MethodInfo::new(
+            Method::KELVIN_VOIGT_SURFACE,
+            LawKind::KelvinVoigt,
+            "rls_surface",
+            "Recursive least squares, surface included",
+        )
+    }];
+
+    fn surface(
         &self,
         params: &IdentifyParams<T>,
         noise: &ForceNoise<T>,
@@ -46,23 +70,16 @@ impl<T: Real> Affine<T> {
         if stiffness <= T::zero() {
             return None;
         }
-        let own = -(offset / stiffness);
+        let away = -(offset / stiffness);
         // x₀ = −c/K: its gradient by (K, c) is −(x₀, 1)/K.
-        let slope = Vector3::new(own, T::zero(), T::one()) / stiffness;
+        let slope = Vector3::new(away, T::zero(), T::one()) / stiffness;
         let error = self.rls.covariance.variance(&slope).sqrt() * noise.raw;
         Some(SurfacePosition {
-            position_m: (origin + own) * params.scale.depth_m,
+            position_m: (origin + away) * params.scale.depth_m,
             std_error_m: error * params.scale.depth_m,
         })
     }
 
-    fn regressor(&self, at: &Instant<T>) -> Vector3<T> {
-        let origin = self.origin.unwrap_or(at.surface);
-        Vector3::new(at.position() - origin, at.speed, T::one())
-    }
-}
-
-impl<T: Real> Identify<T> for Affine<T> {
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
         let phi = self.regressor(at);
         let variance = self.rls.covariance.variance(&phi) * noise.raw * noise.raw;
@@ -97,7 +114,7 @@ impl<T: Real> Identify<T> for Affine<T> {
     ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let errors = self.rls.covariance.variances().map(Real::sqrt) * noise.raw;
         let [stiffness, damping, _]: [T; 3] = self.rls.theta.into();
-        estimates(
+        in_slots(
             &[spring(stiffness), damper(damping, stiffness)],
             errors.iter(),
         )

@@ -9,15 +9,16 @@
 
 use nalgebra::Vector2;
 
-use super::kelvin_voigt::{damper, estimates, spring};
 use super::params::IdentifyParams;
-use super::{Bank, ForceNoise, Identify, Instant, Memory, Pool, Pooled, Prior, Refiner};
+use super::slots::{damper, in_slots, spring};
+use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
 use crate::estimate::contact::SurfacePosition;
-use crate::estimate::method::Method;
+use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::Excitation;
 use crate::maths::scalar::Real;
+use crate::physics::law::LawKind;
 
 /// The grid of surfaces begins this many uncertainties of the impact before it, and reaches two
 /// beyond: a force threshold is late, never early.
@@ -52,6 +53,15 @@ const ALIGNED_S: f64 = 4e-6;
 /// The size that an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
+impl Method {
+    /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
+    /// the parameters.
+    pub const HUNT_CROSSLEY_BANK: Self = Self::from_code(5);
+    /// [`Method::HUNT_CROSSLEY_BANK`] with the skew, by how much the force is read later than the
+    /// position, among the parameters.
+    pub const HUNT_CROSSLEY_BANK_SKEW: Self = Self::from_code(8);
+}
+
 /// Bank and refiner, scaled: θ = (K, λ, n, x₀) and, if asked for, the skew τ.
 #[derive(Clone, Debug)]
 pub struct BankRefiner<T: Real> {
@@ -63,7 +73,7 @@ pub struct BankRefiner<T: Real> {
     skew_size: T,
     surface_known: bool,
     pool: Pool<T>,
-    memory: Memory<T>,
+    memory: PoolRing<T>,
     until_look: u32,
     excitation: Excitation<T, 2>,
 }
@@ -81,7 +91,7 @@ impl<T: Real> BankRefiner<T> {
     /// Before the first contact.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let skew = match params.method {
-            Method::HuntCrossleyBankSkew => SKEW_S,
+            Method::HUNT_CROSSLEY_BANK_SKEW => SKEW_S,
             _ => ALIGNED_S,
         };
         let per_second = params.scale.speed_mps / params.scale.depth_m;
@@ -97,33 +107,10 @@ impl<T: Real> BankRefiner<T> {
             skew_size: T::from_f64(SKEW_SIZE_S) * per_second,
             surface_known: params.surface_known,
             pool: Pool::default(),
-            memory: Memory::default(),
+            memory: PoolRing::default(),
             until_look: 1,
             excitation: Excitation::default(),
         }
-    }
-
-    /// The surface (m) with its standard error, once the refiner runs.
-    pub fn surface(&self, params: &IdentifyParams<T>) -> Option<SurfacePosition<T>> {
-        let refiner = self.refiner.as_ref()?;
-        let ([_, _, _, value, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
-        Some(SurfacePosition {
-            position_m: value * params.scale.depth_m,
-            std_error_m: error * params.scale.depth_m,
-        })
-    }
-
-    /// Whether the whole window of the filter is in the material: of a steady motion it reaches 2.1
-    /// standard deviations of the position to either side.
-    pub fn is_inside(&self, at: &Instant<T>) -> bool {
-        let Some(refiner) = &self.refiner else {
-            return false;
-        };
-        let ([_, _, _, surface, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
-        let depth = at.position() - surface - T::from_f64(SURELY) * error;
-        depth > T::zero()
-            && at.position_variance > T::zero()
-            && at.position_variance < T::from_f64(INSIDE) * depth * depth
     }
 
     /// Everything learns from a pool.
@@ -229,6 +216,55 @@ fn takes_over<T: Real>(successor: &Refiner<T>, refiner: &Refiner<T>) -> bool {
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
+    const METHODS: &'static [MethodInfo] = &[
+        MethodInfo {
+            offer: Offer::Default,
+            finds_surface: true,
+            alpha_1: 0.03,
+            ..MethodInfo::new(
+                Method::HUNT_CROSSLEY_BANK,
+                LawKind::HuntCrossley,
+                "bank",
+                "Bank of exact fits and refiner, surface included",
+            )
+        },
+        MethodInfo {
+            finds_surface: true,
+            alpha_1: 0.03,
+            ..MethodInfo::new(
+                Method::HUNT_CROSSLEY_BANK_SKEW,
+                LawKind::HuntCrossleySkew,
+                "skew",
+                "The same with the skew of the sensors, by how much the force is read later",
+            )
+        },
+    ];
+
+    fn surface(
+        &self,
+        params: &IdentifyParams<T>,
+        _noise: &ForceNoise<T>,
+    ) -> Option<SurfacePosition<T>> {
+        let refiner = self.refiner.as_ref()?;
+        let ([_, _, _, value, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
+        Some(SurfacePosition {
+            position_m: value * params.scale.depth_m,
+            std_error_m: error * params.scale.depth_m,
+        })
+    }
+
+    /// The window of a steady motion reaches 2.1 standard deviations of the position to either side.
+    fn is_inside(&self, at: &Instant<T>) -> bool {
+        let Some(refiner) = &self.refiner else {
+            return false;
+        };
+        let ([_, _, _, surface, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
+        let depth = at.position() - surface - T::from_f64(SURELY) * error;
+        depth > T::zero()
+            && at.position_variance > T::zero()
+            && at.position_variance < T::from_f64(INSIDE) * depth * depth
+    }
+
     fn predict(&self, at: &Instant<T>, _noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
         match &self.refiner {
             Some(refiner) => refiner.predict(&Pooled::of(at)),
@@ -260,10 +296,8 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }
 
-    fn admit(&mut self, pushed: bool) {
-        if !pushed {
-            self.pool.close();
-        }
+    fn observe(&mut self, _at: &Instant<T>, _noise: &ForceNoise<T>, _in_contact: bool) {
+        self.pool.close();
     }
 
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
@@ -294,6 +328,6 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             (skew, self.skew_size),
         ];
         let errors = [stiffness_error, damping_error, exponent_error, skew_error];
-        estimates(&values, errors.iter())
+        in_slots(&values, errors.iter())
     }
 }

@@ -21,10 +21,18 @@ use relaxation::RelaxationStage;
 use super::contract::{ForceNoise, Identify, Instant};
 use super::modes::Pace;
 use super::params::IdentifyParams;
+use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::maths::scalar::Real;
-use crate::physics::law::RelaxationMode;
+use crate::physics::law::{LawKind, RelaxationMode};
+
+impl Method {
+    /// The quasi-linear law with one mode by two recursive least squares in cascade, (39)–(42).
+    pub const HAMMERSTEIN_CASCADE: Self = Self::from_code(4);
+    /// The quasi-linear law with two modes by two recursive least squares in cascade, (39)–(42).
+    pub const HAMMERSTEIN_CASCADE_2: Self = Self::from_code(7);
+}
 
 /// The chapter's cascade for `R` relaxation modes, in scaled units; `N` = 2R. It is used as
 /// [`Cascade1`] and [`Cascade2`].
@@ -33,8 +41,6 @@ pub struct Cascade<T: Real, const R: usize, const N: usize> {
     elastic: ElasticStage<T>,
     relaxation: RelaxationStage<T, R, N>,
     loading_speed: T,
-    /// Whether the whole window of the filter lies in the contact.
-    in_contact: bool,
     memory_samples: u32,
     /// Whether nothing has been touched yet.
     untouched: bool,
@@ -53,7 +59,6 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
             elastic: ElasticStage::new(params, half_window.period_s()),
             relaxation: RelaxationStage::new(params, half_window),
             loading_speed: params.cascade.loading_speed,
-            in_contact: false,
             memory_samples: params.memory_samples,
             untouched: true,
         }
@@ -72,6 +77,25 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
 }
 
 impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
+    const METHODS: &'static [MethodInfo] = &[MethodInfo {
+        offer: Offer::Default,
+        ..if R == 1 {
+            MethodInfo::new(
+                Method::HAMMERSTEIN_CASCADE,
+                LawKind::QuasiLinear,
+                "cascade",
+                "Elastic response while loading, then its relaxation in one mode",
+            )
+        } else {
+            MethodInfo::new(
+                Method::HAMMERSTEIN_CASCADE_2,
+                LawKind::QuasiLinear2,
+                "cascade_2",
+                "The same in two modes",
+            )
+        }
+    }];
+
     /// F̂ = F̂⁽ᵉ⁾ + ẑ, with z from the last period on.
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         if at.depth <= T::zero() {
@@ -100,7 +124,7 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         noise: &ForceNoise<T>,
         beta: T,
     ) -> Option<T> {
-        if at.depth <= T::zero() || !self.in_contact {
+        if at.depth <= T::zero() {
             return None;
         }
         if at.speed > self.loading_speed {
@@ -121,11 +145,8 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         predictable.then_some(beta)
     }
 
-    fn admit(&mut self, pushed: bool) {
-        self.in_contact = pushed;
-        if !pushed {
-            self.relaxation.break_off();
-        }
+    fn observe(&mut self, _at: &Instant<T>, _noise: &ForceNoise<T>, _in_contact: bool) {
+        self.relaxation.break_off();
     }
 
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {

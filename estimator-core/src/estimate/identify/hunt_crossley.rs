@@ -6,13 +6,15 @@
 
 use nalgebra::{Vector1, Vector2, Vector3};
 
-use super::kelvin_voigt::{damper, estimates, spring};
 use super::params::IdentifyParams;
+use super::slots::{damper, in_slots, spring};
 use super::{Confidence, ForceNoise, Identify, Instant};
+use crate::estimate::method::{Method, MethodInfo};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
+use crate::physics::law::LawKind;
 
 /// Γ₂ takes forces above this many standard deviations of the filtered force: the logarithm of a
 /// noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
@@ -22,6 +24,11 @@ pub(super) const LOG_SIGMAS: f64 = 40.0;
 const DAMPING_SHARE: f64 = 0.8;
 /// n̂ is used within these bounds, so that no start makes a power that single precision cannot hold.
 const EXPONENT: (f64, f64) = (0.3, 4.0);
+
+impl Method {
+    /// Hunt–Crossley by two recursive least squares in feedback, (25)–(37).
+    pub const HUNT_CROSSLEY_TWO_STAGE: Self = Self::from_code(2);
+}
 
 /// The chapter's estimator, scaled: θ₁ = [K, λ], θ₂ = n.
 #[derive(Clone, Debug)]
@@ -89,6 +96,16 @@ impl<T: Real> TwoStage<T> {
 }
 
 impl<T: Real> Identify<T> for TwoStage<T> {
+    const METHODS: &'static [MethodInfo] = &[MethodInfo {
+        alpha_1: 0.03,
+        ..MethodInfo::new(
+            Method::HUNT_CROSSLEY_TWO_STAGE,
+            LawKind::HuntCrossley,
+            "two_stage",
+            "Two recursive least squares in feedback",
+        )
+    }];
+
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         if at.depth <= T::zero() {
             return (T::zero(), T::zero());
@@ -151,7 +168,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         let bounded = self.exponent() != self.gamma_2.theta.x;
         let exponent = (self.exponent(), if bounded { T::zero() } else { T::one() });
         let values = [spring(stiffness), damper(damping, stiffness), exponent];
-        estimates(&values, errors.iter())
+        in_slots(&values, errors.iter())
     }
 }
 

@@ -3,11 +3,19 @@
 use nalgebra::Vector2;
 
 use super::params::IdentifyParams;
+use super::slots::{damper, in_slots, spring};
 use super::{Confidence, ForceNoise, Identify, Instant};
+use crate::estimate::method::{Method, MethodInfo};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
+use crate::physics::law::LawKind;
+
+impl Method {
+    /// Kelvin–Voigt by recursive least squares, the surface taken from the impact.
+    pub const KELVIN_VOIGT: Self = Self::from_code(1);
+}
 
 /// The linear estimator, scaled: θ = [K, λ].
 #[derive(Clone, Debug)]
@@ -37,6 +45,19 @@ fn regressor<T: Real>(at: &Instant<T>) -> Vector2<T> {
 }
 
 impl<T: Real> Identify<T> for Linear<T> {
+    const METHODS: &'static [MethodInfo] = &[MethodInfo::new(
+        Method::KELVIN_VOIGT,
+        LawKind::KelvinVoigt,
+        "rls",
+        "Recursive least squares, the surface from the impact",
+    )];
+
+    /// A surface that is configured need not be found.
+    fn runs(params: &IdentifyParams<T>) -> bool {
+        let known = params.method == Method::KELVIN_VOIGT_SURFACE && params.surface_known;
+        known || params.method == Method::KELVIN_VOIGT
+    }
+
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         let phi = regressor(at);
         let by_surface = self.rls.theta.x * surface_error;
@@ -73,44 +94,11 @@ impl<T: Real> Identify<T> for Linear<T> {
     ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let errors = self.confidence.std_errors(noise, surface_error);
         let [stiffness, damping]: [T; 2] = self.rls.theta.into();
-        estimates(
+        in_slots(
             &[spring(stiffness), damper(damping, stiffness)],
             errors.iter(),
         )
     }
-}
-
-/// What an error of a stiffness or damping is compared with: its value, but at least a tenth of the
-/// stiffness, since at the reference speed a damping smaller than that is a force that hardly
-/// counts.
-pub(super) fn size<T: Real>(value: T, stiffness: T) -> T {
-    value.abs().max_of(T::from_f64(0.1) * stiffness.abs())
-}
-
-/// A stiffness and its size.
-pub(super) fn spring<T: Real>(stiffness: T) -> (T, T) {
-    (stiffness, size(stiffness, stiffness))
-}
-
-/// A damping and its size.
-pub(super) fn damper<T: Real>(damping: T, stiffness: T) -> (T, T) {
-    (damping, size(damping, stiffness))
-}
-
-/// Values with their sizes, and standard errors, in the order of the law's slots.
-pub(super) fn estimates<'a, T: Real>(
-    values: &[(T, T)],
-    errors: impl Iterator<Item = &'a T>,
-) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-    let mut estimates = [ParameterEstimate::default(); PARAMETER_SLOTS];
-    for ((slot, (value, scale)), std_error) in estimates.iter_mut().zip(values).zip(errors) {
-        *slot = ParameterEstimate {
-            value: *value,
-            std_error: *std_error,
-            scale: *scale,
-        };
-    }
-    estimates
 }
 
 #[cfg(test)]

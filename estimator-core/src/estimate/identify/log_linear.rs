@@ -7,18 +7,25 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::kelvin_voigt::{damper, estimates, spring};
 use super::params::IdentifyParams;
+use super::slots::{damper, in_slots, spring};
 use super::{Confidence, ForceNoise, Identify, Instant};
+use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
+use crate::physics::law::LawKind;
 
 /// The exponent is used within these bounds, and ln K within ±this many: powers that single precision
 /// can hold.
 const EXPONENT: (f64, f64) = (0.3, 4.0);
 const LOG_STIFFNESS: f64 = 30.0;
+
+impl Method {
+    /// Hunt–Crossley by one recursive least squares on the logarithm of the force.
+    pub const HUNT_CROSSLEY_LOG_LINEAR: Self = Self::from_code(9);
+}
 
 /// The estimator, scaled: θ = [ln K, λ/K, n].
 #[derive(Clone, Debug)]
@@ -67,6 +74,17 @@ fn within<T: Real>(value: T, least: T, most: T) -> T {
 }
 
 impl<T: Real> Identify<T> for LogLinear<T> {
+    // Listed, it would make the refusal of another name wider than a terminal.
+    const METHODS: &'static [MethodInfo] = &[MethodInfo {
+        offer: Offer::Unlisted,
+        ..MethodInfo::new(
+            Method::HUNT_CROSSLEY_LOG_LINEAR,
+            LawKind::HuntCrossley,
+            "log_linear",
+            "Recursive least squares on the logarithm of the force, a baseline",
+        )
+    }];
+
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
         if at.depth <= T::zero() {
             return (T::zero(), T::zero());
@@ -112,7 +130,7 @@ impl<T: Real> Identify<T> for LogLinear<T> {
         let bounded = exponent != self.rls.theta.z;
         let exponent = (exponent, if bounded { T::zero() } else { T::one() });
         let values = [spring(stiffness), damper(damping, stiffness), exponent];
-        estimates(&values, errors.iter())
+        in_slots(&values, errors.iter())
     }
 }
 

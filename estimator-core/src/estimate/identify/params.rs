@@ -4,10 +4,11 @@ use crate::estimate::config::{Cascade, Config, Initial, Inversion, Reference, We
 use crate::estimate::contact::ContactParams;
 use crate::estimate::error::{ConfigError, require};
 use crate::estimate::filter::FilterParams;
-use crate::estimate::method::Method;
+use crate::estimate::method::{Method, MethodInfo};
 use crate::estimate::rls::ForgettingParams;
 use crate::maths::scalar::Real;
 use crate::maths::units::Unit;
+use crate::physics::law::LawKind;
 
 /// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, a palpation's.
 pub(super) const SPEED_PER_DEPTH: f64 = 10.0;
@@ -87,6 +88,8 @@ impl<T: Real> Start<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IdentifyParams<T> {
     pub(crate) method: Method,
+    /// The law that the method identifies, or starts with.
+    pub(crate) law: LawKind,
     pub(crate) scale: Scale<T>,
     pub(crate) start: Start<T>,
     pub(crate) forgetting: ForgettingParams<T>,
@@ -104,15 +107,10 @@ pub struct IdentifyParams<T> {
 impl<T: Real> IdentifyParams<T> {
     pub(crate) fn validate(
         config: &Config,
+        info: &MethodInfo,
         filter: &FilterParams<T>,
         contact: &ContactParams<T>,
     ) -> Result<Self, ConfigError> {
-        require(
-            cfg!(feature = "relaxing") || !config.method.has_history(),
-            "method",
-            f32::from(config.method as u8),
-            "must be below 10: this build has no method over a history",
-        )?;
         config.reference.check()?;
         config.initial.check()?;
         let step = config.forgetting.excitation_step;
@@ -124,10 +122,11 @@ impl<T: Real> IdentifyParams<T> {
         )?;
         let scale = Scale::new(config.reference);
         Ok(IdentifyParams {
-            method: config.method,
+            method: info.method,
+            law: info.law,
             scale,
             start: Start::new(config.initial, config.reference),
-            forgetting: ForgettingParams::validate(config)?,
+            forgetting: ForgettingParams::validate(config, info.alpha_1)?,
             excitation_step: T::from_f64(f64::from(step)),
             inversion: config.inversion,
             cascade: config.cascade.validate(&scale)?,

@@ -115,21 +115,21 @@ impl<T: Real> Pool<T> {
 
 /// The newest pools.
 #[derive(Clone, Debug)]
-pub struct Memory<T> {
+pub struct PoolRing<T> {
     pools: [Pooled<T>; MEMORY],
     pushed: u32,
 }
 
-impl<T: Real> Default for Memory<T> {
+impl<T: Real> Default for PoolRing<T> {
     fn default() -> Self {
-        Memory {
+        PoolRing {
             pools: [Pooled::default(); MEMORY],
             pushed: 0,
         }
     }
 }
 
-impl<T: Real> Memory<T> {
+impl<T: Real> PoolRing<T> {
     /// Keeps a pool, in place of the oldest if there is no room.
     pub fn push(&mut self, pooled: Pooled<T>) {
         if let Some(slot) = self.pools.get_mut(self.pushed as usize % MEMORY) {
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn memory_holds_the_newest_pools_under_their_numbers() {
-        let mut memory = Memory::<f64>::default();
+        let mut memory = PoolRing::<f64>::default();
         for number in 0..MEMORY as u32 + 10 {
             memory.push(Pooled {
                 force: f64::from(number),

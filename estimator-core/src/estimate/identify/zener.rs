@@ -13,14 +13,21 @@
 use nalgebra::{SVector, Vector1, Vector3};
 
 use super::equation_error::{Equation, EquationError};
-use super::kelvin_voigt::size;
 use super::modes::{Pace, PerPeriod, Relaxing, rate_of};
 use super::params::{IdentifyParams, SPEED_PER_DEPTH};
+use super::slots::size;
 use super::{ForceNoise, Identify, Instant};
 use crate::estimate::config::Inversion;
+use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::maths::{Dual, Real, Scalar};
+use crate::physics::law::LawKind;
+
+impl Method {
+    /// Zener as ARX by recursive least squares, (18).
+    pub const ZENER_ARX: Self = Self::from_code(3);
+}
 
 /// The standard linear solid, scaled: θ = [α, μ, κ].
 #[derive(Clone, Debug)]
@@ -32,7 +39,6 @@ pub struct ZenerArx<T: Real> {
     last: Option<Instant<T>>,
     /// Samples since.
     since: u32,
-    pushed: bool,
     pace: Pace<T>,
     inversion: Inversion,
 }
@@ -109,7 +115,6 @@ impl<T: Real> ZenerArx<T> {
             solid: None,
             last: None,
             since: 0,
-            pushed: false,
             pace: Pace::new(params),
             inversion: params.inversion,
         }
@@ -134,6 +139,16 @@ impl<T: Real> ZenerArx<T> {
 }
 
 impl<T: Real> Identify<T> for ZenerArx<T> {
+    const METHODS: &'static [MethodInfo] = &[MethodInfo {
+        offer: Offer::Default,
+        ..MethodInfo::new(
+            Method::ZENER_ARX,
+            LawKind::Zener,
+            "arx",
+            "Recursive least squares on force and depth of two samples",
+        )
+    }];
+
     /// F̂ from the last sample used, at most one period ago; from rest if there is none.
     fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
         let [alpha, mu, kappa] = self.fit.rls.theta.into();
@@ -164,9 +179,6 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         noise: &ForceNoise<T>,
         beta: T,
     ) -> Option<T> {
-        if !self.pushed {
-            return None;
-        }
         let Some(last) = self.last else {
             self.last = Some(*at);
             self.since = 0;
@@ -195,9 +207,8 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         Some(gate.unwrap_or(T::one()))
     }
 
-    fn admit(&mut self, pushed: bool) {
-        self.pushed = pushed;
-        if !pushed && self.last.take().is_some() {
+    fn observe(&mut self, _at: &Instant<T>, _noise: &ForceNoise<T>, _in_contact: bool) {
+        if self.last.take().is_some() {
             self.fit.break_off();
         }
     }
@@ -325,7 +336,6 @@ mod tests {
                 force,
                 ..Instant::default()
             };
-            arx.admit(true);
             // Once it has learned, the prediction between two periods is that of the solid.
             if i > 1000 {
                 let (predicted, _) = arx.predict(&at, &noise, 0.0);
@@ -365,8 +375,12 @@ mod tests {
         };
         for i in 0..40 {
             // Five pushed samples at a time: less than a period.
-            arx.admit(i % 6 != 0);
-            arx.learn(&params, &at(1.0 + f64::from(i % 6)), &noise, 1.0);
+            let at = at(1.0 + f64::from(i % 6));
+            if i % 6 == 0 {
+                arx.observe(&at, &noise, false);
+            } else {
+                arx.learn(&params, &at, &noise, 1.0);
+            }
         }
         assert_eq!(arx.solid(), None);
         assert_eq!(arx.fit.rls.theta.z, params.start.stiffness);

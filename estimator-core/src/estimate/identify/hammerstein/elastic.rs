@@ -7,8 +7,8 @@ use crate::estimate::config::Weight;
 use crate::estimate::identify::contract::{ForceNoise, Instant};
 use crate::estimate::identify::equation_error::{Equation, EquationError};
 use crate::estimate::identify::hunt_crossley::LOG_SIGMAS;
-use crate::estimate::identify::kelvin_voigt::size;
 use crate::estimate::identify::params::{IdentifyParams, SPEED_PER_DEPTH};
+use crate::estimate::identify::slots::size;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::maths::scalar::Real;
 

@@ -40,10 +40,10 @@ fn press<const R: usize, const N: usize, const M: usize>(
             ..Instant::default()
         };
         // The filter's memory must lie within the contact.
-        let inside = i > params.memory_samples;
-        cascade.admit(inside);
-        if inside {
+        if i > params.memory_samples {
             cascade.learn(&params, &at, &NOISE, 1.0);
+        } else {
+            cascade.observe(&at, &NOISE, true);
         }
     }
     cascade

@@ -8,8 +8,8 @@
 
 use nalgebra::SVector;
 
-use super::course::Block;
-use super::fit::{EXPONENT, MODES, STIFFNESS, SURFACE, Theta};
+use super::block::Block;
+use super::theta::{EXPONENT, MODES, STIFFNESS, SURFACE, Theta};
 use crate::maths::scalar::Real;
 
 /// Exponents of the grid, 1 to 2: from the linear law to the cone's.
@@ -39,7 +39,7 @@ struct Cell<T> {
 
 /// The bank, all quantities scaled.
 #[derive(Clone, Debug)]
-pub(super) struct Bank<T> {
+pub(super) struct RelaxationBank<T> {
     cells: [[[Cell<T>; RATES]; EXPONENTS]; SURFACES],
     first_surface: T,
     surface_step: T,
@@ -55,8 +55,8 @@ pub(super) struct Bank<T> {
     /// What the block's duration does to each rate.
     courses: [(T, T); RATES],
     /// The best cells of this round and of the last, over all exponents and of n = 1.
+    round: [Option<Best<T>>; 2],
     best: [Option<Best<T>>; 2],
-    found: [Option<Best<T>>; 2],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -69,11 +69,11 @@ struct Best<T> {
     rate: usize,
 }
 
-impl<T: Real> Bank<T> {
+impl<T: Real> RelaxationBank<T> {
     /// Over surfaces from `first_surface` on, `surface_step` apart; a step of 0 is a surface that is
     /// known. `next` is the number of the first block that it will take.
     pub(super) fn new(first_surface: T, surface_step: T, linear: bool, next: u32) -> Self {
-        Bank {
+        RelaxationBank {
             cells: [[[Cell::default(); RATES]; EXPONENTS]; SURFACES],
             first_surface,
             surface_step,
@@ -89,8 +89,8 @@ impl<T: Real> Bank<T> {
             next,
             column: 0,
             courses: [(T::zero(), T::zero()); RATES],
+            round: [None; 2],
             best: [None; 2],
-            found: [None; 2],
         }
     }
 
@@ -110,8 +110,8 @@ impl<T: Real> Bank<T> {
     }
 
     /// Where the best cell stands, of all or of those with n = 1.
-    pub(super) fn found(&self, linear: bool) -> Option<Theta<T>> {
-        let best = self.found.get(usize::from(linear)).copied().flatten()?;
+    pub(super) fn best(&self, linear: bool) -> Option<Theta<T>> {
+        let best = self.best.get(usize::from(linear)).copied().flatten()?;
         let mut theta = SVector::repeat(T::zero());
         theta[STIFFNESS] = best.stiffness;
         theta[EXPONENT] = T::from_f64(1.0 + EXPONENT_STEP * best.row as f64);
@@ -143,7 +143,7 @@ impl<T: Real> Bank<T> {
         let Some(cells) = self.cells.get_mut(column) else {
             return;
         };
-        let [all, linear] = &mut self.best;
+        let [all, linear] = &mut self.round;
         for (row, cells) in cells.iter_mut().take(rows).enumerate() {
             for (rate, (cell, course)) in cells.iter_mut().zip(&courses).enumerate() {
                 cell.take(s, block.force, weight, course);
@@ -169,8 +169,7 @@ impl<T: Real> Bank<T> {
         if self.column >= self.columns {
             self.column = 0;
             self.next = self.next.wrapping_add(1);
-            self.found = self.best;
-            self.best = [None; 2];
+            self.best = core::mem::replace(&mut self.round, [None; 2]);
         }
     }
 
@@ -260,7 +259,7 @@ mod tests {
     use super::*;
 
     /// A press of 60 ms and a hold of 4 s.
-    fn press(bank: &mut Bank<f64>, surface: f64, exponent: f64, rate: f64) {
+    fn press(bank: &mut RelaxationBank<f64>, surface: f64, exponent: f64, rate: f64) {
         let mut z = 0.0;
         for i in 0..500 {
             let depth = 0.5 * f64::from(i).min(7.0);
@@ -281,9 +280,9 @@ mod tests {
 
     #[test]
     fn the_cell_that_is_the_truth_is_found() {
-        let mut bank = Bank::new(-0.3, 0.1, false, 0);
+        let mut bank = RelaxationBank::new(-0.3, 0.1, false, 0);
         press(&mut bank, 0.0, 1.5, 1.35);
-        let theta = bank.found(false).unwrap();
+        let theta = bank.best(false).unwrap();
         assert!((theta[EXPONENT] - 1.5).abs() < 1e-9 && theta[SURFACE].abs() < 1e-9);
         // The ridge takes 1e-4 of the information.
         assert!((theta[STIFFNESS] - 2.0).abs() < 1e-2, "{theta}");
@@ -293,13 +292,17 @@ mod tests {
 
     #[test]
     fn of_the_linear_cells_the_best_is_linear() {
-        let mut bank = Bank::new(-0.3, 0.1, false, 0);
+        let mut bank = RelaxationBank::new(-0.3, 0.1, false, 0);
         press(&mut bank, 0.0, 1.5, 1.35);
-        assert_eq!(bank.found(true).unwrap()[EXPONENT], 1.0);
+        assert_eq!(bank.best(true).unwrap()[EXPONENT], 1.0);
     }
 
     #[test]
     fn an_empty_bank_has_no_best_cell() {
-        assert!(Bank::<f64>::new(0.0, 0.1, false, 0).found(false).is_none());
+        assert!(
+            RelaxationBank::<f64>::new(0.0, 0.1, false, 0)
+                .best(false)
+                .is_none()
+        );
     }
 }
