@@ -147,13 +147,17 @@ impl<T: Real> Identifier<T> {
         each!(self, estimator => estimator.law(params))
     }
 
-    /// See [`Identify::surface`].
+    /// The surface as the estimator has found it; see [`Identify::surface`].
     pub fn surface(
         &self,
         params: &IdentifyParams<T>,
         noise: &ForceNoise<T>,
     ) -> Option<SurfacePosition<T>> {
-        each!(self, estimator => estimator.surface(params, noise))
+        let (position, std_error) = each!(self, estimator => estimator.surface(noise))?;
+        Some(SurfacePosition {
+            position_m: position * params.scale.depth_m,
+            std_error_m: std_error * params.scale.depth_m,
+        })
     }
 
     /// See [`Identify::is_inside`].
@@ -162,24 +166,18 @@ impl<T: Real> Identifier<T> {
     }
 
     /// See [`Identify::predict`].
-    pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
-        each!(self, estimator => estimator.predict(at, noise, surface_error))
+    pub fn predict(&self, at: &Instant<T>) -> (T, T) {
+        each!(self, estimator => estimator.predict(at))
     }
 
     /// See [`Identify::observe`].
-    pub fn observe(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, in_contact: bool) {
-        each!(self, estimator => estimator.observe(at, noise, in_contact))
+    pub fn observe(&mut self, at: &Instant<T>, in_contact: bool) {
+        each!(self, estimator => estimator.observe(at, in_contact))
     }
 
     /// See [`Identify::learn`].
-    pub fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
-        each!(self, estimator => estimator.learn(params, at, noise, beta))
+    pub fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
+        each!(self, estimator => estimator.learn(params, at, beta))
     }
 
     /// See [`Identify::reset_covariance`].
@@ -188,11 +186,7 @@ impl<T: Real> Identifier<T> {
     }
 
     /// See [`Identify::estimates`].
-    pub fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        each!(self, estimator => estimator.estimates(noise, surface_error))
+    pub fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        each!(self, estimator => estimator.estimates(at))
     }
 }

@@ -6,7 +6,6 @@ use nalgebra::Vector3;
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
 use super::{ForceNoise, Identify, Instant};
-use crate::estimate::contact::SurfacePosition;
 use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
@@ -60,11 +59,7 @@ impl<T: Real> Identify<T> for Affine<T> {
         )
     }];
 
-    fn surface(
-        &self,
-        params: &IdentifyParams<T>,
-        noise: &ForceNoise<T>,
-    ) -> Option<SurfacePosition<T>> {
+    fn surface(&self, noise: &ForceNoise<T>) -> Option<(T, T)> {
         let origin = self.origin?;
         let [stiffness, _, offset]: [T; 3] = self.rls.theta.into();
         if stiffness <= T::zero() {
@@ -74,25 +69,16 @@ impl<T: Real> Identify<T> for Affine<T> {
         // x₀ = −c/K: its gradient by (K, c) is −(x₀, 1)/K.
         let slope = Vector3::new(away, T::zero(), T::one()) / stiffness;
         let error = self.rls.covariance.variance(&slope).sqrt() * noise.raw;
-        Some(SurfacePosition {
-            position_m: (origin + away) * params.scale.depth_m,
-            std_error_m: error * params.scale.depth_m,
-        })
+        Some((origin + away, error))
     }
 
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         let phi = self.regressor(at);
-        let variance = self.rls.covariance.variance(&phi) * noise.raw * noise.raw;
+        let variance = self.rls.covariance.variance(&phi) * at.noise.raw * at.noise.raw;
         (self.rls.predict(&phi), variance)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        _noise: &ForceNoise<T>,
-        _beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, _beta: T) -> Option<T> {
         self.origin.get_or_insert(at.surface);
         let phi = self.regressor(at);
         if !self.excitation.admits(&phi, params.excitation_step) {
@@ -107,12 +93,8 @@ impl<T: Real> Identify<T> for Affine<T> {
         *self = Affine::new(params);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        _surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        let errors = self.rls.covariance.variances().map(Real::sqrt) * noise.raw;
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        let errors = self.rls.covariance.variances().map(Real::sqrt) * at.noise.raw;
         let [stiffness, damping, _]: [T; 3] = self.rls.theta.into();
         in_slots(
             &[spring(stiffness), damper(damping, stiffness)],
@@ -141,6 +123,7 @@ mod tests {
             speed,
             force,
             surface: 5.0,
+            noise: NOISE,
             ..Instant::default()
         }
     }
@@ -150,14 +133,16 @@ mod tests {
         let params = Config::default().validate().unwrap().identify;
         let mut affine = Affine::<f64>::new(&params);
         for i in 0..2000 {
-            affine.learn(&params, &touch(i), &NOISE, 0.9);
+            affine.learn(&params, &touch(i), 0.9);
         }
-        let [stiffness, damping, ..] = affine.estimates(&NOISE, 0.0);
+        let [stiffness, damping, ..] = affine.estimates(&Instant::uncertain(NOISE, 0.0));
         // P(0) = 10⁴ is worth 10⁻⁴ of one sample.
         assert!((stiffness.value - 2.48).abs() < 1e-6 && (damping.value - 0.17).abs() < 1e-6);
-        let surface = affine.surface(&params, &NOISE).unwrap();
-        assert!((surface.position_m - 4.93e-3).abs() < 1e-9, "{surface:?}");
+        let (position, std_error) = affine.surface(&NOISE).unwrap();
+        let position_m = position * params.scale.depth_m;
+        assert!((position_m - 4.93e-3).abs() < 1e-9, "{position_m}");
         // 2000 samples of 0.02 N on 2.48 N/mm: about 0.02/2.48/√2000 mm, times 2 for the slope.
-        assert!((1e-7..1e-6).contains(&surface.std_error_m), "{surface:?}");
+        let std_error_m = std_error * params.scale.depth_m;
+        assert!((1e-7..1e-6).contains(&std_error_m), "{std_error_m}");
     }
 }

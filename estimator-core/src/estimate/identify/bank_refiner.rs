@@ -12,7 +12,6 @@ use nalgebra::Vector2;
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
-use crate::estimate::contact::SurfacePosition;
 use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
@@ -114,7 +113,7 @@ impl<T: Real> BankRefiner<T> {
     }
 
     /// Everything learns from a pool.
-    fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
+    fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>) {
         let bank = self.bank.get_or_insert_with(|| {
             let step = if self.surface_known {
                 T::zero()
@@ -132,11 +131,11 @@ impl<T: Real> BankRefiner<T> {
         self.prior.surface = at.surface_error.max_of(bank.surface_step());
         self.memory.push(*pooled);
         if let Some(refiner) = &mut self.refiner {
-            refiner.learn(pooled, noise, T::from_f64(REFINER_BETA));
-            self.std_errors = refiner.std_errors(at.rest_error, noise);
+            refiner.learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
+            self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
         }
         self.until_look = self.until_look.saturating_sub(1);
-        self.relinearise(noise);
+        self.relinearise(&at.noise);
     }
 
     /// Starts from the bank: the first refiner, or one in the place of another that has gone astray.
@@ -178,7 +177,7 @@ impl<T: Real> BankRefiner<T> {
     }
 
     /// The successor learns from memory, and takes over once it knows what its predecessor does.
-    fn catch_up(&mut self, at: &Instant<T>, noise: &ForceNoise<T>) {
+    fn catch_up(&mut self, at: &Instant<T>) {
         let Some(successor) = &mut self.successor else {
             return;
         };
@@ -186,7 +185,7 @@ impl<T: Real> BankRefiner<T> {
             if let Some(pooled) = self.memory.get(successor.next) {
                 successor
                     .refiner
-                    .learn(pooled, noise, T::from_f64(REFINER_BETA));
+                    .learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
                 successor.next += 1;
             }
         }
@@ -204,7 +203,7 @@ impl<T: Real> BankRefiner<T> {
         } else if knows {
             self.refiner = self.successor.take().map(|successor| successor.refiner);
             if let Some(refiner) = &self.refiner {
-                self.std_errors = refiner.std_errors(at.rest_error, noise);
+                self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
             }
         }
     }
@@ -240,63 +239,49 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         },
     ];
 
-    fn surface(
-        &self,
-        params: &IdentifyParams<T>,
-        _noise: &ForceNoise<T>,
-    ) -> Option<SurfacePosition<T>> {
-        let refiner = self.refiner.as_ref()?;
-        let ([_, _, _, value, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
-        Some(SurfacePosition {
-            position_m: value * params.scale.depth_m,
-            std_error_m: error * params.scale.depth_m,
-        })
+    fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {
+        let ([.., position, _], [.., error, _]) =
+            (self.refiner.as_ref()?.values(), self.std_errors);
+        Some((position, error))
     }
 
     /// The window of a steady motion reaches 2.1 standard deviations of the position to either side.
     fn is_inside(&self, at: &Instant<T>) -> bool {
-        let Some(refiner) = &self.refiner else {
+        let Some((surface, error)) = self.surface(&at.noise) else {
             return false;
         };
-        let ([_, _, _, surface, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
         let depth = at.position() - surface - T::from_f64(SURELY) * error;
         depth > T::zero()
             && at.position_variance > T::zero()
             && at.position_variance < T::from_f64(INSIDE) * depth * depth
     }
 
-    fn predict(&self, at: &Instant<T>, _noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         match &self.refiner {
             Some(refiner) => refiner.predict(&Pooled::of(at)),
             None => (at.force, T::zero()),
         }
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        _beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, _beta: T) -> Option<T> {
         let phi = Vector2::new(at.depth, at.speed);
         if !self.excitation.admits(&phi, params.excitation_step) {
             return None;
         }
         // One of the three a sample: together they would be the worst step by far.
         if let Some(pooled) = self.pool.take(at) {
-            self.absorb(&pooled, at, noise);
+            self.absorb(&pooled, at);
         } else if self.until_look == 0 {
             let started = self.refiner.is_some();
             self.until_look = if started { LOOK_EVERY } else { 1 };
-            self.supervise(noise);
+            self.supervise(&at.noise);
         } else {
-            self.catch_up(at, noise);
+            self.catch_up(at);
         }
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }
 
-    fn observe(&mut self, _at: &Instant<T>, _noise: &ForceNoise<T>, _in_contact: bool) {
+    fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {
         self.pool.close();
     }
 
@@ -304,11 +289,7 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         *self = BankRefiner::new(params);
     }
 
-    fn estimates(
-        &self,
-        _noise: &ForceNoise<T>,
-        _surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, _at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let Some(refiner) = &self.refiner else {
             return [ParameterEstimate::default(); PARAMETER_SLOTS];
         };

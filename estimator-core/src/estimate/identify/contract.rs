@@ -1,7 +1,6 @@
 //! What an estimator sees, and what it must do.
 
 use super::params::IdentifyParams;
-use crate::estimate::contact::SurfacePosition;
 use crate::estimate::method::MethodInfo;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
@@ -35,12 +34,26 @@ pub struct Instant<T> {
     pub quantization_variance: T,
     /// Standard error of the resting force.
     pub rest_error: T,
+    /// Noise of the force.
+    pub noise: ForceNoise<T>,
 }
 
 impl<T: Real> Instant<T> {
     /// Position x/δ₀.
     pub fn position(&self) -> T {
         self.surface + self.depth
+    }
+}
+
+#[cfg(test)]
+impl Instant<f64> {
+    /// An instant of which only the uncertainties matter.
+    pub(super) fn uncertain(noise: ForceNoise<f64>, surface_error: f64) -> Self {
+        Instant {
+            noise,
+            surface_error,
+            ..Instant::default()
+        }
     }
 }
 
@@ -71,12 +84,9 @@ pub trait Identify<T: Real> {
         params.law
     }
 
-    /// The surface, once an estimator that has it among its parameters knows it.
-    fn surface(
-        &self,
-        _params: &IdentifyParams<T>,
-        _noise: &ForceNoise<T>,
-    ) -> Option<SurfacePosition<T>> {
+    /// Position x₀/δ₀ of the surface and its standard error at a noise of the force, once an estimator
+    /// that has it among its parameters knows it.
+    fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {
         None
     }
 
@@ -87,34 +97,24 @@ pub trait Identify<T: Real> {
     }
 
     /// F̂ at an instant, and the variance that the errors of the parameters and of the surface
-    /// position (standard error `surface_error`) give it.
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T);
+    /// position give it.
+    fn predict(&self, at: &Instant<T>) -> (T, T);
 
     /// Takes an instant that gives no equation to learn from: the window of the filter reaches into
     /// free air, the force is within the noise, or a surface that cannot pull has let go. No equation
     /// can reach across it; a material that relaxes recovers in it. `in_contact` is that of the
     /// contact detector.
-    fn observe(&mut self, _at: &Instant<T>, _noise: &ForceNoise<T>, _in_contact: bool) {}
+    fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {}
 
     /// Learns from an instant in whose whole window the material pushed; β is what (24) says.
     /// Returns the forgetting factor that was used, or `None` if there was nothing to learn.
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T>;
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T>;
 
     /// Forgets how certain the parameters are and keeps their values: another material is under the
     /// probe.
     fn reset_covariance(&mut self, params: &IdentifyParams<T>);
 
-    /// Values and standard errors in the order of the law's slots, without the surface;
-    /// `surface_error` is the standard error of the surface position.
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS];
+    /// Values and standard errors in the order of the law's slots, without the surface, with the
+    /// noise and the standard error of the surface position at an instant.
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS];
 }

@@ -97,15 +97,15 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
     }];
 
     /// F̂ = F̂⁽ᵉ⁾ + ẑ, with z from the last period on.
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         if at.depth <= T::zero() {
             return (T::zero(), T::zero());
         }
         let now = self.elastic.split(at);
         let gradient = Vector2::new(now.gradient.x, now.gradient.y);
-        let by_surface = now.gradient.z * surface_error;
-        let variance =
-            gradient.dot(&(self.elastic_covariance(noise) * gradient)) + by_surface * by_surface;
+        let by_surface = now.gradient.z * at.surface_error;
+        let variance = gradient.dot(&(self.elastic_covariance(&at.noise) * gradient))
+            + by_surface * by_surface;
         let Some(last) = self.relaxation.last() else {
             return (now.elastic, variance);
         };
@@ -113,22 +113,16 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         let moved = T::one() - last.elastic / now.elastic;
         (
             now.elastic + last.relaxed + self.relaxation.change(&now),
-            noise.filtered * noise.filtered + variance * moved * moved,
+            at.noise.filtered * at.noise.filtered + variance * moved * moved,
         )
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         if at.depth <= T::zero() {
             return None;
         }
         if at.speed > self.loading_speed {
-            self.elastic.learn(params, at, noise);
+            self.elastic.learn(params, at);
             if R == 1 {
                 // While θ̂₁ moves, z of two periods would belong to two elastic responses.
                 self.relaxation.break_off();
@@ -139,13 +133,13 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
             self.relaxation.start_at_rest(self.memory_samples);
         }
         let sample = self.elastic.split(at);
-        self.relaxation.learn(params, &sample, noise, beta);
+        self.relaxation.learn(params, &sample, &at.noise, beta);
         // A prediction over two long periods says nothing about a stroke that is over in less.
         let predictable = R == 1 || at.speed.abs() < self.loading_speed;
         predictable.then_some(beta)
     }
 
-    fn observe(&mut self, _at: &Instant<T>, _noise: &ForceNoise<T>, _in_contact: bool) {
+    fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {
         self.relaxation.break_off();
     }
 
@@ -154,22 +148,17 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         self.relaxation.reset_covariance(params.start.covariance);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let mut estimates = [ParameterEstimate::default(); PARAMETER_SLOTS];
-        let covariance = self.elastic_covariance(noise);
-        let elastic = self.elastic.estimates(&covariance, surface_error);
+        let covariance = self.elastic_covariance(&at.noise);
+        let elastic = self.elastic.estimates(&covariance, at.surface_error);
         for (slot, estimate) in estimates.iter_mut().zip(elastic) {
             *slot = estimate;
         }
         self.relaxation.estimate(
             estimates.get_mut(elastic.len()..).unwrap_or_default(),
-            noise,
             (&covariance, &self.elastic.by_surface()),
-            surface_error,
+            at,
         );
         estimates
     }

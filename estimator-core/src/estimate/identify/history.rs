@@ -26,7 +26,6 @@ use selection::Selection;
 
 use super::params::IdentifyParams;
 use super::{ForceNoise, Identify, Instant};
-use crate::estimate::contact::SurfacePosition;
 use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
@@ -117,27 +116,27 @@ impl<T: Real> HistoryFit<T> {
 
     /// Takes an instant, to learn from it if it is `usable`, and goes on with the work over the
     /// history.
-    fn take(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, usable: bool, in_contact: bool) {
+    fn take(&mut self, at: &Instant<T>, usable: bool, in_contact: bool) {
         if in_contact {
             self.impact.get_or_insert((at.surface, at.surface_error));
         }
         let depth = self.depth(at);
         if let Some(block) = self.history.add(at, depth, usable, in_contact) {
             // Bank and passes wait: no sample pays for everything.
-            self.take_block(&block, at, noise);
+            self.take_block(&block, at);
             return;
         }
         if let Some(current) = &mut self.current {
             current.observe(&Block::of(at));
         }
-        self.work(noise);
+        self.work(at.noise.raw);
     }
 
     /// Takes a block that has ended.
-    fn take_block(&mut self, block: &Block<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
+    fn take_block(&mut self, block: &Block<T>, at: &Instant<T>) {
         self.history.push(*block);
         if let Some(Current { mut fit, .. }) = self.current.take() {
-            fit.learn(block, noise.raw, T::one());
+            fit.learn(block, at.noise.raw, T::one());
             self.current = fit
                 .is_sound()
                 .then(|| Current::new(fit, self.history.open()));
@@ -155,7 +154,7 @@ impl<T: Real> HistoryFit<T> {
     }
 
     /// The share of the work over the history that one sample pays for.
-    fn work(&mut self, noise: &ForceNoise<T>) {
+    fn work(&mut self, noise_raw: T) {
         let surface_error = self
             .bank
             .as_ref()
@@ -166,7 +165,7 @@ impl<T: Real> HistoryFit<T> {
         }
         if self
             .selection
-            .release(&self.history, noise.raw, surface_error)
+            .release(&self.history, noise_raw, surface_error)
         {
             return;
         }
@@ -179,7 +178,7 @@ impl<T: Real> HistoryFit<T> {
         let searched = searches && taken.is_some();
         if self.learned >= FIRST_PASS {
             self.selection
-                .work(&self.history, bank, noise.raw, searched);
+                .work(&self.history, bank, noise_raw, searched);
         }
     }
 
@@ -245,19 +244,11 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
             .map_or(params.law, |current| current.fit.law())
     }
 
-    fn surface(
-        &self,
-        params: &IdentifyParams<T>,
-        _noise: &ForceNoise<T>,
-    ) -> Option<SurfacePosition<T>> {
-        let (position, error) = self.current.as_ref()?.surface;
-        Some(SurfacePosition {
-            position_m: position * params.scale.depth_m,
-            std_error_m: error * params.scale.depth_m,
-        })
+    fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {
+        Some(self.current.as_ref()?.surface)
     }
 
-    fn predict(&self, at: &Instant<T>, _noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         let Some(current) = &self.current else {
             return (at.force, T::zero());
         };
@@ -269,18 +260,12 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         (force, variance.max_of(error * error))
     }
 
-    fn observe(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, in_contact: bool) {
-        self.take(at, noise, false, in_contact);
+    fn observe(&mut self, at: &Instant<T>, in_contact: bool) {
+        self.take(at, false, in_contact);
     }
 
-    fn learn(
-        &mut self,
-        _params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        _beta: T,
-    ) -> Option<T> {
-        self.take(at, noise, true, true);
+    fn learn(&mut self, _params: &IdentifyParams<T>, at: &Instant<T>, _beta: T) -> Option<T> {
+        self.take(at, true, true);
         self.current.is_some().then(T::one)
     }
 
@@ -290,11 +275,7 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         *self = Self::with_history(params, self.history.clone(), learned);
     }
 
-    fn estimates(
-        &self,
-        _noise: &ForceNoise<T>,
-        _surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, _at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let current = self.current.as_ref();
         current.map_or_else(Default::default, |current| current.estimates)
     }

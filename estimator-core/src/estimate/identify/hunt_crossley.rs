@@ -8,7 +8,7 @@ use nalgebra::{Vector1, Vector2, Vector3};
 
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
-use super::{Confidence, ForceNoise, Identify, Instant};
+use super::{Confidence, Identify, Instant};
 use crate::estimate::method::{Method, MethodInfo};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
@@ -106,24 +106,19 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         )
     }];
 
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         if at.depth <= T::zero() {
             return (T::zero(), T::zero());
         }
         let split = self.split(at);
-        let by_surface = Self::by_surface(at, &split) * surface_error;
+        let by_surface = Self::by_surface(at, &split) * at.surface_error;
         let gradient = Self::gradient(at, &split);
-        let variance = self.confidence.force_variance(&gradient, noise) + by_surface * by_surface;
+        let variance =
+            self.confidence.force_variance(&gradient, &at.noise) + by_surface * by_surface;
         (split.modulus * split.shape, variance)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         if at.depth <= T::zero() {
             return None;
         }
@@ -137,7 +132,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         let split = self.split(at);
         let theta = &self.gamma_1.theta;
         let spring_leads = (theta.y * at.speed).abs() < T::from_f64(DAMPING_SHARE) * theta.x;
-        if spring_leads && at.force > T::from_f64(LOG_SIGMAS) * noise.filtered {
+        if spring_leads && at.force > T::from_f64(LOG_SIGMAS) * at.noise.filtered {
             let y_2 = (at.force / split.modulus).ln();
             if y_2.is_finite() {
                 self.gamma_2.update(&Vector1::new(at.depth.ln()), y_2, beta);
@@ -157,12 +152,8 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         self.confidence = Confidence::new(covariance);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        let errors = self.confidence.std_errors(noise, surface_error);
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        let errors = self.confidence.std_errors(&at.noise, at.surface_error);
         let [stiffness, damping]: [T; 2] = self.gamma_1.theta.into();
         // An exponent at its bound is no estimate: nothing is observable on the scale of it.
         let bounded = self.exponent() != self.gamma_2.theta.x;
@@ -176,6 +167,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
 mod tests {
     use super::*;
     use crate::estimate::config::Config;
+    use crate::estimate::identify::ForceNoise;
     use crate::physics::law::{ContactLaw, HuntCrossley};
 
     const NOISE: ForceNoise<f64> = ForceNoise {
@@ -195,12 +187,13 @@ mod tests {
                 depth: depth_m / 1e-3,
                 speed: speed_mps / 0.01,
                 force,
+                noise: NOISE,
                 ..Instant::default()
             };
             let beta = params
                 .forgetting
-                .beta(force - stages.predict(&at, &NOISE, 0.0).0, NOISE.raw);
-            stages.learn(params, &at, &NOISE, beta);
+                .beta(force - stages.predict(&at).0, NOISE.raw);
+            stages.learn(params, &at, beta);
         }
     }
 
@@ -209,7 +202,7 @@ mod tests {
         let params = Config::default().validate().unwrap().identify;
         let mut stages = TwoStage::new(&params);
         palpate(&mut stages, &params);
-        let [stiffness, damping, exponent, ..] = stages.estimates(&NOISE, 0.0);
+        let [stiffness, damping, exponent, ..] = stages.estimates(&Instant::uncertain(NOISE, 0.0));
         // Once its error is below α₃ the feedback closes slowly: 0.9 % of K after 6 s, 0.25 % now.
         assert!((stiffness.value / 1.35 - 1.0).abs() < 3e-3, "{stiffness:?}");
         assert!((damping.value / 0.36 - 1.0).abs() < 3e-3, "{damping:?}");
@@ -227,11 +220,12 @@ mod tests {
                 depth: 1.0,
                 speed,
                 force: 5.0,
+                noise: NOISE,
                 ..Instant::default()
             };
-            stages.learn(&params, &at, &NOISE, 0.99);
+            stages.learn(&params, &at, 0.99);
         }
-        let exponent = stages.estimates(&NOISE, 0.0)[2];
+        let exponent = stages.estimates(&Instant::uncertain(NOISE, 0.0))[2];
         assert!((exponent.value - f64::from(1.3_f32)).abs() < 1e-12);
         assert!(!exponent.observable());
     }
@@ -242,8 +236,8 @@ mod tests {
         let mut stages = TwoStage::new(&params);
         palpate(&mut stages, &params);
         let (sure, unsure) = (
-            stages.estimates(&NOISE, 0.0),
-            stages.estimates(&NOISE, 0.05),
+            stages.estimates(&Instant::uncertain(NOISE, 0.0)),
+            stages.estimates(&Instant::uncertain(NOISE, 0.05)),
         );
         for (sure, unsure) in sure.iter().zip(&unsure).take(3) {
             assert!(

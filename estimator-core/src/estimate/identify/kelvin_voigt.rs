@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
-use super::{Confidence, ForceNoise, Identify, Instant};
+use super::{Confidence, Identify, Instant};
 use crate::estimate::method::{Method, MethodInfo};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
@@ -58,20 +58,14 @@ impl<T: Real> Identify<T> for Linear<T> {
         known || params.method == Method::KELVIN_VOIGT
     }
 
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         let phi = regressor(at);
-        let by_surface = self.rls.theta.x * surface_error;
-        let variance = self.confidence.force_variance(&phi, noise) + by_surface * by_surface;
+        let by_surface = self.rls.theta.x * at.surface_error;
+        let variance = self.confidence.force_variance(&phi, &at.noise) + by_surface * by_surface;
         (self.rls.predict(&phi), variance)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        _noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         let phi = regressor(at);
         let moving = self.excitation.admits(&phi, params.excitation_step);
         if moving {
@@ -87,12 +81,8 @@ impl<T: Real> Identify<T> for Linear<T> {
         self.confidence = Confidence::new(covariance);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        let errors = self.confidence.std_errors(noise, surface_error);
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        let errors = self.confidence.std_errors(&at.noise, at.surface_error);
         let [stiffness, damping]: [T; 2] = self.rls.theta.into();
         in_slots(
             &[spring(stiffness), damper(damping, stiffness)],
@@ -105,6 +95,7 @@ impl<T: Real> Identify<T> for Linear<T> {
 mod tests {
     use super::*;
     use crate::estimate::config::Config;
+    use crate::estimate::identify::ForceNoise;
 
     #[test]
     fn spring_and_damper_are_told_apart() {
@@ -121,11 +112,12 @@ mod tests {
                 depth,
                 speed,
                 force: 2.26 * depth + 1.23 * speed,
+                noise,
                 ..Instant::default()
             };
-            assert!(linear.learn(&params, &at, &noise, 0.999).is_some());
+            assert!(linear.learn(&params, &at, 0.999).is_some());
         }
-        let [stiffness, damping, ..] = linear.estimates(&noise, 0.0);
+        let [stiffness, damping, ..] = linear.estimates(&Instant::uncertain(noise, 0.0));
         // P(0) = 10⁴ is worth 10⁻⁴ of one sample.
         assert!((stiffness.value - 2.26).abs() < 1e-5);
         assert!((damping.value - 1.23).abs() < 1e-5);
@@ -144,10 +136,11 @@ mod tests {
             depth: 2.0,
             speed: 0.0,
             force: 4.0,
+            noise,
             ..Instant::default()
         };
         let learned = (0..100_000)
-            .filter(|_| linear.learn(&params, &at, &noise, 0.96).is_some())
+            .filter(|_| linear.learn(&params, &at, 0.96).is_some())
             .count();
         assert!(learned < 100, "{learned}");
     }

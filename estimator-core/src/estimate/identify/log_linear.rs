@@ -9,7 +9,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
-use super::{Confidence, ForceNoise, Identify, Instant};
+use super::{Confidence, Identify, Instant};
 use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
@@ -85,23 +85,17 @@ impl<T: Real> Identify<T> for LogLinear<T> {
         )
     }];
 
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         if at.depth <= T::zero() {
             return (T::zero(), T::zero());
         }
         let (gradient, force, by_surface) = self.gradient(at);
-        let shift = by_surface * surface_error;
-        let variance = self.confidence.force_variance(&gradient, noise) + shift * shift;
+        let shift = by_surface * at.surface_error;
+        let variance = self.confidence.force_variance(&gradient, &at.noise) + shift * shift;
         (force, variance)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        _noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         let moving = Vector2::new(at.depth, at.speed);
         let deep = at.depth > T::zero() && at.force > T::zero();
         if !deep || !self.excitation.admits(&moving, params.excitation_step) {
@@ -120,12 +114,8 @@ impl<T: Real> Identify<T> for LogLinear<T> {
         self.confidence = Confidence::new(covariance);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        let errors = self.confidence.std_errors(noise, surface_error);
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        let errors = self.confidence.std_errors(&at.noise, at.surface_error);
         let [stiffness, damping, exponent] = self.values();
         let bounded = exponent != self.rls.theta.z;
         let exponent = (exponent, if bounded { T::zero() } else { T::one() });
@@ -138,6 +128,7 @@ impl<T: Real> Identify<T> for LogLinear<T> {
 mod tests {
     use super::*;
     use crate::estimate::config::Config;
+    use crate::estimate::identify::ForceNoise;
 
     const NOISE: ForceNoise<f64> = ForceNoise {
         raw: 0.02,
@@ -157,9 +148,10 @@ mod tests {
                 depth,
                 speed,
                 force,
+                noise: NOISE,
                 ..Instant::default()
             };
-            log_linear.learn(&params, &at, &NOISE, 0.9995);
+            log_linear.learn(&params, &at, 0.9995);
         }
         log_linear.values()
     }

@@ -16,7 +16,7 @@ use super::equation_error::{Equation, EquationError};
 use super::modes::{Pace, PerPeriod, Relaxing, rate_of};
 use super::params::{IdentifyParams, SPEED_PER_DEPTH};
 use super::slots::size;
-use super::{ForceNoise, Identify, Instant};
+use super::{Identify, Instant};
 use crate::estimate::config::Inversion;
 use crate::estimate::method::{Method, MethodInfo, Offer};
 use crate::estimate::monitor::ParameterEstimate;
@@ -150,7 +150,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
     }];
 
     /// F̂ from the last sample used, at most one period ago; from rest if there is none.
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         let [alpha, mu, kappa] = self.fit.rls.theta.into();
         let Some(last) = &self.last else {
             return (kappa * at.depth, T::zero());
@@ -169,16 +169,10 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
             }
         };
         // Both ends of the prediction carry noise; the parameters add next to nothing to one period.
-        (force, noise.filtered * noise.filtered)
+        (force, at.noise.filtered * at.noise.filtered)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         let Some(last) = self.last else {
             self.last = Some(*at);
             self.since = 0;
@@ -193,7 +187,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         let period_s = self.pace.period_s();
         let equation = self.equation(&last, at, period_s);
         let phi = [last.force, last.depth, at.speed];
-        let sigma = self.pace.variance(noise).sqrt();
+        let sigma = self.pace.variance(&at.noise).sqrt();
         let gate = self
             .relaxing
             .admits(phi, last.force, params.excitation_step, sigma, beta);
@@ -207,7 +201,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         Some(gate.unwrap_or(T::one()))
     }
 
-    fn observe(&mut self, _at: &Instant<T>, _noise: &ForceNoise<T>, _in_contact: bool) {
+    fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {
         if self.last.take().is_some() {
             self.fit.break_off();
         }
@@ -218,11 +212,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         self.last = None;
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let mut estimates = [ParameterEstimate::default(); PARAMETER_SLOTS];
         let theta: [T; 3] = self.fit.rls.theta.into();
         let mut index = 0..3;
@@ -231,8 +221,8 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         let Some(solid) = Solid::<Dual<T, 3>>::of(dual, period_s, self.inversion) else {
             return estimates;
         };
-        let covariance = self.fit.covariance(self.pace.variance(noise));
-        let shift = self.fit.shift() * surface_error;
+        let covariance = self.fit.covariance(self.pace.variance(&at.noise));
+        let shift = self.fit.shift() * at.surface_error;
         let per_speed = Dual::from_f64(SPEED_PER_DEPTH);
         let values = [
             solid.stiffness,
@@ -256,6 +246,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::identify::ForceNoise;
 
     /// θ of (18) for a solid and a period, exact for a depth that is linear between samples.
     fn theta(solid: Solid<f64>, period_s: f64) -> [f64; 3] {
@@ -334,15 +325,16 @@ mod tests {
                 depth: depth_m / 1e-3,
                 speed: 0.7 * libm::cos(7e-3 * f64::from(i)),
                 force,
+                noise,
                 ..Instant::default()
             };
             // Once it has learned, the prediction between two periods is that of the solid.
             if i > 1000 {
-                let (predicted, _) = arx.predict(&at, &noise, 0.0);
+                let (predicted, _) = arx.predict(&at);
                 // A depth that is not linear over 10 ms: (ωT)²/8 of what relaxes in them.
                 assert!((predicted - force).abs() < 1e-4, "{i}: {predicted} {force}");
             }
-            arx.learn(&params, &at, &noise, 1.0);
+            arx.learn(&params, &at, 1.0);
         }
         let solid = arx.solid().unwrap();
         // (ωT)²/12 = 0.04 % in the rate.
@@ -352,7 +344,7 @@ mod tests {
             "{solid:?}"
         );
         assert!((solid.damping / 0.78 - 1.0).abs() < 1e-3, "{solid:?}");
-        let [stiffness, ..] = arx.estimates(&noise, 0.0);
+        let [stiffness, ..] = arx.estimates(&Instant::uncertain(noise, 0.0));
         assert!(stiffness.observable());
     }
 
@@ -371,15 +363,16 @@ mod tests {
             depth,
             speed: 0.0,
             force: 3.0 * depth,
+            noise,
             ..Instant::default()
         };
         for i in 0..40 {
             // Five pushed samples at a time: less than a period.
             let at = at(1.0 + f64::from(i % 6));
             if i % 6 == 0 {
-                arx.observe(&at, &noise, false);
+                arx.observe(&at, false);
             } else {
-                arx.learn(&params, &at, &noise, 1.0);
+                arx.learn(&params, &at, 1.0);
             }
         }
         assert_eq!(arx.solid(), None);

@@ -80,17 +80,12 @@ impl<T: Real> ElasticStage<T> {
     }
 
     /// Learns from one sample of a press.
-    pub(super) fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-    ) {
+    pub(super) fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>) {
         // The filter averages F and δ; the average of a power is the power of the average only where
         // the window is short against the depth.
         let window = at.speed * self.window;
         let short = window * T::from_f64(MIN_HALF_WINDOWS) < at.depth;
-        if !short || at.force <= T::from_f64(LOG_SIGMAS) * noise.filtered {
+        if !short || at.force <= T::from_f64(LOG_SIGMAS) * at.noise.filtered {
             return;
         }
         let weight = match self.weight {
@@ -106,7 +101,7 @@ impl<T: Real> ElasticStage<T> {
         // Γ₁ forgets by its own error: F̂ of the cascade follows F whatever the elastic response is.
         let beta = params.forgetting.beta(
             self.split(at).relaxed * params.scale.force_n,
-            noise.raw * params.scale.force_n,
+            at.noise.raw * params.scale.force_n,
         );
         self.gamma_1.update(&equation, beta, weight);
     }

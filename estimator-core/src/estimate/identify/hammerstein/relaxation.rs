@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, SVector, Vector2};
 
 use super::split_force::SplitForce;
-use crate::estimate::identify::contract::ForceNoise;
+use crate::estimate::identify::contract::{ForceNoise, Instant};
 use crate::estimate::identify::equation_error::{Equation, EquationError};
 use crate::estimate::identify::modes::{Pace, Relaxing, one_mode, two_modes};
 use crate::estimate::identify::params::IdentifyParams;
@@ -249,9 +249,8 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
     pub(super) fn estimate(
         &self,
         slots: &mut [ParameterEstimate<T>],
-        noise: &ForceNoise<T>,
         (elastic_covariance, elastic_by_surface): (&Matrix2<T>, &Vector2<T>),
-        surface_error: T,
+        at: &Instant<T>,
     ) {
         let mut index = 0..N;
         let dual = self
@@ -263,7 +262,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
         else {
             return;
         };
-        let covariance = self.gamma_2.covariance(self.pace.variance(noise));
+        let covariance = self.gamma_2.covariance(self.pace.variance(&at.noise));
         let shift = self.gamma_2.shift();
         let parameters = found.iter().flat_map(|mode| {
             [
@@ -275,7 +274,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
             let gradient = SVector::<T, N>::from(dual.gradient);
             let considered = shift.tr_mul(&gradient);
             let by_elastic = Vector2::new(considered.x, considered.y);
-            let moved = (considered.z + by_elastic.dot(elastic_by_surface)) * surface_error;
+            let moved = (considered.z + by_elastic.dot(elastic_by_surface)) * at.surface_error;
             let variance = gradient.dot(&(covariance * gradient))
                 + by_elastic.dot(&(elastic_covariance * by_elastic))
                 + moved * moved;
