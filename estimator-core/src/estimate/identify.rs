@@ -3,6 +3,7 @@
 mod affine;
 mod bank;
 mod bank_refiner;
+mod bounds;
 mod confidence;
 mod contract;
 mod equation_error;

@@ -56,24 +56,32 @@ pub struct MethodInfo {
     pub alpha_1: f32,
 }
 
-impl MethodInfo {
-    /// The row of a method that is asked for by name, takes the surface from the impact and forgets
-    /// large errors within a thousand samples.
-    pub const fn new(
-        method: Method,
-        law: LawKind,
-        name: &'static str,
-        about: &'static str,
-    ) -> Self {
-        MethodInfo {
-            method,
-            law,
-            name,
-            about,
-            offer: Offer::ByName,
-            finds_surface: false,
-            has_history: false,
-            alpha_1: 0.001,
+/// Declares the methods of an estimator: the constant of each, with its number, and `METHODS`, the rows
+/// with their facts. A fact that is left out is that of most methods: asked for by name, the surface
+/// taken from the impact, no history, and large errors forgotten within a thousand samples.
+macro_rules! methods {
+    ($($(#[$doc:meta])* $constant:ident = $code:literal, $law:ident, $name:literal, $about:literal
+        $(, $fact:ident: $value:expr)*;)*) => {
+        impl $crate::estimate::method::Method {
+            $($(#[$doc])* pub const $constant: Self = Self::from_code($code);)*
         }
-    }
+
+        const METHODS: &[$crate::estimate::method::MethodInfo] = &[$({
+            #[allow(unused_mut)]
+            let mut row = $crate::estimate::method::MethodInfo {
+                method: $crate::estimate::method::Method::$constant,
+                law: $crate::physics::law::LawKind::$law,
+                name: $name,
+                about: $about,
+                offer: $crate::estimate::method::Offer::ByName,
+                finds_surface: false,
+                has_history: false,
+                alpha_1: 0.001,
+            };
+            $(row.$fact = $value;)*
+            row
+        }),*];
+    };
 }
+
+pub(crate) use methods;

@@ -6,19 +6,19 @@ use nalgebra::Vector3;
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
 use super::{ForceNoise, Identify, Instant};
-use crate::estimate::method::{Method, MethodInfo, Offer};
+use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
-use crate::physics::law::LawKind;
 
 /// Forgetting (50 000 samples): one material shall only get better; another clears the covariance.
 const BETA: f64 = 0.99998;
 
-impl Method {
+methods! {
     /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
-    pub const KELVIN_VOIGT_SURFACE: Self = Self::from_code(6);
+    KELVIN_VOIGT_SURFACE = 6, KelvinVoigt, "rls_surface", "Recursive least squares, surface included",
+        offer: Offer::Default, finds_surface: true;
 }
 
 /// The estimator, scaled: θ = [K, λ, −K·(x₀ − origin)], the origin being the first impact.
@@ -48,16 +48,7 @@ impl<T: Real> Affine<T> {
 }
 
 impl<T: Real> Identify<T> for Affine<T> {
-    const METHODS: &'static [MethodInfo] = &[MethodInfo {
-        offer: Offer::Default,
-        finds_surface: true,
-        ..MethodInfo::new(
-            Method::KELVIN_VOIGT_SURFACE,
-            LawKind::KelvinVoigt,
-            "rls_surface",
-            "Recursive least squares, surface included",
-        )
-    }];
+    const METHODS: &'static [MethodInfo] = METHODS;
 
     fn surface(&self, noise: &ForceNoise<T>) -> Option<(T, T)> {
         let origin = self.origin?;

@@ -46,11 +46,11 @@ pub struct Candidate<T> {
 pub struct Bank<T> {
     cells: [[Cell<T>; EXPONENTS]; SURFACES],
     first_surface: T,
-    surface_step: T,
+    pub(super) surface_step: T,
     columns: usize,
     yy: T,
-    weight: T,
-    span: (T, T),
+    pub(super) weight: T,
+    pub(super) span: (T, T),
 }
 
 impl<T: Real> Bank<T> {
@@ -70,21 +70,6 @@ impl<T: Real> Bank<T> {
             weight: T::zero(),
             span: (T::zero(), T::zero()),
         }
-    }
-
-    /// Distance between two surfaces of the grid.
-    pub fn surface_step(&self) -> T {
-        self.surface_step
-    }
-
-    /// Samples that the sums are worth.
-    pub fn weight(&self) -> T {
-        self.weight
-    }
-
-    /// Smallest and largest force seen: a fit needs a range.
-    pub fn span(&self) -> (T, T) {
-        self.span
     }
 
     /// Takes a position x/δ₀, a speed and a force, with forgetting factor β.
@@ -121,7 +106,7 @@ impl<T: Real> Bank<T> {
         self.yy = beta * self.yy + force * force;
         self.span = if self.weight > T::zero() {
             let (low, high) = self.span;
-            (if force < low { force } else { low }, high.max_of(force))
+            (low.min_of(force), high.max_of(force))
         } else {
             (force, force)
         };

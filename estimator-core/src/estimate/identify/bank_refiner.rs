@@ -12,12 +12,11 @@ use nalgebra::Vector2;
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
-use crate::estimate::method::{Method, MethodInfo, Offer};
+use crate::estimate::method::{Method, MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::Excitation;
 use crate::maths::scalar::Real;
-use crate::physics::law::LawKind;
 
 /// The grid of surfaces begins this many uncertainties of the impact before it, and reaches two
 /// beyond: a force threshold is late, never early.
@@ -32,7 +31,7 @@ const WORSE: f64 = 8.0;
 /// A successor is started when the linearisation leaves out more than this share of the variance of
 /// the filtered noise. Where it cannot learn from all that its predecessor knew, it takes over when
 /// its standard errors are within this factor, or three quarters of the samples are its own.
-const BEND: f64 = 0.02;
+const LINEARIZATION_SHARE: f64 = 0.02;
 const LIKE: f64 = 1.5;
 /// Pools that a successor catches up with at every sample.
 const CATCH_UP: u32 = 3;
@@ -52,13 +51,16 @@ const ALIGNED_S: f64 = 4e-6;
 /// The size that an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
-impl Method {
+methods! {
     /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
     /// the parameters.
-    pub const HUNT_CROSSLEY_BANK: Self = Self::from_code(5);
+    HUNT_CROSSLEY_BANK = 5, HuntCrossley, "bank", "Bank of exact fits and refiner, surface included",
+        offer: Offer::Default, finds_surface: true, alpha_1: 0.03;
     /// [`Method::HUNT_CROSSLEY_BANK`] with the skew, by how much the force is read later than the
     /// position, among the parameters.
-    pub const HUNT_CROSSLEY_BANK_SKEW: Self = Self::from_code(8);
+    HUNT_CROSSLEY_BANK_SKEW = 8, HuntCrossleySkew, "skew",
+        "The same with the skew of the sensors, by how much the force is read later",
+        finds_surface: true, alpha_1: 0.03;
 }
 
 /// Bank and refiner, scaled: θ = (K, λ, n, x₀) and, if asked for, the skew τ.
@@ -128,29 +130,29 @@ impl<T: Real> BankRefiner<T> {
             pooled.force,
             T::from_f64(BANK_BETA),
         );
-        self.prior.surface = at.surface_error.max_of(bank.surface_step());
+        self.prior.surface = at.surface_error.max_of(bank.surface_step);
         self.memory.push(*pooled);
         if let Some(refiner) = &mut self.refiner {
             refiner.learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
             self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
         }
         self.until_look = self.until_look.saturating_sub(1);
-        self.relinearise(&at.noise);
+        self.relinearize(&at.noise);
     }
 
     /// Starts from the bank: the first refiner, or one in the place of another that has gone astray.
     fn supervise(&mut self, noise: &ForceNoise<T>) {
         let Some(bank) = &self.bank else { return };
-        let (low, high) = bank.span();
+        let (low, high) = bank.span;
         let ready =
-            bank.weight() >= T::from_f64(START_POOLS) && high > T::from_f64(START_RANGE) * low;
+            bank.weight >= T::from_f64(START_POOLS) && high > T::from_f64(START_RANGE) * low;
         if !ready || self.successor.is_some() {
             return;
         }
         let Some(candidate) = bank.best() else { return };
         if let Some(refiner) = self.refiner.as_ref().filter(|refiner| refiner.is_sound()) {
             let floor = candidate.residual + noise.filtered * noise.filtered;
-            if refiner.energy() <= T::from_f64(WORSE) * floor {
+            if refiner.energy <= T::from_f64(WORSE) * floor {
                 return;
             }
         }
@@ -158,10 +160,11 @@ impl<T: Real> BankRefiner<T> {
     }
 
     /// Starts a refiner at a better place when the present one's linearisation matters.
-    fn relinearise(&mut self, noise: &ForceNoise<T>) {
+    fn relinearize(&mut self, noise: &ForceNoise<T>) {
         let Some(refiner) = &self.refiner else { return };
-        let tolerated = T::from_f64(BEND) * noise.filtered * noise.filtered;
-        if self.successor.is_none() && refiner.is_sound() && refiner.bend() > tolerated {
+        let tolerated = T::from_f64(LINEARIZATION_SHARE) * noise.filtered * noise.filtered;
+        if self.successor.is_none() && refiner.is_sound() && refiner.linearization_error > tolerated
+        {
             self.begin(refiner.successor(&self.prior));
         }
     }
@@ -210,34 +213,12 @@ impl<T: Real> BankRefiner<T> {
 }
 
 fn takes_over<T: Real>(successor: &Refiner<T>, refiner: &Refiner<T>) -> bool {
-    let most = successor.learned() > T::from_f64(0.75) * refiner.learned();
+    let most = successor.learned > T::from_f64(0.75) * refiner.learned;
     most || successor.knows_like(refiner, T::from_f64(LIKE))
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
-    const METHODS: &'static [MethodInfo] = &[
-        MethodInfo {
-            offer: Offer::Default,
-            finds_surface: true,
-            alpha_1: 0.03,
-            ..MethodInfo::new(
-                Method::HUNT_CROSSLEY_BANK,
-                LawKind::HuntCrossley,
-                "bank",
-                "Bank of exact fits and refiner, surface included",
-            )
-        },
-        MethodInfo {
-            finds_surface: true,
-            alpha_1: 0.03,
-            ..MethodInfo::new(
-                Method::HUNT_CROSSLEY_BANK_SKEW,
-                LawKind::HuntCrossleySkew,
-                "skew",
-                "The same with the skew of the sensors, by how much the force is read later",
-            )
-        },
-    ];
+    const METHODS: &'static [MethodInfo] = METHODS;
 
     fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {
         let ([.., position, _], [.., error, _]) =

@@ -21,17 +21,20 @@ use relaxation::RelaxationStage;
 use super::contract::{ForceNoise, Identify, Instant};
 use super::modes::Pace;
 use super::params::IdentifyParams;
-use crate::estimate::method::{Method, MethodInfo, Offer};
+use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::maths::scalar::Real;
-use crate::physics::law::{LawKind, RelaxationMode};
+use crate::physics::law::RelaxationMode;
 
-impl Method {
+methods! {
     /// The quasi-linear law with one mode by two recursive least squares in cascade, (39)–(42).
-    pub const HAMMERSTEIN_CASCADE: Self = Self::from_code(4);
+    HAMMERSTEIN_CASCADE = 4, QuasiLinear, "cascade",
+        "Elastic response while loading, then its relaxation in one mode",
+        offer: Offer::Default;
     /// The quasi-linear law with two modes by two recursive least squares in cascade, (39)–(42).
-    pub const HAMMERSTEIN_CASCADE_2: Self = Self::from_code(7);
+    HAMMERSTEIN_CASCADE_2 = 7, QuasiLinear2, "cascade_2", "The same in two modes",
+        offer: Offer::Default;
 }
 
 /// The chapter's cascade for `R` relaxation modes, in scaled units; `N` = 2R. It is used as
@@ -77,24 +80,7 @@ impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
 }
 
 impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
-    const METHODS: &'static [MethodInfo] = &[MethodInfo {
-        offer: Offer::Default,
-        ..if R == 1 {
-            MethodInfo::new(
-                Method::HAMMERSTEIN_CASCADE,
-                LawKind::QuasiLinear,
-                "cascade",
-                "Elastic response while loading, then its relaxation in one mode",
-            )
-        } else {
-            MethodInfo::new(
-                Method::HAMMERSTEIN_CASCADE_2,
-                LawKind::QuasiLinear2,
-                "cascade_2",
-                "The same in two modes",
-            )
-        }
-    }];
+    const METHODS: &'static [MethodInfo] = &[METHODS[R - 1]];
 
     /// F̂ = F̂⁽ᵉ⁾ + ẑ, with z from the last period on.
     fn predict(&self, at: &Instant<T>) -> (T, T) {

@@ -26,7 +26,7 @@ use selection::Selection;
 
 use super::params::IdentifyParams;
 use super::{ForceNoise, Identify, Instant};
-use crate::estimate::method::{Method, MethodInfo, Offer};
+use crate::estimate::method::{Method, MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::maths::scalar::Real;
@@ -40,18 +40,27 @@ const FIRST_PASS: u32 = 5;
 /// After this many passes an estimate that is still not good will not become so.
 const LONG_TRIED: u32 = 100;
 
-impl Method {
+// They forget by no error: another material starts them anew.
+methods! {
     /// Zener by a bank of exact fits over surface and rate, refined over a history; the surface among
     /// the parameters.
-    pub const ZENER_BANK: Self = Self::from_code(10);
+    // Only where it is asked for: on the foam it says 1682 ± 0.5 N/m, converged, and leaves 0.64 N.
+    ZENER_BANK = 10, Zener, "bank", "Bank of exact fits, refined over a history, surface included",
+        finds_surface: true, has_history: true;
     /// The quasi-linear law with one mode by a bank over exponent, surface and rate, refined over a
     /// history; the surface among the parameters.
-    pub const QUASI_LINEAR_BANK: Self = Self::from_code(11);
+    QUASI_LINEAR_BANK = 11, QuasiLinear, "bank",
+        "Bank of exact fits, refined over a history, surface included",
+        offer: Offer::Default, finds_surface: true, has_history: true;
     /// [`Method::QUASI_LINEAR_BANK`] with two modes, once the force speaks for the second.
-    pub const QUASI_LINEAR_BANK_2: Self = Self::from_code(12);
+    QUASI_LINEAR_BANK_2 = 12, QuasiLinear2, "bank",
+        "Bank of exact fits, refined over a history, surface included",
+        offer: Offer::Default, finds_surface: true, has_history: true;
     /// Kelvin–Voigt, Hunt–Crossley, Zener and quasi-linear with one mode side by side over the same
     /// history; the records say which law they are of.
-    pub const SELECTION: Self = Self::from_code(13);
+    SELECTION = 13, KelvinVoigt, "online",
+        "Four laws side by side, as the board would choose among them while it touches",
+        offer: Offer::ChoosesLaw, finds_surface: true, has_history: true;
 }
 
 /// The laws that a method chooses from, the simplest first.
@@ -158,7 +167,7 @@ impl<T: Real> HistoryFit<T> {
         let surface_error = self
             .bank
             .as_ref()
-            .map_or(T::zero(), RelaxationBank::surface_step);
+            .map_or(T::zero(), |bank| bank.surface_step);
         if self.selection.has_finished(&self.history) {
             self.finish(surface_error);
             return;
@@ -171,7 +180,7 @@ impl<T: Real> HistoryFit<T> {
         }
         let Some(bank) = &mut self.bank else { return };
         let searches = self.selection.needs_start();
-        let taken = self.history.get(bank.next());
+        let taken = self.history.get(bank.next);
         if let Some(block) = taken {
             bank.take(block, searches);
         }
@@ -185,63 +194,22 @@ impl<T: Real> HistoryFit<T> {
     /// Takes the pass that has come to the newest block.
     fn finish(&mut self, surface_error: T) {
         let current = self.current.as_ref().map(|current| &current.fit);
-        let Some(taken) = self.selection.finish(current, surface_error) else {
+        let Some((fit, good)) = self.selection.finish(current, surface_error) else {
             return;
         };
-        let current = Current::new(taken.fit, self.history.open());
-        self.trusted |= taken.good && current.is_known();
+        let current = Current::new(fit, self.history.open());
+        self.trusted |= good && current.is_known();
         self.current = Some(current);
     }
 }
 
-/// The row of a method over a history. It forgets by no error: another material starts it anew.
-const fn row(method: Method, law: LawKind, name: &'static str, about: &'static str) -> MethodInfo {
-    MethodInfo {
-        finds_surface: true,
-        has_history: true,
-        ..MethodInfo::new(method, law, name, about)
-    }
-}
-
-const BANK: &str = "Bank of exact fits, refined over a history, surface included";
-
 impl<T: Real> Identify<T> for HistoryFit<T> {
-    const METHODS: &'static [MethodInfo] = &[
-        // Only where it is asked for: on the foam it says 1682 ± 0.5 N/m, converged, and leaves 0.64 N.
-        row(Method::ZENER_BANK, LawKind::Zener, "bank", BANK),
-        MethodInfo {
-            offer: Offer::Default,
-            ..row(
-                Method::QUASI_LINEAR_BANK,
-                LawKind::QuasiLinear,
-                "bank",
-                BANK,
-            )
-        },
-        MethodInfo {
-            offer: Offer::Default,
-            ..row(
-                Method::QUASI_LINEAR_BANK_2,
-                LawKind::QuasiLinear2,
-                "bank",
-                BANK,
-            )
-        },
-        MethodInfo {
-            offer: Offer::ChoosesLaw,
-            ..row(
-                Method::SELECTION,
-                LawKind::KelvinVoigt,
-                "online",
-                "Four laws side by side, as the board would choose among them while it touches",
-            )
-        },
-    ];
+    const METHODS: &'static [MethodInfo] = METHODS;
 
     fn law(&self, params: &IdentifyParams<T>) -> LawKind {
         self.current
             .as_ref()
-            .map_or(params.law, |current| current.fit.law())
+            .map_or(params.law, |current| current.fit.law)
     }
 
     fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {

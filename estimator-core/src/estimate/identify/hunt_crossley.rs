@@ -6,15 +6,15 @@
 
 use nalgebra::{Vector1, Vector2, Vector3};
 
+use super::bounds::{EXPONENT, within};
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
 use super::{Confidence, Identify, Instant};
-use crate::estimate::method::{Method, MethodInfo};
+use crate::estimate::method::{MethodInfo, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
-use crate::physics::law::LawKind;
 
 /// Γ₂ takes forces above this many standard deviations of the filtered force: the logarithm of a
 /// noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
@@ -22,12 +22,11 @@ pub(super) const LOG_SIGMAS: f64 = 40.0;
 /// Γ₂ takes samples on which damping is less than this share of the spring: K̂δ₀ + λ̂δ̇ must be
 /// positive and not small.
 const DAMPING_SHARE: f64 = 0.8;
-/// n̂ is used within these bounds, so that no start makes a power that single precision cannot hold.
-const EXPONENT: (f64, f64) = (0.3, 4.0);
 
-impl Method {
+methods! {
     /// Hunt–Crossley by two recursive least squares in feedback, (25)–(37).
-    pub const HUNT_CROSSLEY_TWO_STAGE: Self = Self::from_code(2);
+    HUNT_CROSSLEY_TWO_STAGE = 2, HuntCrossley, "two_stage", "Two recursive least squares in feedback",
+        alpha_1: 0.03;
 }
 
 /// The chapter's estimator, scaled: θ₁ = [K, λ], θ₂ = n.
@@ -65,12 +64,7 @@ impl<T: Real> TwoStage<T> {
     }
 
     fn exponent(&self) -> T {
-        let n = T::from_f64(EXPONENT.0).max_of(self.gamma_2.theta.x);
-        if n > T::from_f64(EXPONENT.1) {
-            T::from_f64(EXPONENT.1)
-        } else {
-            n
-        }
+        within(self.gamma_2.theta.x, EXPONENT)
     }
 
     fn split(&self, at: &Instant<T>) -> Split<T> {
@@ -96,15 +90,7 @@ impl<T: Real> TwoStage<T> {
 }
 
 impl<T: Real> Identify<T> for TwoStage<T> {
-    const METHODS: &'static [MethodInfo] = &[MethodInfo {
-        alpha_1: 0.03,
-        ..MethodInfo::new(
-            Method::HUNT_CROSSLEY_TWO_STAGE,
-            LawKind::HuntCrossley,
-            "two_stage",
-            "Two recursive least squares in feedback",
-        )
-    }];
+    const METHODS: &'static [MethodInfo] = METHODS;
 
     fn predict(&self, at: &Instant<T>) -> (T, T) {
         if at.depth <= T::zero() {

@@ -5,16 +5,15 @@ use nalgebra::Vector2;
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
 use super::{Confidence, Identify, Instant};
-use crate::estimate::method::{Method, MethodInfo};
+use crate::estimate::method::{Method, MethodInfo, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
-use crate::physics::law::LawKind;
 
-impl Method {
+methods! {
     /// Kelvin–Voigt by recursive least squares, the surface taken from the impact.
-    pub const KELVIN_VOIGT: Self = Self::from_code(1);
+    KELVIN_VOIGT = 1, KelvinVoigt, "rls", "Recursive least squares, the surface from the impact";
 }
 
 /// The linear estimator, scaled: θ = [K, λ].
@@ -45,12 +44,7 @@ fn regressor<T: Real>(at: &Instant<T>) -> Vector2<T> {
 }
 
 impl<T: Real> Identify<T> for Linear<T> {
-    const METHODS: &'static [MethodInfo] = &[MethodInfo::new(
-        Method::KELVIN_VOIGT,
-        LawKind::KelvinVoigt,
-        "rls",
-        "Recursive least squares, the surface from the impact",
-    )];
+    const METHODS: &'static [MethodInfo] = METHODS;
 
     /// A surface that is configured need not be found.
     fn runs(params: &IdentifyParams<T>) -> bool {

@@ -7,24 +7,25 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use super::bounds::{EXPONENT, within};
 use super::params::IdentifyParams;
 use super::slots::{damper, in_slots, spring};
 use super::{Confidence, Identify, Instant};
-use crate::estimate::method::{Method, MethodInfo, Offer};
+use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
-use crate::physics::law::LawKind;
 
-/// The exponent is used within these bounds, and ln K within ±this many: powers that single precision
-/// can hold.
-const EXPONENT: (f64, f64) = (0.3, 4.0);
+/// Bound of |ln K|: single precision can hold the power.
 const LOG_STIFFNESS: f64 = 30.0;
 
-impl Method {
+methods! {
     /// Hunt–Crossley by one recursive least squares on the logarithm of the force.
-    pub const HUNT_CROSSLEY_LOG_LINEAR: Self = Self::from_code(9);
+    // Listed, its name would make the refusal of another one wider than a terminal.
+    HUNT_CROSSLEY_LOG_LINEAR = 9, HuntCrossley, "log_linear",
+        "Recursive least squares on the logarithm of the force, a baseline",
+        offer: Offer::Unlisted;
 }
 
 /// The estimator, scaled: θ = [ln K, λ/K, n].
@@ -51,10 +52,8 @@ impl<T: Real> LogLinear<T> {
     /// K, λ, n.
     fn values(&self) -> [T; 3] {
         let [log, share, exponent]: [T; 3] = self.rls.theta.into();
-        let bound = T::from_f64(LOG_STIFFNESS);
-        let stiffness = within(log, -bound, bound).exp();
-        let (least, most) = EXPONENT;
-        let exponent = within(exponent, T::from_f64(least), T::from_f64(most));
+        let stiffness = within(log, (-LOG_STIFFNESS, LOG_STIFFNESS)).exp();
+        let exponent = within(exponent, EXPONENT);
         [stiffness, share * stiffness, exponent]
     }
 
@@ -68,22 +67,8 @@ impl<T: Real> LogLinear<T> {
     }
 }
 
-fn within<T: Real>(value: T, least: T, most: T) -> T {
-    let raised = least.max_of(value);
-    if raised > most { most } else { raised }
-}
-
 impl<T: Real> Identify<T> for LogLinear<T> {
-    // Listed, it would make the refusal of another name wider than a terminal.
-    const METHODS: &'static [MethodInfo] = &[MethodInfo {
-        offer: Offer::Unlisted,
-        ..MethodInfo::new(
-            Method::HUNT_CROSSLEY_LOG_LINEAR,
-            LawKind::HuntCrossley,
-            "log_linear",
-            "Recursive least squares on the logarithm of the force, a baseline",
-        )
-    }];
+    const METHODS: &'static [MethodInfo] = METHODS;
 
     fn predict(&self, at: &Instant<T>) -> (T, T) {
         if at.depth <= T::zero() {

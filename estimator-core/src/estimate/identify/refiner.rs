@@ -10,14 +10,13 @@ use nalgebra::Vector5;
 
 use super::ForceNoise;
 use super::bank::Candidate;
+use super::bounds::{EXPONENT, within};
 use super::pool::Pooled;
 use crate::estimate::rls::Ud;
 use crate::maths::scalar::Real;
 
 /// Memory of the error energies (pools).
 const ENERGY_MEMORY: f64 = 8.0;
-/// Bounds of n, so that no step makes a power that single precision cannot hold.
-const EXPONENT: (f64, f64) = (0.3, 4.0);
 /// Largest variance of the position in the filter's window, over the square of the depth.
 const WIDEST: f64 = 0.15;
 /// Standard deviations beyond which an error loses weight (Huber 1964).
@@ -38,9 +37,9 @@ pub struct Refiner<T: Real> {
     covariance: Ud<T, 5>,
     /// Σ of the weighted gradients: what a constant error of the force would do.
     moment: Vector5<T>,
-    energy: T,
-    bend: T,
-    learned: T,
+    pub(super) energy: T,
+    pub(super) linearization_error: T,
+    pub(super) learned: T,
 }
 
 /// What is not known at the start, as prior standard deviations, scaled.
@@ -75,7 +74,7 @@ impl<T: Real> Refiner<T> {
             covariance: Ud::new(T::one()),
             moment: Vector5::repeat(T::zero()),
             energy: start.residual,
-            bend: T::zero(),
+            linearization_error: T::zero(),
             learned: T::zero(),
         }
     }
@@ -98,7 +97,13 @@ impl<T: Real> Refiner<T> {
     pub fn values(&self) -> [T; 5] {
         let [stiffness, damping, exponent, surface, skew]: [T; 5] =
             (self.reference + self.deviation.component_mul(&self.prior)).into();
-        [stiffness, damping, bounded(exponent), surface, skew]
+        [
+            stiffness,
+            damping,
+            within(exponent, EXPONENT),
+            surface,
+            skew,
+        ]
     }
 
     /// Standard errors of K, λ, n, x₀, τ, scaled, where the resting force is known to within
@@ -125,28 +130,13 @@ impl<T: Real> Refiner<T> {
             .all(|(own, other)| *own <= square * *other)
     }
 
-    /// Samples learned from.
-    pub fn learned(&self) -> T {
-        self.learned
-    }
-
-    /// Recent mean of e², scaled by F₀².
-    pub fn energy(&self) -> T {
-        self.energy
-    }
-
-    /// Recent mean square of what the linearisation leaves out, scaled by F₀².
-    pub fn bend(&self) -> T {
-        self.bend
-    }
-
     /// F̂ and its variance from the parameters' errors, scaled.
     pub fn predict(&self, at: &Pooled<T>) -> (T, T) {
         let predicted = predict(&self.values(), at);
         let phi = predicted.gradient.component_mul(&self.prior);
         // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
         let slope = predicted.gradient.w;
-        let model = self.covariance.variance(&phi) + self.bend;
+        let model = self.covariance.variance(&phi) + self.linearization_error;
         (
             predicted.force,
             model + slope * slope * at.quantization_variance,
@@ -171,11 +161,12 @@ impl<T: Real> Refiner<T> {
         self.deviation += update.gain * (error / noise.raw);
         self.moment = self.moment * beta + phi_noise * weight;
         let here = predict(&self.values(), at).force;
-        let bend = here - there.force - phi.dot(&self.deviation);
+        let linearization_error = here - there.force - phi.dot(&self.deviation);
         let left = at.force - here;
         let share = T::from_f64(1.0 / ENERGY_MEMORY);
         self.energy += share * (left * left - self.energy);
-        self.bend += share * (bend * bend - self.bend);
+        self.linearization_error +=
+            share * (linearization_error * linearization_error - self.linearization_error);
         self.learned += at.count;
     }
 
@@ -186,7 +177,7 @@ impl<T: Real> Refiner<T> {
         let variance = noise.raw * noise.raw;
         let certain = variance / (variance + quantization);
         let model = self.covariance.variance(phi);
-        let left = noise.filtered * noise.filtered / certain + model + self.bend;
+        let left = noise.filtered * noise.filtered / certain + model + self.linearization_error;
         let expected = T::from_f64(HUBER) * left.sqrt();
         let size = error.abs();
         if size > expected {
@@ -238,15 +229,6 @@ fn predict<T: Real>(theta: &[T; 5], at: &Pooled<T>) -> Predicted<T> {
     Predicted {
         force: force - skew * at.rate,
         gradient: Vector5::new(by_stiffness, by_damping, force * log, by_surface, -at.rate),
-    }
-}
-
-fn bounded<T: Real>(exponent: T) -> T {
-    let raised = T::from_f64(EXPONENT.0).max_of(exponent);
-    if raised > T::from_f64(EXPONENT.1) {
-        T::from_f64(EXPONENT.1)
-    } else {
-        raised
     }
 }
 
@@ -302,7 +284,11 @@ mod tests {
             // The prior of the last generation: one sample against 1500.
             assert!((value - truth).abs() < 1e-4, "{:?}", refiner.values());
         }
-        assert!(refiner.bend() < 1e-8, "{}", refiner.bend());
+        assert!(
+            refiner.linearization_error < 1e-8,
+            "{}",
+            refiner.linearization_error
+        );
     }
 
     #[test]

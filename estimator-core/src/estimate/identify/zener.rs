@@ -18,15 +18,15 @@ use super::params::{IdentifyParams, SPEED_PER_DEPTH};
 use super::slots::size;
 use super::{Identify, Instant};
 use crate::estimate::config::Inversion;
-use crate::estimate::method::{Method, MethodInfo, Offer};
+use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::maths::{Dual, Real, Scalar};
-use crate::physics::law::LawKind;
 
-impl Method {
+methods! {
     /// Zener as ARX by recursive least squares, (18).
-    pub const ZENER_ARX: Self = Self::from_code(3);
+    ZENER_ARX = 3, Zener, "arx", "Recursive least squares on force and depth of two samples",
+        offer: Offer::Default;
 }
 
 /// The standard linear solid, scaled: θ = [α, μ, κ].
@@ -139,15 +139,7 @@ impl<T: Real> ZenerArx<T> {
 }
 
 impl<T: Real> Identify<T> for ZenerArx<T> {
-    const METHODS: &'static [MethodInfo] = &[MethodInfo {
-        offer: Offer::Default,
-        ..MethodInfo::new(
-            Method::ZENER_ARX,
-            LawKind::Zener,
-            "arx",
-            "Recursive least squares on force and depth of two samples",
-        )
-    }];
+    const METHODS: &'static [MethodInfo] = METHODS;
 
     /// F̂ from the last sample used, at most one period ago; from rest if there is none.
     fn predict(&self, at: &Instant<T>) -> (T, T) {

@@ -4,6 +4,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::split_force::SplitForce;
 use crate::estimate::config::Weight;
+use crate::estimate::identify::bounds::{EXPONENT, within};
 use crate::estimate::identify::contract::{ForceNoise, Instant};
 use crate::estimate::identify::equation_error::{Equation, EquationError};
 use crate::estimate::identify::hunt_crossley::LOG_SIGMAS;
@@ -12,8 +13,6 @@ use crate::estimate::identify::slots::size;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::maths::scalar::Real;
 
-/// Bounds of the exponent γ₂ in F̂⁽ᵉ⁾: no start value makes a number that single precision cannot hold.
-const EXPONENT: (f64, f64) = (0.3, 4.0);
 /// Bound of |ln γ₁|, with γ₁ in units of the reference force.
 const LOG_STIFFNESS: f64 = 20.0;
 
@@ -54,9 +53,6 @@ impl<T: Real> ElasticStage<T> {
     /// ln γ̂₁ and γ̂₂ within their bounds.
     fn parameters(&self) -> (T, T) {
         let theta = &self.gamma_1.rls.theta;
-        let within = |value: T, (low, high): (f64, f64)| {
-            T::from_f64(low).max_of(value).min_of(T::from_f64(high))
-        };
         (
             within(theta.x, (-LOG_STIFFNESS, LOG_STIFFNESS)),
             within(theta.y, EXPONENT),

@@ -42,15 +42,15 @@ struct Cell<T> {
 pub(super) struct RelaxationBank<T> {
     cells: [[[Cell<T>; RATES]; EXPONENTS]; SURFACES],
     first_surface: T,
-    surface_step: T,
+    pub(super) surface_step: T,
     columns: usize,
     /// Exponents that are in use: 1 if it is known to be 1.
     rows: usize,
     yy: T,
     weight: T,
-    span: (T, T),
+    pub(super) span: (T, T),
     /// Number of the block that is being taken, and the surface that takes it next.
-    next: u32,
+    pub(super) next: u32,
     column: usize,
     /// What the block's duration does to each rate.
     courses: [(T, T); RATES],
@@ -92,21 +92,6 @@ impl<T: Real> RelaxationBank<T> {
             round: [None; 2],
             best: [None; 2],
         }
-    }
-
-    /// Number of the block that it takes next.
-    pub(super) fn next(&self) -> u32 {
-        self.next
-    }
-
-    /// Distance between two surfaces.
-    pub(super) fn surface_step(&self) -> T {
-        self.surface_step
-    }
-
-    /// Smallest and largest force seen.
-    pub(super) fn span(&self) -> (T, T) {
-        self.span
     }
 
     /// Where the best cell stands, of all or of those with n = 1.
@@ -182,7 +167,7 @@ impl<T: Real> RelaxationBank<T> {
         self.yy += weight * force * force;
         self.span = if self.weight > T::zero() {
             let (low, high) = self.span;
-            (if force < low { force } else { low }, high.max_of(force))
+            (low.min_of(force), high.max_of(force))
         } else {
             (force, force)
         };
@@ -197,12 +182,7 @@ fn keep<T: Real>(kept: &mut Option<Best<T>>, best: Best<T>) {
 }
 
 fn weight_of<T: Real>(block: &Block<T>) -> T {
-    let most = T::from_f64(MOST_COUNTED);
-    if block.count > most {
-        most
-    } else {
-        block.count
-    }
+    block.count.min_of(T::from_f64(MOST_COUNTED))
 }
 
 fn log_rate_of(rate: usize) -> f64 {

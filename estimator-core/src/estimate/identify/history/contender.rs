@@ -188,7 +188,7 @@ impl<T: Real> Contender<T> {
     /// The first of the two passes at the next reference. What has left the history is known for all
     /// parameters together: then it is one over all of them.
     pub(super) fn first_pass(&self, surface_error: T) -> Pass<T> {
-        if self.anchor.is_informed() && !self.tries_starts() {
+        if self.anchor.informed && !self.tries_starts() {
             return self.full_pass(&self.proposed, surface_error);
         }
         Pass {
@@ -208,7 +208,7 @@ impl<T: Real> Contender<T> {
     /// Whether a reference is no worse than the one before, by what it costs at best; else the next
     /// one is halfway. Costs over other data cannot be compared: there every reference is accepted.
     pub(super) fn accepts(&mut self, pass: &GaussNewton<T>) -> bool {
-        let (cost, blocks) = (pass.residual(), pass.blocks());
+        let (cost, blocks) = (pass.residual(), pass.blocks);
         let grown = blocks > T::from_f64(GROWN) * self.compared;
         let worse = match self.accepted {
             Some((_, before)) if !grown => {
@@ -218,7 +218,7 @@ impl<T: Real> Contender<T> {
         };
         if pass.is_sound() && (!worse || self.rejected >= 3) {
             self.rejected = 0;
-            self.accepted = Some((pass.reference(), cost));
+            self.accepted = Some((pass.reference, cost));
             self.compared = blocks;
             return true;
         }
@@ -237,7 +237,7 @@ impl<T: Real> Contender<T> {
         let cost = pass.residual();
         let better = self.best_start.is_none_or(|(_, kept)| cost < kept);
         if pass.is_sound() && better {
-            self.best_start = Some((pass.reference(), cost));
+            self.best_start = Some((pass.reference, cost));
         }
         self.trial += 1;
         if self.trial >= FASTER.len() * SLOWER.len() {
@@ -253,7 +253,7 @@ impl<T: Real> Contender<T> {
 
     /// Takes a finished pass over all parameters; returns whether it is one to go on from.
     pub(super) fn finish(&mut self, pass: &GaussNewton<T>, surface_error: T) -> bool {
-        self.finished = pass.next();
+        self.finished = pass.next;
         self.passes = self.passes.saturating_add(1);
         if !pass.is_sound() {
             self.accepted = None;
@@ -264,9 +264,9 @@ impl<T: Real> Contender<T> {
         self.step = pass.step();
         self.linear = pass.is_linear();
         self.residual = pass.residual();
-        self.blocks = pass.blocks();
+        self.blocks = pass.blocks;
         if self.accepted.is_none() {
-            self.accepted = Some((pass.reference(), pass.cost()));
+            self.accepted = Some((pass.reference, pass.cost()));
         }
         true
     }

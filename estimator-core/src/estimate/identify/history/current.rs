@@ -56,7 +56,7 @@ impl<T: Real> Current<T> {
     }
 
     fn at(&self, block: &Block<T>) -> Predicted<T> {
-        predict(&self.fit.values(), self.fit.law(), &self.live, block)
+        predict(&self.fit.values(), self.fit.law, &self.live, block)
     }
 
     /// Whether every parameter is known to a few percent.
@@ -76,7 +76,7 @@ fn estimates<T: Real>(fit: &GaussNewton<T>) -> [ParameterEstimate<T>; PARAMETER_
     };
     let stiffness = slots.theta[STIFFNESS];
     slots.put(0, stiffness, &unit(STIFFNESS), size(stiffness, stiffness));
-    match fit.law() {
+    match fit.law {
         LawKind::KelvinVoigt | LawKind::HuntCrossley => slots.put_damped(stiffness),
         LawKind::Zener => slots.put_zener(stiffness),
         law => slots.put_modes(stiffness, modes(law)),

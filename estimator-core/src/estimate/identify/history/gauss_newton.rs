@@ -40,21 +40,23 @@ const RECENT: f64 = 16.0;
 /// that P(0) = I.
 #[derive(Clone, Debug)]
 pub(super) struct GaussNewton<T: Real> {
-    law: LawKind,
-    reference: Theta<T>,
+    pub(super) law: LawKind,
+    pub(super) reference: Theta<T>,
     /// (θ − reference)/prior
     deviation: Theta<T>,
     prior: Theta<T>,
     covariance: Ud<T, SLOTS>,
     relaxation: RelaxationState<T>,
     /// Number of the next block.
-    next: u32,
-    /// Σ of squared errors at the reference, and of squared residuals, over their variance.
+    pub(super) next: u32,
+    /// Sums of squared errors at the reference, and of squared residuals, over their variance.
     cost: T,
     residual: T,
-    blocks: T,
+    /// The number of blocks that were learned from.
+    pub(super) blocks: T,
     recent: T,
-    informed: bool,
+    /// Whether anything was learned, by this fit or by the one that it goes on from.
+    pub(super) informed: bool,
 }
 
 impl<T: Real> GaussNewton<T> {
@@ -178,29 +180,6 @@ impl<T: Real> GaussNewton<T> {
         self.relaxation = predict(&self.reference, self.law, &self.relaxation, block).relaxation;
     }
 
-    /// Makes this block the next one.
-    pub(super) fn starts_at(&mut self, block: u32) {
-        self.next = block;
-    }
-
-    pub(super) fn law(&self) -> LawKind {
-        self.law
-    }
-
-    /// Number of the next block.
-    pub(super) fn next(&self) -> u32 {
-        self.next
-    }
-
-    /// The number of blocks that were learned from.
-    pub(super) fn blocks(&self) -> T {
-        self.blocks
-    }
-
-    pub(super) fn reference(&self) -> Theta<T> {
-        self.reference
-    }
-
     fn unbounded(&self) -> Theta<T> {
         self.reference + self.deviation.component_mul(&self.prior)
     }
@@ -229,11 +208,6 @@ impl<T: Real> GaussNewton<T> {
             }
         }
         bounded(self.law, self.reference + step * share)
-    }
-
-    /// Whether anything was learned, by this fit or by the one that it goes on from.
-    pub(super) fn is_informed(&self) -> bool {
-        self.informed
     }
 
     /// The relaxation that goes with [`GaussNewton::values`].

@@ -35,20 +35,13 @@ pub(super) struct Selection<T: Real> {
     passes: u32,
 }
 
-/// A finished pass whose fit is to be used from now on.
-pub(super) struct Taken<T: Real> {
-    pub(super) fit: GaussNewton<T>,
-    /// Its step was small and its errors are those of the noise.
-    pub(super) good: bool,
-}
-
 impl<T: Real> Selection<T> {
     /// The laws with nothing learned; their passes begin at block number `first`.
     pub(super) fn new(laws: &[LawKind], first: u32) -> Self {
         let mut contenders = [const { None }; MOST_LAWS];
         for (slot, law) in contenders.iter_mut().zip(laws) {
             let mut contender = Contender::new(*law);
-            contender.anchor.starts_at(first);
+            contender.anchor.next = first;
             *slot = Some(contender);
         }
         Selection {
@@ -94,20 +87,20 @@ impl<T: Real> Selection<T> {
     ) -> bool {
         let simpler = self.simplest();
         let due = history.next().saturating_sub(KEPT);
-        let behind = |one: &&mut Contender<T>| one.anchor.next() < due;
+        let behind = |one: &&mut Contender<T>| one.anchor.next < due;
         let Some(contender) = self.contenders.iter_mut().flatten().find(behind) else {
             return false;
         };
-        match history.get(contender.anchor.next()) {
+        match history.get(contender.anchor.next) {
             Some(block) => contender.release(block, noise_raw, surface_error, simpler.as_ref()),
-            None => contender.anchor.starts_at(history.oldest()),
+            None => contender.anchor.next = history.oldest(),
         }
         true
     }
 
     /// Whether the pass that is under way has come to the newest block.
     pub(super) fn has_finished(&self, history: &BlockHistory<T>) -> bool {
-        let ends = |pass: &Pass<T>| pass.fit.next() >= history.next();
+        let ends = |pass: &Pass<T>| pass.fit.next >= history.next();
         self.pass.as_ref().is_some_and(ends)
     }
 
@@ -125,7 +118,7 @@ impl<T: Real> Selection<T> {
             return;
         };
         for taken in 0..BLOCKS_PER_SAMPLE - u32::from(searched) {
-            match history.get(pass.fit.next()) {
+            match history.get(pass.fit.next) {
                 Some(block) => pass.fit.learn(block, noise_raw, T::one()),
                 None if taken > 0 => return,
                 // Overtaken by the end of the history.
@@ -139,7 +132,7 @@ impl<T: Real> Selection<T> {
 
     /// Begins a pass of the contender whose turn it is, if there is something for it to find.
     fn begin(&mut self, history: &BlockHistory<T>, bank: &RelaxationBank<T>) {
-        let (low, high) = bank.span();
+        let (low, high) = bank.span;
         if high < T::from_f64(FIRST_RANGE) * low {
             return;
         }
@@ -154,16 +147,18 @@ impl<T: Real> Selection<T> {
         };
         let linear = matches!(contender.law, LawKind::Zener | LawKind::KelvinVoigt);
         if contender.proposes(history.next(), simpler, || bank.best(linear)) {
-            self.pass = Some(contender.first_pass(bank.surface_step()));
+            self.pass = Some(contender.first_pass(bank.surface_step));
         }
     }
 
-    /// Takes the pass that has come to the newest block; `current` is the fit in use.
+    /// Takes the pass that has come to the newest block; `current` is the fit in use. Returns the fit
+    /// that takes its place, if there is one, and whether it is good: its last step was small and its
+    /// errors are those of the noise.
     pub(super) fn finish(
         &mut self,
         current: Option<&GaussNewton<T>>,
         surface_error: T,
-    ) -> Option<Taken<T>> {
+    ) -> Option<(GaussNewton<T>, bool)> {
         let Pass { fit, projected } = self.pass.take()?;
         let contender = self.contenders.get_mut(self.turn)?.as_mut()?;
         if projected {
@@ -182,7 +177,7 @@ impl<T: Real> Selection<T> {
         self.champion = self.turn;
         let near = self.turns()?.step < T::from_f64(NEAR);
         let good = near && fit.residual() < T::from_f64(BAD);
-        Some(Taken { fit, good })
+        Some((fit, good))
     }
 
     fn turns(&self) -> Option<&Contender<T>> {

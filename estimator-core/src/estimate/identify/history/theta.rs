@@ -4,6 +4,7 @@
 
 use nalgebra::SVector;
 
+use crate::estimate::identify::bounds::{EXPONENT as EXPONENT_BOUNDS, within};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
@@ -19,8 +20,7 @@ pub(super) const MODES: [(usize, usize); 2] = [(4, 5), (6, 7)];
 /// The parameter vector θ.
 pub(super) type Theta<T> = SVector<T, SLOTS>;
 
-/// Bounds of n and of ln ν: no step makes a power that single precision cannot hold.
-const EXPONENTS: (f64, f64) = (0.3, 4.0);
+/// Bounds of ln ν: no step makes an exponential that single precision cannot hold.
 const LOG_RATES: (f64, f64) = (-9.0, 4.5);
 /// Bounds of B/K.
 const FRACTIONS: (f64, f64) = (0.003, 0.99);
@@ -47,17 +47,12 @@ pub(super) fn has(law: LawKind) -> (bool, bool) {
 
 /// θ within its bounds, with 0 or 1 for what the law does not have.
 pub(super) fn bounded<T: Real>(law: LawKind, mut theta: Theta<T>) -> Theta<T> {
-    let within = |value: T, (low, high): (f64, f64)| {
-        let raised = T::from_f64(low).max_of(value);
-        let high = T::from_f64(high);
-        if raised > high { high } else { raised }
-    };
     let (damps, curves) = has(law);
     if !damps {
         theta[DAMPING] = T::zero();
     }
     theta[EXPONENT] = if curves {
-        within(theta[EXPONENT], EXPONENTS)
+        within(theta[EXPONENT], EXPONENT_BOUNDS)
     } else {
         T::one()
     };
