@@ -56,9 +56,9 @@ pub struct MethodInfo {
     pub alpha_1: f32,
 }
 
-/// Declares the methods of an estimator: the constant of each, with its number, and `METHODS`, the rows
-/// with their facts. A fact that is left out is that of most methods: asked for by name, the surface
-/// taken from the impact, no history, and large errors forgotten within a thousand samples.
+/// Declares the methods of an estimator: the constant of each, with its number, and `METHODS`, the
+/// rows with their facts. A fact that is left out is that of most methods: asked for by name, the
+/// surface taken from the impact, no history, and large errors forgotten within a thousand samples.
 macro_rules! methods {
     ($($(#[$doc:meta])* $constant:ident = $code:literal, $law:ident, $name:literal, $about:literal
         $(, $fact:ident: $value:expr)*;)*) => {

@@ -12,7 +12,8 @@ use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
 
-/// Forgetting (50 000 samples): one material shall only get better; another clears the covariance.
+/// Forgetting factor of a memory of 50 000 samples: the estimates of one material only get better,
+/// and another material clears the covariance.
 const BETA: f64 = 0.99998;
 
 methods! {
@@ -21,7 +22,8 @@ methods! {
         offer: Offer::Default, finds_surface: true;
 }
 
-/// The estimator, scaled: θ = [K, λ, −K·(x₀ − origin)], the origin being the first impact.
+/// The estimator of Kelvin–Voigt with the surface, scaled: θ = [K, λ, −K·(x₀ − origin)], where the
+/// origin is the first impact.
 #[derive(Clone, Debug)]
 pub struct Affine<T: Real> {
     rls: Rls<T, 3>,
@@ -30,7 +32,7 @@ pub struct Affine<T: Real> {
 }
 
 impl<T: Real> Affine<T> {
-    /// θ̂(0) and P(0) from the configuration.
+    /// The estimator before the first contact, with θ̂(0) and P(0) of the configuration.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = params.start;
         let theta = Vector3::new(start.stiffness, start.damping, T::zero());

@@ -84,8 +84,8 @@ pub trait Identify<T: Real> {
         params.law
     }
 
-    /// Position x₀/δ₀ of the surface and its standard error at a noise of the force, once an estimator
-    /// that has it among its parameters knows it.
+    /// Position x₀/δ₀ of the surface and its standard error at a noise of the force, once an
+    /// estimator that has it among its parameters knows it.
     fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {
         None
     }

@@ -4,11 +4,11 @@
 //! weighted, from the samples that press faster than δ̇*: there nothing has relaxed yet.
 //! Γ₂ estimates the filter from y₂ = F − F̂⁽ᵉ⁾ and φ₂ = [F(h−1)…, F̂⁽ᵉ⁾(h−1)…] of all the others.
 //!
-//! Γ₂ is written in differences of z = F − F̂⁽ᵉ⁾, which is the same model for the same data; for r = 1
-//! (z(h) − z(h−1))/T = −α·z(h−1) + β·F̂⁽ᵉ⁾(h−1), a₁ = αT − 1, b₁ = βT − 1 + αT.
-//! At 1 kHz a mode of 0.1/s is a pole at 0.9999, whose distance from 1 single precision keeps to
-//! three digits. Γ₂ therefore takes means over half of the filter's memory (r = 1, 8 ms by default) or
-//! forty times as long (r = 2, whose second differences amplify noise with 1/T²).
+//! Γ₂ is written in differences of z = F − F̂⁽ᵉ⁾, which is the same model for the same data; for r =
+//! 1 (z(h) − z(h−1))/T = −α·z(h−1) + β·F̂⁽ᵉ⁾(h−1), a₁ = αT − 1, b₁ = βT − 1 + αT. At 1 kHz a mode of
+//! 0.1/s is a pole at 0.9999, whose distance from 1 single precision keeps to three digits. Γ₂
+//! therefore takes means over half of the filter's memory (r = 1, 8 ms by default) or forty times as
+//! long (r = 2, whose second differences amplify noise with 1/T²).
 
 mod elastic;
 mod relaxation;
@@ -19,7 +19,7 @@ use nalgebra::{Matrix2, Vector2};
 use relaxation::RelaxationStage;
 
 use super::contract::{ForceNoise, Identify, Instant};
-use super::modes::Pace;
+use super::modes::ModelPeriod;
 use super::params::IdentifyParams;
 use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
@@ -57,9 +57,9 @@ pub type Cascade2<T> = Cascade<T, 2, 4>;
 impl<T: Real, const R: usize, const N: usize> Cascade<T, R, N> {
     /// Starts from θ̂(0) and P(0) of the configuration, with a material that does not relax.
     pub fn new(params: &IdentifyParams<T>) -> Self {
-        let half_window = Pace::new(params);
+        let half_window = ModelPeriod::new(params);
         Cascade {
-            elastic: ElasticStage::new(params, half_window.period_s()),
+            elastic: ElasticStage::new(params, half_window.seconds()),
             relaxation: RelaxationStage::new(params, half_window),
             loading_speed: params.cascade.loading_speed,
             memory_samples: params.memory_samples,

@@ -3,10 +3,10 @@
 //! What relaxes remembers: a filter that starts anew at a better reference does not know what the
 //! material went through, and a press that is followed by a hold is the only thing that ever tells
 //! the exponent. So the recent past is kept, condensed ([`block_history`]), and Gauss–Newton passes
-//! over it, two blocks a sample, at ever better references ([`gauss_newton`]); what leaves the history
-//! stays as a covariance and a state of relaxation. A bank of exact fits says where to start
-//! ([`bank`]). Each pass measures what its reference costs exactly, so that a step that made it worse
-//! is halved ([`contender`]). A method with several laws chooses among them ([`selection`]).
+//! over it, two blocks a sample, at ever better references ([`gauss_newton`]); what leaves the
+//! history stays as a covariance and a state of relaxation. A bank of exact fits says where to start
+//! ([`bank`]). Each pass measures what its reference costs exactly, so that a step that made it
+//! worse is halved ([`contender`]). A method with several laws chooses among them ([`selection`]).
 
 mod bank;
 mod block;
@@ -90,8 +90,8 @@ pub struct HistoryFit<T: Real> {
     impact: Option<(T, T)>,
     /// Blocks that were learned from.
     learned: u32,
-    /// The estimate has once been good: from here on an error of the prediction is one of the law or a
-    /// change of material, and not of an estimate still under way.
+    /// The estimate has once been good: from here on an error of the prediction is one of the law or
+    /// a change of material, and not of an estimate still under way.
     trusted: bool,
 }
 

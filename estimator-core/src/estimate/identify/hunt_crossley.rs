@@ -16,10 +16,10 @@ use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
 
-/// Γ₂ takes forces above this many standard deviations of the filtered force: the logarithm of a
-/// noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
+/// Γ₂ learns from forces above this many standard deviations of the filtered force: the logarithm of
+/// a noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
 pub(super) const LOG_SIGMAS: f64 = 40.0;
-/// Γ₂ takes samples on which damping is less than this share of the spring: K̂δ₀ + λ̂δ̇ must be
+/// Γ₂ learns from samples on which damping is less than this share of the spring: K̂δ₀ + λ̂δ̇ must be
 /// positive and not small.
 const DAMPING_SHARE: f64 = 0.8;
 
@@ -29,7 +29,7 @@ methods! {
         alpha_1: 0.03;
 }
 
-/// The chapter's estimator, scaled: θ₁ = [K, λ], θ₂ = n.
+/// The chapter's two-stage estimator of Hunt–Crossley, scaled: θ₁ = [K, λ], θ₂ = n.
 #[derive(Clone, Debug)]
 pub struct TwoStage<T: Real> {
     gamma_1: Rls<T, 2>,
@@ -38,7 +38,7 @@ pub struct TwoStage<T: Real> {
     excitation: Excitation<T, 2>,
 }
 
-/// The two factors of F = (K + λw)·dⁿ at an instant, with the present estimates.
+/// The two factors of F = (K + λw)·dⁿ at an instant, with the current estimates.
 struct Split<T> {
     /// (δ/δ₀)^n̂
     shape: T,
@@ -49,7 +49,7 @@ struct Split<T> {
 }
 
 impl<T: Real> TwoStage<T> {
-    /// θ̂(0) and P(0) from the configuration.
+    /// The estimator before the first contact, with θ̂(0) and P(0) of the configuration.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = params.start;
         TwoStage {
@@ -77,12 +77,12 @@ impl<T: Real> TwoStage<T> {
         }
     }
 
-    /// ∂F/∂x₀, of d > 0.
+    /// The derivative ∂F/∂x₀, for d > 0.
     fn by_surface(at: &Instant<T>, split: &Split<T>) -> T {
         -(split.exponent * split.modulus * split.shape / at.depth)
     }
 
-    /// ∇F by (K, λ, n), of d > 0.
+    /// The gradient of F by (K, λ, n), for d > 0.
     fn gradient(at: &Instant<T>, split: &Split<T>) -> Vector3<T> {
         let force = split.modulus * split.shape;
         Vector3::new(split.shape, split.shape * at.speed, force * at.depth.ln())
@@ -141,7 +141,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
     fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let errors = self.confidence.std_errors(&at.noise, at.surface_error);
         let [stiffness, damping]: [T; 2] = self.gamma_1.theta.into();
-        // An exponent at its bound is no estimate: nothing is observable on the scale of it.
+        // An exponent at its bound is not an estimate: a scale of 0 makes it not observable.
         let bounded = self.exponent() != self.gamma_2.theta.x;
         let exponent = (self.exponent(), if bounded { T::zero() } else { T::one() });
         let values = [spring(stiffness), damper(damping, stiffness), exponent];

@@ -16,7 +16,7 @@ methods! {
     KELVIN_VOIGT = 1, KelvinVoigt, "rls", "Recursive least squares, the surface from the impact";
 }
 
-/// The linear estimator, scaled: θ = [K, λ].
+/// The estimator of Kelvin–Voigt at a given surface, scaled: θ = [K, λ].
 #[derive(Clone, Debug)]
 pub struct Linear<T: Real> {
     rls: Rls<T, 2>,
@@ -25,7 +25,7 @@ pub struct Linear<T: Real> {
 }
 
 impl<T: Real> Linear<T> {
-    /// θ̂(0) and P(0) from the configuration.
+    /// The estimator before the first contact, with θ̂(0) and P(0) of the configuration.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = params.start;
         Linear {

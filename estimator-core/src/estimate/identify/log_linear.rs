@@ -2,8 +2,8 @@
 //! Hashtrudi-Zaad 2012).
 //!
 //! ln F = ln K + n·ln d + ln(1 + λw/K) ≈ ln K + (λ/K)·w + n·ln d: linear in (ln K, λ/K, n) as long as
-//! the damping is a small share of the force. It is none on gel (1 + λw/K from 0.6 to 1.4), which
-//! bends K by 5 %. A baseline, not a recommendation.
+//! the damping is a small share of the force. On gel it is not (1 + λw/K goes from
+//! 0.6 to 1.4), and K is 5 % low. This is a baseline and no recommendation.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -28,7 +28,7 @@ methods! {
         offer: Offer::Unlisted;
 }
 
-/// The estimator, scaled: θ = [ln K, λ/K, n].
+/// The log-linear estimator of Hunt–Crossley, scaled: θ = [ln K, λ/K, n].
 #[derive(Clone, Debug)]
 pub struct LogLinear<T: Real> {
     rls: Rls<T, 3>,
@@ -37,7 +37,7 @@ pub struct LogLinear<T: Real> {
 }
 
 impl<T: Real> LogLinear<T> {
-    /// θ̂(0) and P(0) from the configuration.
+    /// The estimator before the first contact, with θ̂(0) and P(0) of the configuration.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = params.start;
         let stiffness = T::from_f64(1e-6).max_of(start.stiffness);
@@ -49,7 +49,7 @@ impl<T: Real> LogLinear<T> {
         }
     }
 
-    /// K, λ, n.
+    /// The estimates K, λ and n within their bounds.
     fn values(&self) -> [T; 3] {
         let [log, share, exponent]: [T; 3] = self.rls.theta.into();
         let stiffness = within(log, (-LOG_STIFFNESS, LOG_STIFFNESS)).exp();
@@ -57,7 +57,7 @@ impl<T: Real> LogLinear<T> {
         [stiffness, share * stiffness, exponent]
     }
 
-    /// ∇F by (K, λ, n), F and ∂F/∂x₀, of d > 0.
+    /// The gradient of F by (K, λ, n), F and ∂F/∂x₀, for d > 0.
     fn gradient(&self, at: &Instant<T>) -> (Vector3<T>, T, T) {
         let [stiffness, damping, exponent] = self.values();
         let shape = at.depth.pow_positive(exponent);
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_little_damping_is_found_and_gel_is_bent_by_what_the_logarithm_leaves_out() {
+    fn a_little_damping_is_found_and_gel_is_biased_by_what_the_logarithm_leaves_out() {
         // λw/K up to 0.011: ½(λw/K)² is 6e-5.
         let [stiffness, damping, exponent] = palpated(0.01);
         assert!((stiffness / 1.35 - 1.0).abs() < 1e-4, "{stiffness}");

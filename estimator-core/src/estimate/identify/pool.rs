@@ -1,26 +1,26 @@
-//! Neighbouring instants as one: what a refiner can remember of a stroke.
+//! Neighbouring instants pooled into one, so that a stroke fits into memory.
 //!
-//! Eight instants of a smooth motion teach as much by their mean as one by one, if the law is asked
-//! for its mean over the motion between them: variance and covariance say what that is, as they do for
-//! the filter's window. A second of contact then fits into 4 kB, and can be learned from again with
-//! a better linearisation.
+//! The mean of eight instants of a smooth motion holds as much information as the eight, if the law
+//! is averaged over the motion between them: variance and covariance give that average, as they do
+//! for the filter's window. A second of contact then fits into 4 kB, and can be learned from again
+//! with a better linearization.
 
 use super::Instant;
 use crate::maths::scalar::Real;
 
-/// Instants that are pooled.
+/// Number of instants in a pool.
 const SIZE: u32 = 8;
-/// Pools that are remembered: 1024 instants, over a second of contact.
+/// Number of pools in the ring: 1024 instants, more than a second of contact.
 pub(super) const MEMORY: usize = 128;
 
-/// The mean of some instants, scaled.
+/// The mean of consecutive instants, scaled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pooled<T> {
-    /// x/δ₀
+    /// Position x/δ₀.
     pub position: T,
-    /// δ̇/v₀
+    /// Rate of the depth, δ̇/v₀.
     pub speed: T,
-    /// F/F₀
+    /// Force F/F₀.
     pub force: T,
     /// Rate of the force.
     pub rate: T,
@@ -28,14 +28,14 @@ pub struct Pooled<T> {
     pub position_variance: T,
     /// Covariance of position and speed.
     pub position_velocity_cov: T,
-    /// Variance of the position's error, per instant.
+    /// Variance that the steps of the position sensor give the position of an instant.
     pub quantization_variance: T,
     /// Number of instants.
     pub count: T,
 }
 
 impl<T: Real> Pooled<T> {
-    /// One instant.
+    /// A pool of one instant.
     pub fn of(at: &Instant<T>) -> Self {
         Pooled {
             position: at.position(),
@@ -50,7 +50,7 @@ impl<T: Real> Pooled<T> {
     }
 }
 
-/// Gathers instants.
+/// Pools consecutive instants.
 #[derive(Clone, Debug, Default)]
 pub struct Pool<T> {
     first: Pooled<T>,
@@ -61,12 +61,12 @@ pub struct Pool<T> {
 }
 
 impl<T: Real> Pool<T> {
-    /// The next instant does not follow the last one: it begins another pool.
+    /// Makes the next instant begin another pool, as it does not follow the last one.
     pub fn close(&mut self) {
         self.closed = true;
     }
 
-    /// Takes an instant; gives a pool when one is complete.
+    /// Takes an instant; returns a pool when one is complete.
     pub fn take(&mut self, at: &Instant<T>) -> Option<Pooled<T>> {
         let at = Pooled::of(at);
         let cut = if self.closed { self.finish() } else { None };
@@ -113,7 +113,7 @@ impl<T: Real> Pool<T> {
     }
 }
 
-/// The newest pools.
+/// The newest pools, numbered from 0 on.
 #[derive(Clone, Debug)]
 pub struct PoolRing<T> {
     pools: [Pooled<T>; MEMORY],
@@ -138,7 +138,7 @@ impl<T: Real> PoolRing<T> {
         self.pushed = self.pushed.saturating_add(1);
     }
 
-    /// Pools so far.
+    /// Number of pools so far.
     pub fn pushed(&self) -> u32 {
         self.pushed
     }
@@ -148,7 +148,7 @@ impl<T: Real> PoolRing<T> {
         self.pushed.saturating_sub(MEMORY as u32)
     }
 
-    /// A pool by its number.
+    /// The pool with a number, if it is still there.
     pub fn get(&self, number: u32) -> Option<&Pooled<T>> {
         let there = number < self.pushed && number >= self.oldest();
         self.pools.get(number as usize % MEMORY).filter(|_| there)

@@ -1,10 +1,10 @@
-//! Gauss–Newton on all parameters at once, recursive: from a good start to the Cramér–Rao bound.
+//! Recursive Gauss–Newton on all parameters at once, from a good start to the Cramér–Rao bound.
 //!
-//! The model is linearised once, at a reference that stays, and the deviations from it are found by
-//! linear least squares: the result does not depend on the order of the samples, and nothing that an
-//! early, wrong gradient taught is kept. (An extended Kalman filter, whose gradient follows the
-//! estimate, ended 1–2 % off on gel at a claimed 0.13 %.) How much the linearisation leaves out is
-//! measured on every pool; when it matters, a successor learns from memory at a better reference.
+//! The model is linearized once, at a reference that stays, and the deviations from it are found by
+//! linear least squares: the result does not depend on the order of the samples, and nothing of an
+//! early, wrong gradient is kept. (An extended Kalman filter, whose gradient follows the
+//! estimate, ended 1–2 % off on gel at a claimed 0.13 %.) The linearization error is measured on
+//! every pool; when it matters, a successor learns from memory at a better reference.
 
 use nalgebra::Vector5;
 
@@ -15,19 +15,19 @@ use super::pool::Pooled;
 use crate::estimate::rls::Ud;
 use crate::maths::scalar::Real;
 
-/// Memory of the error energies (pools).
-const ENERGY_MEMORY: f64 = 8.0;
+/// Memory of the mean squares (pools).
+const MEAN_SQUARE_MEMORY: f64 = 8.0;
 /// Largest variance of the position in the filter's window, over the square of the depth.
 const WIDEST: f64 = 0.15;
 /// Standard deviations beyond which an error loses weight (Huber 1964).
 const HUBER: f64 = 5.0;
 
-/// A model F = (K + λw)·((x − x₀)/δ₀)ⁿ − τ·dF/dt under refinement; θ = (K, λ, n, x₀, τ), scaled. τ is
-/// by how much the force is read later than the position.
+/// A fit of F = (K + λw)·((x − x₀)/δ₀)ⁿ − τ·dF/dt with θ = (K, λ, n, x₀, τ), scaled, where τ is by
+/// how much the force is read later than the position.
 ///
 /// The covariance is kept in units of the prior standard deviations and of the noise of the raw
 /// force (filtering makes neighbours alike: a filtered sample is worth no more than a raw one), so
-/// that P(0) = I. A prior of 0 is a parameter that is known.
+/// that P(0) = I. A prior of 0 means that the parameter is known.
 #[derive(Clone, Debug)]
 pub struct Refiner<T: Real> {
     reference: Vector5<T>,
@@ -35,30 +35,33 @@ pub struct Refiner<T: Real> {
     deviation: Vector5<T>,
     prior: Vector5<T>,
     covariance: Ud<T, 5>,
-    /// Σ of the weighted gradients: what a constant error of the force would do.
+    /// Sum of the weighted gradients, by which a constant error of the force moves the estimate.
     moment: Vector5<T>,
-    pub(super) energy: T,
+    /// Recent mean squared residual, scaled by F₀².
+    pub(super) residual: T,
+    /// Recent mean square of what the linearization leaves out, scaled by F₀².
     pub(super) linearization_error: T,
+    /// Number of samples that were learned from.
     pub(super) learned: T,
 }
 
-/// What is not known at the start, as prior standard deviations, scaled.
+/// Prior standard deviations of surface and skew, scaled.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Prior<T> {
-    /// Of x₀.
+    /// Prior standard deviation of x₀.
     pub surface: T,
-    /// Of τ.
+    /// Prior standard deviation of τ.
     pub skew: T,
 }
 
-/// Force of an instant and its gradient.
+/// The force of a pool and its gradient.
 struct Predicted<T: Real> {
     force: T,
     gradient: Vector5<T>,
 }
 
 impl<T: Real> Refiner<T> {
-    /// From a start.
+    /// A refiner that linearizes at a start and has learned nothing.
     pub fn new(start: &Candidate<T>, skew: T, prior: &Prior<T>) -> Self {
         let half = T::from_f64(0.5) * start.stiffness;
         Refiner {
@@ -73,16 +76,16 @@ impl<T: Real> Refiner<T> {
             prior: Vector5::new(half, half, T::from_f64(0.2), prior.surface, prior.skew),
             covariance: Ud::new(T::one()),
             moment: Vector5::repeat(T::zero()),
-            energy: start.residual,
+            residual: start.residual,
             linearization_error: T::zero(),
             learned: T::zero(),
         }
     }
 
-    /// A refiner that knows nothing but where to linearise: at this one's values.
+    /// A refiner that linearizes at the estimates of this one and has learned nothing.
     pub fn successor(&self, prior: &Prior<T>) -> Self {
         let [stiffness, damping, exponent, surface, skew] = self.values();
-        let residual = self.energy;
+        let residual = self.residual;
         let start = Candidate {
             stiffness,
             damping,
@@ -93,7 +96,7 @@ impl<T: Real> Refiner<T> {
         Refiner::new(&start, skew, prior)
     }
 
-    /// K, λ, n, x₀, τ, scaled.
+    /// The estimates of K, λ, n, x₀ and τ, scaled.
     pub fn values(&self) -> [T; 5] {
         let [stiffness, damping, exponent, surface, skew]: [T; 5] =
             (self.reference + self.deviation.component_mul(&self.prior)).into();
@@ -106,8 +109,8 @@ impl<T: Real> Refiner<T> {
         ]
     }
 
-    /// Standard errors of K, λ, n, x₀, τ, scaled, where the resting force is known to within
-    /// `rest_error` and the noise of the force is `noise`.
+    /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force and a
+    /// noise of the force.
     pub fn std_errors(&self, rest_error: T, noise: &ForceNoise<T>) -> [T; 5] {
         let variances = self.covariance.variances();
         // A wrong resting force is not noise: it moves every sample the same way (Schmidt 1966).
@@ -117,8 +120,8 @@ impl<T: Real> Refiner<T> {
         self.prior.component_mul(&errors).into()
     }
 
-    /// Whether it knows every parameter within `factor` of how well another does.
-    pub fn knows_like(&self, other: &Self, factor: T) -> bool {
+    /// Whether every standard error is at most `factor` times that of another refiner.
+    pub fn knows_as_well_as(&self, other: &Self, factor: T) -> bool {
         let known = |refiner: &Self| {
             let variances = refiner.covariance.variances();
             variances.component_mul(&refiner.prior.component_mul(&refiner.prior))
@@ -127,10 +130,10 @@ impl<T: Real> Refiner<T> {
         known(self)
             .iter()
             .zip(known(other).iter())
-            .all(|(own, other)| *own <= square * *other)
+            .all(|(this, other)| *this <= square * *other)
     }
 
-    /// F̂ and its variance from the parameters' errors, scaled.
+    /// The force F̂ and its variance from the errors of the parameters, scaled.
     pub fn predict(&self, at: &Pooled<T>) -> (T, T) {
         let predicted = predict(&self.values(), at);
         let phi = predicted.gradient.component_mul(&self.prior);
@@ -163,16 +166,17 @@ impl<T: Real> Refiner<T> {
         let here = predict(&self.values(), at).force;
         let linearization_error = here - there.force - phi.dot(&self.deviation);
         let left = at.force - here;
-        let share = T::from_f64(1.0 / ENERGY_MEMORY);
-        self.energy += share * (left * left - self.energy);
+        let share = T::from_f64(1.0 / MEAN_SQUARE_MEMORY);
+        self.residual += share * (left * left - self.residual);
         self.linearization_error +=
             share * (linearization_error * linearization_error - self.linearization_error);
         self.learned += at.count;
     }
 
-    /// Weight of a sample: less than 1 where the error of the position makes its force less certain
-    /// (`quantization`, its variance as a force), and for an error that is not to be expected: where the
-    /// motion jumps between two samples, force and speed do not belong together.
+    /// Weight of a sample: less than 1 where the quantization of the position makes its force less
+    /// certain (`quantization` is the variance of the force by it), and for an error that is not to
+    /// be expected: where the motion jumps between two samples, force and speed do not belong
+    /// together.
     fn weight(&self, error: T, phi: &Vector5<T>, quantization: T, noise: &ForceNoise<T>) -> T {
         let variance = noise.raw * noise.raw;
         let certain = variance / (variance + quantization);
@@ -187,16 +191,16 @@ impl<T: Real> Refiner<T> {
         }
     }
 
-    /// The values can be a contact: finite, and a spring that pushes.
+    /// Whether the estimates can be a contact: finite, and a spring that pushes.
     pub fn is_sound(&self) -> bool {
         let values = self.values();
         values.iter().all(|value| value.is_finite())
             && values[0] > T::zero()
-            && self.energy.is_finite()
+            && self.residual.is_finite()
     }
 }
 
-/// Force and gradient of θ = (K, λ, n, x₀, τ) at a pool of instants.
+/// The force and its gradient by θ = (K, λ, n, x₀, τ) at a pool of instants.
 ///
 /// The filter averages a curved law over its window, which is ½F″·var(x) + (∂²F/∂x∂v)·cov(x, v) more
 /// than the law of the averages: 27 mN where a ramp of 17 mm/s meets a hold 3 mm deep in gel.
@@ -341,7 +345,8 @@ mod tests {
                 predict(&other, &at).force
             };
             let slope = (shifted(1e-6) - shifted(-1e-6)) / 2e-6;
-            // Central differences of a smooth function; without a variance within the window the gradient is exact.
+            // Central differences of a smooth function; without a variance within the window the
+            // gradient is exact.
             assert!(
                 (gradient[slot] - slope).abs() < 1e-6 * slope.abs().max(1.0),
                 "slot {slot}"

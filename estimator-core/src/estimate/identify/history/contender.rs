@@ -1,4 +1,4 @@
-//! A law that may be the right one, and where its passes stand.
+//! A law that may be the right one, and the state of its passes.
 
 use super::block::Block;
 use super::gauss_newton::GaussNewton;
@@ -10,7 +10,7 @@ use crate::physics::law::LawKind;
 pub(super) const NEAR: f64 = 1.0;
 /// and has converged when by less than this: the next one waits for news.
 const CONVERGED: f64 = 0.1;
-/// News: this share of the blocks.
+/// The share of blocks that counts as news.
 const NEWS: f64 = 0.1;
 /// A reference may cost this much more than the one before it (the data grow), and this share,
 const WORSE: f64 = 0.3;
@@ -25,18 +25,18 @@ const ONE_MODE_FIRST: u32 = 3;
 /// Where two modes start from one: factors on its rate, each fast one with each slow one.
 const FASTER: [f64; 3] = [1.5, 4.0, 12.0];
 const SLOWER: [f64; 3] = [0.7, 0.3, 0.1];
-/// Forgetting of what left the history (6000 blocks, 50 000 samples).
+/// Forgetting factor of what left the history: a memory of 6000 blocks, 50 000 samples.
 const ANCHOR_BETA: f64 = 0.99984;
 
 /// A pass over the history that is under way.
 #[derive(Clone, Debug)]
 pub(super) struct Pass<T: Real> {
     pub(super) fit: GaussNewton<T>,
-    /// The pass is over K, λ and B alone.
+    /// Whether the pass is over K, λ and B alone.
     pub(super) projected: bool,
 }
 
-/// A law and where its passes stand.
+/// A law and the state of its passes.
 #[derive(Clone, Debug)]
 pub(super) struct Contender<T: Real> {
     pub(super) law: LawKind,
@@ -47,19 +47,19 @@ pub(super) struct Contender<T: Real> {
     /// The next reference.
     proposed: Theta<T>,
     rejected: u32,
-    /// Passes since it started anew, and how often it did.
+    /// Number of passes since it started anew, and how often it did.
     pub(super) passes: u32,
     starts: u32,
     /// Number of the block at which it last finished a pass.
     finished: u32,
-    /// Blocks that the accepted reference was compared over.
+    /// Number of blocks that the accepted reference was compared over.
     compared: T,
     /// Where several starts are tried: what they come from, which one is being tried, and the best so
     /// far with its cost.
     origin: Theta<T>,
     trial: usize,
     best_start: Option<(Theta<T>, T)>,
-    /// Its parameters are known well enough for a gradient to hold.
+    /// Whether its parameters are known well enough for a gradient to hold.
     linear: bool,
     /// The last step in standard errors, its mean squared residual, and the number of its blocks.
     pub(super) step: T,
@@ -122,7 +122,7 @@ impl<T: Real> Contender<T> {
         self.accepted.is_none() || self.residual > T::from_f64(BAD)
     }
 
-    /// Where it stands, once it has made some passes.
+    /// Its next reference, once it has made some passes.
     pub(super) fn standing(&self) -> Option<Theta<T>> {
         (self.passes >= ONE_MODE_FIRST || self.converged()).then_some(self.proposed)
     }
@@ -171,8 +171,8 @@ impl<T: Real> Contender<T> {
         self.starts = self.starts.wrapping_add(1);
     }
 
-    /// Proposes the next of its starts. They come from one mode, every other time after a bad end from
-    /// where that was.
+    /// Proposes the next of its starts. They come from one mode, every other time after a bad end
+    /// from where that was.
     fn propose_start(&mut self, simpler: Theta<T>, bad: bool) {
         if self.trial == 0 {
             self.origin = if bad && self.starts % 2 == 1 {

@@ -1,9 +1,9 @@
 //! Recursive Gauss–Newton on whichever parameters a law has, at a reference that stays.
 //!
 //! A short contact tells the product of B and ν, not the two: a step that is straight in both leaves
-//! the valley. So each step of Gauss–Newton is two passes: one that finds K, λ and B for the n, x₀ and
-//! ν of the reference, exactly, since the force is linear in them, and says what these three cost at
-//! best; and one for all of θ from there (variable projection, Golub & Pereyra 1973).
+//! the valley. So each step of Gauss–Newton is two passes: one that finds K, λ and B for the n, x₀
+//! and ν of the reference, exactly, since the force is linear in them, and says what these three
+//! cost at best; and one for all of θ from there (variable projection, Golub & Pereyra 1973).
 
 use super::block::Block;
 use super::predict::{RelaxationState, predict};

@@ -1,4 +1,4 @@
-//! Passes over the history, law by law, and the law that the data speak for.
+//! Passes over the history, law by law, and the choice of the law by its evidence.
 //!
 //! The laws of a method take turns; a law takes over when the criterion of Bayes speaks for it
 //! (Schwarz 1978).
@@ -11,9 +11,9 @@ use super::theta::Theta;
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
-/// Blocks that a pass takes at one sample.
+/// Number of blocks that a pass takes at one sample.
 const BLOCKS_PER_SAMPLE: u32 = 2;
-/// Blocks over which the passes go; the rest of the history waits for its anchors.
+/// Number of blocks over which the passes go; the rest of the history waits to be released.
 const KEPT: u32 = BLOCKS as u32 - 8;
 /// Range of force that the blocks must cover before the first pass.
 const FIRST_RANGE: f64 = 2.0;
@@ -31,7 +31,7 @@ pub(super) struct Selection<T: Real> {
     /// The contender whose pass it is, and the one whose fit is in use.
     turn: usize,
     champion: usize,
-    /// Passes that were finished.
+    /// Number of passes that were finished.
     passes: u32,
 }
 
