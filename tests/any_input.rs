@@ -51,16 +51,16 @@ fn configurations() -> Vec<Config> {
     ];
     let mut all = Vec::new();
     let methods = [
-        Method::KelvinVoigt,
-        Method::HuntCrossleyTwoStage,
-        Method::ZenerArx,
-        Method::HammersteinCascade,
-        Method::HammersteinCascade2,
-        Method::ZenerBank,
-        Method::QuasiLinearBank,
-        Method::QuasiLinearBank2,
-        Method::HuntCrossleyLogLinear,
-        Method::HuntCrossleyBankSkew,
+        Method::KELVIN_VOIGT,
+        Method::HUNT_CROSSLEY_TWO_STAGE,
+        Method::ZENER_ARX,
+        Method::HAMMERSTEIN_CASCADE,
+        Method::HAMMERSTEIN_CASCADE_2,
+        Method::ZENER_BANK,
+        Method::QUASI_LINEAR_BANK,
+        Method::QUASI_LINEAR_BANK_2,
+        Method::HUNT_CROSSLEY_LOG_LINEAR,
+        Method::HUNT_CROSSLEY_BANK_SKEW,
     ];
     for method in methods {
         for filter in filters {

@@ -20,7 +20,7 @@ const SEED: u64 = 5;
 
 /// The chapter's own estimator on a material whose surface it knows.
 fn palpate(material: Material, seed: u64) -> Palpated {
-    demo::palpate(material, 0.0, seed, Method::HuntCrossleyTwoStage, true).unwrap()
+    demo::palpate(material, 0.0, seed, Method::HUNT_CROSSLEY_TWO_STAGE, true).unwrap()
 }
 
 /// K (N/m), λ (N s/m), n.
@@ -108,7 +108,7 @@ fn e1_and_e3_hold_with_the_chapters_filter_too() {
     };
     for material in [GEL, PLASTIC] {
         let palpated = palpate(material, SEED);
-        let estimation = with(&palpated.log, config, Method::HuntCrossleyTwoStage);
+        let estimation = with(&palpated.log, config, Method::HUNT_CROSSLEY_TWO_STAGE);
         for error in errors(last(&estimation), truth(&material)) {
             assert!(error < tolerance::CHAPTER, "{}: {error}", material.name);
         }
@@ -150,7 +150,7 @@ fn faults(estimation: &Estimation) -> (f64, f64) {
 fn e2_the_linear_model_shows_its_two_faults_on_gel_and_hunt_crossley_does_not() {
     // GIVEN the gel of the chapter, pressed and released
     let palpated = palpate(GEL, SEED);
-    let linear = with(&palpated.log, Config::default(), Method::KelvinVoigt);
+    let linear = with(&palpated.log, Config::default(), Method::KELVIN_VOIGT);
     // WHEN both laws are identified
     let (linear_n, linear_w) = faults(&linear);
     let (hunt_crossley_n, hunt_crossley_w) = faults(&palpated.estimation);
@@ -203,7 +203,7 @@ fn e4_after_a_swap_the_new_values_are_found_uninfluenced_by_the_old() {
     let (run, swap_s) = swapped();
     let log = run.log.uniform().unwrap();
     // WHEN the whole run is estimated, and the plastic alone as well
-    let both = with(&log, Config::default(), Method::HuntCrossleyTwoStage);
+    let both = with(&log, Config::default(), Method::HUNT_CROSSLEY_TWO_STAGE);
     let alone = palpate(PLASTIC, SEED);
     // THEN the gel is found before the swap and the plastic after it,
     let [gel, plastic] = both.outcome.segments.as_slice() else {

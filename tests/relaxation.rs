@@ -95,11 +95,11 @@ fn estimated(run: &Run, method: Method) -> Estimation {
 
 /// Every method, simplest law first: what `--law auto` tries.
 const ALL: [Method; 5] = [
-    Method::KelvinVoigt,
-    Method::HuntCrossleyTwoStage,
-    Method::ZenerArx,
-    Method::HammersteinCascade,
-    Method::HammersteinCascade2,
+    Method::KELVIN_VOIGT,
+    Method::HUNT_CROSSLEY_TWO_STAGE,
+    Method::ZENER_ARX,
+    Method::HAMMERSTEIN_CASCADE,
+    Method::HAMMERSTEIN_CASCADE_2,
 ];
 
 /// Relative errors of the first parameters against the truth, each with its error in units of its
@@ -151,7 +151,7 @@ fn e5_polyurethane_gives_up_its_elastic_response_and_its_relaxation() {
         let held_n = run.truth.force_n[50_000];
         assert_within("after the hold", held_n / peak_n, 0.68..0.75);
         // WHEN the cascade with one mode has seen it,
-        let estimation = estimated(&run, Method::HammersteinCascade);
+        let estimation = estimated(&run, Method::HAMMERSTEIN_CASCADE);
         // THEN the force is followed to its noise, through the peak, the hold and the release,
         let multiple = estimation.outcome.force_rmse_n.unwrap() / 0.02;
         assert_within("residual over noise", multiple, tolerance::E5_RESIDUAL);
@@ -190,7 +190,7 @@ fn settles<const N: usize>(
 #[test]
 fn e5_the_chapters_parameters_settle_within_a_few_seconds() {
     let run = e5(Law::QuasiLinear(POLYURETHANE), SEED);
-    let estimation = estimated(&run, Method::HammersteinCascade);
+    let estimation = estimated(&run, Method::HAMMERSTEIN_CASCADE);
     // γ₁ and γ₂, a₁ and b₁ of (38) at 1 ms; and the mode, of which a₁ = −0.99988 shows little.
     let values = |record: &Estimate<f32>| {
         let value = |slot: usize| record.parameters[slot].map(|p| f64::from(p.value));
@@ -216,7 +216,7 @@ fn e6_the_estimated_elastic_response_lies_on_the_real_one() {
     for seed in SEEDS {
         let run = e5(Law::QuasiLinear(POLYURETHANE), seed);
         let log = run.log.uniform().unwrap();
-        let estimation = with(&log, Config::default(), &[Method::HammersteinCascade]);
+        let estimation = with(&log, Config::default(), &[Method::HAMMERSTEIN_CASCADE]);
         let law = palpate::estimate::outcome::law_with(
             estimation.outcome.law,
             &estimation.outcome.parameters,
@@ -244,7 +244,7 @@ fn e6_the_estimated_elastic_response_lies_on_the_real_one() {
 fn a_zener_material_is_found_by_arx() {
     let truth = [3000.0, 4000.0, 1400.0];
     let estimations = SEEDS.map(|seed| {
-        let estimation = estimated(&palpated(Law::Zener(SOLID), seed), Method::ZenerArx);
+        let estimation = estimated(&palpated(Law::Zener(SOLID), seed), Method::ZENER_ARX);
         let multiple = estimation.outcome.force_rmse_n.unwrap() / 0.02;
         assert_within("residual over noise", multiple, tolerance::ZENER_RESIDUAL);
         assert_eq!(changes(&estimation), 0);
@@ -269,7 +269,7 @@ fn forward_euler_as_printed_has_the_bias_that_the_exact_inversion_has_not() {
             inversion,
             ..Config::default()
         };
-        let outcome = with(&log, config, &[Method::ZenerArx]).outcome;
+        let outcome = with(&log, config, &[Method::ZENER_ARX]).outcome;
         let value = |name| f64::from(outcome.value(name).unwrap().value);
         (value("stiffness") + value("second_stiffness")) / value("damping")
     };
@@ -286,11 +286,14 @@ fn the_law_that_relaxes_is_chosen_where_the_material_does_and_only_there() {
         estimation.replay.config.method
     };
     let polyurethane = e5(Law::QuasiLinear(POLYURETHANE), SEED);
-    assert_eq!(chosen(&polyurethane), Method::HammersteinCascade);
-    assert_eq!(chosen(&palpated(Law::Zener(SOLID), SEED)), Method::ZenerArx);
+    assert_eq!(chosen(&polyurethane), Method::HAMMERSTEIN_CASCADE);
+    assert_eq!(
+        chosen(&palpated(Law::Zener(SOLID), SEED)),
+        Method::ZENER_ARX
+    );
     assert_eq!(
         chosen(&palpated(Law::HuntCrossley(GEL.law), SEED)),
-        Method::HuntCrossleyTwoStage
+        Method::HUNT_CROSSLEY_TWO_STAGE
     );
 }
 
@@ -300,7 +303,7 @@ fn strokes_that_follow_each_other_mislead_the_cascade_and_it_says_so() {
     let mut law = POLYURETHANE;
     law.modes[0].rate_per_s = 1.0;
     let run = palpated(Law::QuasiLinear(law), SEED);
-    let estimation = estimated(&run, Method::HammersteinCascade);
+    let estimation = estimated(&run, Method::HAMMERSTEIN_CASCADE);
     assert_eq!(estimation.outcome.status, Status::ModelSuspect);
 }
 
@@ -316,7 +319,7 @@ fn two_modes_are_told_apart_roughly_and_the_errors_say_so() {
     }
     let estimation = estimated(
         &e5(Law::QuasiLinear(law), SEED),
-        Method::HammersteinCascade2,
+        Method::HAMMERSTEIN_CASCADE_2,
     );
     let fast = estimation.outcome.value("relaxation_rate_1").unwrap();
     assert_within(
@@ -346,8 +349,8 @@ fn single_precision_is_enough_for_a_pole_at_0_9999() {
     let slow = e5(Law::QuasiLinear(POLYURETHANE), SEED);
     let solid = palpated(Law::Zener(SOLID), SEED);
     for (run, method) in [
-        (&slow, Method::HammersteinCascade),
-        (&solid, Method::ZenerArx),
+        (&slow, Method::HAMMERSTEIN_CASCADE),
+        (&solid, Method::ZENER_ARX),
     ] {
         let log = run.log.uniform().unwrap();
         let single = end::<f32>(&log, method);
@@ -368,7 +371,7 @@ fn single_precision_is_enough_for_a_pole_at_0_9999() {
 fn a_ten_minute_hold_moves_nothing() {
     // GIVEN polyurethane pressed once, and a minute of hold
     let mut config = Config {
-        method: Method::HammersteinCascade,
+        method: Method::HAMMERSTEIN_CASCADE,
         ..Config::default()
     };
     config.contact.surface = Surface::Known { position_m: 0.0 };

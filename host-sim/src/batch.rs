@@ -93,7 +93,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         reference_depth_m: options.reference_depth_m,
         surface_m: options.surface_m,
     };
-    let Setup { config, notes } = setup(log, base, Method::KelvinVoigt, choices);
+    let Setup { config, notes } = setup(log, base, Method::KELVIN_VOIGT, choices);
     // The recursion finds the touches, the events and what is in the log; its estimates are dropped.
     let replay = replay(log, &config).map_err(|error| {
         Diagnostic::new(format!("the configuration cannot be used: {error}"))

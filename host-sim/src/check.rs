@@ -38,7 +38,7 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
     let estimation = estimate(
         &log,
         Config::default(),
-        &[Method::KelvinVoigt],
+        &[Method::KELVIN_VOIGT],
         Choices::default(),
     )?;
     let name = args.log.display().to_string();

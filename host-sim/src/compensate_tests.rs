@@ -40,7 +40,7 @@ fn recorded(model: &Model) -> UniformLog {
 
 /// How far each parameter is from the truth, in percent, and in standard errors.
 fn errors(log: &UniformLog) -> [(f64, f64); 3] {
-    let methods = [Method::HuntCrossleyBank];
+    let methods = [Method::HUNT_CROSSLEY_BANK];
     let found = estimate(log, Config::default(), &methods, Choices::default()).unwrap();
     TRUTH.map(|(name, truth)| {
         let Some(own) = found.outcome.value(name) else {

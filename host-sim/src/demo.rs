@@ -105,7 +105,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     )?;
     let mut shown = Vec::new();
     for (material, surface_m) in [(GEL, 180e-6), (PLASTIC, -120e-6)] {
-        let method = Method::HuntCrossleyBank;
+        let method = Method::HUNT_CROSSLEY_BANK;
         let palpated = palpate(material, surface_m, args.seed, method, false)?;
         say(found(&palpated))?;
         let path = args.out.join(format!("{}.csv", material.name));

@@ -2,6 +2,7 @@
 
 mod explain;
 pub(crate) mod files;
+mod methods;
 pub mod outcome;
 mod print;
 mod setup;
@@ -11,13 +12,15 @@ mod whole_log;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
+use estimator_core::estimate::identify::method_info;
 use estimator_core::estimate::method::Method;
 use estimator_core::physics::law::LawId;
 use estimator_core::{Config, Status};
 
 pub use explain::explain;
+pub use methods::MethodChoice;
 pub use outcome::Outcome;
 pub(crate) use print::headline;
 pub use setup::{Choices, Setup, setup};
@@ -132,74 +135,6 @@ fn law_choice() -> impl TypedValueParser<Value = LawChoice> {
     PossibleValuesParser::new(std::iter::once(auto).chain(laws)).map(|name| LawId::from_name(&name))
 }
 
-/// The methods on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum MethodChoice {
-    /// Recursive least squares, the surface from the impact (kelvin_voigt)
-    Rls,
-    /// Recursive least squares, surface included (kelvin_voigt)
-    RlsSurface,
-    /// Two recursive least squares in feedback (hunt_crossley)
-    TwoStage,
-    /// Recursive least squares on the logarithm of the force (hunt_crossley): a baseline, not listed
-    // Listed, it would make the refusal of another name wider than a terminal.
-    #[value(hide = true)]
-    LogLinear,
-    /// Recursive least squares on force and depth of two samples (zener)
-    Arx,
-    /// Elastic response while loading, then its relaxation in one mode (quasi_linear)
-    Cascade,
-    /// The same in two modes (quasi_linear)
-    #[value(name = "cascade_2")]
-    Cascade2,
-    /// Bank of exact fits and refiner, surface included (hunt_crossley, zener, quasi_linear)
-    Bank,
-    /// Four laws side by side, as the board would choose among them while it touches (auto)
-    Online,
-    /// The same with the skew of the sensors, by how much the force is read later (hunt_crossley)
-    #[value(name = "skew")]
-    BankSkew,
-    /// The whole log at once (every law)
-    Batch,
-}
-
-impl MethodChoice {
-    fn of(method: Method) -> Self {
-        match method {
-            Method::KelvinVoigt => MethodChoice::Rls,
-            Method::KelvinVoigtSurface => MethodChoice::RlsSurface,
-            Method::HuntCrossleyTwoStage => MethodChoice::TwoStage,
-            Method::HuntCrossleyLogLinear => MethodChoice::LogLinear,
-            Method::ZenerArx => MethodChoice::Arx,
-            Method::HammersteinCascade => MethodChoice::Cascade,
-            Method::HammersteinCascade2 => MethodChoice::Cascade2,
-            Method::HuntCrossleyBank
-            | Method::ZenerBank
-            | Method::QuasiLinearBank
-            | Method::QuasiLinearBank2 => MethodChoice::Bank,
-            Method::HuntCrossleyBankSkew => MethodChoice::BankSkew,
-            Method::Selection => MethodChoice::Online,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            MethodChoice::Rls => "rls",
-            MethodChoice::RlsSurface => "rls_surface",
-            MethodChoice::TwoStage => "two_stage",
-            MethodChoice::LogLinear => "log_linear",
-            MethodChoice::Arx => "arx",
-            MethodChoice::Cascade => "cascade",
-            MethodChoice::Cascade2 => "cascade_2",
-            MethodChoice::Bank => "bank",
-            MethodChoice::Online => "online",
-            MethodChoice::BankSkew => "skew",
-            MethodChoice::Batch => "batch",
-        }
-    }
-}
-
 fn column_map(text: &str) -> Result<ColumnMap, String> {
     text.parse().map_err(|error: Diagnostic| error.below())
 }
@@ -222,58 +157,6 @@ fn finite(text: &str) -> Result<f64, String> {
     } else {
         Err("must be finite".into())
     }
-}
-
-/// The methods that a choice of law and method leaves, simplest law first.
-fn methods(law: LawChoice, method: Option<MethodChoice>) -> Result<Vec<Method>, Diagnostic> {
-    // A law's first method is its default.
-    let all = [
-        (Some(LawId::KelvinVoigt), Method::KelvinVoigtSurface, true),
-        (Some(LawId::KelvinVoigt), Method::KelvinVoigt, false),
-        (Some(LawId::HuntCrossley), Method::HuntCrossleyBank, true),
-        (
-            Some(LawId::HuntCrossley),
-            Method::HuntCrossleyBankSkew,
-            false,
-        ),
-        (
-            Some(LawId::HuntCrossley),
-            Method::HuntCrossleyTwoStage,
-            false,
-        ),
-        (
-            Some(LawId::HuntCrossley),
-            Method::HuntCrossleyLogLinear,
-            false,
-        ),
-        (Some(LawId::Zener), Method::ZenerArx, true),
-        // On the foam it says 1682 ± 0.5 N/m, converged, and leaves 0.64 N: only where it is asked for.
-        (Some(LawId::Zener), Method::ZenerBank, false),
-        (Some(LawId::QuasiLinear), Method::HammersteinCascade, true),
-        (Some(LawId::QuasiLinear), Method::QuasiLinearBank, true),
-        (Some(LawId::QuasiLinear), Method::HammersteinCascade2, true),
-        (Some(LawId::QuasiLinear), Method::QuasiLinearBank2, true),
-        (None, Method::Selection, false),
-    ];
-    let fits = |(own, candidate, default): &(LawChoice, Method, bool)| {
-        (law.is_none() || law == *own)
-            && method.map_or(*default, |method| method == MethodChoice::of(*candidate))
-    };
-    let left: Vec<Method> = all
-        .into_iter()
-        .filter(fits)
-        .map(|(_, method, _)| method)
-        .collect();
-    if left.is_empty() {
-        return Err(Diagnostic::new("this method does not estimate this law")
-            .value(method.map_or("", MethodChoice::name))
-            .remedy(
-                "rls and rls_surface go with kelvin_voigt, bank, skew, two_stage and log_linear with \
-                 hunt_crossley, arx and bank with zener, bank, cascade and cascade_2 with \
-                 quasi_linear, online with auto, batch with every law; or leave --method out",
-            ));
-    }
-    Ok(left)
 }
 
 /// An estimate of one log.
@@ -342,9 +225,8 @@ pub fn estimate(
 /// was asked for: on the hold of 1600 s of a foam, longer than its history, it never does, and leaves
 /// 1.7 N where the whole log leaves 29 mN.
 fn trusted(outcome: &Outcome, method: Method, methods: &[Method]) -> bool {
-    !method.has_history()
-        || outcome.status == Status::Converged
-        || methods.iter().all(|method| method.has_history())
+    let has_history = |method: &Method| method_info(*method).is_some_and(|info| info.has_history);
+    !has_history(&method) || outcome.status == Status::Converged || methods.iter().all(has_history)
 }
 
 /// Without a window of the filter in contact and some free air before it nothing can be learned.
@@ -371,7 +253,7 @@ pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
         return whole_log::run(args);
     }
     args.batch.refuse()?;
-    let methods = methods(args.law, args.method)?;
+    let methods = methods::methods(args.law, args.method)?;
     let base = match &args.config {
         Some(path) => crate::settings::read(path)?,
         None => Config::default(),
@@ -446,30 +328,6 @@ fn write(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_method_that_does_not_go_with_the_law_is_refused_with_a_remedy() {
-        let error = methods(Some(LawId::KelvinVoigt), Some(MethodChoice::TwoStage)).unwrap_err();
-        assert!(
-            error.to_string().contains("go with kelvin_voigt"),
-            "{error}"
-        );
-    }
-
-    #[test]
-    fn auto_tries_every_law_the_simplest_first() {
-        let all = methods(None, None).unwrap();
-        let simplest_first = [
-            Method::KelvinVoigtSurface,
-            Method::HuntCrossleyBank,
-            Method::ZenerArx,
-            Method::HammersteinCascade,
-            Method::QuasiLinearBank,
-            Method::HammersteinCascade2,
-            Method::QuasiLinearBank2,
-        ];
-        assert_eq!(all, simplest_first);
-    }
 
     #[test]
     fn the_folder_of_a_log_is_its_name_without_endings() {

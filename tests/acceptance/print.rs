@@ -21,41 +21,41 @@ use score::{Row, quantile, score};
 const METHODS: [(&str, Method, bool); 6] = [
     (
         "two stages, surface known",
-        Method::HuntCrossleyTwoStage,
+        Method::HUNT_CROSSLEY_TWO_STAGE,
         true,
     ),
     (
         "two stages, surface from impact",
-        Method::HuntCrossleyTwoStage,
+        Method::HUNT_CROSSLEY_TWO_STAGE,
         false,
     ),
     (
         "log-linear, surface known",
-        Method::HuntCrossleyLogLinear,
+        Method::HUNT_CROSSLEY_LOG_LINEAR,
         true,
     ),
     (
         "log-linear, surface from impact",
-        Method::HuntCrossleyLogLinear,
+        Method::HUNT_CROSSLEY_LOG_LINEAR,
         false,
     ),
     (
         "bank + refiner, surface known",
-        Method::HuntCrossleyBank,
+        Method::HUNT_CROSSLEY_BANK,
         true,
     ),
     (
         "bank + refiner, surface found",
-        Method::HuntCrossleyBank,
+        Method::HUNT_CROSSLEY_BANK,
         false,
     ),
 ];
 
 /// The methods without a known surface.
 const BLIND: [(&str, Method); 3] = [
-    ("two stages", Method::HuntCrossleyTwoStage),
-    ("log-linear", Method::HuntCrossleyLogLinear),
-    ("bank + refiner", Method::HuntCrossleyBank),
+    ("two stages", Method::HUNT_CROSSLEY_TWO_STAGE),
+    ("log-linear", Method::HUNT_CROSSLEY_LOG_LINEAR),
+    ("bank + refiner", Method::HUNT_CROSSLEY_BANK),
 ];
 
 /// Seconds.
@@ -170,8 +170,8 @@ fn print(name: &str, row: &Row) {
 
 fn skews(seeds: u64) {
     let methods = [
-        ("skew not asked for", Method::HuntCrossleyBank),
-        ("skew estimated", Method::HuntCrossleyBankSkew),
+        ("skew not asked for", Method::HUNT_CROSSLEY_BANK),
+        ("skew estimated", Method::HUNT_CROSSLEY_BANK_SKEW),
     ];
     for (name, method) in methods {
         let skew = Skew::of(method, seeds);

@@ -43,39 +43,43 @@ pub(crate) enum Relaxing {
 pub(crate) type Setting = (Relaxing, Stroke, &'static [(&'static str, Method, bool)]);
 
 const SOLID: &[(&str, Method, bool)] = &[
-    ("ARX, surface known", Method::ZenerArx, true),
-    ("ARX, surface from impact", Method::ZenerArx, false),
-    ("bank + history, surface known", Method::ZenerBank, true),
-    ("bank + history, surface found", Method::ZenerBank, false),
+    ("ARX, surface known", Method::ZENER_ARX, true),
+    ("ARX, surface from impact", Method::ZENER_ARX, false),
+    ("bank + history, surface known", Method::ZENER_BANK, true),
+    ("bank + history, surface found", Method::ZENER_BANK, false),
 ];
 const ONE_MODE: &[(&str, Method, bool)] = &[
-    ("cascade, surface known", Method::HammersteinCascade, true),
+    ("cascade, surface known", Method::HAMMERSTEIN_CASCADE, true),
     (
         "cascade, surface from impact",
-        Method::HammersteinCascade,
+        Method::HAMMERSTEIN_CASCADE,
         false,
     ),
     (
         "bank + history, surface known",
-        Method::QuasiLinearBank,
+        Method::QUASI_LINEAR_BANK,
         true,
     ),
     (
         "bank + history, surface found",
-        Method::QuasiLinearBank,
+        Method::QUASI_LINEAR_BANK,
         false,
     ),
 ];
 const TWO_MODES: &[(&str, Method, bool)] = &[
-    ("cascade, surface known", Method::HammersteinCascade2, true),
+    (
+        "cascade, surface known",
+        Method::HAMMERSTEIN_CASCADE_2,
+        true,
+    ),
     (
         "bank + history, surface known",
-        Method::QuasiLinearBank2,
+        Method::QUASI_LINEAR_BANK_2,
         true,
     ),
     (
         "bank + history, surface found",
-        Method::QuasiLinearBank2,
+        Method::QUASI_LINEAR_BANK_2,
         false,
     ),
 ];

@@ -44,7 +44,7 @@ impl Skew {
             found.damping.push(damping);
             let floor = Floor::skewed(&case, false, 1.0);
             found.over_floor.push(damping / floor.sigma[1]);
-            if method == Method::HuntCrossleyBankSkew {
+            if method == Method::HUNT_CROSSLEY_BANK_SKEW {
                 let skew = end.parameters[3].map_or(f64::INFINITY, |p| f64::from(p.value));
                 found.skew_s.push((skew - skew_s).abs());
             }
@@ -326,7 +326,7 @@ pub(crate) fn at_noise(noise_n: f64, seeds: u64) -> Row {
     for (touched, stroke) in SETTINGS {
         for seed in 1..=seeds {
             let case = Case::on(&rig, touched, stroke, seed);
-            row.push(score(&case, Method::HuntCrossleyBank, false));
+            row.push(score(&case, Method::HUNT_CROSSLEY_BANK, false));
         }
     }
     row

@@ -34,7 +34,7 @@ fn row(method: Method, known: bool) -> Row {
 
 #[test]
 fn bank_and_refiner_find_every_material_and_its_surface() {
-    let row = row(Method::HuntCrossleyBank, false);
+    let row = row(Method::HUNT_CROSSLEY_BANK, false);
     assert!(
         row.within(0.05) >= tolerance::FOUND_5,
         "{}",
@@ -62,7 +62,7 @@ fn bank_and_refiner_find_every_material_and_its_surface() {
 #[test]
 fn bank_and_refiner_are_at_the_cramer_rao_bound_and_say_how_sure_they_are() {
     for known in [true, false] {
-        let row = row(Method::HuntCrossleyBank, known);
+        let row = row(Method::HUNT_CROSSLEY_BANK, known);
         for ratio in row.over_floor().into_iter().take(3) {
             assert!(
                 tolerance::OVER_FLOOR.contains(&ratio),
@@ -82,8 +82,8 @@ fn bank_and_refiner_are_at_the_cramer_rao_bound_and_say_how_sure_they_are() {
 fn the_two_stages_are_the_baseline_that_they_are_known_to_be() {
     // Two-sided: known surfaces they mostly find within 5 %, surfaces from the impact hardly ever.
     let (known, impact) = (
-        row(Method::HuntCrossleyTwoStage, true),
-        row(Method::HuntCrossleyTwoStage, false),
+        row(Method::HUNT_CROSSLEY_TWO_STAGE, true),
+        row(Method::HUNT_CROSSLEY_TWO_STAGE, false),
     );
     let (known, impact) = (known.within(0.05), impact.within(0.05));
     assert!((0.6..1.0).contains(&known), "{known}");
@@ -95,11 +95,11 @@ fn materials_that_relax_are_found_with_their_surface() {
     use relaxing::Relaxing;
     // The full table says 95–100 % within 1 % of all parameters; here every one within 5 %.
     for (touched, stroke, method) in [
-        (Relaxing::Solid, cases::Stroke::Sine, Method::ZenerBank),
+        (Relaxing::Solid, cases::Stroke::Sine, Method::ZENER_BANK),
         (
             Relaxing::OneMode,
             cases::Stroke::Ramp,
-            Method::QuasiLinearBank,
+            Method::QUASI_LINEAR_BANK,
         ),
     ] {
         let mut row = relaxing::Row::default();
@@ -118,7 +118,7 @@ fn materials_that_relax_are_found_with_their_surface() {
 fn the_law_is_selected_while_it_runs() {
     use estimator_core::{Config, LawKind, State, step};
     let params = Config {
-        method: Method::Selection,
+        method: Method::SELECTION,
         ..Config::default()
     };
     let params = params.validate::<f32>().unwrap();
@@ -139,7 +139,7 @@ fn the_law_is_selected_while_it_runs() {
 #[test]
 fn the_logarithm_is_the_baseline_that_it_is_known_to_be() {
     // Good where damping is a small part of the force, on gel never within 1 %.
-    let row = row(Method::HuntCrossleyLogLinear, true);
+    let row = row(Method::HUNT_CROSSLEY_LOG_LINEAR, true);
     let (five, one) = (row.within(0.05), row.within(0.01));
     assert!((0.4..0.95).contains(&five), "{five}");
     assert!((0.05..0.6).contains(&one), "{one}");
@@ -148,8 +148,8 @@ fn the_logarithm_is_the_baseline_that_it_is_known_to_be() {
 #[test]
 fn a_late_force_is_told_from_damping_when_it_is_asked_for() {
     let (blind, skew) = (
-        Skew::of(Method::HuntCrossleyBank, 12),
-        Skew::of(Method::HuntCrossleyBankSkew, 12),
+        Skew::of(Method::HUNT_CROSSLEY_BANK, 12),
+        Skew::of(Method::HUNT_CROSSLEY_BANK_SKEW, 12),
     );
     // Up to 2 ms of dF/dt pass for damping: of plastic's λ/K = 6 ms a third.
     assert!(blind.errors(0.5).0 > 0.1, "{:?}", blind.errors(0.5));
@@ -161,7 +161,7 @@ fn a_late_force_is_told_from_damping_when_it_is_asked_for() {
 #[test]
 fn a_swap_is_flagged_once_and_the_new_material_found_within_a_stroke() {
     let swaps: Vec<Swap> = (1..=12)
-        .map(|seed| Swap::of(Method::HuntCrossleyBank, seed))
+        .map(|seed| Swap::of(Method::HUNT_CROSSLEY_BANK, seed))
         .collect();
     assert!(swaps.iter().all(|swap| swap.flags == [0, 1]), "{swaps:?}");
     let median_s = quantile(swaps.iter().map(|swap| swap.settles_s), 0.5);
@@ -183,7 +183,7 @@ fn a_minute_of_holding_or_palpating_changes_nothing() {
 fn five_times_the_noise_is_five_times_the_error_and_not_more() {
     let row = rows::at_noise(0.1, 3);
     assert!(row.within(0.05) > 0.85, "{}", row.within(0.05));
-    let [stiffness, ..] = rows::armcmc(Method::HuntCrossleyBank, 1);
+    let [stiffness, ..] = rows::armcmc(Method::HUNT_CROSSLEY_BANK, 1);
     // Published: 11.9 %.
     assert!((1e-6..0.01).contains(&stiffness), "{stiffness}");
 }

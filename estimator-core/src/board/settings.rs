@@ -174,7 +174,7 @@ impl Settings {
     #[inline(always)]
     pub fn config(&self) -> Config {
         let mut config = Config {
-            method: method(self.get(Key::EstimatorMethod)),
+            method: Method::from_code(self.get(Key::EstimatorMethod) as u8),
             filter: Filter::SavitzkyGolay {
                 half_width: self.get(Key::EstimatorHalfWidth) as u8,
             },
@@ -222,23 +222,11 @@ pub struct Setup {
     pub output: Output,
 }
 
-fn method(number: f32) -> Method {
-    let all = [
-        Method::KelvinVoigt,
-        Method::HuntCrossleyTwoStage,
-        Method::ZenerArx,
-        Method::HammersteinCascade,
-        Method::KelvinVoigtSurface,
-        Method::HammersteinCascade2,
-    ];
-    let found = all.into_iter().find(|one| *one as u8 as f32 == number);
-    found.unwrap_or(Method::HuntCrossleyBank)
-}
-
 /// The setting behind a field of [`Config`]. Bounds above are those of the fields, so what is left
 /// is a field that is no setting: none today.
 fn named(error: ConfigError) -> Invalid {
     let fields = [
+        ("method", Key::EstimatorMethod),
         ("reference.depth_m", Key::EstimatorDepthM),
         ("reference.force_n", Key::EstimatorForceN),
         ("filter.half_width", Key::EstimatorHalfWidth),

@@ -175,7 +175,7 @@ impl Default for Config {
                 force_noise_n: None,
                 settle_s: 0.2,
             },
-            method: Method::HuntCrossleyBank,
+            method: Method::HUNT_CROSSLEY_BANK,
             forgetting: Forgetting {
                 alpha_1: None,
                 alpha_2_per_n: None,

@@ -127,17 +127,16 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     let aligned = state.filter.update(&params.filter, &sample);
     let contact = state.contact.update(&params.contact, &sample);
     let instant = scaled(params, &aligned, &contact, elapsed_us);
-    let noise = force_noise(params, &contact);
     state.monitor.observe_phase(contact.phase);
-    let innovation = state.predict(params, &contact, &instant, &noise);
-    let learned = state.learn(params, &contact, &instant, &noise, &innovation);
-    let change = learned.and_then(|_| state.assess(params, &contact, &noise, &innovation));
+    let innovation = state.predict(&contact, &instant);
+    let learned = state.learn(params, &contact, &instant, &innovation);
+    let change = learned.and_then(|_| state.assess(params, &contact, &instant, &innovation));
     let estimate = Estimate {
         time_us: sample.time_us.saturating_sub(params.delay_us()),
         law: state.last.law,
         phase: contact.phase,
         status: state.monitor.status(),
-        depth_m: state.depth_m(params, &contact, &noise, aligned.position_m),
+        depth_m: state.depth_m(params, &contact, &instant.noise, aligned.position_m),
         speed_mps: aligned.speed_mps,
         force_n: instant.force * params.identify.scale.force_n,
         parameters: state.last.parameters,
@@ -201,23 +200,15 @@ impl<T: Real> State<T> {
     }
 
     /// Compares prediction and observation in scaled units; gives zero outside contact.
-    fn predict(
-        &self,
-        params: &Params<T>,
-        contact: &Contact<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-    ) -> Innovation<T> {
+    fn predict(&self, contact: &Contact<T>, at: &Instant<T>) -> Innovation<T> {
         if contact.phase != Phase::Contact {
             return Innovation::default();
         }
-        let (prediction, model_variance) =
-            self.identifier
-                .predict(at, noise, surface_error(params, contact));
+        let (prediction, model_variance) = self.identifier.predict(at);
         Innovation::new(
             at.force,
             prediction,
-            noise.filtered * noise.filtered + model_variance,
+            at.noise.filtered * at.noise.filtered + model_variance,
         )
     }
 
@@ -228,7 +219,6 @@ impl<T: Real> State<T> {
         params: &Params<T>,
         contact: &Contact<T>,
         at: &Instant<T>,
-        noise: &ForceNoise<T>,
         innovation: &Innovation<T>,
     ) -> Option<T> {
         let filled = contact.loaded_samples >= params.filter.response().memory_samples;
@@ -236,13 +226,13 @@ impl<T: Real> State<T> {
             && contact.loaded_samples > 0
             && self.identifier.is_inside(at);
         let inside = (filled || known) && self.holdoff_samples == 0;
-        let above_noise = at.force > T::from_f64(LEARN_SIGMAS) * noise.filtered;
+        let above_noise = at.force > T::from_f64(LEARN_SIGMAS) * at.noise.filtered;
         let widest = T::from_f64(PLAUSIBLE);
         let plausible = at.depth.abs() < widest && at.speed.abs() < widest;
         let usable = self.learning && inside && above_noise && plausible;
-        let touching = contact.phase == Phase::Contact;
-        self.identifier.follow(at, noise, usable, touching);
         if !usable {
+            let in_contact = contact.phase == Phase::Contact;
+            self.identifier.observe(at, in_contact);
             return None;
         }
         let error_n = innovation.innovation_n * params.identify.scale.force_n;
@@ -250,7 +240,7 @@ impl<T: Real> State<T> {
             .identify
             .forgetting
             .beta(error_n, contact.force_noise_n);
-        self.identifier.learn(&params.identify, at, noise, beta)
+        self.identifier.learn(&params.identify, at, beta)
     }
 
     /// Updates the status and the parameters that are reported; gives a change of the material.
@@ -258,15 +248,13 @@ impl<T: Real> State<T> {
         &mut self,
         params: &Params<T>,
         contact: &Contact<T>,
-        noise: &ForceNoise<T>,
+        at: &Instant<T>,
         innovation: &Innovation<T>,
     ) -> Option<Event> {
         let surface = self
-            .surface(params, noise, contact.surface)
+            .surface(params, &at.noise, contact.surface)
             .unwrap_or_default();
-        let mut estimates = self
-            .identifier
-            .estimates(noise, surface_error(params, contact));
+        let mut estimates = self.identifier.estimates(at);
         // What the law does not explain makes every parameter less certain.
         let misfit = self.monitor.misfit();
         estimates
@@ -363,13 +351,15 @@ fn scaled<T: Real>(
         force: (aligned.force_n - contact.resting_force_n) / scale.force_n,
         surface: surface_m / scale.depth_m,
         surface_error: surface_error(params, contact),
-        spread: aligned.spread_m2 / (scale.depth_m * scale.depth_m),
-        coupling: aligned.coupling_m2ps / (scale.depth_m * scale.speed_mps),
+        position_variance: aligned.position_variance_m2 / (scale.depth_m * scale.depth_m),
+        position_velocity_cov: aligned.position_velocity_cov_m2ps
+            / (scale.depth_m * scale.speed_mps),
         elapsed_s: T::from_f64(1e-6 * elapsed_us as f64),
         rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
-        jitter: quantization_variance_m2(params, aligned, contact)
+        quantization_variance: quantization_variance_m2(params, aligned, contact)
             / (scale.depth_m * scale.depth_m),
         rest_error: contact.resting_force_error_n / scale.force_n,
+        noise: force_noise(params, contact),
     }
 }
 

@@ -1,8 +1,9 @@
-//! The estimators of the menu, one file each, behind one face.
+//! The estimators, one file each, behind one face.
 
 mod affine;
 mod bank;
 mod bank_refiner;
+mod bounds;
 mod confidence;
 mod contract;
 mod equation_error;
@@ -16,6 +17,7 @@ mod modes;
 mod params;
 mod pool;
 mod refiner;
+mod slots;
 mod zener;
 
 pub use affine::Affine;
@@ -31,221 +33,161 @@ pub use kelvin_voigt::Linear;
 pub use log_linear::LogLinear;
 pub use modes::hammerstein_coefficients;
 pub use params::{IdentifyParams, Scale, Start};
-pub use pool::{Memory, Pool, Pooled};
+pub use pool::{Pool, PoolRing, Pooled};
 pub use refiner::{Prior, Refiner};
+pub use slots::report;
 pub use zener::{Solid, ZenerArx};
 
-use crate::estimate::contact::SurfacePosition;
-use crate::estimate::method::Method;
+use crate::estimate::config::Config;
+use crate::estimate::contact::{ContactParams, SurfacePosition};
+use crate::estimate::error::ConfigError;
+use crate::estimate::filter::FilterParams;
+use crate::estimate::method::{Method, MethodInfo};
 use crate::estimate::monitor::ParameterEstimate;
-use crate::estimate::{Estimated, PARAMETER_SLOTS, Parameters};
+use crate::estimate::record::PARAMETER_SLOTS;
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
-/// The estimator that was chosen.
-#[derive(Clone, Debug)]
-pub enum Identifier<T: Real> {
-    /// See [`Linear`].
-    Linear(Linear<T>),
-    /// See [`TwoStage`].
-    TwoStage(TwoStage<T>),
-    /// See [`LogLinear`].
-    LogLinear(LogLinear<T>),
-    /// See [`ZenerArx`].
-    ZenerArx(ZenerArx<T>),
-    /// See [`Cascade`].
-    Cascade1(Cascade1<T>),
-    /// See [`Cascade`].
-    Cascade2(Cascade2<T>),
-    /// See [`BankRefiner`].
-    BankRefiner(BankRefiner<T>),
-    /// See [`Affine`].
-    Affine(Affine<T>),
-    /// See [`HistoryFit`].
-    #[cfg(feature = "relaxing")]
-    History(HistoryFit<T>),
+/// Makes of one list of estimators the enum, the lookups by method, and `each!` for its dispatch:
+/// a call per estimator that the compiler can inline.
+macro_rules! estimators {
+    ($d:tt $($(#[$when:meta])* $name:ident),*) => {
+        /// The estimator that runs.
+        #[derive(Clone, Debug)]
+        pub enum Identifier<T: Real> {
+            $(#[doc = concat!("See [`", stringify!($name), "`].")] $(#[$when])* $name($name<T>),)*
+        }
+
+        /// The rows of every estimator.
+        const ROWS: &[&[MethodInfo]] = &[$($(#[$when])* $name::<f32>::METHODS,)*];
+
+        /// The facts about a method; `None` if this build does not have it.
+        // Estimator by estimator, so that the compiler keeps of a row what is read of it: from one
+        // table, its texts would be in a board's flash.
+        #[inline]
+        pub fn method_info(method: Method) -> Option<MethodInfo> {
+            $($(#[$when])*
+            for row in $name::<f32>::METHODS {
+                if row.method == method {
+                    return Some(*row);
+                }
+            })*
+            None
+        }
+
+        impl<T: Real> Identifier<T> {
+            /// The estimator of the configured method, before the first contact.
+            pub fn new(params: &IdentifyParams<T>) -> Self {
+                $($(#[$when])*
+                if $name::<T>::runs(params) {
+                    return Self::$name($name::new(params));
+                })*
+                // Never reached: checked parameters have the method of a row.
+                Self::Linear(Linear::new(params))
+            }
+        }
+
+        macro_rules! each {
+            ($d identifier:expr, $d estimator:ident => $d call:expr) => {
+                match $d identifier {
+                    $($(#[$when])* Identifier::$name($d estimator) => $d call,)*
+                }
+            };
+        }
+    };
+}
+
+// The list: the first estimator that runs a method is taken for it.
+estimators!($
+    Linear, Affine, TwoStage, LogLinear, ZenerArx, Cascade1, Cascade2, BankRefiner,
+    #[cfg(feature = "relaxing")] HistoryFit
+);
+
+/// Every method of this build, the simplest estimators first.
+pub fn methods() -> impl Iterator<Item = &'static MethodInfo> {
+    ROWS.iter().copied().flatten()
+}
+
+const _: () = assert!(numbers_differ(), "two methods have one number");
+
+const fn numbers_differ() -> bool {
+    let (mut seen, mut group) = (0u128, 0);
+    while group < ROWS.len() {
+        let mut row = 0;
+        while row < ROWS[group].len() {
+            let bit = 1 << ROWS[group][row].method.code();
+            if seen & bit != 0 {
+                return false;
+            }
+            seen |= bit;
+            row += 1;
+        }
+        group += 1;
+    }
+    true
+}
+
+/// Checks the part of the configuration that the estimators read.
+pub(crate) fn validate<T: Real>(
+    config: &Config,
+    filter: &FilterParams<T>,
+    contact: &ContactParams<T>,
+) -> Result<IdentifyParams<T>, ConfigError> {
+    let info = method_info(config.method).ok_or(ConfigError {
+        field: "method",
+        value: f32::from(config.method.code()),
+        expected: "must be the number of a method of this build; those over a history, from 10 on, \
+                   need the feature `relaxing`",
+    })?;
+    IdentifyParams::validate(config, &info, filter, contact)
 }
 
 impl<T: Real> Identifier<T> {
-    /// Before the first contact.
-    pub fn new(params: &IdentifyParams<T>) -> Self {
-        match params.method {
-            Method::KelvinVoigt => Self::Linear(Linear::new(params)),
-            Method::HuntCrossleyTwoStage => Self::TwoStage(TwoStage::new(params)),
-            Method::HuntCrossleyLogLinear => Self::LogLinear(LogLinear::new(params)),
-            Method::ZenerArx => Self::ZenerArx(ZenerArx::new(params)),
-            Method::HammersteinCascade => Self::Cascade1(Cascade::new(params)),
-            Method::HammersteinCascade2 => Self::Cascade2(Cascade::new(params)),
-            Method::HuntCrossleyBank | Method::HuntCrossleyBankSkew => {
-                Self::BankRefiner(BankRefiner::new(params))
-            }
-            Method::KelvinVoigtSurface if params.surface_known => Self::Linear(Linear::new(params)),
-            Method::KelvinVoigtSurface => Self::Affine(Affine::new(params)),
-            #[cfg(feature = "relaxing")]
-            Method::ZenerBank
-            | Method::QuasiLinearBank
-            | Method::QuasiLinearBank2
-            | Method::Selection => Self::History(HistoryFit::new(params)),
-            // Refused by `Config::validate`.
-            #[cfg(not(feature = "relaxing"))]
-            Method::ZenerBank
-            | Method::QuasiLinearBank
-            | Method::QuasiLinearBank2
-            | Method::Selection => Self::Linear(Linear::new(params)),
-        }
-    }
-
-    /// The law that it holds to be the right one now.
+    /// See [`Identify::law`].
     pub fn law(&self, params: &IdentifyParams<T>) -> LawKind {
-        match self {
-            #[cfg(feature = "relaxing")]
-            Self::History(own) => own.law().unwrap_or(params.method.law()),
-            _ => params.method.law(),
-        }
+        each!(self, estimator => estimator.law(params))
     }
 
-    /// The surface, where the estimator finds it itself.
+    /// The surface as the estimator has found it; see [`Identify::surface`].
     pub fn surface(
         &self,
         params: &IdentifyParams<T>,
         noise: &ForceNoise<T>,
     ) -> Option<SurfacePosition<T>> {
-        match self {
-            Self::BankRefiner(own) => own.surface(params),
-            Self::Affine(own) => own.surface(params, noise),
-            #[cfg(feature = "relaxing")]
-            Self::History(own) => own.surface(params),
-            _ => None,
-        }
+        let (position, std_error) = each!(self, estimator => estimator.surface(noise))?;
+        Some(SurfacePosition {
+            position_m: position * params.scale.depth_m,
+            std_error_m: std_error * params.scale.depth_m,
+        })
     }
 
-    /// Whether the whole window of the filter is in the material for sure, by a surface that is
-    /// better known than that of the impact.
+    /// See [`Identify::is_inside`].
     pub fn is_inside(&self, at: &Instant<T>) -> bool {
-        match self {
-            Self::BankRefiner(own) => own.is_inside(at),
-            _ => false,
-        }
+        each!(self, estimator => estimator.is_inside(at))
     }
 
     /// See [`Identify::predict`].
-    pub fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
-        match self {
-            Self::Linear(own) => own.predict(at, noise, surface_error),
-            Self::TwoStage(own) => own.predict(at, noise, surface_error),
-            Self::LogLinear(own) => own.predict(at, noise, surface_error),
-            Self::ZenerArx(own) => own.predict(at, noise, surface_error),
-            Self::Cascade1(own) => own.predict(at, noise, surface_error),
-            Self::Cascade2(own) => own.predict(at, noise, surface_error),
-            Self::BankRefiner(own) => own.predict(at, noise, surface_error),
-            Self::Affine(own) => own.predict(at, noise, surface_error),
-            #[cfg(feature = "relaxing")]
-            Self::History(own) => own.predict(at, noise, surface_error),
-        }
+    pub fn predict(&self, at: &Instant<T>) -> (T, T) {
+        each!(self, estimator => estimator.predict(at))
+    }
+
+    /// See [`Identify::observe`].
+    pub fn observe(&mut self, at: &Instant<T>, in_contact: bool) {
+        each!(self, estimator => estimator.observe(at, in_contact))
     }
 
     /// See [`Identify::learn`].
-    pub fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
-        match self {
-            Self::Linear(own) => own.learn(params, at, noise, beta),
-            Self::TwoStage(own) => own.learn(params, at, noise, beta),
-            Self::LogLinear(own) => own.learn(params, at, noise, beta),
-            Self::ZenerArx(own) => own.learn(params, at, noise, beta),
-            Self::Cascade1(own) => own.learn(params, at, noise, beta),
-            Self::Cascade2(own) => own.learn(params, at, noise, beta),
-            Self::BankRefiner(own) => own.learn(params, at, noise, beta),
-            Self::Affine(own) => own.learn(params, at, noise, beta),
-            #[cfg(feature = "relaxing")]
-            Self::History(own) => own.learn(params, at, noise, beta),
-        }
-    }
-
-    /// Sees every instant before it may be learned from, in contact (`touching`) or not: a material
-    /// that relaxes recovers in free air. `usable` and [`Identify::admit`]'s `pushed` are the same.
-    pub fn follow(&mut self, at: &Instant<T>, noise: &ForceNoise<T>, usable: bool, touching: bool) {
-        match self {
-            #[cfg(feature = "relaxing")]
-            Self::History(own) => own.follow(at, noise, usable, touching),
-            _ => _ = (at, noise, touching),
-        }
-        self.admit(usable);
-    }
-
-    /// See [`Identify::admit`].
-    pub fn admit(&mut self, pushed: bool) {
-        match self {
-            Self::ZenerArx(own) => own.admit(pushed),
-            Self::Cascade1(own) => own.admit(pushed),
-            Self::Cascade2(own) => own.admit(pushed),
-            Self::BankRefiner(own) => own.admit(pushed),
-            _ => {}
-        }
+    pub fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
+        each!(self, estimator => estimator.learn(params, at, beta))
     }
 
     /// See [`Identify::reset_covariance`].
     pub fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
-        match self {
-            Self::Linear(own) => own.reset_covariance(params),
-            Self::TwoStage(own) => own.reset_covariance(params),
-            Self::LogLinear(own) => own.reset_covariance(params),
-            Self::ZenerArx(own) => own.reset_covariance(params),
-            Self::Cascade1(own) => own.reset_covariance(params),
-            Self::Cascade2(own) => own.reset_covariance(params),
-            Self::BankRefiner(own) => own.reset_covariance(params),
-            Self::Affine(own) => own.reset_covariance(params),
-            #[cfg(feature = "relaxing")]
-            Self::History(own) => own.reset_covariance(params),
-        }
+        each!(self, estimator => estimator.reset_covariance(params))
     }
 
     /// See [`Identify::estimates`].
-    pub fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        match self {
-            Self::Linear(own) => own.estimates(noise, surface_error),
-            Self::TwoStage(own) => own.estimates(noise, surface_error),
-            Self::LogLinear(own) => own.estimates(noise, surface_error),
-            Self::ZenerArx(own) => own.estimates(noise, surface_error),
-            Self::Cascade1(own) => own.estimates(noise, surface_error),
-            Self::Cascade2(own) => own.estimates(noise, surface_error),
-            Self::BankRefiner(own) => own.estimates(noise, surface_error),
-            Self::Affine(own) => own.estimates(noise, surface_error),
-            #[cfg(feature = "relaxing")]
-            Self::History(own) => own.estimates(noise, surface_error),
-        }
+    pub fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        each!(self, estimator => estimator.estimates(at))
     }
-}
-
-/// The parameters in SI units, the surface behind the law's own; what is not observable is `None`.
-pub fn report<T: Real>(
-    params: &IdentifyParams<T>,
-    law: LawKind,
-    estimates: &[ParameterEstimate<T>],
-    surface: SurfacePosition<T>,
-) -> Parameters<T> {
-    let scale = &params.scale;
-    let units = law.parameters().iter().map(|info| scale.of(info.unit));
-    let mut parameters = [None; PARAMETER_SLOTS];
-    for ((slot, own), unit) in parameters.iter_mut().zip(estimates).zip(units) {
-        *slot = own.observable().then(|| Estimated {
-            value: own.value * unit,
-            std_error: own.std_error * unit,
-        });
-    }
-    if let Some(slot) = parameters.get_mut(estimates.len()) {
-        *slot = Some(Estimated {
-            value: surface.position_m,
-            std_error: surface.std_error_m,
-        });
-    }
-    parameters
 }

@@ -4,7 +4,7 @@ use crate::estimate::config::Config;
 use crate::estimate::contact::ContactParams;
 use crate::estimate::error::{ConfigError, require};
 use crate::estimate::filter::FilterParams;
-use crate::estimate::identify::IdentifyParams;
+use crate::estimate::identify::{self, IdentifyParams};
 use crate::estimate::monitor::MonitorParams;
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
@@ -28,7 +28,7 @@ impl<T: Real> Params<T> {
 
     /// The law that the configured method identifies.
     pub fn law(&self) -> LawKind {
-        self.identify.method.law()
+        self.identify.law
     }
 
     /// The coefficients α₁, α₂ (1/N) and α₃ (N) of (24) for a raw force with this noise (N).
@@ -55,7 +55,7 @@ impl Config {
         Ok(Params {
             period_us: libm::round(1e6 / f64::from(rate)) as u64,
             period_s: T::from_f64(1.0 / f64::from(rate)),
-            identify: IdentifyParams::validate(self, &filter, &contact)?,
+            identify: identify::validate(self, &filter, &contact)?,
             filter,
             contact,
             monitor: MonitorParams::validate(self)?,

@@ -378,7 +378,7 @@ mod tests {
         let config = setup(
             &log,
             Config::default(),
-            Method::KelvinVoigt,
+            Method::KELVIN_VOIGT,
             Choices::default(),
         )
         .config;

@@ -3,6 +3,7 @@
 
 use estimator_core::Status;
 use estimator_core::estimate::config::Surface;
+use estimator_core::estimate::identify::method_info;
 use estimator_core::physics::law::LawId;
 
 use super::outcome::{Outcome, law_with};
@@ -147,7 +148,7 @@ fn adhesion(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 
 fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
     let surface = outcome.value("surface")?;
-    let found = replay.config.method.finds_surface();
+    let found = method_info(replay.config.method).is_some_and(|info| info.finds_surface);
     let known = replay.config.contact.surface != Surface::AtImpact;
     if found || known || outcome.status == Status::NoContact {
         return None;

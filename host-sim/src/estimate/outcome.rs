@@ -1,5 +1,6 @@
 //! What a replay comes to: the numbers of `estimate.json`.
 
+use estimator_core::estimate::identify::method_info;
 use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
 use estimator_core::physics::law::{Law, ParameterInfo, RelaxingLaw, unilateral};
 use estimator_core::{Faults, LawKind, Status};
@@ -132,7 +133,8 @@ fn replay_force(
     let Some(law) = law_with(kind, parameters, reference_depth_m) else {
         return forces;
     };
-    let found = match replay.config.method.finds_surface() {
+    let finds_surface = method_info(replay.config.method).is_some_and(|info| info.finds_surface);
+    let found = match finds_surface {
         true => parameters[kind.parameters().len() - 1],
         false => None,
     };

@@ -230,7 +230,7 @@ mod tests {
         setup(
             log,
             Config::default(),
-            Method::HuntCrossleyTwoStage,
+            Method::HUNT_CROSSLEY_TWO_STAGE,
             Choices::default(),
         )
     }
@@ -320,7 +320,7 @@ mod tests {
             ..Choices::default()
         };
         let log = ramp(2e-6, 1.0, 1.0);
-        let setup = setup(&log, Config::default(), Method::KelvinVoigt, choices);
+        let setup = setup(&log, Config::default(), Method::KELVIN_VOIGT, choices);
         assert_eq!(setup.config.reference.depth_m, 5e-4);
     }
 }

@@ -52,7 +52,7 @@ impl BatchArgs {
 
 /// Whether the arguments ask for a fit of the whole log.
 pub(super) fn wanted(args: &EstimateArgs) -> bool {
-    args.method == Some(MethodChoice::Batch)
+    args.method == Some(MethodChoice::BATCH)
 }
 
 fn families(law: Option<LawId>, modes: Option<u8>) -> Vec<Family> {

@@ -104,7 +104,7 @@ impl<T: Real> Window<T> {
                 acceleration_mps2: (newest.speed_mps - oldest.speed_mps) * half_rate,
             },
             force_n: middle.force_n + lag_s * rate_nps,
-            at_rest: middle.spread_m2 < self.rest_variance_m2,
+            at_rest: middle.position_variance_m2 < self.rest_variance_m2,
         }
     }
 

@@ -12,8 +12,8 @@ pub struct Aligned<T> {
     /// Rate of the filtered force (N/s).
     pub force_rate_nps: T,
     /// Variance of the position within the window (m²); 0 from a filter that does not measure it.
-    pub spread_m2: T,
+    pub position_variance_m2: T,
     /// Covariance of position and speed within the window (m²/s); 0 from a filter that does not
     /// measure it.
-    pub coupling_m2ps: T,
+    pub position_velocity_cov_m2ps: T,
 }

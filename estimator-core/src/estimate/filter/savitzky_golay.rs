@@ -116,8 +116,8 @@ impl<T: Real> ChannelBuffer<T> {
             value: centre + offset,
             slope,
             // Σh(x − x̄)², and Σh(x − x̄)(v − v̄) as half the rate of Σhx², less x̄v̄.
-            spread: square - offset * offset,
-            coupling: T::from_f64(0.5) * square_slope - offset * slope,
+            variance: square - offset * offset,
+            slope_covariance: T::from_f64(0.5) * square_slope - offset * slope,
         }
     }
 }
@@ -127,8 +127,8 @@ impl<T: Real> ChannelBuffer<T> {
 struct Moments<T> {
     value: T,
     slope: T,
-    spread: T,
-    coupling: T,
+    variance: T,
+    slope_covariance: T,
 }
 
 /// Smooths and differentiates with linear phase: the delay is half_width samples at every frequency,
@@ -186,8 +186,8 @@ impl<T: Real> SavitzkyGolay<T> {
             speed_mps: position.slope,
             force_n,
             force_rate_nps,
-            spread_m2: position.spread,
-            coupling_m2ps: position.coupling,
+            position_variance_m2: position.variance,
+            position_velocity_cov_m2ps: position.slope_covariance,
         }
     }
 }
@@ -273,19 +273,19 @@ mod tests {
     }
 
     #[test]
-    fn spread_and_coupling_are_those_of_the_motion_in_the_window() {
-        // x = vt: Σhₖk² = (2m² + 2m + 1)/10 = 22.1 for m = 10, and no coupling.
+    fn position_variance_and_covariance_are_those_of_the_motion_in_the_window() {
+        // x = vt: Σhₖk² = (2m² + 2m + 1)/10 = 22.1 for m = 10, and no covariance.
         let ramp = run(10, 100, |t| 0.02 * t);
         assert!(
-            (ramp.spread_m2 / (4e-4 * 22.1e-6) - 1.0).abs() < 1e-3,
+            (ramp.position_variance_m2 / (4e-4 * 22.1e-6) - 1.0).abs() < 1e-3,
             "{ramp:?}"
         );
-        assert!(ramp.coupling_m2ps.abs() < 1e-15);
-        // x = at²/2: to leading order coupling = v·a·spread of t; m² terms are 1 % at 0.1 s.
+        assert!(ramp.position_velocity_cov_m2ps.abs() < 1e-15);
+        // x = at²/2: to leading order covariance = v·a·variance of t; m² terms are 1 % at 0.1 s.
         let bent = run(10, 111, |t| 0.5 * 0.3 * t * t);
         let expected = 0.3 * 0.1 * 0.3 * 22.1e-6;
         assert!(
-            (bent.coupling_m2ps / expected - 1.0).abs() < 0.02,
+            (bent.position_velocity_cov_m2ps / expected - 1.0).abs() < 0.02,
             "{bent:?} {expected}"
         );
     }

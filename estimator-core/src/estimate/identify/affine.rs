@@ -3,19 +3,27 @@
 
 use nalgebra::Vector3;
 
-use super::kelvin_voigt::{damper, estimates, spring};
 use super::params::IdentifyParams;
+use super::slots::{damper, in_slots, spring};
 use super::{ForceNoise, Identify, Instant};
-use crate::estimate::contact::SurfacePosition;
+use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
 
-/// Forgetting (50 000 samples): one material shall only get better; another clears the covariance.
+/// Forgetting factor of a memory of 50 000 samples: the estimates of one material only get better,
+/// and another material clears the covariance.
 const BETA: f64 = 0.99998;
 
-/// The estimator, scaled: θ = [K, λ, −K·(x₀ − origin)], the origin being the first impact.
+methods! {
+    /// Kelvin–Voigt by recursive least squares, the surface among the parameters.
+    KELVIN_VOIGT_SURFACE = 6, KelvinVoigt, "rls_surface", "Recursive least squares, surface included",
+        offer: Offer::Default, finds_surface: true;
+}
+
+/// The estimator of Kelvin–Voigt with the surface, scaled: θ = [K, λ, −K·(x₀ − origin)], where the
+/// origin is the first impact.
 #[derive(Clone, Debug)]
 pub struct Affine<T: Real> {
     rls: Rls<T, 3>,
@@ -24,7 +32,7 @@ pub struct Affine<T: Real> {
 }
 
 impl<T: Real> Affine<T> {
-    /// θ̂(0) and P(0) from the configuration.
+    /// The estimator before the first contact, with θ̂(0) and P(0) of the configuration.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = params.start;
         let theta = Vector3::new(start.stiffness, start.damping, T::zero());
@@ -35,27 +43,6 @@ impl<T: Real> Affine<T> {
         }
     }
 
-    /// The surface (m) with its standard error, once something was learned.
-    pub fn surface(
-        &self,
-        params: &IdentifyParams<T>,
-        noise: &ForceNoise<T>,
-    ) -> Option<SurfacePosition<T>> {
-        let origin = self.origin?;
-        let [stiffness, _, offset]: [T; 3] = self.rls.theta.into();
-        if stiffness <= T::zero() {
-            return None;
-        }
-        let own = -(offset / stiffness);
-        // x₀ = −c/K: its gradient by (K, c) is −(x₀, 1)/K.
-        let slope = Vector3::new(own, T::zero(), T::one()) / stiffness;
-        let error = self.rls.covariance.variance(&slope).sqrt() * noise.raw;
-        Some(SurfacePosition {
-            position_m: (origin + own) * params.scale.depth_m,
-            std_error_m: error * params.scale.depth_m,
-        })
-    }
-
     fn regressor(&self, at: &Instant<T>) -> Vector3<T> {
         let origin = self.origin.unwrap_or(at.surface);
         Vector3::new(at.position() - origin, at.speed, T::one())
@@ -63,19 +50,28 @@ impl<T: Real> Affine<T> {
 }
 
 impl<T: Real> Identify<T> for Affine<T> {
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    const METHODS: &'static [MethodInfo] = METHODS;
+
+    fn surface(&self, noise: &ForceNoise<T>) -> Option<(T, T)> {
+        let origin = self.origin?;
+        let [stiffness, _, offset]: [T; 3] = self.rls.theta.into();
+        if stiffness <= T::zero() {
+            return None;
+        }
+        let away = -(offset / stiffness);
+        // x₀ = −c/K: its gradient by (K, c) is −(x₀, 1)/K.
+        let slope = Vector3::new(away, T::zero(), T::one()) / stiffness;
+        let error = self.rls.covariance.variance(&slope).sqrt() * noise.raw;
+        Some((origin + away, error))
+    }
+
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         let phi = self.regressor(at);
-        let variance = self.rls.covariance.variance(&phi) * noise.raw * noise.raw;
+        let variance = self.rls.covariance.variance(&phi) * at.noise.raw * at.noise.raw;
         (self.rls.predict(&phi), variance)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        _noise: &ForceNoise<T>,
-        _beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, _beta: T) -> Option<T> {
         self.origin.get_or_insert(at.surface);
         let phi = self.regressor(at);
         if !self.excitation.admits(&phi, params.excitation_step) {
@@ -90,14 +86,10 @@ impl<T: Real> Identify<T> for Affine<T> {
         *self = Affine::new(params);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        _surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        let errors = self.rls.covariance.variances().map(Real::sqrt) * noise.raw;
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        let errors = self.rls.covariance.variances().map(Real::sqrt) * at.noise.raw;
         let [stiffness, damping, _]: [T; 3] = self.rls.theta.into();
-        estimates(
+        in_slots(
             &[spring(stiffness), damper(damping, stiffness)],
             errors.iter(),
         )
@@ -124,6 +116,7 @@ mod tests {
             speed,
             force,
             surface: 5.0,
+            noise: NOISE,
             ..Instant::default()
         }
     }
@@ -133,14 +126,16 @@ mod tests {
         let params = Config::default().validate().unwrap().identify;
         let mut affine = Affine::<f64>::new(&params);
         for i in 0..2000 {
-            affine.learn(&params, &touch(i), &NOISE, 0.9);
+            affine.learn(&params, &touch(i), 0.9);
         }
-        let [stiffness, damping, ..] = affine.estimates(&NOISE, 0.0);
+        let [stiffness, damping, ..] = affine.estimates(&Instant::uncertain(NOISE, 0.0));
         // P(0) = 10⁴ is worth 10⁻⁴ of one sample.
         assert!((stiffness.value - 2.48).abs() < 1e-6 && (damping.value - 0.17).abs() < 1e-6);
-        let surface = affine.surface(&params, &NOISE).unwrap();
-        assert!((surface.position_m - 4.93e-3).abs() < 1e-9, "{surface:?}");
+        let (position, std_error) = affine.surface(&NOISE).unwrap();
+        let position_m = position * params.scale.depth_m;
+        assert!((position_m - 4.93e-3).abs() < 1e-9, "{position_m}");
         // 2000 samples of 0.02 N on 2.48 N/mm: about 0.02/2.48/√2000 mm, times 2 for the slope.
-        assert!((1e-7..1e-6).contains(&surface.std_error_m), "{surface:?}");
+        let std_error_m = std_error * params.scale.depth_m;
+        assert!((1e-7..1e-6).contains(&std_error_m), "{std_error_m}");
     }
 }

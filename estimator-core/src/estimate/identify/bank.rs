@@ -1,5 +1,5 @@
-//! A bank of exact least-squares fits, one per exponent and surface position: no initial guess, no
-//! local minimum.
+//! A bank of exact least-squares fits, one per exponent and surface position, which needs no initial
+//! guess and has no local minimum.
 //!
 //! With n and x₀ fixed, Hunt–Crossley (3) is linear: F = K·s + λ·s·w with s = ((x − x₀)/δ₀)ⁿ and w
 //! the scaled speed. Each cell of the grid keeps the five sums that its fit needs; the cell with the
@@ -11,9 +11,10 @@ use crate::maths::scalar::Real;
 const EXPONENTS: usize = 8;
 const FIRST_EXPONENT: f64 = 0.9;
 const EXPONENT_STEP: f64 = 0.2;
-/// Surface positions of the grid.
+/// Number of surface positions of the grid.
 const SURFACES: usize = 7;
-/// How much of the spring's information stands in for a damping that the motion does not show.
+/// Share of the spring's information that is added to that of the damping, for motions that do not
+/// excite the damper.
 const RIDGE: f64 = 1e-4;
 
 /// The sums of one cell. φ = s·[1, w], so that s alone differs from cell to cell.
@@ -26,36 +27,39 @@ struct Cell<T> {
     syw: T,
 }
 
-/// The best cell.
+/// The parameters of the best cell of a bank.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Candidate<T> {
-    /// K, scaled.
+    /// Stiffness K, scaled.
     pub stiffness: T,
-    /// λ, scaled.
+    /// Damping λ, scaled.
     pub damping: T,
-    /// n
+    /// Exponent n.
     pub exponent: T,
-    /// x₀/δ₀
+    /// Position of the surface x₀/δ₀.
     pub surface: T,
     /// Mean squared residual, scaled by F₀².
     pub residual: T,
 }
 
-/// The bank, all quantities scaled.
+/// The bank of fits; all quantities are scaled.
 #[derive(Clone, Debug)]
 pub struct Bank<T> {
     cells: [[Cell<T>; EXPONENTS]; SURFACES],
     first_surface: T,
-    surface_step: T,
+    /// Distance between two surfaces.
+    pub(super) surface_step: T,
     columns: usize,
     yy: T,
-    weight: T,
-    span: (T, T),
+    /// Number of samples that the sums are worth.
+    pub(super) weight: T,
+    /// Smallest and largest force: a fit needs a range.
+    pub(super) span: (T, T),
 }
 
 impl<T: Real> Bank<T> {
-    /// An empty bank over surfaces from `first_surface` on, `surface_step` apart; a step of 0 is a
-    /// surface that is known.
+    /// An empty bank over surfaces from `first_surface` on, `surface_step` apart; a step of 0 means
+    /// that the surface is known.
     pub fn new(first_surface: T, surface_step: T) -> Self {
         Bank {
             cells: [[Cell::default(); EXPONENTS]; SURFACES],
@@ -70,21 +74,6 @@ impl<T: Real> Bank<T> {
             weight: T::zero(),
             span: (T::zero(), T::zero()),
         }
-    }
-
-    /// Distance between two surfaces of the grid.
-    pub fn surface_step(&self) -> T {
-        self.surface_step
-    }
-
-    /// Samples that the sums are worth.
-    pub fn weight(&self) -> T {
-        self.weight
-    }
-
-    /// Smallest and largest force seen: a fit needs a range.
-    pub fn span(&self) -> (T, T) {
-        self.span
     }
 
     /// Takes a position x/δ₀, a speed and a force, with forgetting factor β.
@@ -121,14 +110,14 @@ impl<T: Real> Bank<T> {
         self.yy = beta * self.yy + force * force;
         self.span = if self.weight > T::zero() {
             let (low, high) = self.span;
-            (if force < low { force } else { low }, high.max_of(force))
+            (low.min_of(force), high.max_of(force))
         } else {
             (force, force)
         };
         self.weight = beta * self.weight + T::one();
     }
 
-    /// The cell with the smallest residual; `None` while there is none with a positive stiffness.
+    /// The cell with the smallest residual; `None` while no cell has a positive stiffness.
     pub fn best(&self) -> Option<Candidate<T>> {
         let mut best: Option<Candidate<T>> = None;
         let mut surface = self.first_surface;

@@ -1,19 +1,18 @@
-//! Hunt–Crossley with an unknown surface: a bank to start from, a refiner to be exact, the bank again
-//! as its supervisor.
+//! Hunt–Crossley with an unknown surface: a bank of fits gives the start, a refiner makes it exact,
+//! and the bank supervises the refiner.
 //!
-//! All of them learn from pools of eight instants, and a second of contact stays in memory. A refiner
-//! whose linearisation is not good enough is succeeded by one that learns from that memory at a
-//! better place, three pools a sample, and takes over when it has caught up: nothing that was
-//! measured is lost. (Successors that began with an empty head needed 0.5–2.6 s to settle instead of
+//! Both learn from pools of eight instants, and a second of contact stays in memory. A refiner whose
+//! linearization is not good enough is succeeded by one that learns from that memory at a better
+//! reference, three pools per sample, and takes over when it has caught up, so that nothing that was
+//! measured is lost. (Successors that began without the memory needed 0.5–2.6 s to settle instead of
 //! 0.2–0.7 s, and ended 1.5–3 times above the Cramér–Rao bound instead of 1.0–1.3 times.)
 
 use nalgebra::Vector2;
 
-use super::kelvin_voigt::{damper, estimates, spring};
 use super::params::IdentifyParams;
-use super::{Bank, ForceNoise, Identify, Instant, Memory, Pool, Pooled, Prior, Refiner};
-use crate::estimate::contact::SurfacePosition;
-use crate::estimate::method::Method;
+use super::slots::{damper, in_slots, spring};
+use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
+use crate::estimate::method::{Method, MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::Excitation;
@@ -22,37 +21,53 @@ use crate::maths::scalar::Real;
 /// The grid of surfaces begins this many uncertainties of the impact before it, and reaches two
 /// beyond: a force threshold is late, never early.
 const SURFACES_BEFORE: f64 = 4.0;
-/// Pools between two looks at the bank: solving all its cells costs as much as updating them.
-const LOOK_EVERY: u32 = 4;
+/// Pools between two searches of the bank: solving all its cells costs as much as updating them.
+const SEARCH_EVERY: u32 = 4;
 /// Pools before the refiner starts, and the range of force that they must cover.
 const START_POOLS: f64 = 3.0;
 const START_RANGE: f64 = 2.0;
-/// When the error energy of the refiner is this many times the bank's, the bank starts another.
+/// When the mean squared residual of the refiner is this many times the bank's, the bank starts
+/// another refiner.
 const WORSE: f64 = 8.0;
-/// A successor is started when the linearisation leaves out more than this share of the variance of
-/// the filtered noise. Where it cannot learn from all that its predecessor knew, it takes over when
-/// its standard errors are within this factor, or three quarters of the samples are its own.
-const BEND: f64 = 0.02;
-const LIKE: f64 = 1.5;
-/// Pools that a successor catches up with at every sample.
+/// A successor is started when the linearization error exceeds this share of the variance of the
+/// filtered noise. Where it cannot learn from all samples of its predecessor, it takes over when its
+/// standard errors are within this factor, or when it has learned from three quarters of the samples.
+const LINEARIZATION_SHARE: f64 = 0.02;
+const SIMILAR: f64 = 1.5;
+/// Pools that a successor learns from at every sample.
 const CATCH_UP: u32 = 3;
-/// Forgetting of the bank (2000 samples) and of the refiner (50 000), a pool of 8: the estimates of
-/// one material shall only get better; another material clears both.
+/// Forgetting factors per pool of 8: the bank has a memory of 2000 samples, the refiner of 50 000.
+/// The estimates of one material only get better, and another material clears both.
 const BANK_BETA: f64 = 0.996;
 const REFINER_BETA: f64 = 0.99984;
-/// A window is inside when the depth, less this many standard errors of the surface, squared, is
-/// this many times its spread: 2.2² = 1/0.2.
+/// The filter's window is inside the material when the variance of the position in it is less than
+/// the share `INSIDE` of the square of the depth, less `SURELY` standard errors of the surface: 2.2²
+/// = 1/0.2.
 const SURELY: f64 = 3.0;
 const INSIDE: f64 = 0.2;
-/// Prior standard deviation of the skew (s), if it is asked for, and if it is not: no two converters
-/// start at once, and on a log where they are 23 µs apart K is off by three of its standard errors if
-/// the skew is held at 0. With 10 µs plastic's λ, which a skew imitates, loses its last per cent.
+/// Prior standard deviation of the skew (s), where it is estimated and where it is not: no two
+/// converters start at once, and on a log where they are 23 µs apart K is off by three of its
+/// standard errors if the skew is held at 0. With 10 µs λ of plastic, which a skew imitates, loses
+/// its last per cent.
 const SKEW_S: f64 = 3e-3;
 const ALIGNED_S: f64 = 4e-6;
-/// The size that an error of the skew is compared with (s).
+/// What an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
-/// Bank and refiner, scaled: θ = (K, λ, n, x₀) and, if asked for, the skew τ.
+methods! {
+    /// Hunt–Crossley by a bank of exact fits and a recursive Gauss–Newton refiner, the surface among
+    /// the parameters.
+    HUNT_CROSSLEY_BANK = 5, HuntCrossley, "bank", "Bank of exact fits and refiner, surface included",
+        offer: Offer::Default, finds_surface: true, alpha_1: 0.03;
+    /// [`Method::HUNT_CROSSLEY_BANK`] with the skew, by how much the force is read later than the
+    /// position, among the parameters.
+    HUNT_CROSSLEY_BANK_SKEW = 8, HuntCrossleySkew, "skew",
+        "The same with the skew of the sensors, by how much the force is read later",
+        finds_surface: true, alpha_1: 0.03;
+}
+
+/// Bank and refiner, scaled: θ = (K, λ, n, x₀, τ), where the skew τ is held near 0 unless the method
+/// estimates it.
 #[derive(Clone, Debug)]
 pub struct BankRefiner<T: Real> {
     bank: Option<Bank<T>>,
@@ -63,8 +78,8 @@ pub struct BankRefiner<T: Real> {
     skew_size: T,
     surface_known: bool,
     pool: Pool<T>,
-    memory: Memory<T>,
-    until_look: u32,
+    memory: PoolRing<T>,
+    until_search: u32,
     excitation: Excitation<T, 2>,
 }
 
@@ -73,15 +88,15 @@ pub struct BankRefiner<T: Real> {
 struct Successor<T: Real> {
     refiner: Refiner<T>,
     next: u32,
-    /// The memory reaches back to the first contact.
+    /// Whether the memory reaches back to the first contact.
     complete: bool,
 }
 
 impl<T: Real> BankRefiner<T> {
-    /// Before the first contact.
+    /// The estimator before the first contact.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let skew = match params.method {
-            Method::HuntCrossleyBankSkew => SKEW_S,
+            Method::HUNT_CROSSLEY_BANK_SKEW => SKEW_S,
             _ => ALIGNED_S,
         };
         let per_second = params.scale.speed_mps / params.scale.depth_m;
@@ -97,37 +112,14 @@ impl<T: Real> BankRefiner<T> {
             skew_size: T::from_f64(SKEW_SIZE_S) * per_second,
             surface_known: params.surface_known,
             pool: Pool::default(),
-            memory: Memory::default(),
-            until_look: 1,
+            memory: PoolRing::default(),
+            until_search: 1,
             excitation: Excitation::default(),
         }
     }
 
-    /// The surface (m) with its standard error, once the refiner runs.
-    pub fn surface(&self, params: &IdentifyParams<T>) -> Option<SurfacePosition<T>> {
-        let refiner = self.refiner.as_ref()?;
-        let ([_, _, _, value, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
-        Some(SurfacePosition {
-            position_m: value * params.scale.depth_m,
-            std_error_m: error * params.scale.depth_m,
-        })
-    }
-
-    /// Whether the whole window of the filter is in the material: of a steady motion it reaches 2.1
-    /// standard deviations of the position to either side.
-    pub fn is_inside(&self, at: &Instant<T>) -> bool {
-        let Some(refiner) = &self.refiner else {
-            return false;
-        };
-        let ([_, _, _, surface, _], [_, _, _, error, _]) = (refiner.values(), self.std_errors);
-        let depth = at.position() - surface - T::from_f64(SURELY) * error;
-        depth > T::zero()
-            && at.spread > T::zero()
-            && at.spread < T::from_f64(INSIDE) * depth * depth
-    }
-
-    /// Everything learns from a pool.
-    fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>, noise: &ForceNoise<T>) {
+    /// Bank and refiner learn from a pool.
+    fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>) {
         let bank = self.bank.get_or_insert_with(|| {
             let step = if self.surface_known {
                 T::zero()
@@ -142,40 +134,43 @@ impl<T: Real> BankRefiner<T> {
             pooled.force,
             T::from_f64(BANK_BETA),
         );
-        self.prior.surface = at.surface_error.max_of(bank.surface_step());
+        self.prior.surface = at.surface_error.max_of(bank.surface_step);
         self.memory.push(*pooled);
         if let Some(refiner) = &mut self.refiner {
-            refiner.learn(pooled, noise, T::from_f64(REFINER_BETA));
-            self.std_errors = refiner.std_errors(at.rest_error, noise);
+            refiner.learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
+            self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
         }
-        self.until_look = self.until_look.saturating_sub(1);
-        self.relinearise(noise);
+        self.until_search = self.until_search.saturating_sub(1);
+        self.relinearize(&at.noise);
     }
 
-    /// Starts from the bank: the first refiner, or one in the place of another that has gone astray.
+    /// Starts a refiner from the bank: the first one, or one that replaces a refiner whose residual
+    /// has become far larger than the bank's.
     fn supervise(&mut self, noise: &ForceNoise<T>) {
         let Some(bank) = &self.bank else { return };
-        let (low, high) = bank.span();
+        let (low, high) = bank.span;
         let ready =
-            bank.weight() >= T::from_f64(START_POOLS) && high > T::from_f64(START_RANGE) * low;
+            bank.weight >= T::from_f64(START_POOLS) && high > T::from_f64(START_RANGE) * low;
         if !ready || self.successor.is_some() {
             return;
         }
         let Some(candidate) = bank.best() else { return };
         if let Some(refiner) = self.refiner.as_ref().filter(|refiner| refiner.is_sound()) {
             let floor = candidate.residual + noise.filtered * noise.filtered;
-            if refiner.energy() <= T::from_f64(WORSE) * floor {
+            if refiner.residual <= T::from_f64(WORSE) * floor {
                 return;
             }
         }
         self.begin(Refiner::new(&candidate, T::zero(), &self.prior));
     }
 
-    /// Starts a refiner at a better place when the present one's linearisation matters.
-    fn relinearise(&mut self, noise: &ForceNoise<T>) {
+    /// Starts a refiner at a better reference when the linearization error of the current one
+    /// matters.
+    fn relinearize(&mut self, noise: &ForceNoise<T>) {
         let Some(refiner) = &self.refiner else { return };
-        let tolerated = T::from_f64(BEND) * noise.filtered * noise.filtered;
-        if self.successor.is_none() && refiner.is_sound() && refiner.bend() > tolerated {
+        let tolerated = T::from_f64(LINEARIZATION_SHARE) * noise.filtered * noise.filtered;
+        if self.successor.is_none() && refiner.is_sound() && refiner.linearization_error > tolerated
+        {
             self.begin(refiner.successor(&self.prior));
         }
     }
@@ -191,7 +186,7 @@ impl<T: Real> BankRefiner<T> {
     }
 
     /// The successor learns from memory, and takes over once it knows what its predecessor does.
-    fn catch_up(&mut self, at: &Instant<T>, noise: &ForceNoise<T>) {
+    fn catch_up(&mut self, at: &Instant<T>) {
         let Some(successor) = &mut self.successor else {
             return;
         };
@@ -199,7 +194,7 @@ impl<T: Real> BankRefiner<T> {
             if let Some(pooled) = self.memory.get(successor.next) {
                 successor
                     .refiner
-                    .learn(pooled, noise, T::from_f64(REFINER_BETA));
+                    .learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
                 successor.next += 1;
             }
         }
@@ -217,64 +212,71 @@ impl<T: Real> BankRefiner<T> {
         } else if knows {
             self.refiner = self.successor.take().map(|successor| successor.refiner);
             if let Some(refiner) = &self.refiner {
-                self.std_errors = refiner.std_errors(at.rest_error, noise);
+                self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
             }
         }
     }
 }
 
 fn takes_over<T: Real>(successor: &Refiner<T>, refiner: &Refiner<T>) -> bool {
-    let most = successor.learned() > T::from_f64(0.75) * refiner.learned();
-    most || successor.knows_like(refiner, T::from_f64(LIKE))
+    let most = successor.learned > T::from_f64(0.75) * refiner.learned;
+    most || successor.knows_as_well_as(refiner, T::from_f64(SIMILAR))
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
-    fn predict(&self, at: &Instant<T>, _noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    const METHODS: &'static [MethodInfo] = METHODS;
+
+    fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {
+        let ([.., position, _], [.., error, _]) =
+            (self.refiner.as_ref()?.values(), self.std_errors);
+        Some((position, error))
+    }
+
+    /// The window of a steady motion reaches 2.1 standard deviations of the position to either side.
+    fn is_inside(&self, at: &Instant<T>) -> bool {
+        let Some((surface, error)) = self.surface(&at.noise) else {
+            return false;
+        };
+        let depth = at.position() - surface - T::from_f64(SURELY) * error;
+        depth > T::zero()
+            && at.position_variance > T::zero()
+            && at.position_variance < T::from_f64(INSIDE) * depth * depth
+    }
+
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         match &self.refiner {
             Some(refiner) => refiner.predict(&Pooled::of(at)),
             None => (at.force, T::zero()),
         }
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        _beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, _beta: T) -> Option<T> {
         let phi = Vector2::new(at.depth, at.speed);
         if !self.excitation.admits(&phi, params.excitation_step) {
             return None;
         }
-        // One of the three a sample: together they would be the worst step by far.
+        // One of the three per sample: together they would make the longest step by far.
         if let Some(pooled) = self.pool.take(at) {
-            self.absorb(&pooled, at, noise);
-        } else if self.until_look == 0 {
+            self.absorb(&pooled, at);
+        } else if self.until_search == 0 {
             let started = self.refiner.is_some();
-            self.until_look = if started { LOOK_EVERY } else { 1 };
-            self.supervise(noise);
+            self.until_search = if started { SEARCH_EVERY } else { 1 };
+            self.supervise(&at.noise);
         } else {
-            self.catch_up(at, noise);
+            self.catch_up(at);
         }
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }
 
-    fn admit(&mut self, pushed: bool) {
-        if !pushed {
-            self.pool.close();
-        }
+    fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {
+        self.pool.close();
     }
 
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
         *self = BankRefiner::new(params);
     }
 
-    fn estimates(
-        &self,
-        _noise: &ForceNoise<T>,
-        _surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, _at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let Some(refiner) = &self.refiner else {
             return [ParameterEstimate::default(); PARAMETER_SLOTS];
         };
@@ -294,6 +296,6 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             (skew, self.skew_size),
         ];
         let errors = [stiffness_error, damping_error, exponent_error, skew_error];
-        estimates(&values, errors.iter())
+        in_slots(&values, errors.iter())
     }
 }

@@ -1,4 +1,4 @@
-//! How sure the parameters are: the noise of the force, and a surface that is only roughly known.
+//! How certain the parameters are, given the noise of the force and the error of the surface.
 
 use nalgebra::SVector;
 
@@ -8,11 +8,11 @@ use crate::maths::scalar::Real;
 
 /// Standard errors of `N` parameters.
 ///
-/// Two parts. The noise: P·σ², with P the inverse of Σβ^(N−h) ∇F ∇Fᵀ over *all* parameters together
-/// (each stage of a two-stage estimator alone would claim too much), and σ that of the raw force:
-/// filtering makes neighbours alike, so a filtered sample is worth no more than a raw one.
-/// The surface: an error of x₀ is not noise, it moves every sample the same way and the estimates by
-/// −P·Σβ^(N−h) ∇F ∂F/∂x₀ (a considered parameter, Schmidt 1966).
+/// They have two parts. The first is the noise: P·σ², with P the inverse of Σβ^(N−h) ∇F ∇Fᵀ over
+/// *all* parameters together (each stage of a two-stage estimator alone would claim too much), and σ
+/// that of the raw force: filtering makes neighbours alike, so a filtered sample is worth no more
+/// than a raw one. The second is the surface: an error of x₀ is not noise, it moves every sample
+/// alike and the estimates by −P·Σβ^(N−h) ∇F ∂F/∂x₀ (a considered parameter, Schmidt 1966).
 #[derive(Clone, Debug)]
 pub struct Confidence<T: Real, const N: usize> {
     covariance: Ud<T, N>,
@@ -20,7 +20,7 @@ pub struct Confidence<T: Real, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Confidence<T, N> {
-    /// Nothing known: P = `covariance`·I.
+    /// The state before the first sample, P = `covariance`·I.
     pub fn new(covariance: T) -> Self {
         Confidence {
             covariance: Ud::new(covariance),
@@ -28,7 +28,7 @@ impl<T: Real, const N: usize> Confidence<T, N> {
         }
     }
 
-    /// Takes ∇F by the parameters and ∂F/∂x₀ of one sample.
+    /// Takes one sample: the gradient of F by the parameters, and ∂F/∂x₀.
     pub fn update(&mut self, gradient: &SVector<T, N>, by_surface: T, beta: T) {
         self.covariance.update(gradient, beta, T::one());
         self.surface_moment = self.surface_moment * beta + gradient * by_surface;
@@ -39,7 +39,7 @@ impl<T: Real, const N: usize> Confidence<T, N> {
         self.covariance.variance(gradient) * noise.raw * noise.raw
     }
 
-    /// Standard errors at a standard error of the surface, all scaled.
+    /// Standard errors of the parameters for a noise and a standard error of the surface, all scaled.
     pub fn std_errors(&self, noise: &ForceNoise<T>, surface_error: T) -> SVector<T, N> {
         let mut errors = self.covariance.variances() * (noise.raw * noise.raw);
         if surface_error > T::zero() {

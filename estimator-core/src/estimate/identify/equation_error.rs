@@ -1,4 +1,4 @@
-//! Recursive least squares on an equation that holds past outputs, and what its parameters are worth.
+//! Recursive least squares on an equation with past outputs, and the errors of its parameters.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -8,18 +8,18 @@ use crate::maths::scalar::Real;
 /// One equation y = φᵀθ + ε.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equation<T: Real, const N: usize, const C: usize> {
-    /// φ
+    /// The regressor φ.
     pub(super) phi: SVector<T, N>,
-    /// y
+    /// The output y.
     pub(super) y: T,
-    /// By how much one unit of noise in the oldest force of this equation changes its ε, and those
-    /// of the one and the two equations before.
+    /// By how much one unit of noise in the oldest force of this equation changes ε of this equation,
+    /// and of the one and the two equations before.
     pub(super) by_noise: [T; 3],
-    /// ∂ε by each of `C` quantities that are wrong in every sample alike.
+    /// Derivatives of ε by each of `C` quantities that are wrong in every sample alike.
     pub(super) by_considered: SVector<T, C>,
 }
 
-/// An RLS that knows how the noise gets into its equations.
+/// Recursive least squares that takes into account how the noise enters its equations.
 ///
 /// In an ARX model the noise n of the output enters as ε = n(h) + a₁n(h−1) + …, which is hardly
 /// anything at low frequency: the textbook's P·σ² is wrong by orders of magnitude. For white n the
@@ -27,7 +27,7 @@ pub(super) struct Equation<T: Real, const N: usize, const C: usize> {
 /// wrong in every sample alike (`C` considered quantities, Schmidt 1966) moves θ̂ by P·Σ w·φ·∂ε.
 #[derive(Clone, Debug)]
 pub(super) struct EquationError<T: Real, const N: usize, const C: usize> {
-    /// θ̂ and P
+    /// The estimate θ̂ and P.
     pub(super) rls: Rls<T, N>,
     spread: SMatrix<T, N, N>,
     moment: SMatrix<T, N, C>,
@@ -59,7 +59,7 @@ impl<T: Real, const N: usize, const C: usize> EquationError<T, N, C> {
         self.spread_by(phi);
     }
 
-    /// The next equation shares no sample with those so far.
+    /// Ends a run of samples: the next equation shares none of them.
     pub(super) fn break_off(&mut self) {
         for _ in 0..self.past.len() {
             self.spread_by(SVector::repeat(T::zero()));
@@ -80,13 +80,13 @@ impl<T: Real, const N: usize, const C: usize> EquationError<T, N, C> {
         p * self.spread * p * variance
     }
 
-    /// ∂θ̂ by each considered quantity.
+    /// Derivatives of θ̂ by each considered quantity.
     pub(super) fn shift(&self) -> SMatrix<T, N, C> {
         self.rls.covariance.matrix() * self.moment
     }
 
-    /// The share of the variance of a start value that is left in its parameter, summed: `N` before
-    /// the first equation, towards 0 as data replace the start.
+    /// The sum over the parameters of the share of the initial variance that is left: `N` before the
+    /// first equation, towards 0 as data replace the initial values.
     pub(super) fn ignorance(&self) -> T {
         let ceiling = self.rls.covariance.start();
         let mut sum = T::zero();
@@ -96,7 +96,7 @@ impl<T: Real, const N: usize, const C: usize> EquationError<T, N, C> {
         sum
     }
 
-    /// Forgets how sure it was.
+    /// Forgets how certain θ̂ is and keeps its values.
     pub(super) fn reset_covariance(&mut self, covariance: T) {
         *self = Self::new(self.rls.theta, covariance);
     }

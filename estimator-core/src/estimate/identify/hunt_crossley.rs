@@ -6,24 +6,30 @@
 
 use nalgebra::{Vector1, Vector2, Vector3};
 
-use super::kelvin_voigt::{damper, estimates, spring};
+use super::bounds::{EXPONENT, within};
 use super::params::IdentifyParams;
-use super::{Confidence, ForceNoise, Identify, Instant};
+use super::slots::{damper, in_slots, spring};
+use super::{Confidence, Identify, Instant};
+use crate::estimate::method::{MethodInfo, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
 
-/// Γ₂ takes forces above this many standard deviations of the filtered force: the logarithm of a
-/// noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
+/// Γ₂ learns from forces above this many standard deviations of the filtered force: the logarithm of
+/// a noisy force is biased by −σ²/2F², 0.03 % of a unit of n at 40σ and ln(δ/δ₀) = −1.
 pub(super) const LOG_SIGMAS: f64 = 40.0;
-/// Γ₂ takes samples on which damping is less than this share of the spring: K̂δ₀ + λ̂δ̇ must be
+/// Γ₂ learns from samples on which damping is less than this share of the spring: K̂δ₀ + λ̂δ̇ must be
 /// positive and not small.
 const DAMPING_SHARE: f64 = 0.8;
-/// n̂ is used within these bounds, so that no start makes a power that single precision cannot hold.
-const EXPONENT: (f64, f64) = (0.3, 4.0);
 
-/// The chapter's estimator, scaled: θ₁ = [K, λ], θ₂ = n.
+methods! {
+    /// Hunt–Crossley by two recursive least squares in feedback, (25)–(37).
+    HUNT_CROSSLEY_TWO_STAGE = 2, HuntCrossley, "two_stage", "Two recursive least squares in feedback",
+        alpha_1: 0.03;
+}
+
+/// The chapter's two-stage estimator of Hunt–Crossley, scaled: θ₁ = [K, λ], θ₂ = n.
 #[derive(Clone, Debug)]
 pub struct TwoStage<T: Real> {
     gamma_1: Rls<T, 2>,
@@ -32,7 +38,7 @@ pub struct TwoStage<T: Real> {
     excitation: Excitation<T, 2>,
 }
 
-/// The two factors of F = (K + λw)·dⁿ at an instant, with the present estimates.
+/// The two factors of F = (K + λw)·dⁿ at an instant, with the current estimates.
 struct Split<T> {
     /// (δ/δ₀)^n̂
     shape: T,
@@ -43,7 +49,7 @@ struct Split<T> {
 }
 
 impl<T: Real> TwoStage<T> {
-    /// θ̂(0) and P(0) from the configuration.
+    /// The estimator before the first contact, with θ̂(0) and P(0) of the configuration.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = params.start;
         TwoStage {
@@ -58,12 +64,7 @@ impl<T: Real> TwoStage<T> {
     }
 
     fn exponent(&self) -> T {
-        let n = T::from_f64(EXPONENT.0).max_of(self.gamma_2.theta.x);
-        if n > T::from_f64(EXPONENT.1) {
-            T::from_f64(EXPONENT.1)
-        } else {
-            n
-        }
+        within(self.gamma_2.theta.x, EXPONENT)
     }
 
     fn split(&self, at: &Instant<T>) -> Split<T> {
@@ -76,12 +77,12 @@ impl<T: Real> TwoStage<T> {
         }
     }
 
-    /// ∂F/∂x₀, of d > 0.
+    /// The derivative ∂F/∂x₀, for d > 0.
     fn by_surface(at: &Instant<T>, split: &Split<T>) -> T {
         -(split.exponent * split.modulus * split.shape / at.depth)
     }
 
-    /// ∇F by (K, λ, n), of d > 0.
+    /// The gradient of F by (K, λ, n), for d > 0.
     fn gradient(at: &Instant<T>, split: &Split<T>) -> Vector3<T> {
         let force = split.modulus * split.shape;
         Vector3::new(split.shape, split.shape * at.speed, force * at.depth.ln())
@@ -89,24 +90,21 @@ impl<T: Real> TwoStage<T> {
 }
 
 impl<T: Real> Identify<T> for TwoStage<T> {
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
+    const METHODS: &'static [MethodInfo] = METHODS;
+
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         if at.depth <= T::zero() {
             return (T::zero(), T::zero());
         }
         let split = self.split(at);
-        let by_surface = Self::by_surface(at, &split) * surface_error;
+        let by_surface = Self::by_surface(at, &split) * at.surface_error;
         let gradient = Self::gradient(at, &split);
-        let variance = self.confidence.force_variance(&gradient, noise) + by_surface * by_surface;
+        let variance =
+            self.confidence.force_variance(&gradient, &at.noise) + by_surface * by_surface;
         (split.modulus * split.shape, variance)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         if at.depth <= T::zero() {
             return None;
         }
@@ -120,7 +118,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         let split = self.split(at);
         let theta = &self.gamma_1.theta;
         let spring_leads = (theta.y * at.speed).abs() < T::from_f64(DAMPING_SHARE) * theta.x;
-        if spring_leads && at.force > T::from_f64(LOG_SIGMAS) * noise.filtered {
+        if spring_leads && at.force > T::from_f64(LOG_SIGMAS) * at.noise.filtered {
             let y_2 = (at.force / split.modulus).ln();
             if y_2.is_finite() {
                 self.gamma_2.update(&Vector1::new(at.depth.ln()), y_2, beta);
@@ -140,18 +138,14 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         self.confidence = Confidence::new(covariance);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        let errors = self.confidence.std_errors(noise, surface_error);
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        let errors = self.confidence.std_errors(&at.noise, at.surface_error);
         let [stiffness, damping]: [T; 2] = self.gamma_1.theta.into();
-        // An exponent at its bound is no estimate: nothing is observable on the scale of it.
+        // An exponent at its bound is not an estimate: a scale of 0 makes it not observable.
         let bounded = self.exponent() != self.gamma_2.theta.x;
         let exponent = (self.exponent(), if bounded { T::zero() } else { T::one() });
         let values = [spring(stiffness), damper(damping, stiffness), exponent];
-        estimates(&values, errors.iter())
+        in_slots(&values, errors.iter())
     }
 }
 
@@ -159,6 +153,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
 mod tests {
     use super::*;
     use crate::estimate::config::Config;
+    use crate::estimate::identify::ForceNoise;
     use crate::physics::law::{ContactLaw, HuntCrossley};
 
     const NOISE: ForceNoise<f64> = ForceNoise {
@@ -178,12 +173,13 @@ mod tests {
                 depth: depth_m / 1e-3,
                 speed: speed_mps / 0.01,
                 force,
+                noise: NOISE,
                 ..Instant::default()
             };
             let beta = params
                 .forgetting
-                .beta(force - stages.predict(&at, &NOISE, 0.0).0, NOISE.raw);
-            stages.learn(params, &at, &NOISE, beta);
+                .beta(force - stages.predict(&at).0, NOISE.raw);
+            stages.learn(params, &at, beta);
         }
     }
 
@@ -192,7 +188,7 @@ mod tests {
         let params = Config::default().validate().unwrap().identify;
         let mut stages = TwoStage::new(&params);
         palpate(&mut stages, &params);
-        let [stiffness, damping, exponent, ..] = stages.estimates(&NOISE, 0.0);
+        let [stiffness, damping, exponent, ..] = stages.estimates(&Instant::uncertain(NOISE, 0.0));
         // Once its error is below α₃ the feedback closes slowly: 0.9 % of K after 6 s, 0.25 % now.
         assert!((stiffness.value / 1.35 - 1.0).abs() < 3e-3, "{stiffness:?}");
         assert!((damping.value / 0.36 - 1.0).abs() < 3e-3, "{damping:?}");
@@ -210,11 +206,12 @@ mod tests {
                 depth: 1.0,
                 speed,
                 force: 5.0,
+                noise: NOISE,
                 ..Instant::default()
             };
-            stages.learn(&params, &at, &NOISE, 0.99);
+            stages.learn(&params, &at, 0.99);
         }
-        let exponent = stages.estimates(&NOISE, 0.0)[2];
+        let exponent = stages.estimates(&Instant::uncertain(NOISE, 0.0))[2];
         assert!((exponent.value - f64::from(1.3_f32)).abs() < 1e-12);
         assert!(!exponent.observable());
     }
@@ -225,8 +222,8 @@ mod tests {
         let mut stages = TwoStage::new(&params);
         palpate(&mut stages, &params);
         let (sure, unsure) = (
-            stages.estimates(&NOISE, 0.0),
-            stages.estimates(&NOISE, 0.05),
+            stages.estimates(&Instant::uncertain(NOISE, 0.0)),
+            stages.estimates(&Instant::uncertain(NOISE, 0.05)),
         );
         for (sure, unsure) in sure.iter().zip(&unsure).take(3) {
             assert!(

@@ -3,13 +3,20 @@
 use nalgebra::Vector2;
 
 use super::params::IdentifyParams;
-use super::{Confidence, ForceNoise, Identify, Instant};
+use super::slots::{damper, in_slots, spring};
+use super::{Confidence, Identify, Instant};
+use crate::estimate::method::{Method, MethodInfo, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::{Excitation, Rls};
 use crate::maths::scalar::Real;
 
-/// The linear estimator, scaled: θ = [K, λ].
+methods! {
+    /// Kelvin–Voigt by recursive least squares, the surface taken from the impact.
+    KELVIN_VOIGT = 1, KelvinVoigt, "rls", "Recursive least squares, the surface from the impact";
+}
+
+/// The estimator of Kelvin–Voigt at a given surface, scaled: θ = [K, λ].
 #[derive(Clone, Debug)]
 pub struct Linear<T: Real> {
     rls: Rls<T, 2>,
@@ -18,7 +25,7 @@ pub struct Linear<T: Real> {
 }
 
 impl<T: Real> Linear<T> {
-    /// θ̂(0) and P(0) from the configuration.
+    /// The estimator before the first contact, with θ̂(0) and P(0) of the configuration.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = params.start;
         Linear {
@@ -37,20 +44,22 @@ fn regressor<T: Real>(at: &Instant<T>) -> Vector2<T> {
 }
 
 impl<T: Real> Identify<T> for Linear<T> {
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, surface_error: T) -> (T, T) {
+    const METHODS: &'static [MethodInfo] = METHODS;
+
+    /// A surface that is configured need not be found.
+    fn runs(params: &IdentifyParams<T>) -> bool {
+        let known = params.method == Method::KELVIN_VOIGT_SURFACE && params.surface_known;
+        known || params.method == Method::KELVIN_VOIGT
+    }
+
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         let phi = regressor(at);
-        let by_surface = self.rls.theta.x * surface_error;
-        let variance = self.confidence.force_variance(&phi, noise) + by_surface * by_surface;
+        let by_surface = self.rls.theta.x * at.surface_error;
+        let variance = self.confidence.force_variance(&phi, &at.noise) + by_surface * by_surface;
         (self.rls.predict(&phi), variance)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        _noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         let phi = regressor(at);
         let moving = self.excitation.admits(&phi, params.excitation_step);
         if moving {
@@ -66,57 +75,21 @@ impl<T: Real> Identify<T> for Linear<T> {
         self.confidence = Confidence::new(covariance);
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-        let errors = self.confidence.std_errors(noise, surface_error);
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+        let errors = self.confidence.std_errors(&at.noise, at.surface_error);
         let [stiffness, damping]: [T; 2] = self.rls.theta.into();
-        estimates(
+        in_slots(
             &[spring(stiffness), damper(damping, stiffness)],
             errors.iter(),
         )
     }
 }
 
-/// What an error of a stiffness or damping is compared with: its value, but at least a tenth of the
-/// stiffness, since at the reference speed a damping smaller than that is a force that hardly
-/// counts.
-pub(super) fn size<T: Real>(value: T, stiffness: T) -> T {
-    value.abs().max_of(T::from_f64(0.1) * stiffness.abs())
-}
-
-/// A stiffness and its size.
-pub(super) fn spring<T: Real>(stiffness: T) -> (T, T) {
-    (stiffness, size(stiffness, stiffness))
-}
-
-/// A damping and its size.
-pub(super) fn damper<T: Real>(damping: T, stiffness: T) -> (T, T) {
-    (damping, size(damping, stiffness))
-}
-
-/// Values with their sizes, and standard errors, in the order of the law's slots.
-pub(super) fn estimates<'a, T: Real>(
-    values: &[(T, T)],
-    errors: impl Iterator<Item = &'a T>,
-) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
-    let mut estimates = [ParameterEstimate::default(); PARAMETER_SLOTS];
-    for ((slot, (value, scale)), std_error) in estimates.iter_mut().zip(values).zip(errors) {
-        *slot = ParameterEstimate {
-            value: *value,
-            std_error: *std_error,
-            scale: *scale,
-        };
-    }
-    estimates
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::estimate::config::Config;
+    use crate::estimate::identify::ForceNoise;
 
     #[test]
     fn spring_and_damper_are_told_apart() {
@@ -133,11 +106,12 @@ mod tests {
                 depth,
                 speed,
                 force: 2.26 * depth + 1.23 * speed,
+                noise,
                 ..Instant::default()
             };
-            assert!(linear.learn(&params, &at, &noise, 0.999).is_some());
+            assert!(linear.learn(&params, &at, 0.999).is_some());
         }
-        let [stiffness, damping, ..] = linear.estimates(&noise, 0.0);
+        let [stiffness, damping, ..] = linear.estimates(&Instant::uncertain(noise, 0.0));
         // P(0) = 10⁴ is worth 10⁻⁴ of one sample.
         assert!((stiffness.value - 2.26).abs() < 1e-5);
         assert!((damping.value - 1.23).abs() < 1e-5);
@@ -156,10 +130,11 @@ mod tests {
             depth: 2.0,
             speed: 0.0,
             force: 4.0,
+            noise,
             ..Instant::default()
         };
         let learned = (0..100_000)
-            .filter(|_| linear.learn(&params, &at, &noise, 0.96).is_some())
+            .filter(|_| linear.learn(&params, &at, 0.96).is_some())
             .count();
         assert!(learned < 100, "{learned}");
     }

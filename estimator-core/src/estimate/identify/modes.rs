@@ -1,4 +1,4 @@
-//! From the coefficients of a sampled filter to relaxation modes and back, (38) and (10).
+//! Conversion between the coefficients of a sampled filter and relaxation modes, (38) and (10).
 
 use super::ForceNoise;
 use super::params::IdentifyParams;
@@ -6,34 +6,34 @@ use crate::estimate::rls::Excitation;
 use crate::maths::scalar::{Real, Scalar};
 use crate::physics::law::RelaxationMode;
 
-/// How far apart the samples of an ARX model are: half of the filter's memory. Closer ones share
-/// their noise and tell nothing new.
+/// The sampling period of an ARX model: half of the filter's memory. Samples that are closer share
+/// their noise and add no information.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pace<T> {
-    /// Between two samples of the sensors (s).
+pub(super) struct ModelPeriod<T> {
+    /// Time between two samples of the sensors (s).
     pub(super) sample_s: T,
-    /// Samples of the sensors in one period of the model.
+    /// Number of samples of the sensors in one period of the model.
     pub(super) samples: u32,
 }
 
-impl<T: Real> Pace<T> {
+impl<T: Real> ModelPeriod<T> {
     pub(super) fn new(params: &IdentifyParams<T>) -> Self {
-        Pace {
+        ModelPeriod {
             sample_s: T::from_f64(1e-6 * params.period_us as f64),
             samples: (params.memory_samples / 2).max(1),
         }
     }
 
-    /// The same, `times` as far apart.
+    /// A period that is `times` as long.
     pub(super) fn slower(self, times: u32) -> Self {
-        Pace {
+        ModelPeriod {
             samples: self.samples.saturating_mul(times),
             ..self
         }
     }
 
-    /// T of the model (s).
-    pub(super) fn period_s(&self) -> T {
+    /// The period T of the model (s).
+    pub(super) fn seconds(&self) -> T {
         self.sample_s * T::from_f64(f64::from(self.samples))
     }
 
@@ -44,39 +44,40 @@ impl<T: Real> Pace<T> {
     }
 }
 
-/// When an equation with past forces has something to teach: depth and force move by the step of
-/// the configuration, and the past may be forgotten for it; or the force alone still relaxes.
+/// Decides when an equation with past forces is learned from: where depth and force have moved by the
+/// configured step, with forgetting, and where the force alone still relaxes, without.
 ///
 /// A force that has come to rest is noise around one value. As a regressor it would pull every pole
 /// towards that of the noise: nine minutes of it moved a rate of 0.12/s to 0.133/s.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Relaxing<T: Real> {
+pub(super) struct RelaxationExcitation<T: Real> {
     motion: Excitation<T, 3>,
-    /// The force (scaled) when it last had moved.
+    /// The force (scaled) when it last moved.
     from: T,
-    /// Periods since.
+    /// Number of periods since then.
     still: u32,
-    /// Periods after which a force that has not moved is at rest.
+    /// Number of periods after which a force that has not moved is at rest.
     patience: u32,
 }
 
 /// The force relaxes when it has moved by this many standard deviations of its mean over a period:
 /// noise alone does not reach it in years.
 const MOVES_SIGMAS: f64 = 10.0;
-/// And within this time (s): at 20 mN of noise, 6 mN/s is still a relaxation.
+/// Time (s) within which a relaxing force moves so far: at 20 mN of noise, 6 mN/s is still a
+/// relaxation.
 const PATIENCE_S: f64 = 10.0;
 
-impl<T: Real> Relaxing<T> {
-    pub(super) fn new(pace: Pace<T>) -> Self {
-        Relaxing {
+impl<T: Real> RelaxationExcitation<T> {
+    pub(super) fn new(period: ModelPeriod<T>) -> Self {
+        RelaxationExcitation {
             motion: Excitation::default(),
             from: T::zero(),
             still: 0,
-            patience: (PATIENCE_S / pace.period_s().to_f64()).max(1.0) as u32,
+            patience: (PATIENCE_S / period.seconds().to_f64()).max(1.0) as u32,
         }
     }
 
-    /// The forgetting factor to learn with, `beta` or 1; `None`: nothing to learn.
+    /// The forgetting factor to learn with, `beta` or 1; `None` if there is nothing to learn.
     pub(super) fn admits(
         &mut self,
         regressor: [T; 3],
@@ -99,11 +100,12 @@ impl<T: Real> Relaxing<T> {
     }
 }
 
-/// What one period does to a mode of rate ν.
+/// The effect of one period on a mode of rate ν.
 pub(super) struct PerPeriod<S> {
     /// 1 − e^{−νT}
     pub(super) decayed: S,
-    /// 1 − (1 − e^{−νT})/νT: what a change that is spread over the period has relaxed by its end.
+    /// 1 − (1 − e^{−νT})/νT, the share of a uniform change over the period that has relaxed by its
+    /// end.
     pub(super) lag: S,
 }
 
@@ -118,10 +120,10 @@ impl<S: Scalar> PerPeriod<S> {
     }
 }
 
-/// ν (1/s) of a pole p = 1 − αT: −ln(1 − αT)/T, for 0 < αT < 1.
+/// The rate ν (1/s) of a pole p = 1 − αT, which is −ln(1 − αT)/T for 0 < αT < 1.
 pub(super) fn rate_of<S: Scalar>(alpha: S, period_s: S) -> S {
-    /// Below it the series −ln(1 − x)/x = 1 + x/2 + x²/3 + …: the logarithm of a number near 1 would
-    /// leave three digits of a slow mode in single precision. 0.05¹¹/12 = 4·10⁻¹⁶.
+    /// Below this the series −ln(1 − x)/x = 1 + x/2 + x²/3 + … is used: the logarithm of a number
+    /// near 1 would leave three digits of a slow mode in single precision. 0.05¹¹/12 = 4·10⁻¹⁶.
     const SERIES_BELOW: f64 = 0.05;
     const TERMS: u32 = 11;
     let x = alpha * period_s;
@@ -135,8 +137,8 @@ pub(super) fn rate_of<S: Scalar>(alpha: S, period_s: S) -> S {
     alpha * sum
 }
 
-/// One mode from ż = −αz + βF⁽ᵉ⁾ in differences, z = F − F⁽ᵉ⁾: α = (1 − e^{−νT})/T, β = −cα.
-/// `None` where the pole is not within (0, 1) or the fraction not within (0, 1): not observable.
+/// The mode of ż = −αz + βF⁽ᵉ⁾ in differences, z = F − F⁽ᵉ⁾: α = (1 − e^{−νT})/T, β = −cα.
+/// `None` where pole or fraction is not within (0, 1), and the mode is not observable.
 pub(super) fn one_mode<S: Scalar>(alpha: S, beta: S, period_s: S) -> Option<RelaxationMode<S>> {
     let stable = alpha > S::zero() && alpha * period_s < S::one();
     let relaxes = beta < S::zero() && -beta < alpha;
@@ -146,7 +148,7 @@ pub(super) fn one_mode<S: Scalar>(alpha: S, beta: S, period_s: S) -> Option<Rela
     })
 }
 
-/// Two modes, fast to slow, from z̈ = −α₁ż − α₀z + β₁Ḟ⁽ᵉ⁾ + β₀F⁽ᵉ⁾ in differences.
+/// The two modes, fast before slow, of z̈ = −α₁ż − α₀z + β₁Ḟ⁽ᵉ⁾ + β₀F⁽ᵉ⁾ in differences.
 ///
 /// With poles αf > αs, αf + αs = α₁, αf·αs = α₀: β₀ = −α₀(cf + cs), β₁ = −(cf·αf + cs·αs). `None`
 /// where the poles are not real, distinct and within (0, 1), or a fraction is out of range.
@@ -161,7 +163,7 @@ pub(super) fn two_modes<S: Scalar>(
         return None;
     }
     let fast = half + discriminant.pow_positive(S::from_f64(0.5));
-    // Not half − root: that cancels when the rates lie far apart.
+    // Not half − √discriminant, which cancels when the rates lie far apart.
     let slow = alpha_0 / fast;
     if fast * period_s >= S::one() {
         return None;
@@ -178,7 +180,8 @@ pub(super) fn two_modes<S: Scalar>(
     })
 }
 
-/// a₁ and b₁ of (38) for one mode at a period T: F(h) = −a₁F(h−1) + F⁽ᵉ⁾(h) + b₁F⁽ᵉ⁾(h−1), b₀ = 1.
+/// The coefficients a₁ and b₁ of (38) for one mode at a period T (s): F(h) = −a₁F(h−1) + F⁽ᵉ⁾(h) +
+/// b₁F⁽ᵉ⁾(h−1), b₀ = 1.
 pub fn hammerstein_coefficients<S: Scalar>(mode: RelaxationMode<S>, period_s: S) -> (S, S) {
     let decayed = PerPeriod::of(mode.rate_per_s, period_s).decayed;
     let pole = S::one() - decayed;

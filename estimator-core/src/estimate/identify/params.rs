@@ -4,12 +4,13 @@ use crate::estimate::config::{Cascade, Config, Initial, Inversion, Reference, We
 use crate::estimate::contact::ContactParams;
 use crate::estimate::error::{ConfigError, require};
 use crate::estimate::filter::FilterParams;
-use crate::estimate::method::Method;
+use crate::estimate::method::{Method, MethodInfo};
 use crate::estimate::rls::ForgettingParams;
 use crate::maths::scalar::Real;
 use crate::maths::units::Unit;
+use crate::physics::law::LawKind;
 
-/// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, a palpation's.
+/// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, as in a palpation.
 pub(super) const SPEED_PER_DEPTH: f64 = 10.0;
 
 /// The scales in which the estimators compute: depth, speed and force are of the order of 1 in
@@ -17,11 +18,11 @@ pub(super) const SPEED_PER_DEPTH: f64 = 10.0;
 /// converged from 26–29 % of random starts, on scaled depth from 95 %.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale<T> {
-    /// δ₀ (m)
+    /// Reference depth δ₀ (m).
     pub depth_m: T,
-    /// v₀ (m/s)
+    /// Reference speed v₀ (m/s).
     pub speed_mps: T,
-    /// F₀ (N)
+    /// Reference force F₀ (N).
     pub force_n: T,
 }
 
@@ -35,24 +36,24 @@ impl<T: Real> Scale<T> {
         }
     }
 
-    /// N/m in one unit of scaled stiffness.
+    /// One unit of scaled stiffness (N/m).
     pub fn stiffness(&self) -> T {
         self.force_n / self.depth_m
     }
 
-    /// N s/m in one unit of scaled damping.
+    /// One unit of scaled damping (N s/m).
     pub fn damping(&self) -> T {
         self.force_n / self.speed_mps
     }
 
-    /// SI units in one unit of a scaled parameter. Rates are in 1/s throughout.
+    /// One unit of a scaled parameter, in SI units. Rates are in 1/s throughout.
     pub fn of(&self, unit: Unit) -> T {
         match unit {
             Unit::NewtonPerMetre => self.stiffness(),
             Unit::NewtonSecondPerMetre => self.damping(),
             Unit::Metre => self.depth_m,
             Unit::Second => self.depth_m / self.speed_mps,
-            // Rates and shares have no size to scale with.
+            // Rates and fractions are not scaled.
             _ => T::one(),
         }
     }
@@ -61,13 +62,13 @@ impl<T: Real> Scale<T> {
 /// Where an estimator starts, scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start<T> {
-    /// c of P(0) = c·I
+    /// Initial covariance c of P(0) = c·I.
     pub covariance: T,
-    /// K
+    /// Initial stiffness K.
     pub stiffness: T,
-    /// λ
+    /// Initial damping λ.
     pub damping: T,
-    /// n
+    /// Initial exponent n.
     pub exponent: T,
 }
 
@@ -83,36 +84,33 @@ impl<T: Real> Start<T> {
     }
 }
 
-/// What an estimator needs to know of the configuration. Made by [`Config::validate`] only.
+/// The part of the configuration that estimators read, made by [`Config::validate`] only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IdentifyParams<T> {
     pub(crate) method: Method,
+    /// The law that the method identifies, or starts with.
+    pub(crate) law: LawKind,
     pub(crate) scale: Scale<T>,
     pub(crate) start: Start<T>,
     pub(crate) forgetting: ForgettingParams<T>,
     pub(crate) excitation_step: T,
     pub(crate) inversion: Inversion,
     pub(crate) cascade: CascadeParams<T>,
-    /// Between two samples of the sensors.
+    /// Time between two samples of the sensors (µs).
     pub(crate) period_us: u64,
-    /// Samples that the filter in front still remembers.
+    /// Number of samples that the filter remembers.
     pub(crate) memory_samples: u32,
-    /// The surface is configured, and no parameter.
+    /// Whether the surface is configured, and not a parameter.
     pub(crate) surface_known: bool,
 }
 
 impl<T: Real> IdentifyParams<T> {
     pub(crate) fn validate(
         config: &Config,
+        info: &MethodInfo,
         filter: &FilterParams<T>,
         contact: &ContactParams<T>,
     ) -> Result<Self, ConfigError> {
-        require(
-            cfg!(feature = "relaxing") || !config.method.has_history(),
-            "method",
-            f32::from(config.method as u8),
-            "must be below 10: this build has no method over a history",
-        )?;
         config.reference.check()?;
         config.initial.check()?;
         let step = config.forgetting.excitation_step;
@@ -124,10 +122,11 @@ impl<T: Real> IdentifyParams<T> {
         )?;
         let scale = Scale::new(config.reference);
         Ok(IdentifyParams {
-            method: config.method,
+            method: info.method,
+            law: info.law,
             scale,
             start: Start::new(config.initial, config.reference),
-            forgetting: ForgettingParams::validate(config)?,
+            forgetting: ForgettingParams::validate(config, info.alpha_1)?,
             excitation_step: T::from_f64(f64::from(step)),
             inversion: config.inversion,
             cascade: config.cascade.validate(&scale)?,
@@ -138,14 +137,14 @@ impl<T: Real> IdentifyParams<T> {
     }
 }
 
-/// δ̇* in the scale of the estimators, and the weight.
+/// The threshold δ̇* of the speed, scaled, and the weight of Γ₁.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CascadeParams<T> {
     pub(crate) loading_speed: T,
     pub(crate) weight: Weight,
 }
 
-/// δ̇* over the reference speed where it is left open: 5 δ₀/s. The chapter's ramp is 30 mm/s.
+/// Default of δ̇* over the reference speed: 5 δ₀/s. The chapter's ramp is 30 mm/s.
 const LOADING_SPEED: f64 = 0.5;
 
 impl Cascade {

@@ -1,56 +1,56 @@
-//! Neighbouring instants as one: what a refiner can remember of a stroke.
+//! Neighbouring instants pooled into one, so that a stroke fits into memory.
 //!
-//! Eight instants of a smooth motion teach as much by their mean as one by one, if the law is asked
-//! for its mean over the motion between them: spread and coupling say what that is, as they do for
-//! the filter's window. A second of contact then fits into 4 kB, and can be learned from again with
-//! a better linearisation.
+//! The mean of eight instants of a smooth motion holds as much information as the eight, if the law
+//! is averaged over the motion between them: variance and covariance give that average, as they do
+//! for the filter's window. A second of contact then fits into 4 kB, and can be learned from again
+//! with a better linearization.
 
 use super::Instant;
 use crate::maths::scalar::Real;
 
-/// Instants that are pooled.
+/// Number of instants in a pool.
 const SIZE: u32 = 8;
-/// Pools that are remembered: 1024 instants, over a second of contact.
+/// Number of pools in the ring: 1024 instants, more than a second of contact.
 pub(super) const MEMORY: usize = 128;
 
-/// The mean of some instants, scaled.
+/// The mean of consecutive instants, scaled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pooled<T> {
-    /// x/δ₀
+    /// Position x/δ₀.
     pub position: T,
-    /// δ̇/v₀
+    /// Rate of the depth, δ̇/v₀.
     pub speed: T,
-    /// F/F₀
+    /// Force F/F₀.
     pub force: T,
     /// Rate of the force.
     pub rate: T,
     /// Variance of the position about its mean.
-    pub spread: T,
+    pub position_variance: T,
     /// Covariance of position and speed.
-    pub coupling: T,
-    /// Variance of the position's error, per instant.
-    pub jitter: T,
+    pub position_velocity_cov: T,
+    /// Variance that the steps of the position sensor give the position of an instant.
+    pub quantization_variance: T,
     /// Number of instants.
     pub count: T,
 }
 
 impl<T: Real> Pooled<T> {
-    /// One instant.
+    /// A pool of one instant.
     pub fn of(at: &Instant<T>) -> Self {
         Pooled {
             position: at.position(),
             speed: at.speed,
             force: at.force,
             rate: at.rate,
-            spread: at.spread,
-            coupling: at.coupling,
-            jitter: at.jitter,
+            position_variance: at.position_variance,
+            position_velocity_cov: at.position_velocity_cov,
+            quantization_variance: at.quantization_variance,
             count: T::one(),
         }
     }
 }
 
-/// Gathers instants.
+/// Pools consecutive instants.
 #[derive(Clone, Debug, Default)]
 pub struct Pool<T> {
     first: Pooled<T>,
@@ -61,12 +61,12 @@ pub struct Pool<T> {
 }
 
 impl<T: Real> Pool<T> {
-    /// The next instant does not follow the last one: it begins another pool.
+    /// Makes the next instant begin another pool, as it does not follow the last one.
     pub fn close(&mut self) {
         self.closed = true;
     }
 
-    /// Takes an instant; gives a pool when one is complete.
+    /// Takes an instant; returns a pool when one is complete.
     pub fn take(&mut self, at: &Instant<T>) -> Option<Pooled<T>> {
         let at = Pooled::of(at);
         let cut = if self.closed { self.finish() } else { None };
@@ -80,9 +80,9 @@ impl<T: Real> Pool<T> {
         self.sum.speed += faster;
         self.sum.force += at.force - self.first.force;
         self.sum.rate += at.rate;
-        self.sum.spread += at.spread + moved * moved;
-        self.sum.coupling += at.coupling + moved * faster;
-        self.sum.jitter += at.jitter;
+        self.sum.position_variance += at.position_variance + moved * moved;
+        self.sum.position_velocity_cov += at.position_velocity_cov + moved * faster;
+        self.sum.quantization_variance += at.quantization_variance;
         self.taken += 1;
         if self.taken >= SIZE {
             return self.finish();
@@ -102,9 +102,9 @@ impl<T: Real> Pool<T> {
             speed: self.first.speed + faster,
             force: self.first.force + self.sum.force / count,
             rate: self.sum.rate / count,
-            spread: T::zero().max_of(self.sum.spread / count - moved * moved),
-            coupling: self.sum.coupling / count - moved * faster,
-            jitter: self.sum.jitter / count,
+            position_variance: T::zero().max_of(self.sum.position_variance / count - moved * moved),
+            position_velocity_cov: self.sum.position_velocity_cov / count - moved * faster,
+            quantization_variance: self.sum.quantization_variance / count,
             count,
         };
         self.sum = Pooled::default();
@@ -113,23 +113,23 @@ impl<T: Real> Pool<T> {
     }
 }
 
-/// The newest pools.
+/// The newest pools, numbered from 0 on.
 #[derive(Clone, Debug)]
-pub struct Memory<T> {
+pub struct PoolRing<T> {
     pools: [Pooled<T>; MEMORY],
     pushed: u32,
 }
 
-impl<T: Real> Default for Memory<T> {
+impl<T: Real> Default for PoolRing<T> {
     fn default() -> Self {
-        Memory {
+        PoolRing {
             pools: [Pooled::default(); MEMORY],
             pushed: 0,
         }
     }
 }
 
-impl<T: Real> Memory<T> {
+impl<T: Real> PoolRing<T> {
     /// Keeps a pool, in place of the oldest if there is no room.
     pub fn push(&mut self, pooled: Pooled<T>) {
         if let Some(slot) = self.pools.get_mut(self.pushed as usize % MEMORY) {
@@ -138,7 +138,7 @@ impl<T: Real> Memory<T> {
         self.pushed = self.pushed.saturating_add(1);
     }
 
-    /// Pools so far.
+    /// Number of pools so far.
     pub fn pushed(&self) -> u32 {
         self.pushed
     }
@@ -148,7 +148,7 @@ impl<T: Real> Memory<T> {
         self.pushed.saturating_sub(MEMORY as u32)
     }
 
-    /// A pool by its number.
+    /// The pool with a number, if it is still there.
     pub fn get(&self, number: u32) -> Option<&Pooled<T>> {
         let there = number < self.pushed && number >= self.oldest();
         self.pools.get(number as usize % MEMORY).filter(|_| there)
@@ -166,23 +166,29 @@ mod tests {
             speed: 0.02 + 2e-3 * t,
             force: 3.0 * t,
             surface: 200.0,
-            spread: 0.01,
+            position_variance: 0.01,
             ..Instant::default()
         }
     }
 
     #[test]
-    fn eight_instants_become_their_mean_spread_and_coupling() {
+    fn eight_instants_become_their_mean_variance_and_covariance() {
         let mut pool = Pool::default();
         let pooled = (0..8).filter_map(|i| pool.take(&at(i))).last().unwrap();
         let mean = |of: &dyn Fn(Instant<f64>) -> f64| (0..8).map(|i| of(at(i))).sum::<f64>() / 8.0;
         let (x, v) = (mean(&|at| at.position()), mean(&|at| at.speed));
         assert!((pooled.position - x).abs() < 1e-12);
         assert!((pooled.force - 10.5).abs() < 1e-12 && pooled.count == 8.0);
-        let spread = mean(&|at| (at.position() - x) * (at.position() - x));
-        let coupling = mean(&|at| (at.position() - x) * (at.speed - v));
-        assert!((pooled.spread - 0.01 - spread).abs() < 1e-12, "{pooled:?}");
-        assert!((pooled.coupling - coupling).abs() < 1e-12, "{pooled:?}");
+        let position_variance = mean(&|at| (at.position() - x) * (at.position() - x));
+        let position_velocity_cov = mean(&|at| (at.position() - x) * (at.speed - v));
+        assert!(
+            (pooled.position_variance - 0.01 - position_variance).abs() < 1e-12,
+            "{pooled:?}"
+        );
+        assert!(
+            (pooled.position_velocity_cov - position_velocity_cov).abs() < 1e-12,
+            "{pooled:?}"
+        );
     }
 
     #[test]
@@ -198,7 +204,7 @@ mod tests {
 
     #[test]
     fn memory_holds_the_newest_pools_under_their_numbers() {
-        let mut memory = Memory::<f64>::default();
+        let mut memory = PoolRing::<f64>::default();
         for number in 0..MEMORY as u32 + 10 {
             memory.push(Pooled {
                 force: f64::from(number),

@@ -1,34 +1,33 @@
-//! Gauss–Newton on all parameters at once, recursive: from a good start to the Cramér–Rao bound.
+//! Recursive Gauss–Newton on all parameters at once, from a good start to the Cramér–Rao bound.
 //!
-//! The model is linearised once, at a reference that stays, and the deviations from it are found by
-//! linear least squares: the result does not depend on the order of the samples, and nothing that an
-//! early, wrong gradient taught is kept. (An extended Kalman filter, whose gradient follows the
-//! estimate, ended 1–2 % off on gel at a claimed 0.13 %.) How much the linearisation leaves out is
-//! measured on every pool; when it matters, a successor learns from memory at a better reference.
+//! The model is linearized once, at a reference that stays, and the deviations from it are found by
+//! linear least squares: the result does not depend on the order of the samples, and nothing of an
+//! early, wrong gradient is kept. (An extended Kalman filter, whose gradient follows the
+//! estimate, ended 1–2 % off on gel at a claimed 0.13 %.) The linearization error is measured on
+//! every pool; when it matters, a successor learns from memory at a better reference.
 
 use nalgebra::Vector5;
 
 use super::ForceNoise;
 use super::bank::Candidate;
+use super::bounds::{EXPONENT, within};
 use super::pool::Pooled;
 use crate::estimate::rls::Ud;
 use crate::maths::scalar::Real;
 
-/// Memory of the error energies (pools).
-const ENERGY_MEMORY: f64 = 8.0;
-/// Bounds of n, so that no step makes a power that single precision cannot hold.
-const EXPONENT: (f64, f64) = (0.3, 4.0);
+/// Memory of the mean squares (pools).
+const MEAN_SQUARE_MEMORY: f64 = 8.0;
 /// Largest variance of the position in the filter's window, over the square of the depth.
 const WIDEST: f64 = 0.15;
 /// Standard deviations beyond which an error loses weight (Huber 1964).
 const HUBER: f64 = 5.0;
 
-/// A model F = (K + λw)·((x − x₀)/δ₀)ⁿ − τ·dF/dt under refinement; θ = (K, λ, n, x₀, τ), scaled. τ is
-/// by how much the force is read later than the position.
+/// A fit of F = (K + λw)·((x − x₀)/δ₀)ⁿ − τ·dF/dt with θ = (K, λ, n, x₀, τ), scaled, where τ is by
+/// how much the force is read later than the position.
 ///
 /// The covariance is kept in units of the prior standard deviations and of the noise of the raw
 /// force (filtering makes neighbours alike: a filtered sample is worth no more than a raw one), so
-/// that P(0) = I. A prior of 0 is a parameter that is known.
+/// that P(0) = I. A prior of 0 means that the parameter is known.
 #[derive(Clone, Debug)]
 pub struct Refiner<T: Real> {
     reference: Vector5<T>,
@@ -36,30 +35,33 @@ pub struct Refiner<T: Real> {
     deviation: Vector5<T>,
     prior: Vector5<T>,
     covariance: Ud<T, 5>,
-    /// Σ of the weighted gradients: what a constant error of the force would do.
+    /// Sum of the weighted gradients, by which a constant error of the force moves the estimate.
     moment: Vector5<T>,
-    energy: T,
-    bend: T,
-    learned: T,
+    /// Recent mean squared residual, scaled by F₀².
+    pub(super) residual: T,
+    /// Recent mean square of what the linearization leaves out, scaled by F₀².
+    pub(super) linearization_error: T,
+    /// Number of samples that were learned from.
+    pub(super) learned: T,
 }
 
-/// What is not known at the start, as prior standard deviations, scaled.
+/// Prior standard deviations of surface and skew, scaled.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Prior<T> {
-    /// Of x₀.
+    /// Prior standard deviation of x₀.
     pub surface: T,
-    /// Of τ.
+    /// Prior standard deviation of τ.
     pub skew: T,
 }
 
-/// Force of an instant and its gradient.
+/// The force of a pool and its gradient.
 struct Predicted<T: Real> {
     force: T,
     gradient: Vector5<T>,
 }
 
 impl<T: Real> Refiner<T> {
-    /// From a start.
+    /// A refiner that linearizes at a start and has learned nothing.
     pub fn new(start: &Candidate<T>, skew: T, prior: &Prior<T>) -> Self {
         let half = T::from_f64(0.5) * start.stiffness;
         Refiner {
@@ -74,16 +76,16 @@ impl<T: Real> Refiner<T> {
             prior: Vector5::new(half, half, T::from_f64(0.2), prior.surface, prior.skew),
             covariance: Ud::new(T::one()),
             moment: Vector5::repeat(T::zero()),
-            energy: start.residual,
-            bend: T::zero(),
+            residual: start.residual,
+            linearization_error: T::zero(),
             learned: T::zero(),
         }
     }
 
-    /// A refiner that knows nothing but where to linearise: at this one's values.
+    /// A refiner that linearizes at the estimates of this one and has learned nothing.
     pub fn successor(&self, prior: &Prior<T>) -> Self {
         let [stiffness, damping, exponent, surface, skew] = self.values();
-        let residual = self.energy;
+        let residual = self.residual;
         let start = Candidate {
             stiffness,
             damping,
@@ -94,15 +96,21 @@ impl<T: Real> Refiner<T> {
         Refiner::new(&start, skew, prior)
     }
 
-    /// K, λ, n, x₀, τ, scaled.
+    /// The estimates of K, λ, n, x₀ and τ, scaled.
     pub fn values(&self) -> [T; 5] {
         let [stiffness, damping, exponent, surface, skew]: [T; 5] =
             (self.reference + self.deviation.component_mul(&self.prior)).into();
-        [stiffness, damping, bounded(exponent), surface, skew]
+        [
+            stiffness,
+            damping,
+            within(exponent, EXPONENT),
+            surface,
+            skew,
+        ]
     }
 
-    /// Standard errors of K, λ, n, x₀, τ, scaled, where the resting force is known to within
-    /// `rest_error` and the noise of the force is `noise`.
+    /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force and a
+    /// noise of the force.
     pub fn std_errors(&self, rest_error: T, noise: &ForceNoise<T>) -> [T; 5] {
         let variances = self.covariance.variances();
         // A wrong resting force is not noise: it moves every sample the same way (Schmidt 1966).
@@ -112,8 +120,8 @@ impl<T: Real> Refiner<T> {
         self.prior.component_mul(&errors).into()
     }
 
-    /// Whether it knows every parameter within `factor` of how well another does.
-    pub fn knows_like(&self, other: &Self, factor: T) -> bool {
+    /// Whether every standard error is at most `factor` times that of another refiner.
+    pub fn knows_as_well_as(&self, other: &Self, factor: T) -> bool {
         let known = |refiner: &Self| {
             let variances = refiner.covariance.variances();
             variances.component_mul(&refiner.prior.component_mul(&refiner.prior))
@@ -122,32 +130,20 @@ impl<T: Real> Refiner<T> {
         known(self)
             .iter()
             .zip(known(other).iter())
-            .all(|(own, other)| *own <= square * *other)
+            .all(|(this, other)| *this <= square * *other)
     }
 
-    /// Samples learned from.
-    pub fn learned(&self) -> T {
-        self.learned
-    }
-
-    /// Recent mean of e², scaled by F₀².
-    pub fn energy(&self) -> T {
-        self.energy
-    }
-
-    /// Recent mean square of what the linearisation leaves out, scaled by F₀².
-    pub fn bend(&self) -> T {
-        self.bend
-    }
-
-    /// F̂ and its variance from the parameters' errors, scaled.
+    /// The force F̂ and its variance from the errors of the parameters, scaled.
     pub fn predict(&self, at: &Pooled<T>) -> (T, T) {
         let predicted = predict(&self.values(), at);
         let phi = predicted.gradient.component_mul(&self.prior);
         // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
         let slope = predicted.gradient.w;
-        let model = self.covariance.variance(&phi) + self.bend;
-        (predicted.force, model + slope * slope * at.jitter)
+        let model = self.covariance.variance(&phi) + self.linearization_error;
+        (
+            predicted.force,
+            model + slope * slope * at.quantization_variance,
+        )
     }
 
     /// Learns from a pool of instants with forgetting factor β.
@@ -160,29 +156,32 @@ impl<T: Real> Refiner<T> {
         let linear = there.force + phi.dot(&self.deviation);
         let error = at.force - linear;
         let slope = there.gradient.w;
-        let weight = at.count * self.weight(error, &phi, slope * slope * at.jitter, noise);
+        let weight =
+            at.count * self.weight(error, &phi, slope * slope * at.quantization_variance, noise);
         // The UD update of P is for unit noise; dividing φ by σ and e by σ is the same as this.
         let phi_noise = phi / noise.raw;
         let update = self.covariance.update(&phi_noise, beta, weight);
         self.deviation += update.gain * (error / noise.raw);
         self.moment = self.moment * beta + phi_noise * weight;
         let here = predict(&self.values(), at).force;
-        let bend = here - there.force - phi.dot(&self.deviation);
+        let linearization_error = here - there.force - phi.dot(&self.deviation);
         let left = at.force - here;
-        let share = T::from_f64(1.0 / ENERGY_MEMORY);
-        self.energy += share * (left * left - self.energy);
-        self.bend += share * (bend * bend - self.bend);
+        let share = T::from_f64(1.0 / MEAN_SQUARE_MEMORY);
+        self.residual += share * (left * left - self.residual);
+        self.linearization_error +=
+            share * (linearization_error * linearization_error - self.linearization_error);
         self.learned += at.count;
     }
 
-    /// Weight of a sample: less than 1 where the error of the position makes its force less certain
-    /// (`jitter`, its variance as a force), and for an error that is not to be expected: where the
-    /// motion jumps between two samples, force and speed do not belong together.
-    fn weight(&self, error: T, phi: &Vector5<T>, jitter: T, noise: &ForceNoise<T>) -> T {
+    /// Weight of a sample: less than 1 where the quantization of the position makes its force less
+    /// certain (`quantization` is the variance of the force by it), and for an error that is not to
+    /// be expected: where the motion jumps between two samples, force and speed do not belong
+    /// together.
+    fn weight(&self, error: T, phi: &Vector5<T>, quantization: T, noise: &ForceNoise<T>) -> T {
         let variance = noise.raw * noise.raw;
-        let certain = variance / (variance + jitter);
+        let certain = variance / (variance + quantization);
         let model = self.covariance.variance(phi);
-        let left = noise.filtered * noise.filtered / certain + model + self.bend;
+        let left = noise.filtered * noise.filtered / certain + model + self.linearization_error;
         let expected = T::from_f64(HUBER) * left.sqrt();
         let size = error.abs();
         if size > expected {
@@ -192,16 +191,16 @@ impl<T: Real> Refiner<T> {
         }
     }
 
-    /// The values can be a contact: finite, and a spring that pushes.
+    /// Whether the estimates can be a contact: finite, and a spring that pushes.
     pub fn is_sound(&self) -> bool {
         let values = self.values();
         values.iter().all(|value| value.is_finite())
             && values[0] > T::zero()
-            && self.energy.is_finite()
+            && self.residual.is_finite()
     }
 }
 
-/// Force and gradient of θ = (K, λ, n, x₀, τ) at a pool of instants.
+/// The force and its gradient by θ = (K, λ, n, x₀, τ) at a pool of instants.
 ///
 /// The filter averages a curved law over its window, which is ½F″·var(x) + (∂²F/∂x∂v)·cov(x, v) more
 /// than the law of the averages: 27 mN where a ramp of 17 mm/s meets a hold 3 mm deep in gel.
@@ -218,30 +217,22 @@ fn predict<T: Real>(theta: &[T; 5], at: &Pooled<T>) -> Predicted<T> {
     let shape = (exponent * log).exp();
     // Where the window spans more than a fifth of the depth, two orders do not describe it; the
     // gradient would be huge, and one such sample would settle a parameter for good.
-    if at.spread > T::from_f64(WIDEST) * depth * depth {
+    if at.position_variance > T::from_f64(WIDEST) * depth * depth {
         let force = (stiffness + damping * at.speed) * shape;
         return Predicted {
             force,
             gradient: Vector5::repeat(T::zero()),
         };
     }
-    let curve = T::from_f64(0.5) * exponent * (exponent - T::one()) * at.spread / (depth * depth);
+    let curve = T::from_f64(0.5) * exponent * (exponent - T::one()) * at.position_variance
+        / (depth * depth);
     let by_stiffness = shape * (T::one() + curve);
-    let by_damping = by_stiffness * at.speed + shape * exponent * at.coupling / depth;
+    let by_damping = by_stiffness * at.speed + shape * exponent * at.position_velocity_cov / depth;
     let force = stiffness * by_stiffness + damping * by_damping;
     let by_surface = -(exponent * force / depth);
     Predicted {
         force: force - skew * at.rate,
         gradient: Vector5::new(by_stiffness, by_damping, force * log, by_surface, -at.rate),
-    }
-}
-
-fn bounded<T: Real>(exponent: T) -> T {
-    let raised = T::from_f64(EXPONENT.0).max_of(exponent);
-    if raised > T::from_f64(EXPONENT.1) {
-        T::from_f64(EXPONENT.1)
-    } else {
-        raised
     }
 }
 
@@ -297,7 +288,11 @@ mod tests {
             // The prior of the last generation: one sample against 1500.
             assert!((value - truth).abs() < 1e-4, "{:?}", refiner.values());
         }
-        assert!(refiner.bend() < 1e-8, "{}", refiner.bend());
+        assert!(
+            refiner.linearization_error < 1e-8,
+            "{}",
+            refiner.linearization_error
+        );
     }
 
     #[test]
@@ -350,7 +345,8 @@ mod tests {
                 predict(&other, &at).force
             };
             let slope = (shifted(1e-6) - shifted(-1e-6)) / 2e-6;
-            // Central differences of a smooth function; without spread the gradient is exact.
+            // Central differences of a smooth function; without a variance within the window the
+            // gradient is exact.
             assert!(
                 (gradient[slot] - slope).abs() < 1e-6 * slope.abs().max(1.0),
                 "slot {slot}"

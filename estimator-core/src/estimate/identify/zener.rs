@@ -1,55 +1,61 @@
 //! Zener as ARX by recursive least squares, (18) and (20)–(24).
 //!
-//! F(h) = −θ₁F(h−1) + θ₂δ(h) + θ₃δ(h−1), in differences, the same model for the same data:
+//! The model F(h) = −θ₁F(h−1) + θ₂δ(h) + θ₃δ(h−1) is written in differences:
 //!
 //! (F(h) − F(h−1))/T = −α·F(h−1) + μ·δ(h−1) + κ·(δ(h) − δ(h−1))/T,
 //! θ₁ = αT − 1, θ₂ = κ, θ₃ = μT − κ.
 //!
 //! At 1 kHz a material that relaxes in seconds has θ₁ = −0.999…: in single precision αT would be
 //! known to 10⁻⁴ at best. F and δ come from the same filter, equally late, so that the model holds
-//! for the filtered signals as it does for the raw ones. T is half the filter's memory, 10 ms by
-//! default: in between the filter tells nothing new.
+//! for the filtered signals as it does for the raw ones. T is half the filter's memory, 8 ms by
+//! default: samples that are closer add no information.
 
 use nalgebra::{SVector, Vector1, Vector3};
 
 use super::equation_error::{Equation, EquationError};
-use super::kelvin_voigt::size;
-use super::modes::{Pace, PerPeriod, Relaxing, rate_of};
+use super::modes::{ModelPeriod, PerPeriod, RelaxationExcitation, rate_of};
 use super::params::{IdentifyParams, SPEED_PER_DEPTH};
-use super::{ForceNoise, Identify, Instant};
+use super::slots::size;
+use super::{Identify, Instant};
 use crate::estimate::config::Inversion;
+use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::maths::{Dual, Real, Scalar};
 
-/// The standard linear solid, scaled: θ = [α, μ, κ].
+methods! {
+    /// Zener as ARX by recursive least squares, (18).
+    ZENER_ARX = 3, Zener, "arx", "Recursive least squares on force and depth of two samples",
+        offer: Offer::Default;
+}
+
+/// The estimator of the standard linear solid, scaled: θ = [α, μ, κ].
 #[derive(Clone, Debug)]
 pub struct ZenerArx<T: Real> {
     fit: EquationError<T, 3, 1>,
-    relaxing: Relaxing<T>,
+    excitation: RelaxationExcitation<T>,
     solid: Option<Solid<T>>,
-    /// The last sample that was used, unless there was a gap or no contact since.
+    /// The last sample that was used, unless there was a gap or no contact since then.
     last: Option<Instant<T>>,
-    /// Samples since.
+    /// Number of samples since then.
     since: u32,
-    pushed: bool,
-    pace: Pace<T>,
+    period: ModelPeriod<T>,
     inversion: Inversion,
 }
 
-/// The parameters of (2) in N, δ₀ and s.
+/// The parameters of Zener (2) in units of N, δ₀ and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid<S> {
-    /// κ₁
+    /// Stiffness κ₁.
     pub stiffness: S,
-    /// κ₂
+    /// Stiffness κ₂.
     pub second_stiffness: S,
-    /// λ
+    /// Damping λ.
     pub damping: S,
 }
 
 impl<S: Scalar> Solid<S> {
-    /// (18) as printed: forward Euler. κ₁ = θ₂ = κ, (κ₁+κ₂)/λ = α, κ₁κ₂/λ = μ.
+    /// The inversion as printed at (18), by forward Euler: κ₁ = θ₂ = κ, (κ₁+κ₂)/λ = α, κ₁κ₂/λ = μ.
     fn by_euler([alpha, mu, kappa]: [S; 3]) -> Self {
         let damping = kappa / (alpha - mu / kappa);
         Solid {
@@ -59,7 +65,7 @@ impl<S: Scalar> Solid<S> {
         }
     }
 
-    /// Exact for a depth that is linear between samples, at any period.
+    /// The inversion that is exact for a depth that is linear between samples, at any period.
     ///
     /// With e = e^{−νT} and φ = (1 − e)/νT, (2) becomes αT = 1 − e, κ = κ₁(1 − c(1−φ)),
     /// μ/α = κ₁(1−c), c = κ₁/(κ₁+κ₂).
@@ -78,11 +84,11 @@ impl<S: Scalar> Solid<S> {
         }
     }
 
-    /// The inversion that was asked for; `None` where no such solid has these θ.
+    /// The solid with this θ by the configured inversion; `None` where there is no such solid.
     fn of(theta: [S; 3], period_s: S, inversion: Inversion) -> Option<Self> {
         let [alpha, mu, kappa] = theta;
         let relaxes = alpha > S::zero() && alpha * period_s < S::one();
-        // 0 < resting stiffness μ/α < stiffness at once.
+        // 0 < relaxed stiffness μ/α < instantaneous stiffness κ.
         let softens = mu > S::zero() && kappa * alpha > mu;
         (relaxes && softens).then(|| match inversion {
             Inversion::Exact => Solid::exactly(theta, period_s),
@@ -100,22 +106,21 @@ impl<S: Scalar> Solid<S> {
 }
 
 impl<T: Real> ZenerArx<T> {
-    /// θ̂(0) is a spring of the configured stiffness, P(0) from the configuration.
+    /// The estimator before the first contact: θ̂(0) is a spring of the configured stiffness.
     pub fn new(params: &IdentifyParams<T>) -> Self {
         let start = Vector3::new(T::zero(), T::zero(), params.start.stiffness);
         ZenerArx {
             fit: EquationError::new(start, params.start.covariance),
-            relaxing: Relaxing::new(Pace::new(params)),
+            excitation: RelaxationExcitation::new(ModelPeriod::new(params)),
             solid: None,
             last: None,
             since: 0,
-            pushed: false,
-            pace: Pace::new(params),
+            period: ModelPeriod::new(params),
             inversion: params.inversion,
         }
     }
 
-    /// κ₁, κ₂, λ in N, δ₀ and s, once the data describe such a solid.
+    /// The estimated solid, once the data describe one.
     pub fn solid(&self) -> Option<Solid<T>> {
         self.solid
     }
@@ -134,13 +139,15 @@ impl<T: Real> ZenerArx<T> {
 }
 
 impl<T: Real> Identify<T> for ZenerArx<T> {
+    const METHODS: &'static [MethodInfo] = METHODS;
+
     /// F̂ from the last sample used, at most one period ago; from rest if there is none.
-    fn predict(&self, at: &Instant<T>, noise: &ForceNoise<T>, _surface_error: T) -> (T, T) {
+    fn predict(&self, at: &Instant<T>) -> (T, T) {
         let [alpha, mu, kappa] = self.fit.rls.theta.into();
         let Some(last) = &self.last else {
             return (kappa * at.depth, T::zero());
         };
-        let elapsed_s = T::from_f64(f64::from(self.since + 1)) * self.pace.sample_s;
+        let elapsed_s = T::from_f64(f64::from(self.since + 1)) * self.period.sample_s;
         let change = at.depth - last.depth;
         let force = match &self.solid {
             Some(solid) => {
@@ -153,37 +160,29 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
                 last.force + kappa * change + elapsed_s * (mu * last.depth - alpha * last.force)
             }
         };
-        // Both ends of the prediction carry noise; the parameters add next to nothing to one period.
-        (force, noise.filtered * noise.filtered)
+        // Both ends of the prediction have noise; the errors of the parameters add little over one
+        // period.
+        (force, at.noise.filtered * at.noise.filtered)
     }
 
-    fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-        beta: T,
-    ) -> Option<T> {
-        if !self.pushed {
-            return None;
-        }
+    fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T> {
         let Some(last) = self.last else {
             self.last = Some(*at);
             self.since = 0;
             return None;
         };
         self.since += 1;
-        if self.since < self.pace.samples {
+        if self.since < self.period.samples {
             return Some(beta);
         }
         self.last = Some(*at);
         self.since = 0;
-        let period_s = self.pace.period_s();
+        let period_s = self.period.seconds();
         let equation = self.equation(&last, at, period_s);
         let phi = [last.force, last.depth, at.speed];
-        let sigma = self.pace.variance(noise).sqrt();
+        let sigma = self.period.variance(&at.noise).sqrt();
         let gate = self
-            .relaxing
+            .excitation
             .admits(phi, last.force, params.excitation_step, sigma, beta);
         if let Some(beta) = gate {
             self.fit.update(&equation, beta, T::one());
@@ -195,9 +194,8 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         Some(gate.unwrap_or(T::one()))
     }
 
-    fn admit(&mut self, pushed: bool) {
-        self.pushed = pushed;
-        if !pushed && self.last.take().is_some() {
+    fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {
+        if self.last.take().is_some() {
             self.fit.break_off();
         }
     }
@@ -207,21 +205,17 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         self.last = None;
     }
 
-    fn estimates(
-        &self,
-        noise: &ForceNoise<T>,
-        surface_error: T,
-    ) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let mut estimates = [ParameterEstimate::default(); PARAMETER_SLOTS];
         let theta: [T; 3] = self.fit.rls.theta.into();
         let mut index = 0..3;
         let dual = theta.map(|value| Dual::parameter(value, index.next().unwrap_or(3)));
-        let period_s = Dual::constant(self.pace.period_s());
+        let period_s = Dual::constant(self.period.seconds());
         let Some(solid) = Solid::<Dual<T, 3>>::of(dual, period_s, self.inversion) else {
             return estimates;
         };
-        let covariance = self.fit.covariance(self.pace.variance(noise));
-        let shift = self.fit.shift() * surface_error;
+        let covariance = self.fit.covariance(self.period.variance(&at.noise));
+        let shift = self.fit.shift() * at.surface_error;
         let per_speed = Dual::from_f64(SPEED_PER_DEPTH);
         let values = [
             solid.stiffness,
@@ -245,6 +239,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::identify::ForceNoise;
 
     /// θ of (18) for a solid and a period, exact for a depth that is linear between samples.
     fn theta(solid: Solid<f64>, period_s: f64) -> [f64; 3] {
@@ -323,16 +318,16 @@ mod tests {
                 depth: depth_m / 1e-3,
                 speed: 0.7 * libm::cos(7e-3 * f64::from(i)),
                 force,
+                noise,
                 ..Instant::default()
             };
-            arx.admit(true);
             // Once it has learned, the prediction between two periods is that of the solid.
             if i > 1000 {
-                let (predicted, _) = arx.predict(&at, &noise, 0.0);
+                let (predicted, _) = arx.predict(&at);
                 // A depth that is not linear over 10 ms: (ωT)²/8 of what relaxes in them.
                 assert!((predicted - force).abs() < 1e-4, "{i}: {predicted} {force}");
             }
-            arx.learn(&params, &at, &noise, 1.0);
+            arx.learn(&params, &at, 1.0);
         }
         let solid = arx.solid().unwrap();
         // (ωT)²/12 = 0.04 % in the rate.
@@ -342,7 +337,7 @@ mod tests {
             "{solid:?}"
         );
         assert!((solid.damping / 0.78 - 1.0).abs() < 1e-3, "{solid:?}");
-        let [stiffness, ..] = arx.estimates(&noise, 0.0);
+        let [stiffness, ..] = arx.estimates(&Instant::uncertain(noise, 0.0));
         assert!(stiffness.observable());
     }
 
@@ -361,12 +356,17 @@ mod tests {
             depth,
             speed: 0.0,
             force: 3.0 * depth,
+            noise,
             ..Instant::default()
         };
         for i in 0..40 {
             // Five pushed samples at a time: less than a period.
-            arx.admit(i % 6 != 0);
-            arx.learn(&params, &at(1.0 + f64::from(i % 6)), &noise, 1.0);
+            let at = at(1.0 + f64::from(i % 6));
+            if i % 6 == 0 {
+                arx.observe(&at, false);
+            } else {
+                arx.learn(&params, &at, 1.0);
+            }
         }
         assert_eq!(arx.solid(), None);
         assert_eq!(arx.fit.rls.theta.z, params.start.stiffness);

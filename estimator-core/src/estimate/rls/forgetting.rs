@@ -2,7 +2,6 @@
 
 use crate::estimate::config::Config;
 use crate::estimate::error::{ConfigError, require};
-use crate::estimate::method::Method;
 use crate::maths::scalar::Real;
 
 /// Default of α₂α₃, and default of α₃ over the noise of the raw force.
@@ -23,22 +22,9 @@ pub struct ForgettingParams<T> {
 }
 
 impl<T: Real> ForgettingParams<T> {
-    pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
+    pub(crate) fn validate(config: &Config, default_alpha_1: f32) -> Result<Self, ConfigError> {
         let forgetting = config.forgetting;
-        let alpha_1 = forgetting.alpha_1.unwrap_or(match config.method {
-            Method::KelvinVoigt | Method::KelvinVoigtSurface | Method::HuntCrossleyLogLinear => {
-                0.001
-            }
-            Method::HuntCrossleyTwoStage
-            | Method::HuntCrossleyBank
-            | Method::HuntCrossleyBankSkew => 0.03,
-            Method::ZenerArx | Method::HammersteinCascade | Method::HammersteinCascade2 => 0.001,
-            // These do not forget by their error: another material starts them anew.
-            Method::ZenerBank
-            | Method::QuasiLinearBank
-            | Method::QuasiLinearBank2
-            | Method::Selection => 0.001,
-        });
+        let alpha_1 = forgetting.alpha_1.unwrap_or(default_alpha_1);
         require(
             (0.0..=0.5).contains(&alpha_1),
             "forgetting.alpha_1",
@@ -96,7 +82,7 @@ mod tests {
         config.forgetting.alpha_1 = Some(0.1);
         config.forgetting.alpha_2_per_n = Some(50.0);
         config.forgetting.alpha_3_n = Some(0.2);
-        ForgettingParams::validate(&config).unwrap()
+        ForgettingParams::validate(&config, 0.001).unwrap()
     }
 
     #[test]

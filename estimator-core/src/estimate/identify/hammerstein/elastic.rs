@@ -4,16 +4,15 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::split_force::SplitForce;
 use crate::estimate::config::Weight;
+use crate::estimate::identify::bounds::{EXPONENT, within};
 use crate::estimate::identify::contract::{ForceNoise, Instant};
 use crate::estimate::identify::equation_error::{Equation, EquationError};
 use crate::estimate::identify::hunt_crossley::LOG_SIGMAS;
-use crate::estimate::identify::kelvin_voigt::size;
 use crate::estimate::identify::params::{IdentifyParams, SPEED_PER_DEPTH};
+use crate::estimate::identify::slots::size;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::maths::scalar::Real;
 
-/// Bounds of the exponent γ₂ in F̂⁽ᵉ⁾: no start value makes a number that single precision cannot hold.
-const EXPONENT: (f64, f64) = (0.3, 4.0);
 /// Bound of |ln γ₁|, with γ₁ in units of the reference force.
 const LOG_STIFFNESS: f64 = 20.0;
 
@@ -54,9 +53,6 @@ impl<T: Real> ElasticStage<T> {
     /// ln γ̂₁ and γ̂₂ within their bounds.
     fn parameters(&self) -> (T, T) {
         let theta = &self.gamma_1.rls.theta;
-        let within = |value: T, (low, high): (f64, f64)| {
-            T::from_f64(low).max_of(value).min_of(T::from_f64(high))
-        };
         (
             within(theta.x, (-LOG_STIFFNESS, LOG_STIFFNESS)),
             within(theta.y, EXPONENT),
@@ -80,17 +76,12 @@ impl<T: Real> ElasticStage<T> {
     }
 
     /// Learns from one sample of a press.
-    pub(super) fn learn(
-        &mut self,
-        params: &IdentifyParams<T>,
-        at: &Instant<T>,
-        noise: &ForceNoise<T>,
-    ) {
+    pub(super) fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>) {
         // The filter averages F and δ; the average of a power is the power of the average only where
         // the window is short against the depth.
         let window = at.speed * self.window;
         let short = window * T::from_f64(MIN_HALF_WINDOWS) < at.depth;
-        if !short || at.force <= T::from_f64(LOG_SIGMAS) * noise.filtered {
+        if !short || at.force <= T::from_f64(LOG_SIGMAS) * at.noise.filtered {
             return;
         }
         let weight = match self.weight {
@@ -106,7 +97,7 @@ impl<T: Real> ElasticStage<T> {
         // Γ₁ forgets by its own error: F̂ of the cascade follows F whatever the elastic response is.
         let beta = params.forgetting.beta(
             self.split(at).relaxed * params.scale.force_n,
-            noise.raw * params.scale.force_n,
+            at.noise.raw * params.scale.force_n,
         );
         self.gamma_1.update(&equation, beta, weight);
     }

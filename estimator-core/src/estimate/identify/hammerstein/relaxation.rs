@@ -3,9 +3,9 @@
 use nalgebra::{Matrix2, SVector, Vector2};
 
 use super::split_force::SplitForce;
-use crate::estimate::identify::contract::ForceNoise;
+use crate::estimate::identify::contract::{ForceNoise, Instant};
 use crate::estimate::identify::equation_error::{Equation, EquationError};
-use crate::estimate::identify::modes::{Pace, Relaxing, one_mode, two_modes};
+use crate::estimate::identify::modes::{ModelPeriod, RelaxationExcitation, one_mode, two_modes};
 use crate::estimate::identify::params::IdentifyParams;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::maths::{Dual, Real, Scalar};
@@ -23,9 +23,9 @@ const CONSIDERED: usize = 3;
 #[derive(Clone, Debug)]
 pub(super) struct RelaxationStage<T: Real, const R: usize, const N: usize> {
     gamma_2: EquationError<T, N, CONSIDERED>,
-    relaxing: Relaxing<T>,
+    excitation: RelaxationExcitation<T>,
     modes: Option<[RelaxationMode<T>; R]>,
-    pace: Pace<T>,
+    period: ModelPeriod<T>,
     /// Means of the last periods, newest first.
     past: [SplitForce<T>; R],
     /// Number of periods in `past` that belong to this run of samples.
@@ -37,17 +37,17 @@ pub(super) struct RelaxationStage<T: Real, const R: usize, const N: usize> {
 
 impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
     /// The stage before the first sample: nothing relaxes to begin with.
-    pub(super) fn new(params: &IdentifyParams<T>, half_window: Pace<T>) -> Self {
-        let pace = if R == 1 {
+    pub(super) fn new(params: &IdentifyParams<T>, half_window: ModelPeriod<T>) -> Self {
+        let period = if R == 1 {
             half_window
         } else {
             half_window.slower(SLOWER_FOR_TWO)
         };
         RelaxationStage {
             gamma_2: EquationError::new(SVector::repeat(T::zero()), params.start.covariance),
-            relaxing: Relaxing::new(pace),
+            excitation: RelaxationExcitation::new(period),
             modes: None,
-            pace,
+            period,
             past: [SplitForce::zero(); R],
             known: 0,
             sum: SplitForce::zero(),
@@ -69,7 +69,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
     }
 
     fn per_s(&self) -> T {
-        T::one() / self.pace.period_s()
+        T::one() / self.period.seconds()
     }
 
     /// The last period, once there is one in this run of samples.
@@ -81,7 +81,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
     pub(super) fn change(&self, now: &SplitForce<T>) -> T {
         let half = T::from_f64(0.5);
         let since = T::from_f64(f64::from(self.summed + 1));
-        let elapsed_s = self.pace.sample_s * since + half * self.pace.period_s();
+        let elapsed_s = self.period.sample_s * since + half * self.period.seconds();
         let slope = if self.known < R {
             T::zero()
         } else {
@@ -89,7 +89,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
             let phi = Self::regressor(&of_z, &of_elastic);
             let highest = self.gamma_2.rls.predict(&phi);
             match of_z.as_slice() {
-                [rate, _] => rate.relaxed + highest * self.pace.period_s(),
+                [rate, _] => rate.relaxed + highest * self.period.seconds(),
                 _ => highest,
             }
         };
@@ -106,7 +106,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
     ) {
         self.sum = self.sum.plus(sample, T::one());
         self.summed += 1;
-        if self.summed < self.pace.samples {
+        if self.summed < self.period.samples {
             return;
         }
         let share = T::one() / T::from_f64(f64::from(self.summed));
@@ -133,13 +133,13 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
         let equation = self.equation(now);
         let force = now.relaxed + now.elastic;
         let phi = [force, now.elastic, T::zero()];
-        let sigma = self.pace.variance(noise).sqrt();
+        let sigma = self.period.variance(noise).sqrt();
         let gate = self
-            .relaxing
+            .excitation
             .admits(phi, force, params.excitation_step, sigma, beta);
         if let Some(beta) = gate {
             self.gamma_2.update(&equation, beta, T::one());
-            self.modes = modes(self.gamma_2.rls.theta.as_slice(), self.pace.period_s());
+            self.modes = modes(self.gamma_2.rls.theta.as_slice(), self.period.seconds());
         } else {
             self.gamma_2.break_off();
         }
@@ -249,9 +249,8 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
     pub(super) fn estimate(
         &self,
         slots: &mut [ParameterEstimate<T>],
-        noise: &ForceNoise<T>,
         (elastic_covariance, elastic_by_surface): (&Matrix2<T>, &Vector2<T>),
-        surface_error: T,
+        at: &Instant<T>,
     ) {
         let mut index = 0..N;
         let dual = self
@@ -259,11 +258,11 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
             .rls
             .theta
             .map(|value| Dual::<T, N>::parameter(value, index.next().unwrap_or(N)));
-        let Some(found) = modes::<_, R>(dual.as_slice(), Dual::constant(self.pace.period_s()))
+        let Some(found) = modes::<_, R>(dual.as_slice(), Dual::constant(self.period.seconds()))
         else {
             return;
         };
-        let covariance = self.gamma_2.covariance(self.pace.variance(noise));
+        let covariance = self.gamma_2.covariance(self.period.variance(&at.noise));
         let shift = self.gamma_2.shift();
         let parameters = found.iter().flat_map(|mode| {
             [
@@ -275,7 +274,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
             let gradient = SVector::<T, N>::from(dual.gradient);
             let considered = shift.tr_mul(&gradient);
             let by_elastic = Vector2::new(considered.x, considered.y);
-            let moved = (considered.z + by_elastic.dot(elastic_by_surface)) * surface_error;
+            let moved = (considered.z + by_elastic.dot(elastic_by_surface)) * at.surface_error;
             let variance = gradient.dot(&(covariance * gradient))
                 + by_elastic.dot(&(elastic_covariance * by_elastic))
                 + moved * moved;

@@ -37,13 +37,14 @@ fn press<const R: usize, const N: usize, const M: usize>(
                 0.0
             },
             force: law.step(&mut memory, depth_m, 0.0, 1e-3),
+            noise: NOISE,
             ..Instant::default()
         };
         // The filter's memory must lie within the contact.
-        let inside = i > params.memory_samples;
-        cascade.admit(inside);
-        if inside {
-            cascade.learn(&params, &at, &NOISE, 1.0);
+        if i > params.memory_samples {
+            cascade.learn(&params, &at, 1.0);
+        } else {
+            cascade.observe(&at, true);
         }
     }
     cascade
@@ -63,7 +64,7 @@ fn a_slow_mode_is_found_with_either_weight() {
         config.cascade.weight = weight;
         let cascade = press::<1, 2, 1>(config, [mode(0.3, 0.05)], 100, 40);
         let [found] = cascade.modes().unwrap();
-        let [stiffness, exponent, ..] = cascade.estimates(&NOISE, 0.0);
+        let [stiffness, exponent, ..] = cascade.estimates(&Instant::uncertain(NOISE, 0.0));
         // What relaxes on the way: cνt/(n+1) = 0.06 % at 0.1 s, of which c keeps (1−c)/c.
         assert!((found.fraction / 0.3 - 1.0).abs() < 2e-3, "{found:?}");
         assert!((found.rate_per_s / 0.05 - 1.0).abs() < 2e-3, "{found:?}");
@@ -79,7 +80,7 @@ fn without_a_fast_press_there_is_no_elastic_response_to_build_on() {
     let cascade = press::<1, 2, 1>(config, [mode(0.3, 0.05)], 100, 10);
     assert!(
         cascade
-            .estimates(&NOISE, 0.0)
+            .estimates(&Instant::uncertain(NOISE, 0.0))
             .iter()
             .all(|p| !p.observable())
     );
@@ -88,7 +89,8 @@ fn without_a_fast_press_there_is_no_elastic_response_to_build_on() {
 #[test]
 fn what_does_not_relax_has_no_modes() {
     let cascade = press::<1, 2, 1>(Config::default(), [mode(0.0, 1.0)], 100, 10);
-    let [stiffness, exponent, fraction, rate, ..] = cascade.estimates(&NOISE, 0.0);
+    let [stiffness, exponent, fraction, rate, ..] =
+        cascade.estimates(&Instant::uncertain(NOISE, 0.0));
     assert!((stiffness.value / 2.0 - 1.0).abs() < 1e-3, "{stiffness:?}");
     assert!((exponent.value - 1.6).abs() < 1e-3, "{exponent:?}");
     assert!(!(fraction.observable() && rate.observable()));
@@ -124,8 +126,8 @@ fn two_slow_modes_are_told_apart_roughly() {
 fn a_surface_that_may_be_off_widens_the_elastic_errors() {
     let cascade = press::<1, 2, 1>(Config::default(), [mode(0.3, 0.05)], 100, 40);
     let (sure, unsure) = (
-        cascade.estimates(&NOISE, 0.0),
-        cascade.estimates(&NOISE, 0.05),
+        cascade.estimates(&Instant::uncertain(NOISE, 0.0)),
+        cascade.estimates(&Instant::uncertain(NOISE, 0.05)),
     );
     for (sure, unsure) in sure.iter().zip(&unsure).take(2) {
         assert!(

@@ -1,5 +1,5 @@
-//! A bank of exact least-squares fits over exponent, surface and rate: no initial guess, no local
-//! minimum, no speed that the loading must have.
+//! A bank of exact least-squares fits over exponent, surface and rate, which needs no initial guess,
+//! has no local minimum, and asks for no particular loading speed.
 //!
 //! With n, x₀ and ν fixed, the quasi-linear law is linear: F = K·s − Kc·z with s = ((x − x₀)/δ₀)ⁿ and
 //! ż = ν(s − z), sampled exactly. Each cell carries its z and the five sums that its fit needs. A
@@ -8,25 +8,26 @@
 
 use nalgebra::SVector;
 
-use super::course::Block;
-use super::fit::{EXPONENT, MODES, STIFFNESS, SURFACE, Theta};
+use super::block::Block;
+use super::theta::{EXPONENT, MODES, STIFFNESS, SURFACE, Theta};
 use crate::maths::scalar::Real;
 
 /// Exponents of the grid, 1 to 2: from the linear law to the cone's.
 const EXPONENTS: usize = 5;
 const EXPONENT_STEP: f64 = 0.25;
-/// Surfaces of the grid.
+/// Number of surface positions of the grid.
 const SURFACES: usize = 7;
 /// Rates of the grid, 0.05 to 36/s, a factor of 3 apart.
 const RATES: usize = 7;
 const SLOWEST: f64 = 0.05;
 const RATE_RATIO: f64 = 3.0;
-/// How much of the spring's information stands in for a relaxation that the motion does not show.
+/// Share of the spring's information that is added to that of the relaxation, for motions that do not
+/// excite it.
 const RIDGE: f64 = 1e-4;
 /// A block weighs no more than this many samples.
 const MOST_COUNTED: f64 = 100.0;
 
-/// z and the sums of one cell.
+/// The relaxation z and the sums of one cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cell<T> {
     relaxed: T,
@@ -37,26 +38,29 @@ struct Cell<T> {
     zy: T,
 }
 
-/// The bank, all quantities scaled.
+/// The bank of fits; all quantities are scaled.
 #[derive(Clone, Debug)]
-pub(super) struct Bank<T> {
+pub(super) struct RelaxationBank<T> {
     cells: [[[Cell<T>; RATES]; EXPONENTS]; SURFACES],
     first_surface: T,
-    surface_step: T,
+    /// Distance between two surfaces.
+    pub(super) surface_step: T,
     columns: usize,
-    /// Exponents that are in use: 1 if it is known to be 1.
+    /// Number of exponents in use: 1 if the exponent is known to be 1.
     rows: usize,
     yy: T,
     weight: T,
-    span: (T, T),
+    /// Smallest and largest force.
+    pub(super) span: (T, T),
     /// Number of the block that is being taken, and the surface that takes it next.
-    next: u32,
+    pub(super) next: u32,
     column: usize,
-    /// What the block's duration does to each rate.
-    courses: [(T, T); RATES],
-    /// The best cells of this round and of the last, over all exponents and of n = 1.
+    /// The effect of the block's duration on each rate.
+    decays: [(T, T); RATES],
+    /// The best cells of the block under way and of the last one, each over all exponents and of n =
+    /// 1.
+    round: [Option<Best<T>>; 2],
     best: [Option<Best<T>>; 2],
-    found: [Option<Best<T>>; 2],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -69,11 +73,11 @@ struct Best<T> {
     rate: usize,
 }
 
-impl<T: Real> Bank<T> {
-    /// Over surfaces from `first_surface` on, `surface_step` apart; a step of 0 is a surface that is
-    /// known. `next` is the number of the first block that it will take.
+impl<T: Real> RelaxationBank<T> {
+    /// An empty bank over surfaces from `first_surface` on, `surface_step` apart; a step of 0 means
+    /// that the surface is known. `next` is the number of the first block that it will take.
     pub(super) fn new(first_surface: T, surface_step: T, linear: bool, next: u32) -> Self {
-        Bank {
+        RelaxationBank {
             cells: [[[Cell::default(); RATES]; EXPONENTS]; SURFACES],
             first_surface,
             surface_step,
@@ -88,30 +92,15 @@ impl<T: Real> Bank<T> {
             span: (T::zero(), T::zero()),
             next,
             column: 0,
-            courses: [(T::zero(), T::zero()); RATES],
+            decays: [(T::zero(), T::zero()); RATES],
+            round: [None; 2],
             best: [None; 2],
-            found: [None; 2],
         }
     }
 
-    /// Number of the block that it takes next.
-    pub(super) fn next(&self) -> u32 {
-        self.next
-    }
-
-    /// Distance between two surfaces.
-    pub(super) fn surface_step(&self) -> T {
-        self.surface_step
-    }
-
-    /// Smallest and largest force seen.
-    pub(super) fn span(&self) -> (T, T) {
-        self.span
-    }
-
-    /// Where the best cell stands, of all or of those with n = 1.
-    pub(super) fn found(&self, linear: bool) -> Option<Theta<T>> {
-        let best = self.found.get(usize::from(linear)).copied().flatten()?;
+    /// The parameters of the best cell, of all or of those with n = 1.
+    pub(super) fn best(&self, linear: bool) -> Option<Theta<T>> {
+        let best = self.best.get(usize::from(linear)).copied().flatten()?;
         let mut theta = SVector::repeat(T::zero());
         theta[STIFFNESS] = best.stiffness;
         theta[EXPONENT] = T::from_f64(1.0 + EXPONENT_STEP * best.row as f64);
@@ -128,7 +117,7 @@ impl<T: Real> Bank<T> {
     pub(super) fn take(&mut self, block: &Block<T>, searches: bool) {
         if self.column == 0 {
             self.take_force(block);
-            self.courses = courses(block.duration_s);
+            self.decays = decays(block.duration_s);
         }
         let column = self.column;
         let surface = self.first_surface + self.surface_step * T::from_f64(column as f64);
@@ -138,15 +127,15 @@ impl<T: Real> Bank<T> {
         let log = if inside { depth.ln() } else { T::zero() };
         let mut s = if inside { depth } else { T::zero() };
         let ratio = (T::from_f64(EXPONENT_STEP) * log).exp();
-        let courses = self.courses;
+        let decays = self.decays;
         let (rows, yy) = (self.rows, self.yy);
         let Some(cells) = self.cells.get_mut(column) else {
             return;
         };
-        let [all, linear] = &mut self.best;
+        let [all, linear] = &mut self.round;
         for (row, cells) in cells.iter_mut().take(rows).enumerate() {
-            for (rate, (cell, course)) in cells.iter_mut().zip(&courses).enumerate() {
-                cell.take(s, block.force, weight, course);
+            for (rate, (cell, decay)) in cells.iter_mut().zip(&decays).enumerate() {
+                cell.take(s, block.force, weight, decay);
                 let fit = if searches { cell.fit(yy) } else { None };
                 if let Some((stiffness, relaxing, energy)) = fit {
                     let best = Best {
@@ -169,8 +158,7 @@ impl<T: Real> Bank<T> {
         if self.column >= self.columns {
             self.column = 0;
             self.next = self.next.wrapping_add(1);
-            self.found = self.best;
-            self.best = [None; 2];
+            self.best = core::mem::replace(&mut self.round, [None; 2]);
         }
     }
 
@@ -183,7 +171,7 @@ impl<T: Real> Bank<T> {
         self.yy += weight * force * force;
         self.span = if self.weight > T::zero() {
             let (low, high) = self.span;
-            (if force < low { force } else { low }, high.max_of(force))
+            (low.min_of(force), high.max_of(force))
         } else {
             (force, force)
         };
@@ -198,12 +186,7 @@ fn keep<T: Real>(kept: &mut Option<Best<T>>, best: Best<T>) {
 }
 
 fn weight_of<T: Real>(block: &Block<T>) -> T {
-    let most = T::from_f64(MOST_COUNTED);
-    if block.count > most {
-        most
-    } else {
-        block.count
-    }
+    block.count.min_of(T::from_f64(MOST_COUNTED))
 }
 
 fn log_rate_of(rate: usize) -> f64 {
@@ -211,15 +194,15 @@ fn log_rate_of(rate: usize) -> f64 {
 }
 
 /// For each rate: e^{−x} and (1 − e^{−x})/x at x = ν·duration.
-fn courses<T: Real>(duration_s: T) -> [(T, T); RATES] {
-    let mut courses = [(T::zero(), T::zero()); RATES];
+fn decays<T: Real>(duration_s: T) -> [(T, T); RATES] {
+    let mut decays = [(T::zero(), T::zero()); RATES];
     let mut x = duration_s * T::from_f64(SLOWEST);
-    for course in &mut courses {
+    for decay in &mut decays {
         let mean = (-x).exprel();
-        *course = ((-x).exp(), mean);
+        *decay = ((-x).exp(), mean);
         x *= T::from_f64(RATE_RATIO);
     }
-    courses
+    decays
 }
 
 impl<T: Real> Cell<T> {
@@ -260,7 +243,7 @@ mod tests {
     use super::*;
 
     /// A press of 60 ms and a hold of 4 s.
-    fn press(bank: &mut Bank<f64>, surface: f64, exponent: f64, rate: f64) {
+    fn press(bank: &mut RelaxationBank<f64>, surface: f64, exponent: f64, rate: f64) {
         let mut z = 0.0;
         for i in 0..500 {
             let depth = 0.5 * f64::from(i).min(7.0);
@@ -281,9 +264,9 @@ mod tests {
 
     #[test]
     fn the_cell_that_is_the_truth_is_found() {
-        let mut bank = Bank::new(-0.3, 0.1, false, 0);
+        let mut bank = RelaxationBank::new(-0.3, 0.1, false, 0);
         press(&mut bank, 0.0, 1.5, 1.35);
-        let theta = bank.found(false).unwrap();
+        let theta = bank.best(false).unwrap();
         assert!((theta[EXPONENT] - 1.5).abs() < 1e-9 && theta[SURFACE].abs() < 1e-9);
         // The ridge takes 1e-4 of the information.
         assert!((theta[STIFFNESS] - 2.0).abs() < 1e-2, "{theta}");
@@ -293,13 +276,17 @@ mod tests {
 
     #[test]
     fn of_the_linear_cells_the_best_is_linear() {
-        let mut bank = Bank::new(-0.3, 0.1, false, 0);
+        let mut bank = RelaxationBank::new(-0.3, 0.1, false, 0);
         press(&mut bank, 0.0, 1.5, 1.35);
-        assert_eq!(bank.found(true).unwrap()[EXPONENT], 1.0);
+        assert_eq!(bank.best(true).unwrap()[EXPONENT], 1.0);
     }
 
     #[test]
     fn an_empty_bank_has_no_best_cell() {
-        assert!(Bank::<f64>::new(0.0, 0.1, false, 0).found(false).is_none());
+        assert!(
+            RelaxationBank::<f64>::new(0.0, 0.1, false, 0)
+                .best(false)
+                .is_none()
+        );
     }
 }

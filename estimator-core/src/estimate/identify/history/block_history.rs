@@ -1,10 +1,11 @@
-//! What was touched how, condensed: means over blocks of samples, the last [`BLOCKS`] of them.
+//! The recent past, condensed: means over blocks of samples, the last [`BLOCKS`] of them.
 //!
 //! Where the depth moves a block is [`SHORTEST`] samples long, in a hold 4 % of the time since the
 //! motion ended, in free air as long as the flight: a press and a hold of a minute are 150 blocks, a
-//! stroke of a palpation 60. A law that is linear in its memory gives the mean force of a block from
-//! the mean of its elastic response, however long the block.
+//! stroke of a palpation 60. A law whose memory is linear gives the mean force of a block from the
+//! mean of its elastic response, however long the block.
 
+use super::block::{Block, Kind, OpenBlock};
 use crate::estimate::identify::Instant;
 use crate::maths::scalar::Real;
 
@@ -19,119 +20,24 @@ const HOLD_SHARE: f64 = 0.04;
 /// A probe this many standard errors of the surface above it is in free air.
 const CLEAR: f64 = 6.0;
 
-/// Means over a block, scaled; see [`Instant`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Block<T> {
-    pub(super) position: T,
-    pub(super) speed: T,
-    pub(super) force: T,
-    pub(super) spread: T,
-    pub(super) coupling: T,
-    pub(super) duration_s: T,
-    /// Samples that the force is worth; 0 if it must not be learned from, −1 in free air.
-    pub(super) count: T,
-}
-
-impl<T: Real> Block<T> {
-    /// One instant as a block.
-    pub(super) fn of(at: &Instant<T>) -> Self {
-        Block {
-            position: at.position(),
-            speed: at.speed,
-            force: at.force,
-            spread: at.spread,
-            coupling: at.coupling,
-            duration_s: at.elapsed_s,
-            count: T::one(),
-        }
-    }
-}
-
-/// How an instant counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Kind {
-    /// In free air, nothing happens.
-    #[default]
-    Free,
-    /// In or near the material, but not to be learned from.
-    Passed,
-    /// To be learned from.
-    Learned,
-}
-
-/// The block that is under way.
-#[derive(Clone, Copy, Debug, Default)]
-struct Open<T> {
-    kind: Kind,
-    samples: u32,
-    duration_s: T,
-    /// Position of its first sample; the sums are of differences to it.
-    first: T,
-    position: T,
-    square: T,
-    speed: T,
-    mixed: T,
-    force: T,
-    spread: T,
-    coupling: T,
-}
-
-impl<T: Real> Open<T> {
-    fn add(&mut self, at: &Instant<T>) {
-        if self.samples == 0 {
-            self.first = at.position();
-        }
-        let moved = at.position() - self.first;
-        self.samples = self.samples.saturating_add(1);
-        self.duration_s += at.elapsed_s;
-        self.position += moved;
-        self.square += moved * moved;
-        self.speed += at.speed;
-        self.mixed += moved * at.speed;
-        self.force += at.force;
-        self.spread += at.spread;
-        self.coupling += at.coupling;
-    }
-
-    fn closed(&self) -> Block<T> {
-        let count = T::from_f64(f64::from(self.samples));
-        let share = T::one() / count;
-        let (moved, speed) = (self.position * share, self.speed * share);
-        let spread = (self.spread + self.square) * share - moved * moved;
-        Block {
-            position: self.first + moved,
-            speed,
-            force: self.force * share,
-            spread: T::zero().max_of(spread),
-            coupling: (self.coupling + self.mixed) * share - moved * speed,
-            duration_s: self.duration_s,
-            count: match self.kind {
-                Kind::Learned => count,
-                Kind::Passed => T::zero(),
-                Kind::Free => -T::one(),
-            },
-        }
-    }
-}
-
 /// The last blocks, numbered from 0 on, and the one under way.
 #[derive(Clone, Debug)]
-pub(super) struct Course<T> {
+pub(super) struct BlockHistory<T> {
     blocks: [Block<T>; BLOCKS],
     /// Number of the next block, and of the first that still counts.
     next: u32,
     first: u32,
-    open: Open<T>,
+    open: OpenBlock<T>,
     since_motion_s: T,
 }
 
-impl<T: Real> Course<T> {
+impl<T: Real> BlockHistory<T> {
     pub(super) fn new() -> Self {
-        Course {
+        BlockHistory {
             blocks: [Block::default(); BLOCKS],
             next: 0,
             first: 0,
-            open: Open::default(),
+            open: OpenBlock::default(),
             since_motion_s: T::zero(),
         }
     }
@@ -159,10 +65,10 @@ impl<T: Real> Course<T> {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// Forgets what came before the last flight; gives the number of blocks after it that can be
+    /// Forgets what came before the last flight; returns the number of blocks after it that can be
     /// learned from.
     pub(super) fn keep_last_touch(&mut self) -> u32 {
-        let mut learned = 0;
+        let mut usable = 0;
         let mut number = self.next;
         while number > self.oldest() {
             number -= 1;
@@ -170,33 +76,33 @@ impl<T: Real> Course<T> {
             if count < T::zero() {
                 break;
             }
-            learned += u32::from(count > T::zero());
+            usable += u32::from(count > T::zero());
         }
         self.first = number;
-        learned
+        usable
     }
 
     /// The block that is under way, as far as it goes.
     pub(super) fn open(&self) -> Option<Block<T>> {
-        (self.open.samples > 0).then(|| self.open.closed())
+        (self.open.samples > 0).then(|| self.open.block())
     }
 
-    /// Takes an instant; gives the block that it ends, to be pushed. `depth` is how deep it is, as
-    /// far as is known, and how far that is off: not from the last impact, which says nothing where
+    /// Takes an instant; returns the block that it ends, to be pushed. `depth` is the depth, as far
+    /// as it is known, with its standard error: not from the last impact, which says nothing where
     /// the material has not recovered.
-    pub(super) fn follow(
+    pub(super) fn add(
         &mut self,
         at: &Instant<T>,
         depth: Option<(T, T)>,
         usable: bool,
-        touching: bool,
+        in_contact: bool,
     ) -> Option<Block<T>> {
         let (depth, error) = depth.unwrap_or((-T::one(), T::zero()));
         let near = depth > -(T::from_f64(CLEAR) * error);
         let kind = if usable {
-            Kind::Learned
-        } else if touching || near {
-            Kind::Passed
+            Kind::Usable
+        } else if in_contact || near {
+            Kind::Observed
         } else {
             Kind::Free
         };
@@ -228,8 +134,8 @@ impl<T: Real> Course<T> {
 
     fn close(&mut self) -> Block<T> {
         self.since_motion_s += self.open.duration_s;
-        let block = self.open.closed();
-        self.open = Open::default();
+        let block = self.open.block();
+        self.open = OpenBlock::default();
         block
     }
 }
