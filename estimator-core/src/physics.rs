@@ -3,4 +3,5 @@
 
 pub mod effect;
 pub mod law;
+pub mod parameter;
 pub mod rig;

@@ -181,7 +181,7 @@ fn given(model: &Model) -> Result<Vec<Term>, Diagnostic> {
         let free = |at: usize| {
             // A number that is 0 because the model does not give it is a form, not a start.
             infos.get(at).is_some_and(|info| {
-                let form = info.usual.is_some() && row[at] == 0.0;
+                let form = info.default.is_some() && row[at] == 0.0;
                 let fixed = own.fit.fixed.iter().any(|name| name == info.name);
                 !(form || fixed)
             })

@@ -125,7 +125,7 @@ impl<'a> Table<'a> {
     /// Missing, not a number, or outside `bounds`.
     pub fn required_number(&self, key: &str, bounds: Bounds) -> Result<f64, Diagnostic> {
         let number = self.number(key, bounds)?;
-        number.ok_or_else(|| self.missing(key, &bounds.say()))
+        number.ok_or_else(|| self.missing(key, &bounds::say(bounds)))
     }
 
     /// A list of numbers, if the key is there.
@@ -299,7 +299,7 @@ impl<'a> Table<'a> {
     fn as_number(&self, key: &str, item: &Item, bounds: Bounds) -> Result<f64, Diagnostic> {
         match item.as_value() {
             Some(value) => self.value_as_number(key, value, bounds),
-            None => Err(self.wrong_type(key, item, &bounds.say())),
+            None => Err(self.wrong_type(key, item, &bounds::say(bounds))),
         }
     }
 
@@ -308,10 +308,10 @@ impl<'a> Table<'a> {
             .as_float()
             .or_else(|| value.as_integer().map(|whole| whole as f64));
         match number {
-            None => Err(self.wrong_value(key, value, &bounds.say())),
-            Some(number) if bounds.hold(number) => Ok(number),
+            None => Err(self.wrong_value(key, value, &bounds::say(bounds))),
+            Some(number) if bounds.allow(number) => Ok(number),
             Some(_) => {
-                let mut diagnostic = self.wrong_value(key, value, &bounds.say());
+                let mut diagnostic = self.wrong_value(key, value, &bounds::say(bounds));
                 diagnostic.what = "a number outside its bounds".into();
                 Err(diagnostic)
             }

@@ -74,8 +74,8 @@ pub use time_delay::TimeDelay;
 pub use tool_inertia::ToolInertia;
 pub use viscous_drag::ViscousDrag;
 
+pub use super::parameter::{Bounds, ParameterInfo};
 use crate::maths::scalar::Scalar;
-use crate::maths::units::Unit;
 
 /// Most parameters that an effect has.
 pub const MOST_PARAMETERS: usize = 4;
@@ -115,58 +115,6 @@ impl Place {
             Place::ForceReading => "force reading",
         }
     }
-}
-
-/// What a parameter can be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bounds {
-    /// Any number.
-    Any,
-    /// Zero or more.
-    NotNegative,
-    /// More than zero.
-    Positive,
-    /// Between 0 and 1, both excluded.
-    Fraction,
-    /// An angle: any number, the same every 2π.
-    Angle,
-}
-
-impl Bounds {
-    /// Whether a value is possible.
-    pub fn allow(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Bounds::Any | Bounds::Angle => true,
-                Bounds::NotNegative => value >= 0.0,
-                Bounds::Positive => value > 0.0,
-                Bounds::Fraction => value > 0.0 && value < 1.0,
-            }
-    }
-
-    /// In words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Bounds::Any => "any number",
-            Bounds::NotNegative => "zero or more",
-            Bounds::Positive => "more than zero",
-            Bounds::Fraction => "between 0 and 1",
-            Bounds::Angle => "an angle in rad",
-        }
-    }
-}
-
-/// A parameter of an effect.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParameterInfo {
-    /// The key in `model.toml` and `gap.json`.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: Unit,
-    /// What it can be.
-    pub bounds: Bounds,
-    /// What it is when a model does not give it; `None` if a model must.
-    pub usual: Option<f64>,
 }
 
 /// What the catalogue says of an effect.
@@ -258,11 +206,11 @@ macro_rules! effect {
             /// What the catalogue says of it.
             pub const INFO: $crate::physics::effect::EffectInfo = $crate::physics::effect::EffectInfo {
                 name: $name,
-                parameters: &[$($crate::physics::effect::ParameterInfo {
+                parameters: &[$($crate::physics::parameter::ParameterInfo {
                     name: $key,
                     unit: $crate::maths::units::Unit::$Unit,
-                    bounds: $crate::physics::effect::Bounds::$Bounds,
-                    usual: $crate::physics::effect::effect!(@usual $($usual)?),
+                    bounds: $crate::physics::parameter::Bounds::$Bounds,
+                    default: $crate::physics::effect::effect!(@usual $($usual)?),
                 },)+],
                 place: $crate::physics::effect::Place::$Place,
                 law: $law,

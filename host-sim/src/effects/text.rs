@@ -32,7 +32,7 @@ pub(super) fn catalogue() -> String {
 
 /// Name, unit and bounds.
 fn parameter(info: &ParameterInfo) -> String {
-    let usual = match info.usual {
+    let usual = match info.default {
         None => String::new(),
         Some(value) => format!(", {value} unless given"),
     };
@@ -101,7 +101,7 @@ pub(super) fn taken_off(id: EffectId) -> &'static str {
 /// The parameters that were simulated.
 pub(super) fn settings(shown: &Ignored) -> String {
     let parameters = shown.id.info().parameters.iter().zip(shown.row);
-    let given = parameters.filter(|(info, value)| info.usual != Some(*value));
+    let given = parameters.filter(|(info, value)| info.default != Some(*value));
     let texts: Vec<String> = given
         .map(|(info, value)| {
             let value = quantity(value, 3, info.unit.symbol());

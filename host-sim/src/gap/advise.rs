@@ -299,7 +299,7 @@ fn has_size(shape: &Shape, at: usize) -> bool {
             let infos = shape.terms[number].id.info().parameters;
             infos
                 .get(own)
-                .is_some_and(|info| info.bounds != Bounds::Angle && info.usual.is_none())
+                .is_some_and(|info| info.bounds != Bounds::Angle && info.default.is_none())
         }
     }
 }

@@ -136,7 +136,7 @@ impl Told<'_> {
             let row = canonical(term.id, term.row);
             for (at, info) in term.id.info().parameters.iter().enumerate() {
                 // An optional number that is not part of this form is not said.
-                if info.usual == Some(row[at]) && !term.free[at] {
+                if info.default == Some(row[at]) && !term.free[at] {
                     continue;
                 }
                 let owner = Owner::Effect(number, at);

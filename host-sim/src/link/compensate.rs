@@ -122,7 +122,7 @@ impl Plan {
         }
         for effect in &self.effects {
             let values = effect.id().info().parameters.iter().zip(effect.row());
-            let values = values.filter(|(info, value)| *value != 0.0 || info.usual.is_none());
+            let values = values.filter(|(info, value)| *value != 0.0 || info.default.is_none());
             let values: Vec<String> = values
                 .map(|(info, value)| {
                     format!("{} {}", info.name, quantity(value, 5, info.unit.symbol()))

@@ -1,6 +1,6 @@
 //! Effects of a rig as a model file names them, and as the core computes them.
 
-use estimator_core::physics::effect::{self, Bounds as CoreBounds, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{self, EffectId, MOST_PARAMETERS};
 
 use super::Fit;
 use crate::diagnostic::{Diagnostic, listed, nearest};
@@ -66,7 +66,7 @@ impl Effect {
         }
         let mut row = [0.0; MOST_PARAMETERS];
         for (own, info) in row.iter_mut().zip(known) {
-            let value = self.parameter(info.name).or(info.usual);
+            let value = self.parameter(info.name).or(info.default);
             *own = value.ok_or_else(|| self.wrong_value(info, None))?;
             if !info.bounds.allow(*own) {
                 return Err(self.wrong_value(info, Some(*own)));
@@ -140,10 +140,9 @@ fn of_the_catalogue(id: EffectId, table: &Table<'_>) -> Result<Parameters, Diagn
     table.understand(&["fixed", "std_error"]);
     let mut given = Vec::new();
     for info in known {
-        let bounds = bounds(info.bounds);
-        let value = match info.usual {
-            None => Some(table.required_number(info.name, bounds)?),
-            Some(_) => table.number(info.name, bounds)?,
+        let value = match info.default {
+            None => Some(table.required_number(info.name, info.bounds)?),
+            Some(_) => table.number(info.name, info.bounds)?,
         };
         given.extend(value.map(|value| (info.name.to_string(), value)));
     }
@@ -159,15 +158,6 @@ fn whatever(table: &Table<'_>) -> Result<Parameters, Diagnostic> {
     };
     let parameters = names.iter().map(value).collect::<Result<_, _>>()?;
     Ok((names, parameters))
-}
-
-fn bounds(core: CoreBounds) -> Bounds {
-    match core {
-        CoreBounds::Any | CoreBounds::Angle => Bounds::Any,
-        CoreBounds::NotNegative => Bounds::NotNegative,
-        CoreBounds::Positive => Bounds::Positive,
-        CoreBounds::Fraction => Bounds::Fraction,
-    }
 }
 
 #[cfg(test)]

@@ -247,6 +247,7 @@ const fn info(effect: EffectId, place: usize, name: &'static ([u8; NAME], usize)
             effect::Bounds::Any | effect::Bounds::Angle => Bounds::Within(-LARGEST, LARGEST),
             effect::Bounds::NotNegative | effect::Bounds::Positive => Bounds::Within(0.0, LARGEST),
             effect::Bounds::Fraction => Bounds::Within(0.0, 1.0),
+            effect::Bounds::Within(low, high) => Bounds::Within(low as f32, high as f32),
         },
         default: 0.0,
         about: "of an effect of the rig that is taken off; 0: not",
