@@ -10,7 +10,7 @@
 
 use super::{Bounds, Info, Invalid, Key, Settings};
 use crate::board::sensing::CODES_PER_COUNT;
-use crate::estimate::compensation::{Compensation, compensates};
+use crate::estimate::compensation::Compensation;
 use crate::estimate::config::Config;
 use crate::estimate::error::ConfigError;
 use crate::physics::effect::{self, Effect, EffectId, MOST_PARAMETERS};
@@ -57,7 +57,7 @@ struct Row {
 
 /// Whether an effect can be taken off by a board: the rig's own, unless it counts time from a start.
 pub const fn has_place(id: EffectId) -> bool {
-    compensates(id) && !matches!(id, EffectId::ForceDrift | EffectId::PeriodicDisturbance)
+    id.is_for_boards()
 }
 
 impl Parameter {
