@@ -4,7 +4,7 @@
 //! else, so a reader that starts in the middle, or meets garbage, is in step again at the next zero.
 //! All numbers are little-endian.
 
-use crate::board::link::{Command, Health, Reply};
+use crate::board::message::{Command, Health, Reply};
 use crate::board::reflection::{Packet, Rendered};
 use crate::board::sensing::Codes;
 use crate::board::wire::{FrameError, MAX_BODY, Reader, VERSION, Writer};

@@ -1,7 +1,6 @@
 //! From the codes of the converters to a [`Sample`]: scale, zero, and what can be seen to be wrong
 //! with them. The same for every set of sensors; a board only reads codes.
 
-use crate::board::settings::{Key, Settings};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 
@@ -25,18 +24,23 @@ pub struct Codes {
     pub faults: Faults,
 }
 
-/// Scale and limits, ready to use. Made by [`Settings::setup`].
+/// Scale and limits, ready to use. Made by [`crate::board::settings::Settings::setup`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
-    n_per_code: f32,
-    zero_code: f32,
-    lowest: f32,
-    highest: f32,
-    stuck_us: u64,
-    m_per_code: f32,
-    fastest_m_per_us: f32,
-    stuck_n: f32,
-    standing: Faults,
+    pub(super) n_per_code: f32,
+    pub(super) zero_code: f32,
+    /// A single conversion outside of these is saturated.
+    pub(super) lowest: f32,
+    pub(super) highest: f32,
+    /// The same code for this long is a stuck converter; 0: never.
+    pub(super) stuck_us: u64,
+    pub(super) m_per_code: f32,
+    /// A faster motion between two samples is a jump; 0: never.
+    pub(super) fastest_m_per_us: f32,
+    /// A force that rises by this much over a standing position is a stuck encoder; 0: never.
+    pub(super) stuck_n: f32,
+    /// Faults that last as long as the settings do.
+    pub(super) standing: Faults,
 }
 
 /// What [`Conversion::sample`] remembers from one instant to the next.
@@ -58,20 +62,6 @@ struct Last {
 }
 
 impl Conversion {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        Conversion {
-            n_per_code: settings.get(Key::ForcePerCode),
-            zero_code: settings.get(Key::ForceZeroCode),
-            lowest: settings.get(Key::ForceLowestCode),
-            highest: settings.get(Key::ForceHighestCode),
-            stuck_us: (settings.get(Key::ForceStuckS) * 1e6) as u64,
-            m_per_code: settings.get(Key::PositionPerCode),
-            fastest_m_per_us: settings.get(Key::PositionFastestMps) * 1e-6,
-            stuck_n: settings.get(Key::PositionStuckN),
-            standing: settings.standing(),
-        }
-    }
-
     /// The same conversion with faults that last, such as settings that could not be read.
     pub fn with_standing(self, faults: Faults) -> Self {
         Conversion {
@@ -157,6 +147,7 @@ fn only(is: bool, fault: Fault) -> Faults {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::board::settings::{Key, Settings};
 
     fn conversion(change: impl Fn(&mut Settings)) -> Conversion {
         let mut settings = Settings::default();

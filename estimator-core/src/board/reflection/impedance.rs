@@ -1,6 +1,6 @@
 //! The law that a packet holds, no stiffer and no more damped than the master can render.
 
-use super::packet::{NotRenderable, PACKET_SLOTS};
+use super::renderable::{NotRenderable, PACKET_SLOTS};
 use crate::maths::scalar::Scalar;
 use crate::physics::law::{
     ContactLaw, Elastic, HuntCrossley, KelvinVoigt, LawKind, QuasiLinear, QuasiLinearState,
@@ -28,8 +28,8 @@ pub struct Reflected {
     pub surface_m: f32,
 }
 
-/// What a quasi-linear law remembers; at rest where the law is another one.
-pub(super) type Memory = Option<QuasiLinearState<f32, 2>>;
+/// The state of a quasi-linear law; `None` at rest and where the law is another one.
+pub(super) type LawState = Option<QuasiLinearState<f32, 2>>;
 
 /// Beyond every material and device, and far within f32 when multiplied.
 const LARGEST: f32 = 1e9;
@@ -154,15 +154,15 @@ impl Impedance {
     }
 
     /// Force on the probe (N), as the law itself gives it.
-    fn force_n(&self, memory: &mut Memory, depth_m: f32, speed_mps: f32, period_s: f32) -> f32 {
+    fn force_n(&self, state: &mut LawState, depth_m: f32, speed_mps: f32, period_s: f32) -> f32 {
         if !matches!(self, Impedance::QuasiLinear(_)) {
-            *memory = None;
+            *state = None;
         }
         match self {
             Impedance::KelvinVoigt(law) => law.force_n(depth_m, speed_mps),
             Impedance::HuntCrossley(law) => law.force_n(depth_m, speed_mps),
             Impedance::QuasiLinear(law) => {
-                let state = memory.get_or_insert(law.at_rest());
+                let state = state.get_or_insert(law.at_rest());
                 law.step(state, depth_m, speed_mps, period_s)
             }
         }
@@ -265,7 +265,7 @@ impl Bounded {
     /// Force on the master (N), and whether stiffness and damping were limited.
     pub(super) fn force_n(
         &self,
-        memory: &mut Memory,
+        state: &mut LawState,
         position_m: f32,
         speed_mps: f32,
         period_s: f32,
@@ -273,7 +273,7 @@ impl Bounded {
         let depth_m = position_m - self.surface_m;
         let rendered_m = self.depth_within(depth_m);
         let rendered_mps = speed_mps * self.share_of_damping(rendered_m);
-        let force_n = self.law.force_n(memory, rendered_m, rendered_mps, period_s);
+        let force_n = self.law.force_n(state, rendered_m, rendered_mps, period_s);
         (force_n, rendered_m < depth_m, rendered_mps != speed_mps)
     }
 

@@ -10,8 +10,9 @@
 //! A cut within a write leaves a slot that is neither blank nor valid; it is passed over. Nothing
 //! ever rewrites or erases the sector with the newest valid record.
 
-use super::key::TABLE;
-use super::{Invalid, Key, Settings, compensation};
+use super::compensation;
+use super::key::Key;
+use super::values::{Invalid, Settings};
 use embedded_storage::nor_flash::NorFlash;
 
 /// Bytes of a record's slot: 512 saves between two erases of a 128 KiB sector.
@@ -220,7 +221,7 @@ fn encode(settings: &Settings, sequence: u32) -> [u8; SLOT] {
 /// without them means, and not all of them would fit.
 fn stored(settings: &Settings) -> impl Iterator<Item = Key> {
     let kept = |key: &Key| !matches!(key, Key::Compensation(_)) || settings.get(*key) != 0.0;
-    TABLE.iter().copied().filter(kept)
+    Key::table().iter().copied().filter(kept)
 }
 
 /// The settings of a valid record.

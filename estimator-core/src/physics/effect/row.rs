@@ -141,13 +141,6 @@ pub enum Role {
     Switch(&'static str),
 }
 
-impl Role {
-    /// Whether the force of a proportional effect is proportional to the parameter.
-    pub const fn is_size(self) -> bool {
-        matches!(self, Role::Size | Role::SizeUpTo(_))
-    }
-}
-
 /// What a fit has to know of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterFit {
