@@ -10,6 +10,7 @@ use core::fmt;
 
 /// A command to the board.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Command {
     /// 1: asks who is there. Answer: [`Answer::Identity`].
     Identify,
@@ -51,6 +52,7 @@ pub struct Reply {
 
 /// What a board answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Answer {
     /// 1: the board says who it is.
     Identity(Identity),
@@ -115,6 +117,7 @@ impl fmt::Display for Name {
 /// Why a command is refused. The numbers are stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
+#[non_exhaustive]
 pub enum Refusal {
     /// No such command in this version.
     UnknownCommand = 1,

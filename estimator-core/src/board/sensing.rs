@@ -1,10 +1,10 @@
-//! From the codes of the converters to a [`Sample`]: scale, zero, and what can be seen to be wrong
-//! with them. The same for every set of sensors; a board only reads codes.
+//! From the codes of the converters to a [`Sample`]: scale, zero, and the faults that the codes show.
+//! It is the same for every set of sensors; a board only reads codes.
 
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 
-/// Codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
+/// The codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
 pub const CODES_PER_COUNT: f32 = 32.0;
 
 /// One instant as the hardware gave it.
@@ -12,15 +12,15 @@ pub const CODES_PER_COUNT: f32 = 32.0;
 pub struct Codes {
     /// Time since start (µs).
     pub time_us: u64,
-    /// The load cell: the sum of all conversions of the instant.
+    /// The sum of all conversions of the load cell in the instant.
     pub force: i32,
-    /// The lowest single conversion in it.
+    /// The lowest single conversion of the instant.
     pub force_low: i32,
-    /// The highest single conversion in it.
+    /// The highest single conversion of the instant.
     pub force_high: i32,
-    /// The encoder, without the wraps of its counter.
+    /// The code of the encoder, without the wraps of its counter.
     pub position: i32,
-    /// What the reader of the hardware knows to be wrong.
+    /// The faults that the reader of the hardware has seen.
     pub faults: Faults,
 }
 
@@ -43,7 +43,7 @@ pub struct Conversion {
     pub(super) standing: Faults,
 }
 
-/// What [`Conversion::sample`] remembers from one instant to the next.
+/// The state of [`Conversion::sample`] from one instant to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watch {
     last: Option<Last>,
@@ -54,10 +54,10 @@ struct Last {
     time_us: u64,
     position_m: f32,
     force: i32,
-    /// Since when the force has had this code.
+    /// The time since which the force has had this code (µs).
     force_since_us: u64,
     position: i32,
-    /// The least force since the position has had this code.
+    /// The least force since the position has had this code (N).
     least_n: f32,
 }
 

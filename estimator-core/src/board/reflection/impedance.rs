@@ -7,7 +7,7 @@ use crate::physics::law::{
     RelaxationMode, RelaxingLaw, Zener,
 };
 
-/// A law with its parameters.
+/// A law with the parameters of a packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Impedance {
     /// (1)
@@ -24,7 +24,7 @@ pub enum Impedance {
 pub struct Reflected {
     /// The law.
     pub impedance: Impedance,
-    /// Position of the surface (m); master and slave measure from the same zero.
+    /// The position of the surface (m); master and slave measure from the same zero.
     pub surface_m: f32,
 }
 
@@ -199,7 +199,8 @@ impl Impedance {
     }
 }
 
-/// Never inlined: 250 bytes of flash each time, and it is needed when a packet comes or a limit holds.
+/// A power. Never inlined: it takes 250 bytes of flash each time, and it is needed when a packet comes
+/// or a limit holds.
 #[inline(never)]
 fn power(base: f32, exponent: f32) -> f32 {
     base.pow_positive(exponent)
@@ -211,20 +212,21 @@ fn power(base: f32, exponent: f32) -> f32 {
 pub(super) struct Bounded {
     law: Impedance,
     surface_m: f32,
-    /// Largest slope of the elastic part (N/m).
+    /// The largest slope of the elastic part (N/m).
     stiffest: f32,
-    /// Where the slope has just that (m), and the elastic force there (N). For n < 1, where the slope
-    /// falls with the depth: where the secant has.
+    /// The depth at which the slope is as large (m), and the elastic force there (N). For n < 1, where
+    /// the slope falls with the depth, it is that of the secant.
     knee_m: f32,
     knee_n: f32,
-    /// Where the damping is as much as can be rendered (m).
+    /// The depth at which the damping is as large as can be rendered (m).
     damped_m: f32,
-    /// Of a damping that is the same everywhere: what of it can be rendered.
+    /// The share of a damping that is the same everywhere which can be rendered.
     damped_share: f32,
 }
 
 impl Bounded {
-    /// With the largest stiffness (N/m) and damping (N s/m) that the master can render, both above 0.
+    /// The impedance within the largest stiffness (N/m) and damping (N s/m) that the master can render,
+    /// both above 0.
     #[inline(never)]
     pub(super) fn new(of: Reflected, shaping: f32, stiffest: f32, most_damping: f32) -> Self {
         let law = of.impedance.shaped(shaping);

@@ -55,7 +55,7 @@ pub struct Rendered {
     pub sequence: u16,
     /// Bits of [`Limit`].
     pub limits: u8,
-    /// [`Fault::RenderStopped`], [`Fault::RenderUnusable`], or none.
+    /// `Fault::RenderStopped`, `Fault::RenderUnusable`, or none.
     pub faults: Faults,
 }
 

@@ -39,6 +39,7 @@ impl fmt::Display for Bounds {
 
 /// What is known about a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Info {
     /// `section.name`, as it stands in the TOML backup.
     pub name: &'static str,

@@ -29,17 +29,17 @@ effect! {
 impl<S: Scalar> Adhesion<S> {
     /// The pull (N, negative) at a depth. `attached` is 1 while the neck holds, and changes here.
     pub(crate) fn force_n(&self, attached: &mut S, depth_m: S, speed_mps: S) -> S {
-        let (nil, one) = (S::zero(), S::one());
-        if depth_m > nil {
+        let (zero, one) = (S::zero(), S::one());
+        if depth_m > zero {
             *attached = one;
             return -self.pull_n(speed_mps);
         }
         let left = one + depth_m / self.neck_length_m;
-        if *attached > nil && left > nil {
+        if *attached > zero && left > zero {
             return -(self.pull_n(speed_mps) * left);
         }
-        *attached = nil;
-        nil
+        *attached = zero;
+        zero
     }
 
     /// F_a(1 − h(1 + sgn δ̇)/2)
@@ -52,34 +52,34 @@ impl<S: Scalar> Adhesion<S> {
     }
 
     /// The force (N) of a bonded contact that would be pushed by `pushed_n` if it could not tear.
-    /// `memory` is 1 while it holds, 0 before it is made and after its neck, −δ at tearing in between.
-    pub(crate) fn bonded_n(&self, memory: &mut S, depth_m: S, pushed_n: S) -> S {
-        let (nil, one) = (S::zero(), S::one());
+    /// `state` is 1 while it holds, 0 before it is made and after its neck, −δ at tearing in between.
+    pub(crate) fn bonded_n(&self, state: &mut S, depth_m: S, pushed_n: S) -> S {
+        let (zero, one) = (S::zero(), S::one());
         // Pressing makes it, again after it tore.
-        if depth_m > nil && pushed_n > nil {
-            *memory = one;
+        if depth_m > zero && pushed_n > zero {
+            *state = one;
             return pushed_n;
         }
         let holds = pushed_n >= -self.force_n;
         let pull_n = if holds { pushed_n } else { -self.force_n };
-        if *memory > nil {
-            if depth_m > nil {
+        if *state > zero {
+            if depth_m > zero {
                 if !holds {
-                    *memory = -depth_m;
+                    *state = -depth_m;
                 }
                 return pull_n;
             }
             let left = one + depth_m / self.neck_length_m;
-            if left > nil {
+            if left > zero {
                 return pull_n * left;
             }
-        } else if *memory < nil {
-            let left = one + (depth_m + *memory) / self.neck_length_m;
-            if left > nil {
+        } else if *state < zero {
+            let left = one + (depth_m + *state) / self.neck_length_m;
+            if left > zero {
                 return -(self.force_n * left);
             }
         }
-        *memory = nil;
-        nil
+        *state = zero;
+        zero
     }
 }

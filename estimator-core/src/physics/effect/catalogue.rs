@@ -1,6 +1,6 @@
 //! All effects under one type: what the list of the catalogue becomes.
 
-/// Makes [`super::EffectId`] and [`super::Effect`] of the catalogue's list.
+/// Makes `EffectId` and `Effect` of the catalogue's list.
 macro_rules! catalogue {
     ($($module:ident::$Effect:ident = $code:literal),+ $(,)?) => {
         $(pub use $module::$Effect;)+

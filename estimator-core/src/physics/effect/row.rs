@@ -1,7 +1,7 @@
 //! The row of facts that every effect has beside its law.
 //!
 //! The simulator, the fits and the board read an effect's row; none of them lists effects by name.
-//! [`effect`] defines an effect with its row, and a row that lacks a fact does not compile.
+//! The macro `effect` defines an effect with its row, and a row that lacks a fact does not compile.
 
 use crate::physics::fit_range::{FitRange, Limit};
 use crate::physics::parameter::ParameterInfo;
@@ -143,6 +143,7 @@ pub enum Role {
 
 /// What a fit has to know of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ParameterFit {
     /// What the parameter is to the force.
     pub role: Role,
@@ -152,6 +153,7 @@ pub struct ParameterFit {
 
 /// The facts of an effect.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct EffectInfo {
     /// The id in `model.toml` and `gap.json`.
     pub name: &'static str,
