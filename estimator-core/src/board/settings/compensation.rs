@@ -64,8 +64,17 @@ struct Row {
     id: u8,
     effect: EffectId,
     place: u8,
-    bounds: effect::Bounds,
+    ends: Ends,
     info: Info,
+}
+
+/// The ends of a setting's bounds that are no values while the effect is on. They stand for the
+/// catalogue's bounds, whose ranges would take 24 bytes of flash in every row.
+#[derive(Clone, Copy, Debug)]
+enum Ends {
+    Included,
+    ZeroExcluded,
+    ZeroAndOneExcluded,
 }
 
 impl Parameter {
@@ -108,9 +117,15 @@ impl Parameter {
         self.0.place as usize
     }
 
-    /// The values that it can have while its effect is on.
-    pub(super) const fn bounds(self) -> effect::Bounds {
-        self.0.bounds
+    /// What a value within the setting's bounds would have to be while the effect is on; `None` if it
+    /// can be used.
+    pub(super) fn refuses(self, value: f32) -> Option<&'static str> {
+        let (is_excluded, bounds) = match self.0.ends {
+            Ends::Included => return None,
+            Ends::ZeroExcluded => (value == 0.0, effect::Bounds::Positive),
+            Ends::ZeroAndOneExcluded => (value == 0.0 || value == 1.0, effect::Bounds::Fraction),
+        };
+        is_excluded.then(|| bounds.name())
     }
 
     pub(super) const fn id(self) -> u8 {
@@ -134,7 +149,7 @@ const NOTHING: Row = Row {
     id: 0,
     effect: EffectId::CoulombFriction,
     place: 0,
-    bounds: effect::Bounds::Any,
+    ends: Ends::Included,
     info: Info {
         name: "",
         unit: "1",
@@ -161,7 +176,11 @@ const fn rows() -> [Row; COUNT] {
                 },
                 effect,
                 place: place as u8,
-                bounds: effect.info().parameters[place].bounds,
+                ends: match effect.info().parameters[place].bounds {
+                    effect::Bounds::Positive => Ends::ZeroExcluded,
+                    effect::Bounds::Fraction => Ends::ZeroAndOneExcluded,
+                    _ => Ends::Included,
+                },
                 info: info(effect, place, &NAMES[row]),
             };
             place += 1;

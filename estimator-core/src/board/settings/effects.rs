@@ -48,8 +48,8 @@ impl Settings {
             return Ok(None);
         }
         for (value, parameter) in row.iter().zip(Parameter::all_of(id)) {
-            if !parameter.bounds().allow(f64::from(*value)) {
-                return Err(self.invalid(id, parameter.place(), parameter.bounds().name()));
+            if let Some(expected) = parameter.refuses(*value) {
+                return Err(self.invalid(id, parameter.place(), expected));
             }
         }
         Ok(Some(Effect::new(id, &row)))
