@@ -11,7 +11,7 @@ use estimator_core::board::settings::{Key, Settings};
 use estimator_core::estimate::PARAMETER_SLOTS;
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
 use palpate::link::Device;
-use palpate::link::board::{Memory, SECTOR};
+use palpate::link::board::{RamFlash, SECTOR};
 use palpate::link::port::Files;
 use palpate::link::record::{convert, record};
 use std::ops::RangeInclusive;
@@ -171,7 +171,7 @@ static COMPENSATED: LazyLock<(Settings, Vec<Codes>, Run, Budget)> = LazyLock::ne
     codes.drain(20_000..20_250);
     let frames: Vec<Frame> = codes.iter().copied().map(Frame::Codes).collect();
     let emulator = Emulator::from_env("compensated").expect("set-up");
-    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    let mut store = Store::new(RamFlash::default(), 0, SECTOR);
     store.save(&settings).expect("memory");
     let flash = emulator.directory.join("settings.flash");
     fs::write(flash, store.release().bytes()).expect("settings.flash");
@@ -247,7 +247,7 @@ static REFLECTING: LazyLock<Reflecting> = LazyLock::new(|| {
     ];
     let commands = told.map(|(quiet_ms, packet)| (quiet_ms, Command::Reflect(packet)));
     let emulator = Emulator::from_env("reflecting").expect("set-up");
-    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    let mut store = Store::new(RamFlash::default(), 0, SECTOR);
     store.save(&settings).expect("memory");
     let flash = emulator.directory.join("settings.flash");
     fs::write(flash, store.release().bytes()).expect("settings.flash");
@@ -404,7 +404,7 @@ fn while_settings_are_saved_the_force_is_at_rest_and_then_goes_on() {
         settings.put(key, value);
     }
     let emulator = Emulator::from_env("saving").expect("set-up");
-    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    let mut store = Store::new(RamFlash::default(), 0, SECTOR);
     store.save(&settings).expect("memory");
     let flash = emulator.directory.join("settings.flash");
     fs::write(flash, store.release().bytes()).expect("settings.flash");

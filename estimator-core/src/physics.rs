@@ -2,6 +2,7 @@
 //! both together in signal order.
 
 pub mod effect;
+pub mod fit_range;
 pub mod law;
 pub mod parameter;
 pub mod rig;

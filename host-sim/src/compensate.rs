@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use estimator_core::Sample;
-use estimator_core::estimate::compensation::{Compensation, compensates};
+use estimator_core::estimate::compensation::Compensation;
 use estimator_core::{Fault, Faults};
 
 use crate::diagnostic::{Diagnostic, listed};
@@ -45,7 +45,7 @@ pub fn compensate(log: &UniformLog, model: &Model) -> Result<UniformLog, Diagnos
     let mut out = run(log, &compensation);
     let names = |own: bool| {
         let effects = rig.effects().map(|effect| effect.id());
-        let names = effects.filter(move |id| compensates(*id) == own);
+        let names = effects.filter(move |id| id.belongs_to_rig() == own);
         names.map(|id| id.name().to_string()).collect::<Vec<_>>()
     };
     let (off, stay) = (names(true), names(false));

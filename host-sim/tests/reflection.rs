@@ -12,7 +12,6 @@ use common::Folder;
 use estimator_core::board::frame::Frame;
 use estimator_core::board::link::{Answer, Command, Refusal};
 use estimator_core::board::reflection::{Impedance, Output, Packet, Speed};
-use estimator_core::board::settings::compensation::has_place;
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use estimator_core::{Fault, Sample, Status};
@@ -274,7 +273,7 @@ fn the_monitor_shows_both_sides_and_a_recording_has_its_log() {
 fn newer() -> [Vec<Key>; 2] {
     let all = || Key::ALL.into_iter();
     let effects =
-        all().filter(|key| matches!(key, Key::Compensation(of) if has_place(of.effect())));
+        all().filter(|key| matches!(key, Key::Compensation(of) if of.effect().is_for_boards()));
     let teleoperation = all().filter(|key| {
         let name = key.info().name;
         name.starts_with("reflection.") || name.starts_with("render.")

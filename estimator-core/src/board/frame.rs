@@ -4,7 +4,7 @@
 //! else, so a reader that starts in the middle, or meets garbage, is in step again at the next zero.
 //! All numbers are little-endian.
 
-use crate::board::link::{Command, Health, Reply};
+use crate::board::message::{Command, Health, Reply};
 use crate::board::reflection::{Packet, Rendered};
 use crate::board::sensing::Codes;
 use crate::board::wire::{FrameError, MAX_BODY, Reader, VERSION, Writer};
@@ -14,41 +14,41 @@ use crate::estimate::status::Status;
 use crate::estimate::{Estimate, Estimated, Event, Innovation, PARAMETER_SLOTS, Phase};
 use crate::physics::law::LawKind;
 
-/// Longest frame on the wire, with its zero byte (bytes).
+/// The length of the longest frame on the wire, with its zero byte (bytes).
 pub const MAX_ENCODED: usize = MAX_BODY + 2;
-/// A sample's frame on the wire (bytes).
+/// The length of a sample's frame on the wire (bytes).
 pub const SAMPLE_ENCODED: usize = 4 + 18 + 4 + 2;
-/// The codes of an instant on the wire (bytes).
+/// The length of the frame of an instant's codes on the wire (bytes).
 pub const CODES_ENCODED: usize = 4 + 26 + 4 + 2;
-/// An impedance on its way to the other side on the wire (bytes).
+/// The length of the frame of an impedance for the other side on the wire (bytes).
 pub const PACKET_ENCODED: usize = 4 + 62 + 4 + 2;
-/// What was rendered of one, on the wire (bytes).
+/// The length of the frame of a rendered force on the wire (bytes).
 pub const RENDERED_ENCODED: usize = 4 + 17 + 4 + 2;
-/// Most that the frames of one instant take on the wire (bytes).
+/// The largest length of all frames of one instant on the wire (bytes).
 pub const RECORD_ENCODED: usize =
     CODES_ENCODED + SAMPLE_ENCODED + MAX_ENCODED + PACKET_ENCODED + RENDERED_ENCODED;
 
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
-/// What a frame carries.
+/// The content of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Frame {
-    /// Kind 1: what went in.
+    /// Kind 1: a sample as the estimator takes it.
     Sample(Sample<f32>),
-    /// Kind 2: what came out.
+    /// Kind 2: the estimate that it gives.
     Estimate(Estimate<f32>),
     /// Kind 3: the converters' codes that a sample was made from.
     Codes(Codes),
-    /// Kind 4: how the board is.
+    /// Kind 4: the state of the board.
     Health(Health),
-    /// Kind 5, to the board.
+    /// Kind 5: a command to the board.
     Command(Command),
-    /// Kind 6: the board's answer.
+    /// Kind 6: the board's answer to a command.
     Reply(Reply),
-    /// Kind 7: what was identified, for the other side to render. To a board it is the command
-    /// [`Command::Reflect`]: what one board sends, another takes as it is.
+    /// Kind 7: an identified impedance for the other side to render. To a board it is the command
+    /// [`Command::Reflect`]: a board takes what another one sends as it is.
     Reflection(Packet),
-    /// Kind 8: what was rendered.
+    /// Kind 8: a rendered force.
     Rendered(Rendered),
 }
 
@@ -162,7 +162,7 @@ impl Default for Decoder {
 }
 
 impl Decoder {
-    /// In step with a stream that is about to start.
+    /// The decoder of a stream that is about to start.
     pub const fn new() -> Self {
         Decoder {
             bytes: [0; MAX_ENCODED],
@@ -170,8 +170,8 @@ impl Decoder {
         }
     }
 
-    /// Takes one byte. At the end of a frame, gives its sequence number and content, or why it is
-    /// none; the next frame is then read afresh.
+    /// Takes one byte, and at the end of a frame gives its sequence number and content, or why the
+    /// bytes are no frame; the next frame is then read afresh.
     pub fn push(&mut self, byte: u8) -> Option<Result<(u16, Frame), FrameError>> {
         if byte != 0 {
             if let Some(slot) = self.bytes.get_mut(self.length) {
@@ -220,8 +220,8 @@ fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
     }
 }
 
-/// COBS in place; gives the length of what was encoded. The crate's own decoder leaves a panic path
-/// that firmware/src/bin/panic_free.rs would not let pass.
+/// Decodes COBS in place and gives the decoded length. The decoder of the crate `cobs` has a panic
+/// path that firmware/src/bin/panic_free.rs would not let pass.
 fn uncobs(bytes: &mut [u8]) -> Option<usize> {
     let (mut read, mut write) = (0_usize, 0_usize);
     while let Some(&code) = bytes.get(read) {

@@ -1,219 +1,291 @@
-//! What a host and a board say to each other, beyond samples and estimates: commands, answers, and
-//! how the board is. The bytes are those of [`crate::board::frame`]; [`Responder`] is the board's side, the
-//! same in the firmware and in a simulated board.
+//! The board's side of the link: takes bytes, answers commands, keeps the settings. The same code
+//! runs in the firmware and in a simulated board.
 
-mod responder;
-mod wire;
+pub use crate::board::message::{Answer, Command, Health, Identity, Name, Range, Refusal, Reply};
 
-pub use responder::{Answered, Change, Responder};
-
+use crate::board::frame::{Decoder, Frame};
 use crate::board::reflection::Packet;
-use crate::board::settings::Key;
-use crate::estimate::fault::Faults;
-use core::fmt;
+use crate::board::settings::store::{Loaded, Store};
+use crate::board::settings::{Key, Settings, Setup};
+use crate::estimate::fault::{Fault, Faults};
+use embedded_storage::nor_flash::NorFlash;
 
-/// To the board.
+/// The answer to a command, and what the sampling task has to take over for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Command {
-    /// 1: who is there? Answer: [`Answer::Identity`].
-    Identify,
-    /// 2: the value of a setting, by number. Answer: [`Answer::Value`].
-    Get(u8),
-    /// 3: another value, in force at once and kept until the power goes. Answer: [`Answer::Value`].
-    Set(u8, f32),
-    /// 4: keep the settings through a power cut. Answer: [`Answer::Done`].
-    Save,
-    /// 5: back to what was saved. Answer: [`Answer::Done`].
-    Reload,
-    /// 6: back to the defaults, not saved. Answer: [`Answer::Done`].
-    Defaults,
-    /// 7: forget the estimates and settle anew, in contact as well. Answer: [`Answer::Done`].
-    Restart,
-    /// 8: forget what was prepared. Answer: [`Answer::Done`].
-    Discard,
-    /// 9: a value for a setting that is to come into force together with others, at
-    /// [`Command::Commit`]. Answer: [`Answer::Value`].
-    Prepare(u8, f32),
-    /// 10: what was prepared comes into force at once and as a whole, or not at all; kept until the
-    /// power goes. Answer: [`Answer::Done`].
-    Commit,
-    /// An impedance to be rendered: no number, but the frame that the other board sends
-    /// ([`crate::board::frame::Frame::Reflection`]). Answer: [`Answer::Done`].
-    Reflect(Packet),
-    /// A number that this version does not know. Answer: [`Refusal::UnknownCommand`].
-    Unknown(u8),
+pub struct Answered {
+    /// The reply to be sent.
+    pub reply: Reply,
+    /// A change of the setup.
+    pub change: Option<Change>,
+    /// An impedance to be rendered.
+    pub packet: Option<Packet>,
 }
 
-/// From the board: the answer to the command with that sequence number.
+/// What changes in the sampling task.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reply {
-    /// Sequence number of the command.
-    pub to: u16,
-    /// The answer.
-    pub answer: Answer,
+pub struct Change {
+    /// The new setup.
+    pub setup: Setup,
+    /// Whether the estimator starts anew; otherwise only telemetry changes.
+    pub restart: bool,
 }
 
-/// What a board answers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Answer {
-    /// 1: who is there.
-    Identity(Identity),
-    /// 2: a setting and its value.
-    Value(u8, f32),
-    /// 3: it is done.
-    Done,
-    /// 4: it is not done, and why; with the number of the setting that it is about, or 0.
-    Refused(Refusal, u8),
+/// Settings and commands of a board.
+#[derive(Debug)]
+pub struct Responder<F> {
+    settings: Settings,
+    saved: Settings,
+    /// What a host is putting together, until it is committed or discarded.
+    prepared: Option<Settings>,
+    store: Store<F>,
+    identity: Identity,
+    decoder: Decoder,
+    garbled: u32,
+    /// The last impedance that was taken.
+    packet: Option<Packet>,
+    /// Faults from loading, until settings are loaded or set back.
+    standing: Faults,
+    concerns: Option<Key>,
 }
 
-/// A board's name and versions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Identity {
-    /// Name of the board.
-    pub board: Name,
-    /// Version of the firmware.
-    pub firmware: Name,
-    /// Layout of its settings: [`crate::board::settings::store::LAYOUT`].
-    pub layout: u8,
-    /// Samples per second (Hz).
-    pub rate_hz: u16,
-    /// What the meters of [`Health`] count between two samples: 168 000 cycles on the F405.
-    pub tick: u32,
-    /// Whether the settings differ from what is saved.
-    pub unsaved: bool,
-}
-
-/// Up to 12 bytes of text; longer ones are cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Name([u8; 12]);
-
-impl Name {
-    /// A name; what does not fit or is not ASCII is left out.
-    pub const fn new(text: &str) -> Self {
-        let bytes = text.as_bytes();
-        let mut name = [0; 12];
-        let (mut from, mut to) = (0, 0);
-        while from < bytes.len() && to < name.len() {
-            if bytes[from].is_ascii_graphic() {
-                name[to] = bytes[from];
-                to += 1;
+impl<F: NorFlash> Responder<F> {
+    /// Loads the settings; with ones that cannot be used, the defaults take their place, the fault
+    /// [`Fault::SettingsInvalid`] stands, and [`Responder::concerns`] names the setting.
+    pub fn new(mut store: Store<F>, identity: Identity) -> Self {
+        let loaded = store.load();
+        let mut responder = Responder {
+            settings: Settings::default(),
+            saved: Settings::default(),
+            prepared: None,
+            store,
+            identity,
+            decoder: Decoder::new(),
+            garbled: 0,
+            packet: None,
+            standing: Faults::NONE,
+            concerns: None,
+        };
+        match loaded {
+            Ok(Loaded::Good(settings)) => {
+                (responder.settings, responder.saved) = (settings, settings);
             }
-            from += 1;
+            Ok(Loaded::Nothing) => {}
+            Ok(Loaded::Bad(invalid)) => responder.invalid(Some(invalid.key)),
+            Ok(Loaded::Newer(_)) | Err(_) => responder.invalid(None),
         }
-        Name(name)
+        responder
     }
 
-    /// The text.
-    pub fn as_str(&self) -> &str {
-        let text = self.0.split(|byte| *byte == 0).next().unwrap_or(&[]);
-        core::str::from_utf8(text).unwrap_or("?")
+    fn invalid(&mut self, concerns: Option<Key>) {
+        self.standing = Faults::NONE.with(Fault::SettingsInvalid);
+        self.concerns = concerns;
     }
-}
 
-impl fmt::Display for Name {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
+    /// The settings in force.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
-}
 
-/// Why a command is refused. The numbers are stable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Refusal {
-    /// No such command in this version.
-    UnknownCommand = 1,
-    /// No such setting in this version.
-    UnknownSetting = 2,
-    /// The value is outside the setting's bounds, or contradicts another setting.
-    Unusable = 3,
-    /// The probe is in contact: nothing that restarts the estimator or stalls the core.
-    InContact = 4,
-    /// The flash failed; the old settings are still there.
-    FlashFailed = 5,
-    /// The settings that are saved cannot be used.
-    SavedUnusable = 6,
-    /// The last change has not been taken over yet; ask again.
-    Busy = 7,
-    /// Nothing is rendered: the largest force is 0 N.
-    NotRendering = 8,
-    /// The impedance has a parameter that no material has.
-    NotRenderable = 9,
-    /// A later packet has overtaken this one.
-    Overtaken = 10,
-}
+    /// The setting that could not be used, if that is why the board runs on defaults.
+    pub fn concerns(&self) -> Option<Key> {
+        self.concerns
+    }
 
-impl Refusal {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Refusal; 10] = [
-        Refusal::UnknownCommand,
-        Refusal::UnknownSetting,
-        Refusal::Unusable,
-        Refusal::InContact,
-        Refusal::FlashFailed,
-        Refusal::SavedUnusable,
-        Refusal::Busy,
-        Refusal::NotRendering,
-        Refusal::NotRenderable,
-        Refusal::Overtaken,
-    ];
+    /// The number of frames that could not be read or are no command.
+    pub fn garbled(&self) -> u32 {
+        self.garbled
+    }
 
-    /// A sentence for people.
-    pub const fn describe(self) -> &'static str {
-        match self {
-            Refusal::UnknownCommand => "the board does not know this command",
-            Refusal::UnknownSetting => "the board does not know this setting",
-            Refusal::Unusable => "the board cannot use this value",
-            Refusal::InContact => "the probe is in contact; lift it off first",
-            Refusal::FlashFailed => "the flash failed, the old settings are still there",
-            Refusal::SavedUnusable => "the saved settings cannot be used",
-            Refusal::Busy => "the board is still taking over the last change; ask again",
-            Refusal::NotRendering => "the board renders nothing: its largest force is 0 N",
-            Refusal::NotRenderable => "the impedance has a parameter that no material has",
-            Refusal::Overtaken => "a later packet has overtaken this one",
+    /// What the sampling task starts with. It is never `None`, since the settings have been checked.
+    pub fn setup(&self) -> Option<Setup> {
+        let setup = self.settings.setup().ok()?;
+        Some(Setup {
+            conversion: setup.conversion.with_standing(self.standing),
+            ..setup
+        })
+    }
+
+    /// Takes a byte of the link, and at the end of a command gives it with its sequence number.
+    pub fn push(&mut self, byte: u8) -> Option<(u16, Command)> {
+        match self.decoder.push(byte)? {
+            Ok((sequence, Frame::Command(command))) => Some((sequence, command)),
+            Ok((sequence, Frame::Reflection(packet))) => Some((sequence, Command::Reflect(packet))),
+            Ok(_) | Err(_) => {
+                self.garbled = self.garbled.saturating_add(1);
+                None
+            }
         }
     }
+
+    /// Answers a command. `in_contact` is what the last estimate says; `busy` means that the last
+    /// change is still on its way to the sampling task.
+    pub fn answer(&mut self, to: u16, command: Command, in_contact: bool, busy: bool) -> Answered {
+        let mut rendered = None;
+        let done = match command {
+            Command::Reflect(packet) => self.reflect(packet, &mut rendered),
+            command => self.try_to_answer(command, in_contact, busy),
+        };
+        let (answer, change) = match done {
+            Ok(done) => done,
+            Err((reason, id)) => (Answer::Refused(reason, id), None),
+        };
+        Answered {
+            reply: Reply { to, answer },
+            change,
+            packet: rendered,
+        }
+    }
+
+    /// Takes an impedance to be rendered; it is checked here, so that the sampling task takes it as it
+    /// is. The same one again, since the answer to it was lost, is taken once: a channel that repeats
+    /// itself has stopped.
+    fn reflect(&mut self, packet: Packet, rendered: &mut Option<Packet>) -> Done {
+        let most_n = Key::RenderForceN;
+        permit(
+            self.settings.get(most_n) == 0.0,
+            Refusal::NotRendering,
+            most_n.id(),
+        )?;
+        let renderable = packet.is_sound() && packet.reflected().is_ok();
+        permit(!renderable, Refusal::NotRenderable, 0)?;
+        if let Some(last) = &self.packet {
+            permit(packet.is_older_than(last), Refusal::Overtaken, 0)?;
+            let again = packet.time_us == last.time_us && packet.sequence == last.sequence;
+            if again {
+                return Ok((Answer::Done, None));
+            }
+        }
+        (self.packet, *rendered) = (Some(packet), Some(packet));
+        Ok((Answer::Done, None))
+    }
+
+    fn try_to_answer(&mut self, command: Command, in_contact: bool, busy: bool) -> Done {
+        match command {
+            Command::Identify => {
+                let identity = Identity {
+                    unsaved: self.settings != self.saved,
+                    ..self.identity
+                };
+                Ok((Answer::Identity(identity), None))
+            }
+            Command::Get(id) => {
+                let key = Key::from_id(id).ok_or((Refusal::UnknownSetting, id))?;
+                Ok((Answer::Value(id, self.settings.get(key)), None))
+            }
+            Command::Set(id, value) => {
+                let key = Key::from_id(id).ok_or((Refusal::UnknownSetting, id))?;
+                permit(key.info().restarts && in_contact, Refusal::InContact, id)?;
+                permit(busy, Refusal::Busy, id)?;
+                self.set(key, value)
+            }
+            Command::Save => {
+                permit(in_contact, Refusal::InContact, 0)?;
+                permit(busy, Refusal::Busy, 0)?;
+                let saved = self.store.save(&self.settings);
+                saved.map_err(|_| (Refusal::FlashFailed, 0))?;
+                self.saved = self.settings;
+                self.forgive()
+            }
+            Command::Reload => {
+                permit(in_contact, Refusal::InContact, 0)?;
+                permit(busy, Refusal::Busy, 0)?;
+                self.reload()
+            }
+            Command::Defaults => {
+                permit(in_contact, Refusal::InContact, 0)?;
+                permit(busy, Refusal::Busy, 0)?;
+                self.settings = Settings::default();
+                self.prepared = None;
+                self.restarted()
+            }
+            // In contact as well: a zero that has crept looks like contact, and this is the way out.
+            Command::Restart => {
+                permit(busy, Refusal::Busy, 0)?;
+                self.restarted()
+            }
+            Command::Discard => {
+                self.prepared = None;
+                Ok((Answer::Done, None))
+            }
+            Command::Prepare(id, value) => {
+                let key = Key::from_id(id).ok_or((Refusal::UnknownSetting, id))?;
+                self.prepared.get_or_insert(self.settings).put(key, value);
+                Ok((Answer::Value(id, value), None))
+            }
+            Command::Commit => {
+                permit(busy, Refusal::Busy, 0)?;
+                self.commit(in_contact)
+            }
+            Command::Unknown(_) | Command::Reflect(_) => Err((Refusal::UnknownCommand, 0)),
+        }
+    }
+
+    fn set(&mut self, key: Key, value: f32) -> Done {
+        let mut changed = self.settings;
+        changed.put(key, value);
+        changed
+            .check()
+            .map_err(|invalid| (Refusal::Unusable, invalid.key.id()))?;
+        self.settings = changed;
+        self.prepared = None;
+        let change = self.change(key.info().restarts);
+        Ok((Answer::Value(key.id(), value), change))
+    }
+
+    /// Puts what was prepared into force. With nothing prepared there is nothing to do: the answer to a
+    /// first attempt was lost.
+    fn commit(&mut self, in_contact: bool) -> Done {
+        let Some(prepared) = self.prepared else {
+            return Ok((Answer::Done, None));
+        };
+        let differs = |key: &Key| prepared.get(*key) != self.settings.get(*key);
+        let disturbing = |key: &Key| differs(key) && key.info().restarts;
+        let disturbs = Key::table().iter().copied().find(disturbing);
+        if let Some(key) = disturbs {
+            permit(in_contact, Refusal::InContact, key.id())?;
+        }
+        prepared
+            .check()
+            .map_err(|invalid| (Refusal::Unusable, invalid.key.id()))?;
+        self.settings = prepared;
+        self.prepared = None;
+        Ok((Answer::Done, self.change(disturbs.is_some())))
+    }
+
+    fn reload(&mut self) -> Done {
+        match self.store.load() {
+            Ok(Loaded::Good(settings)) => self.settings = settings,
+            Ok(Loaded::Nothing) => self.settings = Settings::default(),
+            Ok(Loaded::Bad(invalid)) => return Err((Refusal::SavedUnusable, invalid.key.id())),
+            Ok(Loaded::Newer(_)) => return Err((Refusal::SavedUnusable, 0)),
+            Err(_) => return Err((Refusal::FlashFailed, 0)),
+        }
+        (self.saved, self.standing, self.concerns) = (self.settings, Faults::NONE, None);
+        self.prepared = None;
+        self.restarted()
+    }
+
+    /// Ends a fault from loading: what is in flash can be used now.
+    fn forgive(&mut self) -> Done {
+        let stood = self.standing != Faults::NONE;
+        (self.standing, self.concerns) = (Faults::NONE, None);
+        let change = if stood { self.change(true) } else { None };
+        Ok((Answer::Done, change))
+    }
+
+    fn restarted(&mut self) -> Done {
+        Ok((Answer::Done, self.change(true)))
+    }
+
+    fn change(&self, restart: bool) -> Option<Change> {
+        self.setup().map(|setup| Change { setup, restart })
+    }
 }
 
-/// Least, mean and largest of something that is measured at every sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Range {
-    /// Least.
-    pub min: u32,
-    /// Mean.
-    pub mean: u32,
-    /// Largest.
-    pub max: u32,
-}
+type Done = Result<(Answer, Option<Change>), (Refusal, u8)>;
 
-/// How a board is, sent once a second. Counts are since start.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Health {
-    /// Time since start (µs).
-    pub time_us: u64,
-    /// Samples that went through the estimator.
-    pub samples: u32,
-    /// Samples that found the queue to the link full: they are in no frame.
-    pub dropped: u32,
-    /// Times that the sampling task took longer than a tick, or was started a tick late.
-    pub overruns: u32,
-    /// Instants that no sample was taken of.
-    pub missed: u32,
-    /// Frames to the board that were none.
-    pub garbled: u32,
-    /// Between two starts of the sampling task: jitter, in units of [`Identity::tick`].
-    pub period: Range,
-    /// The estimator's step, in the same units.
-    pub step: Range,
-    /// The whole sampling task, in the same units.
-    pub task: Range,
-    /// Bytes of stack that have never been used.
-    pub stack_free: u32,
-    /// What is wrong now.
-    pub faults: Faults,
-    /// The setting that could not be used, if one is why the board runs on defaults.
-    pub concerns: Option<Key>,
-    /// Whether the clock is the internal oscillator: times are off by up to 1 %.
-    pub clock_fallback: bool,
+fn permit(forbidden: bool, reason: Refusal, id: u8) -> Result<(), (Refusal, u8)> {
+    if forbidden { Err((reason, id)) } else { Ok(()) }
 }
 
 #[cfg(test)]

@@ -12,12 +12,18 @@ mod impedance;
 mod output;
 mod packet;
 mod render;
+mod render_params;
+mod renderable;
+mod rendered;
 mod speed;
 
 pub use impedance::{Impedance, Reflected};
 pub use output::Output;
-pub use packet::{NotRenderable, PACKET_SLOTS, Packet};
-pub use render::{Limit, RenderConfig, RenderParams, Rendered, Renderer};
+pub use packet::Packet;
+pub use render::Renderer;
+pub use render_params::{RenderConfig, RenderParams};
+pub use renderable::{NotRenderable, PACKET_SLOTS};
+pub use rendered::{Limit, Rendered};
 pub use speed::{SPEED_TIME_S, Speed};
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
-//! From the codes of the converters to a [`Sample`]: scale, zero, and what can be seen to be wrong
-//! with them. The same for every set of sensors; a board only reads codes.
+//! From the codes of the converters to a [`Sample`]: scale, zero, and the faults that the codes show.
+//! It is the same for every set of sensors; a board only reads codes.
 
-use crate::board::settings::{Key, Settings};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 
-/// Codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
+/// The codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
 pub const CODES_PER_COUNT: f32 = 32.0;
 
 /// One instant as the hardware gave it.
@@ -13,33 +12,38 @@ pub const CODES_PER_COUNT: f32 = 32.0;
 pub struct Codes {
     /// Time since start (µs).
     pub time_us: u64,
-    /// The load cell: the sum of all conversions of the instant.
+    /// The sum of all conversions of the load cell in the instant.
     pub force: i32,
-    /// The lowest single conversion in it.
+    /// The lowest single conversion of the instant.
     pub force_low: i32,
-    /// The highest single conversion in it.
+    /// The highest single conversion of the instant.
     pub force_high: i32,
-    /// The encoder, without the wraps of its counter.
+    /// The code of the encoder, without the wraps of its counter.
     pub position: i32,
-    /// What the reader of the hardware knows to be wrong.
+    /// The faults that the reader of the hardware has seen.
     pub faults: Faults,
 }
 
-/// Scale and limits, ready to use. Made by [`Settings::setup`].
+/// Scale and limits, ready to use. Made by [`crate::board::settings::Settings::setup`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
-    n_per_code: f32,
-    zero_code: f32,
-    lowest: f32,
-    highest: f32,
-    stuck_us: u64,
-    m_per_code: f32,
-    fastest_m_per_us: f32,
-    stuck_n: f32,
-    standing: Faults,
+    pub(super) n_per_code: f32,
+    pub(super) zero_code: f32,
+    /// A single conversion outside of these is saturated.
+    pub(super) lowest: f32,
+    pub(super) highest: f32,
+    /// The same code for this long is a stuck converter; 0: never.
+    pub(super) stuck_us: u64,
+    pub(super) m_per_code: f32,
+    /// A faster motion between two samples is a jump; 0: never.
+    pub(super) fastest_m_per_us: f32,
+    /// A force that rises by this much over a standing position is a stuck encoder; 0: never.
+    pub(super) stuck_n: f32,
+    /// Faults that last as long as the settings do.
+    pub(super) standing: Faults,
 }
 
-/// What [`Conversion::sample`] remembers from one instant to the next.
+/// The state of [`Conversion::sample`] from one instant to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watch {
     last: Option<Last>,
@@ -50,28 +54,14 @@ struct Last {
     time_us: u64,
     position_m: f32,
     force: i32,
-    /// Since when the force has had this code.
+    /// The time since which the force has had this code (µs).
     force_since_us: u64,
     position: i32,
-    /// The least force since the position has had this code.
+    /// The least force since the position has had this code (N).
     least_n: f32,
 }
 
 impl Conversion {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        Conversion {
-            n_per_code: settings.get(Key::ForcePerCode),
-            zero_code: settings.get(Key::ForceZeroCode),
-            lowest: settings.get(Key::ForceLowestCode),
-            highest: settings.get(Key::ForceHighestCode),
-            stuck_us: (settings.get(Key::ForceStuckS) * 1e6) as u64,
-            m_per_code: settings.get(Key::PositionPerCode),
-            fastest_m_per_us: settings.get(Key::PositionFastestMps) * 1e-6,
-            stuck_n: settings.get(Key::PositionStuckN),
-            standing: settings.standing(),
-        }
-    }
-
     /// The same conversion with faults that last, such as settings that could not be read.
     pub fn with_standing(self, faults: Faults) -> Self {
         Conversion {
@@ -157,6 +147,7 @@ fn only(is: bool, fault: Fault) -> Faults {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::board::settings::{Key, Settings};
 
     fn conversion(change: impl Fn(&mut Settings)) -> Conversion {
         let mut settings = Settings::default();

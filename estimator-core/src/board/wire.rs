@@ -1,23 +1,24 @@
-//! The body of a frame, written and read number by number.
+//! The body of a frame: its writer and its reader, number by number.
 
 use crate::estimate::record::PARAMETER_SLOTS;
 
-/// Version of the layout; a reader refuses any other.
+/// The version of the layout; a reader refuses any other.
 pub const VERSION: u8 = 2;
-/// Longest frame before COBS (bytes): that of an estimate whose law has all the slots. An estimate
-/// carries as many as its law has: 86 bytes on the wire for Hunt–Crossley.
+/// The length of the longest frame before COBS (bytes): that of an estimate whose law has all slots.
+/// An estimate carries the slots of its law only: 86 bytes on the wire for Hunt–Crossley.
 pub(crate) const MAX_BODY: usize = 4 + 8 + 8 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
 
 /// Why bytes between two zeros are not a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrameError {
-    /// Not COBS, or longer or shorter than any frame.
+    /// The bytes are not COBS, or more or fewer than any frame has.
     Framing,
-    /// The check sum does not fit.
+    /// The check sum does not fit the content.
     Checksum,
-    /// A frame of another version.
+    /// The frame has another version.
     Version(u8),
-    /// Right check sum, but a content that this version does not know.
+    /// The check sum fits, but this version does not know the content.
     Content,
 }
 
@@ -60,7 +61,7 @@ impl Writer {
     }
 }
 
-/// Reads it back; what is missing is an error.
+/// Reads the body of a frame, number by number; a number that is missing is an error.
 pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
 }
@@ -83,7 +84,7 @@ impl<'a> Reader<'a> {
         self.bytes.is_empty()
     }
 
-    /// Past everything that is left.
+    /// Skips everything that is left.
     pub(crate) fn skip(&mut self) {
         self.bytes = &[];
     }

@@ -40,7 +40,7 @@ use crate::estimate::error::{ConfigError, require};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::{Real, Scalar};
-use crate::physics::effect::{Effect, EffectId, Place};
+use crate::physics::effect::{Effect, EffectId};
 use crate::physics::rig::MOST_EFFECTS;
 use delay::{ChannelDelay, DelayLine};
 use faults::LingeringFaults;
@@ -55,14 +55,6 @@ const LINGERING: Faults = Faults::NONE
     .with(Fault::ForceSaturated)
     .with(Fault::ForceStuck)
     .with(Fault::PositionStuck);
-
-/// Whether an effect belongs to the rig, and can be removed; otherwise it belongs to the material.
-pub const fn compensates(id: EffectId) -> bool {
-    matches!(
-        id.place(),
-        Place::PositionReading | Place::Transmission | Place::LoadPath | Place::ForceReading
-    )
-}
 
 /// The effects of a rig that are removed from its readings, ready to use.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +95,7 @@ impl<T: Real> Compensation<T> {
         rate_hz: f32,
         position_step_m: f64,
     ) -> Result<Self, ConfigError> {
-        let rigs = |effect: &Effect<f64>| compensates(effect.id());
+        let rigs = |effect: &Effect<f64>| effect.id().belongs_to_rig();
         let effects = effects.map(|slot| slot.filter(rigs).map(|effect| cast(&effect)));
         Compensation::from_rig_effects(effects, rate_hz, position_step_m)
     }
@@ -300,15 +292,7 @@ impl<T: Real> Compensation<T> {
 
 /// Whether an effect cannot be removed without speed, acceleration or the rate of the force.
 fn needs_derivative<T: Scalar>(effect: &Effect<T>) -> bool {
-    match effect {
-        Effect::CoulombFriction(friction) => friction.width_m <= T::zero(),
-        Effect::StribeckFriction(_)
-        | Effect::ViscousDrag(_)
-        | Effect::AsymmetricDrag(_)
-        | Effect::ToolInertia(_)
-        | Effect::ForceLag(_) => true,
-        _ => false,
-    }
+    effect.id().needs_derivative() && !depends_on_travel(effect)
 }
 
 /// Whether the force of an effect depends on the travel since the last reversal (Dahl's friction).

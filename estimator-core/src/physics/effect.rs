@@ -1,12 +1,14 @@
 //! What a rig adds to a contact: the catalogue of effects, a file each.
 //!
-//! An effect has an id, parameters with units and bounds, and the place in the rig's signal chain
-//! where it enters ([`crate::physics::rig`]). The same code simulates it, gives a fit its gradients (dual
-//! numbers) and compensates it on the board.
+//! An effect is a law and, beside it, a row of facts ([`EffectInfo`]): id, parameters with units and
+//! bounds, the stage of the rig's signal chain at which it enters ([`crate::physics::rig`]), and what
+//! a fit and a board have to know of it. The same law simulates the effect, gives a fit its gradients
+//! (dual numbers) and compensates the effect on the board. A new effect is a file and a line of the
+//! catalogue below.
 //!
 //! The order of the chain:
 //!
-//! | place | effects |
+//! | stage | effects |
 //! |---|---|
 //! | position reading | encoder_periodic_error |
 //! | transmission | backlash, series_compliance |
@@ -34,11 +36,13 @@ mod force_lag;
 mod force_offset;
 mod force_saturation;
 mod hysteretic_damping;
+mod motion;
 mod periodic_disturbance;
 mod permanent_set;
 mod power_law_stiffness;
-mod presliding;
+mod row;
 mod series_compliance;
+mod shapes;
 mod stress_relaxation;
 mod stribeck_friction;
 mod surface_motion;
@@ -46,201 +50,74 @@ mod time_delay;
 mod tool_inertia;
 mod viscous_drag;
 
-pub use adhesion::Adhesion;
-pub use asymmetric_drag::AsymmetricDrag;
-pub use backlash::Backlash;
-pub use buried_layer::BuriedLayer;
-pub use cable_stiffness::CableStiffness;
-pub use catalogue::{Effect, EffectId};
-pub use cogging::Cogging;
-pub use coulomb_friction::CoulombFriction;
-pub use cyclic_softening::CyclicSoftening;
-pub use depth_dependent_damping::DepthDependentDamping;
-pub use encoder_periodic_error::EncoderPeriodicError;
-pub use exponential_stiffening::ExponentialStiffening;
-pub use force_drift::ForceDrift;
-pub use force_lag::ForceLag;
-pub use force_offset::ForceOffset;
-pub use force_saturation::ForceSaturation;
-pub use hysteretic_damping::HystereticDamping;
-pub use periodic_disturbance::PeriodicDisturbance;
-pub use permanent_set::PermanentSet;
-pub use power_law_stiffness::PowerLawStiffness;
-pub use series_compliance::SeriesCompliance;
-pub use stress_relaxation::StressRelaxation;
-pub use stribeck_friction::StribeckFriction;
-pub use surface_motion::SurfaceMotion;
-pub use time_delay::TimeDelay;
-pub use tool_inertia::ToolInertia;
-pub use viscous_drag::ViscousDrag;
-
 pub use super::parameter::{Bounds, ParameterInfo};
 use crate::maths::scalar::Scalar;
+use catalogue::catalogue;
+pub use motion::Motion;
+pub use row::{
+    ChainStage, EffectInfo, Family, Form, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
+};
 
-/// Most parameters that an effect has.
-pub const MOST_PARAMETERS: usize = 4;
-
-/// Where in the signal chain an effect enters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
-    /// Between the motor-side position and its reading.
-    PositionReading,
-    /// Between the motor and the tip of the probe.
-    Transmission,
-    /// Between the tip and the penetration.
-    Depth,
-    /// The elastic force.
-    Elastic,
-    /// Its relaxation.
-    Relaxation,
-    /// The contact force besides the elastic one.
-    Contact,
-    /// Between the contact and the load cell.
-    LoadPath,
-    /// Between the load cell's force and its reading.
-    ForceReading,
+catalogue! {
+    stress_relaxation::StressRelaxation = 1,
+    power_law_stiffness::PowerLawStiffness = 2,
+    depth_dependent_damping::DepthDependentDamping = 3,
+    exponential_stiffening::ExponentialStiffening = 4,
+    adhesion::Adhesion = 5,
+    permanent_set::PermanentSet = 6,
+    buried_layer::BuriedLayer = 7,
+    surface_motion::SurfaceMotion = 8,
+    hysteretic_damping::HystereticDamping = 9,
+    cyclic_softening::CyclicSoftening = 10,
+    coulomb_friction::CoulombFriction = 11,
+    stribeck_friction::StribeckFriction = 12,
+    viscous_drag::ViscousDrag = 13,
+    asymmetric_drag::AsymmetricDrag = 14,
+    tool_inertia::ToolInertia = 15,
+    force_offset::ForceOffset = 16,
+    force_drift::ForceDrift = 17,
+    cable_stiffness::CableStiffness = 18,
+    cogging::Cogging = 19,
+    periodic_disturbance::PeriodicDisturbance = 20,
+    series_compliance::SeriesCompliance = 21,
+    backlash::Backlash = 22,
+    force_lag::ForceLag = 23,
+    time_delay::TimeDelay = 24,
+    force_saturation::ForceSaturation = 25,
+    encoder_periodic_error::EncoderPeriodicError = 26,
 }
 
-impl Place {
-    /// In words.
+impl EffectId {
+    /// The id in files.
     pub const fn name(self) -> &'static str {
+        self.info().name
+    }
+
+    /// The effect with an id of files.
+    pub fn from_name(name: &str) -> Option<EffectId> {
+        EffectId::ALL.iter().copied().find(|id| id.name() == name)
+    }
+}
+
+impl<S: Scalar> Effect<S> {
+    /// What the effect adds to the force between contact and load cell (N) after the motor side has
+    /// gone `change_m` since the last sample; 0 where the effect enters elsewhere. `z` is its state.
+    pub(crate) fn load_n(&self, z: &mut S, motor: &Motion<S>, change_m: S) -> S {
         match self {
-            Place::PositionReading => "position reading",
-            Place::Transmission => "transmission",
-            Place::Depth => "depth",
-            Place::Elastic => "elastic force",
-            Place::Relaxation => "relaxation",
-            Place::Contact => "contact force",
-            Place::LoadPath => "load path",
-            Place::ForceReading => "force reading",
+            Effect::CoulombFriction(effect) => effect.force_n(z, motor.speed_mps, change_m),
+            Effect::StribeckFriction(effect) => effect.force_n(motor.speed_mps),
+            Effect::ViscousDrag(effect) => effect.force_n(motor.speed_mps),
+            Effect::AsymmetricDrag(effect) => effect.force_n(motor.speed_mps),
+            Effect::ToolInertia(effect) => effect.force_n(motor.acceleration_mps2),
+            Effect::CableStiffness(effect) => effect.force_n(motor.position_m),
+            Effect::Cogging(effect) => effect.force_n(motor.position_m),
+            Effect::PeriodicDisturbance(effect) => effect.force_n(motor.time_s),
+            Effect::ForceOffset(effect) => effect.force_n(),
+            Effect::ForceDrift(effect) => effect.force_n(motor.time_s),
+            _ => S::zero(),
         }
     }
 }
-
-/// What the catalogue says of an effect.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EffectInfo {
-    /// The id.
-    pub name: &'static str,
-    /// Its parameters, in the order of [`Effect::new`].
-    pub parameters: &'static [ParameterInfo],
-    /// Where it enters.
-    pub place: Place,
-    /// The law, in one line.
-    pub law: &'static str,
-    /// What gives it away.
-    pub signature: &'static str,
-    /// The motion that shows it.
-    pub motion: &'static str,
-}
-
-/// What the motor side does at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<S> {
-    /// Time since the start of the log (s).
-    pub time_s: S,
-    /// x (m)
-    pub position_m: S,
-    /// v (m/s)
-    pub speed_mps: S,
-    /// a (m/s²)
-    pub acceleration_mps2: S,
-}
-
-/// A sine and the rate of it: A sin(ωu + φ), Aω cos(ωu + φ).
-fn wave<S: Scalar>(amplitude: S, angular: S, phase: S, at: S) -> (S, S) {
-    let (sin, cos) = (angular * at + phase).sin_cos();
-    (amplitude * sin, amplitude * angular * cos)
-}
-
-/// max(x, 0), its corner rounded over a width w: w ln(1 + e^{x/w}).
-fn ramp<S: Scalar>(x: S, width: S) -> S {
-    if width <= S::zero() {
-        return x.max_of(S::zero());
-    }
-    let far = x / width;
-    // Beyond this the rounding is 10⁻¹³ of its width.
-    if far > S::from_f64(30.0) {
-        return x;
-    }
-    width * (S::one() + far.exp()).ln()
-}
-
-/// 2π/`period`.
-fn angular_of<S: Scalar>(period: S) -> S {
-    S::from_f64(core::f64::consts::TAU) / period
-}
-
-/// Direction of a speed: the sign where `transition_mps` is 0, else tanh(v/v_t).
-fn direction<S: Scalar>(speed_mps: S, transition_mps: S) -> S {
-    if transition_mps > S::zero() {
-        return (speed_mps / transition_mps).tanh();
-    }
-    if speed_mps > S::zero() {
-        S::one()
-    } else if speed_mps < S::zero() {
-        -S::one()
-    } else {
-        S::zero()
-    }
-}
-
-/// Defines an effect: its struct, what the catalogue says of it, and its making from a row of values.
-macro_rules! effect {
-    (
-        $(#[$doc:meta])*
-        $Effect:ident = $name:literal, $Place:ident {
-            $($(#[$field_doc:meta])* $field:ident = $key:literal, $Unit:ident, $Bounds:ident $(, $usual:literal)?;)+
-        }
-        law: $law:literal,
-        signature: $signature:literal,
-        motion: $motion:literal,
-    ) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
-        pub struct $Effect<S> {
-            $($(#[$field_doc])* pub $field: S,)+
-        }
-
-        impl<S: Copy> $Effect<S> {
-            /// What the catalogue says of it.
-            pub const INFO: $crate::physics::effect::EffectInfo = $crate::physics::effect::EffectInfo {
-                name: $name,
-                parameters: &[$($crate::physics::parameter::ParameterInfo {
-                    name: $key,
-                    unit: $crate::maths::units::Unit::$Unit,
-                    bounds: $crate::physics::parameter::Bounds::$Bounds,
-                    default: $crate::physics::effect::effect!(@usual $($usual)?),
-                },)+],
-                place: $crate::physics::effect::Place::$Place,
-                law: $law,
-                signature: $signature,
-                motion: $motion,
-            };
-        }
-
-        impl<S: $crate::maths::scalar::Scalar> $Effect<S> {
-            /// From its parameters in the order of the catalogue.
-            pub(super) fn from_row(row: &[S; $crate::physics::effect::MOST_PARAMETERS]) -> Self {
-                let mut values = row.iter().copied();
-                $(let $field = values.next().unwrap_or(S::zero());)+
-                Self { $($field),+ }
-            }
-
-            /// Its parameters in the order of the catalogue.
-            pub(super) fn row(&self) -> [S; $crate::physics::effect::MOST_PARAMETERS] {
-                let mut row = [S::zero(); $crate::physics::effect::MOST_PARAMETERS];
-                for (own, value) in row.iter_mut().zip([$(self.$field),+]) {
-                    *own = value;
-                }
-                row
-            }
-        }
-    };
-    (@usual) => { None };
-    (@usual $usual:literal) => { Some($usual) };
-}
-use effect;
 
 #[cfg(test)]
 mod tests;

@@ -75,7 +75,7 @@ fn times(misfit: f64) -> Cell {
 fn section(own: &Ignored) -> Section {
     let info = own.id.info();
     let facts = [
-        format!("Law: {} (in the {})", info.law, info.place.name()),
+        format!("Law: {} (in the {})", info.law, info.stage.name()),
         format!("Shows as: {}", info.signature),
         format!("Shown by: {}", info.motion),
         format!("Here: {}", settings(own)),

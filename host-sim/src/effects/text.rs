@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use estimator_core::estimate::compensation::compensates;
-use estimator_core::physics::effect::{EffectId, ParameterInfo, Place};
+use estimator_core::physics::effect::{EffectId, ParameterInfo};
 
 use super::Ignored;
 use crate::report::number::{Measured, quantity};
@@ -12,15 +11,15 @@ use crate::wrap::wrapped;
 /// All effects in the order of the signal chain.
 pub(super) fn catalogue() -> String {
     let mut ids = EffectId::ALL.to_vec();
-    ids.sort_by_key(|id| id.info().place);
+    ids.sort_by_key(|id| id.info().stage);
     let mut text = format!("{} effects, in the order of the signal chain\n", ids.len());
-    let mut place: Option<Place> = None;
+    let mut stage = None;
     for id in ids {
         let info = id.info();
-        if place != Some(info.place) {
-            place = Some(info.place);
+        if stage != Some(info.stage) {
+            stage = Some(info.stage);
             // Writing into a String cannot fail.
-            let _ = writeln!(text, "\n{}", info.place.name());
+            let _ = writeln!(text, "\n{}", info.stage.name());
         }
         let _ = writeln!(text, "{}", wrapped(&format!("  {}: ", id.name()), info.law));
         let names: Vec<String> = info.parameters.iter().map(parameter).collect();
@@ -53,7 +52,7 @@ fn parameter(info: &ParameterInfo) -> String {
 /// One effect, with what it does to the base.
 pub(super) fn one(shown: &Ignored) -> String {
     let info = shown.id.info();
-    let mut text = format!("{}, in the {}\n", shown.id.name(), info.place.name());
+    let mut text = format!("{}, in the {}\n", shown.id.name(), info.stage.name());
     let mut line = |lead: &str, what: &str| {
         text.push_str(&wrapped(&format!("  {lead:<12}"), what));
         text.push('\n');
@@ -92,7 +91,7 @@ pub(super) fn one(shown: &Ignored) -> String {
 
 /// Whether `estimate --compensate` takes it off.
 pub(super) fn taken_off(id: EffectId) -> &'static str {
-    match compensates(id) {
+    match id.belongs_to_rig() {
         true => "yes: it is the rig's (estimate --compensate)",
         false => "no: it is a property of what is touched",
     }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Role, Sign};
 use rayon::prelude::*;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -12,7 +12,7 @@ use super::basis::{extend, remove};
 use super::course::Scales;
 use super::fit::{Fit, Problem, blocked, dot, forces, forces_moved};
 use super::shape::{Shape, Term};
-use super::start::{is_possible, is_proportional, is_signed, is_size, starts, whole};
+use super::start::{is_possible, starts, whole};
 
 /// A candidate with numbers to start from.
 #[derive(Clone, Debug)]
@@ -111,22 +111,22 @@ impl<'a> Ground<'a> {
         }
         let along = dot(&change, &self.residuals);
         let share = along / left;
-        let signed = is_signed(term.id);
+        let facts = term.id.info();
+        let signed = facts.sign == Sign::Either;
         let mut gain = along * along / left;
         if share < 0.0 && !signed {
             // The wrong way; the base may turn it round, but rarely.
             gain *= 0.05;
         }
-        if is_proportional(&term) {
+        if facts.is_proportional(&term.row) {
             let share = if signed { share } else { share.max(0.05) };
             let factor = share.signum() * share.abs().clamp(0.02, 50.0);
-            for (at, own) in term.row.iter_mut().enumerate() {
-                if is_size(term.id, at) {
-                    *own *= factor;
+            for (value, fit) in term.row.iter_mut().zip(facts.fits) {
+                match fit.role {
+                    Role::Size => *value *= factor,
+                    Role::SizeUpTo(most) => *value = (*value * factor).min(most),
+                    Role::Shape | Role::Form(..) | Role::Switch(_) => {}
                 }
-            }
-            if term.id == EffectId::StressRelaxation || term.id == EffectId::CyclicSoftening {
-                term.row[0] = term.row[0].min(0.6);
             }
         }
         Proposal { term, gain }

@@ -1,6 +1,6 @@
 //! Who else an effect could be: fits with another one in its place that explain the logs as well.
 
-use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::effect::{EffectId, Family};
 use rayon::prelude::*;
 
 use super::decide::Evidence;
@@ -113,11 +113,10 @@ impl Evidence<'_> {
 
 /// Whether both only make the force late: in slow motion they differ by less than a rig errs.
 pub(super) fn are_late(one: EffectId, other: EffectId) -> bool {
-    use EffectId as E;
-    matches!(
-        (one, other),
-        (E::ForceLag, E::TimeDelay) | (E::TimeDelay, E::ForceLag)
-    )
+    one != other
+        && [one, other]
+            .iter()
+            .all(|id| id.info().family == Family::Lateness)
 }
 
 /// The id that stands in `others` where `own` stands in `ids`, if all else is the same.
@@ -135,12 +134,6 @@ fn replaced(ids: &[EffectId], others: &[EffectId], own: EffectId) -> Option<Effe
 
 /// Whether one is a special case of the other: no ambiguity, the simpler one wins where it is adequate.
 pub(super) fn related(one: EffectId, other: EffectId) -> bool {
-    use EffectId as E;
-    let family = |id: EffectId| match id {
-        E::CoulombFriction | E::StribeckFriction => 1,
-        E::ViscousDrag | E::AsymmetricDrag => 2,
-        E::ForceOffset | E::ForceDrift => 3,
-        _ => 0,
-    };
-    one == other || (family(one) != 0 && family(one) == family(other))
+    let family = one.info().family;
+    one == other || (family.is_nested() && family == other.info().family)
 }

@@ -76,22 +76,11 @@ pub(super) fn added(fit: &Fit) -> Vec<EffectId> {
     ids
 }
 
-/// Whether its numbers mean what their names say: a friction that is smaller at rest than sliding is
-/// no Stribeck's, but imitates a drag; where an encoder's reading falls with the position, its error is
-/// any curve at all (70 nm that repeat every 140 nm); and a layer that sets in over a quarter of its depth
-/// pushes from the touch on, with 2 % of its stiffness: no layer, but any stiffening.
+/// Whether its numbers mean what their names say.
 fn is_physical(fit: &Fit) -> bool {
     let terms = fit.shape.terms_at(&fit.numbers);
-    terms.iter().all(|term| {
-        let [first, second, third, ..] = term.row;
-        term.given
-            || match term.id {
-                EffectId::StribeckFriction => second >= first,
-                EffectId::EncoderPeriodicError => std::f64::consts::TAU * first < second,
-                EffectId::BuriedLayer => third <= 0.25 * second,
-                _ => true,
-            }
-    })
+    let is_physical = |term: &Term| (term.id.info().is_physical)(&term.row);
+    terms.iter().all(|term| term.given || is_physical(term))
 }
 
 /// Whether its last effect stands in it twice.

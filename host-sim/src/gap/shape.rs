@@ -6,6 +6,7 @@
 
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::fit_range::{FitRange, Scale};
 use estimator_core::physics::law::{Law, LawId};
 use estimator_core::physics::rig::{Environment, Rig};
 
@@ -248,73 +249,24 @@ fn of_environment(at: usize, parameter: &model::Parameter, scales: &Scales) -> F
 
 /// `depth_m` is the deepest press as the model file has the surface.
 fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f64) -> Free {
-    use EffectId as E;
     let owner = Owner::Effect(number, at);
-    let anything = f64::INFINITY;
-    let s = scales;
-    let (slowest, fastest) = rates(s);
-    let stiffness = s.force_n / s.travel_m;
-    let pitch = |at: usize, longest_m: f64| match at {
-        0 => None,
-        1 => Some(linear(owner, 4.0 * s.position_noise_m, longest_m)),
-        _ => Some(linear(owner, -anything, anything)),
-    };
-    // An encoder's error shows in contact alone: a cycle and a quarter there, or it is any law's form.
-    let seen_m = (depth_m / 1.25).clamp(0.05 * s.travel_m, 0.5 * s.travel_m);
-    let frequency = |at: usize| match at {
-        0 => None,
-        1 => Some(linear(owner, 2.0 / s.duration_s, 0.5 / s.period_s)),
-        _ => Some(linear(owner, -anything, anything)),
-    };
-    match (id, at) {
-        (E::StressRelaxation, 0) => linear(owner, 0.0, 0.95),
-        (E::StressRelaxation, _) => logarithmic(owner, slowest, fastest),
-        (E::PowerLawStiffness, _) => linear(owner, 0.3, 5.0),
-        (E::DepthDependentDamping, _) => linear(owner, 0.0, 4.0),
-        (E::ExponentialStiffening, 1) => linear(owner, 0.0, 10.0),
-        (E::ExponentialStiffening, _) => linear(owner, 0.0, 20.0 / s.travel_m),
-        (E::Adhesion, 0) => linear(owner, 0.0, s.force_n),
-        (E::Adhesion, 1) => linear(owner, 2.0 * s.position_noise_m, s.travel_m),
-        // A form, not a number.
-        (E::Adhesion, 2) => linear(owner, 1.0, 1.0),
-        (E::Adhesion, _) => linear(owner, 0.0, 1.0),
-        (E::PermanentSet, 0) => linear(owner, 0.0, 0.95),
-        (E::PermanentSet, _) => linear(owner, 0.0, s.travel_m),
-        (E::BuriedLayer, 0) => linear(owner, 0.0, 1e3 * stiffness),
-        (E::BuriedLayer, 2) => logarithmic(owner, s.position_noise_m, 0.2 * s.travel_m),
-        (E::BuriedLayer, _) => linear(owner, 0.02 * s.travel_m, 0.98 * s.travel_m),
-        (E::SurfaceMotion, 0) => linear(owner, 0.0, 0.3 * s.travel_m),
-        (E::SurfaceMotion, at) => frequency(at).unwrap_or(linear(owner, 0.0, anything)),
-        (E::HystereticDamping, 0) => linear(owner, 0.0, s.force_n),
-        (E::HystereticDamping, _) => logarithmic(owner, 2.0 * s.position_noise_m, s.travel_m),
-        (E::CyclicSoftening, 0) => linear(owner, 0.0, 0.95),
-        (E::CyclicSoftening, _) => logarithmic(owner, 4.0 * s.position_noise_m, 2.0 * s.travel_m),
-        (E::CoulombFriction, 0) => linear(owner, 0.0, 2.0 * s.force_n),
-        (E::CoulombFriction, 1) => logarithmic(owner, s.position_noise_m, 0.2 * s.travel_m),
-        (E::CoulombFriction, _) | (E::StribeckFriction, 3) => {
-            logarithmic(owner, 1e-3 * s.speed_mps, 0.5 * s.speed_mps)
+    let size = |scale| match scale {
+        Scale::Travel => scales.travel_m,
+        Scale::Force => scales.force_n,
+        Scale::HighestForce => scales.highest_n,
+        Scale::Stiffness => scales.force_n / scales.travel_m,
+        Scale::Speed => scales.speed_mps,
+        Scale::Duration => scales.duration_s,
+        Scale::Period => scales.period_s,
+        Scale::PositionNoise => scales.position_noise_m,
+        // A cycle and a quarter of an encoder's error in contact, or it is any law's form.
+        Scale::PitchInContact => {
+            (depth_m / 1.25).clamp(0.05 * scales.travel_m, 0.5 * scales.travel_m)
         }
-        (E::StribeckFriction, 2) => logarithmic(owner, 3e-3 * s.speed_mps, s.speed_mps),
-        (E::StribeckFriction, _) => linear(owner, 0.0, 2.0 * s.force_n),
-        (E::ViscousDrag | E::ToolInertia, _) => linear(owner, 0.0, anything),
-        (E::AsymmetricDrag | E::ForceOffset | E::CableStiffness, _) => {
-            linear(owner, -anything, anything)
-        }
-        (E::ForceDrift, 0) => linear(owner, -anything, anything),
-        (E::ForceDrift, _) => logarithmic(owner, 10.0 * s.period_s, 3.0 * s.duration_s),
-        (E::Cogging, 0) => linear(owner, 0.0, s.force_n),
-        (E::Cogging, at) => pitch(at, 0.5 * s.travel_m).unwrap_or(linear(owner, 0.0, anything)),
-        (E::PeriodicDisturbance, 0) => linear(owner, 0.0, s.force_n),
-        (E::PeriodicDisturbance, at) => frequency(at).unwrap_or(linear(owner, 0.0, anything)),
-        (E::SeriesCompliance, 0) => logarithmic(owner, 0.1 * stiffness, 1e3 * stiffness),
-        (E::SeriesCompliance, _) => logarithmic(owner, 0.02 * s.force_n, 20.0 * s.force_n),
-        (E::Backlash, _) => linear(owner, 0.0, 0.3 * s.travel_m),
-        (E::ForceLag, _) => linear(owner, 0.02 * s.period_s, s.duration_s / 20.0),
-        (E::TimeDelay, _) => linear(owner, -s.duration_s / 40.0, s.duration_s / 40.0),
-        // A rounded limit is never quite reached.
-        (E::ForceSaturation, 0) => linear(owner, 0.2 * s.highest_n, 1.5 * s.highest_n),
-        (E::ForceSaturation, _) => logarithmic(owner, 1e-4 * s.highest_n, 0.3 * s.highest_n),
-        (E::EncoderPeriodicError, 0) => linear(owner, 0.0, 0.05 * s.travel_m),
-        (E::EncoderPeriodicError, at) => pitch(at, seen_m).unwrap_or(linear(owner, 0.0, anything)),
+    };
+    match id.info().fits[at].range {
+        FitRange::Linear(low, high) => linear(owner, low.value(size), high.value(size)),
+        FitRange::Logarithmic(low, high) => logarithmic(owner, low.value(size), high.value(size)),
+        FitRange::Fixed(value) => linear(owner, value, value),
     }
 }

@@ -1,48 +1,10 @@
 //! Where a candidate may start: sizes of the log make its numbers.
 
-use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Place};
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Repeats};
 use estimator_core::physics::law::LawId;
 
 use super::course::Scales;
 use super::shape::{Shape, Term};
-
-/// Effects whose force may have either sign.
-pub(super) fn is_signed(id: EffectId) -> bool {
-    use EffectId as E;
-    matches!(
-        id,
-        E::AsymmetricDrag
-            | E::ForceOffset
-            | E::ForceDrift
-            | E::CableStiffness
-            | E::TimeDelay
-            | E::Cogging
-            | E::PeriodicDisturbance
-    )
-}
-
-/// Effects whose force is proportional to their sizes.
-pub(super) fn is_proportional(term: &Term) -> bool {
-    use EffectId as E;
-    let is_bond = term.id == E::Adhesion && term.row[2] > 0.0;
-    !is_bond
-        && !matches!(
-            term.id,
-            E::PowerLawStiffness
-                | E::DepthDependentDamping
-                | E::SeriesCompliance
-                | E::ForceSaturation
-                | E::SurfaceMotion
-                | E::EncoderPeriodicError
-                | E::Cogging
-                | E::PeriodicDisturbance
-        )
-}
-
-/// The parameters that are sizes.
-pub(super) fn is_size(id: EffectId, at: usize) -> bool {
-    at == 0 || (id == EffectId::StribeckFriction && at == 1)
-}
 
 /// A term with its first `count` numbers free.
 pub(super) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: usize) -> Term {
@@ -54,24 +16,17 @@ pub(super) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: usize) -> 
     }
 }
 
-/// Whether an effect can be added: it needs something to touch unless it acts on the load path, and
-/// a second one of a kind means nothing but in a spectrum: relaxation, harmonics.
+/// Whether an effect can be added: it needs something to touch unless it acts in free air, and a
+/// second one of a kind means nothing but in a spectrum: relaxation, harmonics.
 pub(super) fn is_possible(id: EffectId, shape: &Shape) -> bool {
-    use EffectId as E;
     let touches = !shape.base.is_free();
-    let own = matches!(id.info().place, Place::LoadPath | Place::ForceReading);
-    let twice = repeats(id) || id == E::StressRelaxation;
     let has = shape.terms.iter().any(|term| term.id == id);
-    (touches || own) && (twice || !has)
+    (touches || id.info().stage.acts_in_free_air()) && (id.info().several || !has)
 }
 
 /// Whether it is a wave, in time or along the way.
 pub(super) fn repeats(id: EffectId) -> bool {
-    use EffectId as E;
-    matches!(
-        id,
-        E::Cogging | E::EncoderPeriodicError | E::PeriodicDisturbance | E::SurfaceMotion
-    )
+    id.info().repeats != Repeats::Never
 }
 
 /// Starts of an effect; none if it means nothing on this law.

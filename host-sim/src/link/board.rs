@@ -36,26 +36,26 @@ pub const SECTOR: u32 = 4 * SLOT as u32;
 
 /// Flash in memory.
 #[derive(Clone, Debug)]
-pub struct Memory(Vec<u8>);
+pub struct RamFlash(Vec<u8>);
 
-impl Default for Memory {
+impl Default for RamFlash {
     fn default() -> Self {
-        Memory(vec![0xff; 2 * SECTOR as usize])
+        RamFlash(vec![0xff; 2 * SECTOR as usize])
     }
 }
 
-impl Memory {
+impl RamFlash {
     /// What it holds: the emulator's `settings.flash`.
     pub fn bytes(&self) -> &[u8] {
         &self.0
     }
 }
 
-impl ErrorType for Memory {
+impl ErrorType for RamFlash {
     type Error = std::convert::Infallible;
 }
 
-impl ReadNorFlash for Memory {
+impl ReadNorFlash for RamFlash {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
@@ -69,7 +69,7 @@ impl ReadNorFlash for Memory {
     }
 }
 
-impl NorFlash for Memory {
+impl NorFlash for RamFlash {
     const WRITE_SIZE: usize = 1;
     const ERASE_SIZE: usize = SECTOR as usize;
 
@@ -89,7 +89,7 @@ impl NorFlash for Memory {
 pub struct SimulatedBoard {
     world: Arc<Mutex<World>>,
     sampler: Sampler,
-    responder: Responder<Memory>,
+    responder: Responder<RamFlash>,
     change: Option<Change>,
     budget: Budget,
     queue: VecDeque<Record>,
@@ -110,7 +110,7 @@ pub struct SimulatedBoard {
 impl SimulatedBoard {
     /// A new board in a world, behind a line of so many bytes a millisecond.
     pub fn new(world: Arc<Mutex<World>>, bytes_per_ms: usize) -> Self {
-        let store = Store::new(Memory::default(), 0, SECTOR);
+        let store = Store::new(RamFlash::default(), 0, SECTOR);
         let identity = Identity {
             board: Name::new("simulated"),
             firmware: Name::new(env!("CARGO_PKG_VERSION")),

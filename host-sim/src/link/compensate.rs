@@ -9,10 +9,8 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Args;
-use estimator_core::board::settings::compensation::has_place;
 use estimator_core::board::settings::{Invalid, Settings};
-use estimator_core::estimate::compensation::compensates;
-use estimator_core::physics::effect::{Effect, EffectId};
+use estimator_core::physics::effect::{Effect, Repeats};
 
 use super::config::restore;
 use super::{Device, Port};
@@ -66,7 +64,7 @@ pub fn plan(args: &CompensateArgs) -> Result<Option<Plan>, Diagnostic> {
     };
     for effect in model.rig()?.effects() {
         let id = effect.id();
-        match (compensates(id), has_place(id)) {
+        match (id.belongs_to_rig(), id.is_for_boards()) {
             (true, true) => plan.take(*effect)?,
             (true, false) => plan.timed.push(id.name()),
             (false, _) => plan.stay.push(id.name()),
@@ -137,7 +135,7 @@ impl Plan {
         if self
             .effects
             .iter()
-            .any(|effect| counts_from_zero(effect.id()))
+            .any(|effect| effect.id().info().repeats == Repeats::AlongTheWay)
         {
             text.push_str(
                 "  a phase counts from the encoder's zero: where that is wherever the board was switched on,\n  \
@@ -164,11 +162,6 @@ impl Plan {
         }
         text
     }
-}
-
-/// Whether an effect's phase is that at the encoder's zero.
-fn counts_from_zero(id: EffectId) -> bool {
-    matches!(id, EffectId::Cogging | EffectId::EncoderPeriodicError)
 }
 
 /// Puts the plan into the board, or takes everything out of it if there is none; saves.

@@ -7,7 +7,7 @@
 //! loop of a drive, which a position-controlled motor overcomes, and what matters to an estimator is
 //! what the cell sees of it.
 
-use estimator_core::physics::effect::{Effect, EncoderPeriodicError, Motion, Place};
+use estimator_core::physics::effect::{ChainStage, Effect, EncoderPeriodicError, Motion};
 use estimator_core::physics::rig::{MOST_EFFECTS, Reading, Rig, RigState};
 
 use super::contact::Contact;
@@ -34,8 +34,9 @@ impl Chain {
     pub(super) fn new(contact: &Contact, effects: &Effects) -> Chain {
         let rig = Rig {
             environment: contact.environment(),
-            effects: effects
-                .map(|slot| slot.filter(|own| own.id().info().place != Place::PositionReading)),
+            effects: effects.map(|slot| {
+                slot.filter(|own| own.id().info().stage != ChainStage::PositionReading)
+            }),
         };
         Chain {
             late_s: (-rig.delay_s()).max(0.0),
@@ -81,7 +82,7 @@ impl Chain {
     /// Force on the probe (N) of a material that was at rest until now.
     pub(super) fn pressed_n(&self, position_m: f64, speed_mps: f64) -> f64 {
         // A play or a spring has no speed at its first step: the material alone is the stiffer one.
-        let stiff = |own: &Effect<f64>| own.id().info().place != Place::Transmission;
+        let stiff = |own: &Effect<f64>| own.id().info().stage != ChainStage::Transmission;
         let rig = Rig {
             effects: self.rig.effects.map(|slot| slot.filter(stiff)),
             ..self.rig

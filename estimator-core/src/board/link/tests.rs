@@ -10,7 +10,7 @@ use std::vec;
 use std::vec::Vec;
 
 /// Flash in memory that can be told to fail.
-struct Flash {
+struct RamFlash {
     bytes: Vec<u8>,
     broken: bool,
 }
@@ -24,11 +24,11 @@ impl NorFlashError for Broken {
     }
 }
 
-impl ErrorType for Flash {
+impl ErrorType for RamFlash {
     type Error = Broken;
 }
 
-impl ReadNorFlash for Flash {
+impl ReadNorFlash for RamFlash {
     const READ_SIZE: usize = 1;
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Broken> {
         let start = offset as usize;
@@ -40,7 +40,7 @@ impl ReadNorFlash for Flash {
     }
 }
 
-impl NorFlash for Flash {
+impl NorFlash for RamFlash {
     const WRITE_SIZE: usize = 1;
     const ERASE_SIZE: usize = 2 * SLOT;
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Broken> {
@@ -54,9 +54,9 @@ impl NorFlash for Flash {
     }
 }
 
-fn store(broken: bool) -> Store<Flash> {
+fn store(broken: bool) -> Store<RamFlash> {
     let bytes = vec![0xff; 4 * SLOT];
-    Store::new(Flash { bytes, broken }, 0, 2 * SLOT as u32)
+    Store::new(RamFlash { bytes, broken }, 0, 2 * SLOT as u32)
 }
 
 fn identity() -> Identity {
@@ -70,7 +70,7 @@ fn identity() -> Identity {
     }
 }
 
-fn responder() -> Responder<Flash> {
+fn responder() -> Responder<RamFlash> {
     Responder::new(store(false), identity())
 }
 
@@ -80,7 +80,7 @@ fn encoded(frame: &Frame, sequence: u16) -> Vec<u8> {
     out[..length].to_vec()
 }
 
-fn ask(responder: &mut Responder<Flash>, command: Command) -> Answer {
+fn ask(responder: &mut Responder<RamFlash>, command: Command) -> Answer {
     responder.answer(1, command, false, false).reply.answer
 }
 
@@ -206,7 +206,7 @@ fn a_setting_is_read_changed_saved_reloaded_and_set_back() {
         ask(&mut responder, Command::Set(id, 12.0)),
         Answer::Value(id, 12.0)
     );
-    let unsaved = |responder: &mut Responder<Flash>| match ask(responder, Command::Identify) {
+    let unsaved = |responder: &mut Responder<RamFlash>| match ask(responder, Command::Identify) {
         Answer::Identity(identity) => identity.unsaved,
         other => panic!("{other:?}"),
     };
@@ -331,7 +331,7 @@ fn what_was_prepared_comes_into_force_as_a_whole_or_not_at_all() {
     assert_eq!(*responder.settings(), before);
     // WHEN the force comes too, THEN it is refused in contact and while the board is busy
     ask(&mut responder, prepare(force, 0.4));
-    let refused = |responder: &mut Responder<Flash>, in_contact, busy| {
+    let refused = |responder: &mut Responder<RamFlash>, in_contact, busy| {
         let answered = responder.answer(1, Command::Commit, in_contact, busy);
         assert_eq!(answered.change, None);
         answered.reply.answer
@@ -470,7 +470,7 @@ fn impedance(time_us: u64, stiffness: f32) -> Packet {
 }
 
 /// What a master is set to.
-fn master() -> Responder<Flash> {
+fn master() -> Responder<RamFlash> {
     let mut responder = responder();
     for (key, value) in [(Key::RenderForceN, 5.0), (Key::RenderDeviceNsPerM, 5.0)] {
         ask(&mut responder, Command::Prepare(key.id(), value));
@@ -507,7 +507,7 @@ fn the_frame_that_a_slave_sends_is_a_command_to_a_master() {
 
 #[test]
 fn an_impedance_that_is_not_rendered_is_refused_for_its_reason() {
-    let refused = |responder: &mut Responder<Flash>, packet| {
+    let refused = |responder: &mut Responder<RamFlash>, packet| {
         let answered = responder.answer(1, Command::Reflect(packet), false, false);
         assert_eq!(answered.packet, None);
         answered.reply.answer

@@ -1,6 +1,6 @@
 //! The law that a packet holds, no stiffer and no more damped than the master can render.
 
-use super::packet::{NotRenderable, PACKET_SLOTS};
+use super::renderable::{NotRenderable, PACKET_SLOTS};
 use crate::maths::scalar::Scalar;
 use crate::physics::law::{
     Elastic, HuntCrossley, KelvinVoigt, Law, LawKind, LawState, QuasiLinear, RelaxationMode,
@@ -16,12 +16,12 @@ pub type Impedance = Law<f32, 2>;
 pub struct Reflected {
     /// The law.
     pub impedance: Impedance,
-    /// Position of the surface (m); master and slave measure from the same zero.
+    /// The position of the surface (m); master and slave measure from the same zero.
     pub surface_m: f32,
 }
 
-/// What the law remembers; `None` at rest.
-pub(super) type Memory = Option<LawState<f32, 2>>;
+/// The state of the law; `None` at rest.
+pub(super) type RenderedState = Option<LawState<f32, 2>>;
 
 /// Beyond every material and device, and far within f32 when multiplied.
 const LARGEST: f32 = 1e9;
@@ -186,7 +186,8 @@ impl Parts {
     }
 }
 
-/// Never inlined: 250 bytes of flash each time, and it is needed when a packet comes or a limit holds.
+/// A power. Never inlined: it takes 250 bytes of flash each time, and it is needed when a packet comes
+/// or a limit holds.
 #[inline(never)]
 fn power(base: f32, exponent: f32) -> f32 {
     base.pow_positive(exponent)
@@ -199,20 +200,21 @@ pub(super) struct Bounded {
     law: Impedance,
     parts: Parts,
     surface_m: f32,
-    /// Largest slope of the elastic part (N/m).
+    /// The largest slope of the elastic part (N/m).
     stiffest: f32,
-    /// Where the slope has just that (m), and the elastic force there (N). For n < 1, where the slope
-    /// falls with the depth: where the secant has.
+    /// The depth at which the slope is as large (m), and the elastic force there (N). For n < 1, where
+    /// the slope falls with the depth, it is that of the secant.
     knee_m: f32,
     knee_n: f32,
-    /// Where the damping is as much as can be rendered (m).
+    /// The depth at which the damping is as large as can be rendered (m).
     damped_m: f32,
-    /// Of a damping that is the same everywhere: what of it can be rendered.
+    /// The share of a damping that is the same everywhere which can be rendered.
     damped_share: f32,
 }
 
 impl Bounded {
-    /// With the largest stiffness (N/m) and damping (N s/m) that the master can render, both above 0.
+    /// The impedance within the largest stiffness (N/m) and damping (N s/m) that the master can render,
+    /// both above 0.
     #[inline(never)]
     pub(super) fn new(of: Reflected, shaping: f32, stiffest: f32, most_damping: f32) -> Self {
         let law = shaped(of.impedance, shaping);
@@ -260,7 +262,7 @@ impl Bounded {
     /// Force on the master (N), and whether stiffness and damping were limited.
     pub(super) fn force_n(
         &self,
-        memory: &mut Memory,
+        state: &mut RenderedState,
         position_m: f32,
         speed_mps: f32,
         period_s: f32,
@@ -268,7 +270,7 @@ impl Bounded {
         let depth_m = position_m - self.surface_m;
         let rendered_m = self.depth_within(depth_m);
         let rendered_mps = speed_mps * self.share_of_damping(rendered_m);
-        let state = memory.get_or_insert(self.law.at_rest());
+        let state = state.get_or_insert(self.law.at_rest());
         let force_n = self.law.step(state, rendered_m, rendered_mps, period_s);
         (force_n, rendered_m < depth_m, rendered_mps != speed_mps)
     }

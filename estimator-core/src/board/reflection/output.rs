@@ -1,11 +1,12 @@
 //! From a force to what a board puts out: a share of its full output, and the code of that.
 
-/// 0 N is a share of the full output, and every newton is as much more of it, or less.
+/// The conversion of a force to a share of the full output: 0 N is a share of it, and every newton is
+/// as much more of it, or less.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
-    /// Share of the full output that stands for 0 N, from 0 to 1.
+    /// The share of the full output that stands for 0 N, from 0 to 1.
     pub zero: f32,
-    /// Force of a full output's difference (N); negative if the output falls with the force.
+    /// The force from no output to the full one (N); negative if the output falls with the force.
     pub full_n: f32,
 }
 

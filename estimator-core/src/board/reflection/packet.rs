@@ -1,23 +1,13 @@
 //! What crosses the channel: a law, its parameters with their uncertainty, where the surface is, and
 //! how far to trust it.
 
-use super::Reflected;
+use super::impedance::Reflected;
+use super::renderable::{NotRenderable, PACKET_SLOTS};
 use crate::board::wire::{FrameError, Reader, Writer};
 use crate::estimate::fault::Faults;
 use crate::estimate::status::Status;
 use crate::estimate::{Estimate, Estimated, Phase};
 use crate::physics::law::LawKind;
-use core::fmt;
-
-/// Most parameters of a law, the surface included.
-pub const PACKET_SLOTS: usize = 7;
-const _: () = {
-    let mut at = 0;
-    while at < LawKind::ALL.len() {
-        assert!(LawKind::ALL[at].parameters().len() <= PACKET_SLOTS);
-        at += 1;
-    }
-};
 
 /// An identified impedance on its way to the other side: kind 7 of [`crate::board::frame`], 72 bytes on the
 /// wire whatever the law.
@@ -32,15 +22,15 @@ pub struct Packet {
     pub sequence: u16,
     /// The law that the parameters belong to.
     pub law: LawKind,
-    /// Where the sender's probe is.
+    /// The phase of the sender's probe: in the air or in contact.
     pub phase: Phase,
-    /// How far the parameters can be trusted.
+    /// The state of the sender's estimates.
     pub status: Status,
-    /// What is wrong at the sender.
+    /// The faults at the sender.
     pub faults: Faults,
     /// δ₀ (m), at which stiffness and damping are reported.
     pub reference_depth_m: f32,
-    /// Which slots are observable, a bit each.
+    /// A bit for each slot that is observable.
     known: u8,
     /// In the order of [`LawKind::parameters`], the surface (m) last; 0 where nothing is known.
     values: [f32; PACKET_SLOTS],
@@ -48,33 +38,12 @@ pub struct Packet {
     std_errors: [u16; PACKET_SLOTS],
 }
 
-/// A parameter with which a law is no impedance that could be rendered.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NotRenderable {
-    /// Of which law.
-    pub law: LawKind,
-    /// Its place among the law's parameters.
-    pub slot: usize,
-    /// Its value.
-    pub value: f32,
-}
-
-impl fmt::Display for NotRenderable {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let parameter = self.law.parameters().get(self.slot);
-        let name = parameter.map_or("?", |parameter| parameter.name);
-        write!(f, "{name} = {} cannot be rendered", self.value)
-    }
-}
-
-impl core::error::Error for NotRenderable {}
-
 /// Packets that are late by less than this (µs) were overtaken in the channel; by more, the sender's
 /// clock has started anew.
 const REORDERED_US: u64 = 1_000_000;
 
 impl Packet {
-    /// Of an estimate whose parameters are reported at a depth δ₀ (m).
+    /// The packet of an estimate whose parameters are reported at a depth δ₀ (m).
     pub fn of(estimate: &Estimate<f32>, reference_depth_m: f32, sequence: u16) -> Self {
         let mut packet = Packet {
             time_us: estimate.time_us,
@@ -116,21 +85,21 @@ impl Packet {
         0 < late_us && late_us < REORDERED_US
     }
 
-    /// What there is to render: `None` while a parameter of the law is not observable.
+    /// The impedance to be rendered; `None` while a parameter of the law is not observable.
     ///
     /// # Errors
     /// A parameter that no material has: a negative stiffness, an exponent beyond 0.3…5.
     #[inline(never)]
     pub fn reflected(&self) -> Result<Option<Reflected>, NotRenderable> {
-        let own = self.own();
-        if self.known & own != own {
+        let slots = self.slots();
+        if self.known & slots != slots {
             return Ok(None);
         }
         Reflected::of(self.law, &self.values, self.reference_depth_m).map(Some)
     }
 
     /// A bit for each slot of the law.
-    fn own(&self) -> u8 {
+    fn slots(&self) -> u8 {
         ((1_u16 << self.law.parameters().len()) - 1) as u8
     }
 
@@ -173,14 +142,14 @@ impl Packet {
         for std_error in &mut packet.std_errors {
             *std_error = u16::from_le_bytes(reader.take()?);
         }
-        let good = known & !packet.own() == 0 && packet.is_sound();
+        let good = known & !packet.slots() == 0 && packet.is_sound();
         good.then_some(packet).ok_or(FrameError::Content)
     }
 
-    /// Finite, and with a depth that parameters can be reported at (that of
-    /// [`crate::estimate::config::Reference`]).
+    /// Whether all numbers are finite, and the depth is one that parameters can be reported at (that
+    /// of [`crate::estimate::config::Reference`]).
     pub fn is_sound(&self) -> bool {
-        // The exponent of a number that is none, or infinite, is all ones.
+        // The exponent of NaN and of an infinite number is all ones.
         let errors = self.std_errors.iter().all(|half| half & 0x7f80 != 0x7f80);
         (1e-10..=1.0).contains(&self.reference_depth_m)
             && self.values.iter().all(|value| value.is_finite())

@@ -1,241 +1,41 @@
 //! Local rendering: the received impedance as a force at the master's own position and speed, within
-//! what a sampled master can render without generating energy.
-//!
-//! **How stiff.** A spring K and a damper B that are rendered every T on a device whose own damping is
-//! b are passive while b > KT/2 + |B| (J. E. Colgate, G. Schenkel, "Passivity of a class of
-//! sampled-data systems: application to haptic interfaces", J. Robotic Systems 14(1), 1997). Two things
-//! differ here. Speeds come through a low pass of time constant τ, backward differences as theirs: the
-//! condition that belongs to B > 0 is then b > KT/2 + BT/(T + 2τ) (J. M. Brown, J. E. Colgate, "Factors
-//! affecting the Z-width of a haptic display", ICRA 1994). And a position is the mean of the tick
-//! before, T/2 old; a delay t_d counts like as much more of the hold, K(T/2 + t_d) (J. J. Gil et al.,
-//! "Stability boundary for haptic rendering: influence of damping and delay", J. Comput. Inf. Sci. Eng.
-//! 9, 2009). Half of b is given to each: K ≤ b/2T and B ≤ b(T + 2τ)/2T. Stiffness is the slope of the
-//! elastic part, damping the factor of the speed, both at the depth where the master is.
+//! what a sampled master can render without generating energy ([`RenderParams`]).
 
-use super::impedance::{Bounded, Memory};
-use super::packet::{NotRenderable, Packet};
-use super::speed::SPEED_TIME_S;
-use crate::estimate::error::{ConfigError, require};
-use crate::estimate::fault::{Fault, Faults};
+use super::impedance::{Bounded, RenderedState};
+use super::packet::Packet;
+use super::render_params::RenderParams;
+use super::renderable::NotRenderable;
+use super::rendered::{Limit, Rendered};
+use crate::estimate::fault::Fault;
 use crate::maths::scalar::Scalar;
 
-/// How to render.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RenderConfig {
-    /// Samples per second (Hz).
-    pub rate_hz: f32,
-    /// Largest force (N).
-    pub force_n: f32,
-    /// Damping of the master itself, b (N s/m): what bounds the stiffness and damping that it renders.
-    pub device_ns_per_m: f32,
-    /// Fastest change of the force (N/s), other than to zero on a fault.
-    pub slew_n_per_s: f32,
-    /// Without a packet for so long (s) the force fades out.
-    pub timeout_s: f32,
-    /// In which it fades out, and in which a new packet comes in (s).
-    pub fade_s: f32,
-    /// Factor on the impedance; 1 renders it as it is.
-    pub shaping: f32,
-}
-
-/// The same, checked. Made by [`RenderConfig::validate`] only.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RenderParams {
-    period_s: f32,
-    most_n: f32,
-    stiffest: f32,
-    most_damping: f32,
-    slew_n_per_s: f32,
-    timeout_us: u64,
-    fade_s: f32,
-    shaping: f32,
-}
-
-impl RenderConfig {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// The first that cannot be used, with its value and what would be right.
-    pub fn validate(&self) -> Result<RenderParams, ConfigError> {
-        type Field = (&'static str, f32, f32, f32, &'static str);
-        let fields: [Field; 7] = [
-            (
-                "rate_hz",
-                self.rate_hz,
-                1.0,
-                1e6,
-                "must lie between 1 Hz and 1 MHz",
-            ),
-            (
-                "force_n",
-                self.force_n,
-                1e-6,
-                1e6,
-                "must lie between 1e-6 and 1e6 N",
-            ),
-            (
-                "device_ns_per_m",
-                self.device_ns_per_m,
-                1e-6,
-                1e6,
-                "must be the damping of the master itself, above 0 N s/m: it bounds what is rendered",
-            ),
-            (
-                "slew_n_per_s",
-                self.slew_n_per_s,
-                1e-3,
-                1e9,
-                "must lie between 1e-3 and 1e9 N/s",
-            ),
-            (
-                "timeout_s",
-                self.timeout_s,
-                1e-3,
-                1e3,
-                "must lie between 1e-3 and 1e3 s",
-            ),
-            (
-                "fade_s",
-                self.fade_s,
-                1e-3,
-                1e3,
-                "must lie between 1e-3 and 1e3 s",
-            ),
-            (
-                "shaping",
-                self.shaping,
-                0.0,
-                1e3,
-                "must lie between 0 and 1e3",
-            ),
-        ];
-        for (field, value, low, high, expected) in fields {
-            require((low..=high).contains(&value), field, value, expected)?;
-        }
-        Ok(self.unchecked())
-    }
-
-    /// For a board, whose settings have bounds of their own.
-    pub(crate) fn unchecked(&self) -> RenderParams {
-        let period_s = 1.0 / self.rate_hz;
-        let half = 0.5 * self.device_ns_per_m;
-        RenderParams {
-            period_s,
-            most_n: self.force_n,
-            stiffest: half / period_s,
-            most_damping: half * (period_s + 2.0 * SPEED_TIME_S) / period_s,
-            slew_n_per_s: self.slew_n_per_s,
-            timeout_us: (1e6 * self.timeout_s) as u64,
-            fade_s: self.fade_s,
-            shaping: self.shaping,
-        }
-    }
-}
-
-impl RenderParams {
-    /// Largest stiffness (N/m) and damping (N s/m) that are rendered.
-    pub fn most(&self) -> (f32, f32) {
-        (self.stiffest, self.most_damping)
-    }
-}
-
-/// What kept the force from being the law's own. The numbers are bits of [`Rendered::limits`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Limit {
-    /// The largest force.
-    Force = 1,
-    /// The largest stiffness.
-    Stiffness = 2,
-    /// The largest damping.
-    Damping = 4,
-    /// The fastest change.
-    Slew = 8,
-    /// Another impedance is coming in.
-    Blending = 16,
-    /// Packets have stopped, and the force fades out or has.
-    Fading = 32,
-}
-
-impl Limit {
-    /// All of them, in the order of their bits.
-    pub const ALL: [Limit; 6] = [
-        Limit::Force,
-        Limit::Stiffness,
-        Limit::Damping,
-        Limit::Slew,
-        Limit::Blending,
-        Limit::Fading,
-    ];
-
-    /// A word for people.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Limit::Force => "force",
-            Limit::Stiffness => "stiffness",
-            Limit::Damping => "damping",
-            Limit::Slew => "slew",
-            Limit::Blending => "blending",
-            Limit::Fading => "fading",
-        }
-    }
-}
-
-/// What was put out at an instant. Kind 8 of [`crate::board::frame`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rendered {
-    /// The instant (µs), by the master's clock.
-    pub time_us: u64,
-    /// Force on the operator (N), pushing out of the material; never negative.
-    pub force_n: f32,
-    /// Sequence number of the packet that was rendered; 0 before the first.
-    pub sequence: u16,
-    /// Bits of [`Limit`].
-    pub limits: u8,
-    /// [`Fault::RenderStopped`], [`Fault::RenderUnusable`], or none.
-    pub faults: Faults,
-}
-
-impl Rendered {
-    /// Whether a limit was at work.
-    pub const fn has(&self, limit: Limit) -> bool {
-        self.limits & limit as u8 != 0
-    }
-
-    fn mark(&mut self, limit: Limit, applies: bool) {
-        if applies {
-            self.limits |= limit as u8;
-        }
-    }
-}
-
-/// What comes next: an impedance, or none that is known yet; and the number of its packet.
+/// The impedance that comes next, `None` while one is not known yet, and the number of its packet.
 type Next = (Option<Bounded>, u16);
 
-/// The renderer's own memory.
+/// The state of the rendering.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Renderer {
     next: Option<Next>,
     law: Option<Bounded>,
-    memory: Memory,
+    state: RenderedState,
     sequence: u16,
-    /// What is added to the law's force, so that it goes on where the one before it was: (N), and for
-    /// how long yet (s).
+    /// The force that is added to the law's, so that it goes on where the law before it was (N), and
+    /// the time for which it still is (s).
     offset_n: f32,
     left_s: f32,
     /// 1 while packets come; 0 when the force has faded out.
     gain: f32,
-    /// Of the last step.
+    /// The force of the last step (N).
     force_n: f32,
     last_us: Option<u64>,
     /// When the last packet was taken over.
     heard_us: Option<u64>,
-    /// A fault has put the force to zero: it comes back as a new packet would.
+    /// Whether a fault has put the force to zero; it comes back as a new packet's would.
     broken: bool,
 }
 
 impl Renderer {
-    /// Nothing received, nothing put out.
+    /// The state before the first packet: nothing is put out.
     pub fn new() -> Self {
         Renderer::default()
     }
@@ -292,11 +92,12 @@ impl Renderer {
         out
     }
 
-    /// At once and without a ramp: what is wrong with the position or the time, nobody knows.
+    /// Puts the force to zero at once and without a ramp: nobody knows what is wrong with the position
+    /// or the time.
     fn broken(&mut self) {
         self.force_n = 0.0;
         (self.offset_n, self.left_s) = (0.0, 0.0);
-        self.memory = None;
+        self.state = None;
         self.broken = true;
     }
 
@@ -314,7 +115,7 @@ impl Renderer {
         if let Some(next) = self.next.take() {
             self.take_over(params, next, at, out.time_us);
         }
-        let law_n = of(&self.law, &mut self.memory, params, at, Some(out));
+        let law_n = of(&self.law, &mut self.state, params, at, Some(out));
         if core::mem::take(&mut self.broken) {
             self.offset_n = -law_n;
             self.left_s = params.fade_s;
@@ -338,7 +139,7 @@ impl Renderer {
         wanted_n.min(params.most_n)
     }
 
-    /// Packets that have stopped coming.
+    /// Fades the force out when packets have stopped.
     fn fade(&mut self, params: &RenderParams, out: &mut Rendered, elapsed_s: f32) {
         let Some(heard_us) = self.heard_us else {
             return;
@@ -350,7 +151,7 @@ impl Renderer {
         out.faults = out.faults.with(Fault::RenderStopped);
         self.gain = (self.gain - elapsed_s / params.fade_s).max(0.0);
         if self.gain == 0.0 {
-            (self.law, self.memory) = (None, None);
+            (self.law, self.state) = (None, None);
             (self.offset_n, self.left_s) = (0.0, 0.0);
         }
     }
@@ -358,11 +159,11 @@ impl Renderer {
     fn take_over(&mut self, params: &RenderParams, next: Next, at: (f32, f32, f32), now_us: u64) {
         let (law, sequence) = next;
         if law != self.law || self.gain != 1.0 {
-            let mut memory = self.memory;
-            let before_n = of(&self.law, &mut memory, params, at, None) + self.offset_n;
+            let mut state = self.state;
+            let before_n = of(&self.law, &mut state, params, at, None) + self.offset_n;
             let put_out_n = (self.gain * before_n).max(0.0).min(params.most_n);
-            let mut memory = self.memory;
-            let after_n = of(&law, &mut memory, params, at, None);
+            let mut state = self.state;
+            let after_n = of(&law, &mut state, params, at, None);
             self.offset_n = put_out_n - after_n;
             self.left_s = params.fade_s;
         }
@@ -370,7 +171,7 @@ impl Renderer {
         self.heard_us = Some(now_us);
     }
 
-    /// The offset goes to 0 in a straight line, and is exactly 0 in the end.
+    /// Moves the offset towards 0 in a straight line, at whose end it is exactly 0.
     fn blend(&mut self, elapsed_s: f32) {
         let left_s = self.left_s - elapsed_s;
         if left_s > 0.0 {
@@ -387,7 +188,7 @@ impl Renderer {
 #[inline(never)]
 fn of(
     law: &Option<Bounded>,
-    memory: &mut Memory,
+    state: &mut RenderedState,
     params: &RenderParams,
     (position_m, speed_mps, elapsed_s): (f32, f32, f32),
     out: Option<&mut Rendered>,
@@ -395,7 +196,7 @@ fn of(
     let Some(law) = law else {
         return 0.0;
     };
-    let (force_n, stiffness, damping) = law.force_n(memory, position_m, speed_mps, elapsed_s);
+    let (force_n, stiffness, damping) = law.force_n(state, position_m, speed_mps, elapsed_s);
     if let Some(out) = out {
         out.mark(Limit::Stiffness, stiffness && force_n > 0.0);
         out.mark(Limit::Damping, damping && force_n > 0.0);

@@ -13,9 +13,9 @@ pub struct Speed {
 }
 
 impl Speed {
-    /// One more position (m) and the time (µs) that it was taken at; gives the speed (m/s). A position
-    /// that is no number, or a time that stands still, is passed over. After a gap of more than 10 ms
-    /// it starts again from standstill.
+    /// Takes one more position (m) and its time (µs), and gives the speed (m/s). A position that is no
+    /// number, or a time that stands still, is passed over. After a gap of more than 10 ms the speed
+    /// starts again from standstill.
     pub fn update(&mut self, time_us: u64, position_m: f32) -> f32 {
         const GAP_US: u64 = 10_000;
         if !position_m.is_finite() {

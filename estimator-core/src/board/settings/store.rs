@@ -1,52 +1,53 @@
 //! Settings in flash, such that a power cut at any instant leaves the old ones or the new ones.
 //!
-//! Two sectors, of which one is written at a time. A record fills a slot of [`SLOT`] bytes: magic,
-//! layout, number of values, sequence, the values as (number, f32) pairs, CRC-32; effects that are off
-//! are left out. A save appends the
-//! next slot; the valid record with the highest sequence counts. When a sector is full, the other
-//! one is erased, always just before it is written to: whatever an erase that was cut short left
-//! there is older than what the full sector holds, or no record at all.
+//! There are two sectors, of which one is written at a time. A record fills a slot of [`SLOT`] bytes:
+//! magic, layout, number of values, sequence, the values as (number, f32) pairs, CRC-32; effects that
+//! are off are left out. A save appends the next slot, and the valid record with the highest sequence
+//! counts. When a sector is full, the other one is erased, always just before it is written to:
+//! whatever an erase that was cut short left there is older than what the full sector holds, or no
+//! record at all.
 //!
 //! A cut within a write leaves a slot that is neither blank nor valid; it is passed over. Nothing
 //! ever rewrites or erases the sector with the newest valid record.
 
-use super::key::TABLE;
-use super::{Invalid, Key, Settings, compensation};
+use super::compensation;
+use super::key::Key;
+use super::values::{Invalid, Settings};
 use embedded_storage::nor_flash::NorFlash;
 
-/// Bytes of a record's slot: 512 saves between two erases of a 128 KiB sector.
+/// The length of a record's slot (bytes): 512 saves between two erases of a 128 KiB sector.
 pub const SLOT: usize = 256;
-/// Layout of a record, raised when a value changes its meaning. A record of an older firmware is taken
-/// over: what it lacks has its default, what is no longer a setting is left out. One of a newer
-/// layout is refused.
+/// The layout of a record, raised when a value changes its meaning. A record of an older firmware is
+/// taken over: a setting that it lacks has its default, and a number that is no setting of this
+/// firmware is left out. A record of a newer layout is refused.
 pub const LAYOUT: u8 = 1;
 const MAGIC: [u8; 2] = [0x50, 0xa1];
 const HEAD: usize = 8;
 /// A (number, f32) pair.
 const PAIR: usize = 5;
-/// Whatever is set fits: all settings of the board, and the eight largest effects.
+/// A record has room for all settings of the board and for the eight largest effects.
 const _: () = assert!(HEAD + PAIR * (Key::BESIDES + compensation::MOST_AT_ONCE) + 4 <= SLOT);
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
-/// What was found in flash.
+/// What a load has found in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loaded {
-    /// Nothing: a new board.
+    /// The flash of a new board holds no record.
     Nothing,
-    /// Settings that can be used.
+    /// The settings of the newest record can be used.
     Good(Settings),
-    /// A value that cannot be used.
+    /// The newest record has a value that cannot be used.
     Bad(Invalid),
-    /// Written by a newer firmware, with this layout.
+    /// A newer firmware wrote the newest record, with this layout.
     Newer(u8),
 }
 
-/// Why a save failed. The old settings are still there.
+/// The reason why a save failed. The old settings are still there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoreError<E> {
-    /// What the flash says.
+    /// The flash reports an error.
     Flash(E),
-    /// What was read back is not what was written.
+    /// The flash reads other than what was written.
     Verify,
 }
 
@@ -72,8 +73,8 @@ pub struct Store<F> {
 }
 
 impl<F: NorFlash> Store<F> {
-    /// The sectors at `base` and `base + sector`, of `sector` bytes each: a multiple of the flash's
-    /// erase size and of [`SLOT`].
+    /// The store in the sectors at `base` and `base + sector`. A sector has `sector` bytes, a multiple
+    /// of the flash's erase size and of [`SLOT`].
     pub const fn new(flash: F, base: u32, sector: u32) -> Self {
         Store {
             flash,
@@ -90,7 +91,7 @@ impl<F: NorFlash> Store<F> {
     /// The settings that were saved last.
     ///
     /// # Errors
-    /// What the flash says.
+    /// The error that the flash reports.
     pub fn load(&mut self) -> Result<Loaded, F::Error> {
         let Some(found) = self.newest()? else {
             return Ok(Loaded::Nothing);
@@ -101,7 +102,7 @@ impl<F: NorFlash> Store<F> {
     /// Whether the next save must erase a sector first: seconds during which the core stands still.
     ///
     /// # Errors
-    /// What the flash says.
+    /// The error that the flash reports.
     pub fn must_erase(&mut self) -> Result<bool, F::Error> {
         let newest = self.newest()?;
         Ok(self.free_after(newest)?.is_none())
@@ -110,7 +111,8 @@ impl<F: NorFlash> Store<F> {
     /// Saves settings. A power cut at any instant leaves the old ones or these.
     ///
     /// # Errors
-    /// What the flash says, or that it reads other than what was written; the old ones stay.
+    /// The error that the flash reports, or that it reads other than what was written; the old
+    /// settings stay.
     pub fn save(&mut self, settings: &Settings) -> Result<(), StoreError<F::Error>> {
         let newest = self.newest()?;
         let offset = match self.free_after(newest)? {
@@ -181,13 +183,13 @@ impl<F: NorFlash> Store<F> {
     }
 }
 
-/// Bytes of a slot that the sum is over: all but the sum itself.
+/// The content of a slot, which the check sum is over, and the check sum.
 fn split(record: &[u8; SLOT]) -> Option<(&[u8], u32)> {
     let (content, sum) = record.split_last_chunk::<4>()?;
     Some((content, u32::from_le_bytes(*sum)))
 }
 
-/// Of a valid record.
+/// The sequence of a record, if it is valid.
 fn sequence_of(record: &[u8; SLOT]) -> Option<u32> {
     let (content, sum) = split(record)?;
     let (head, _) = content.split_first_chunk::<HEAD>()?;
@@ -216,11 +218,11 @@ fn encode(settings: &Settings, sequence: u32) -> [u8; SLOT] {
     record
 }
 
-/// What a record holds. An effect that is off is left out: its parameters are 0, which is what a record
-/// without them means, and not all of them would fit.
+/// The settings that a record holds. An effect that is off is left out: its parameters are 0, which is
+/// what a record without them means, and not all of them would fit.
 fn stored(settings: &Settings) -> impl Iterator<Item = Key> {
     let kept = |key: &Key| !matches!(key, Key::Compensation(_)) || settings.get(*key) != 0.0;
-    TABLE.iter().copied().filter(kept)
+    Key::table().iter().copied().filter(kept)
 }
 
 /// The settings of a valid record.

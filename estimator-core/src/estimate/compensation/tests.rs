@@ -166,14 +166,17 @@ fn several_effects_are_removed_together_and_those_of_the_material_stay() {
         });
     let compensation = Compensation::<f32>::new(&rig.effects, RATE_HZ, 1e-6).unwrap();
     assert_eq!(compensation.ids().count(), 4);
-    assert!(compensation.ids().all(compensates));
+    assert!(compensation.ids().all(EffectId::belongs_to_rig));
 }
 
 #[test]
 fn every_effect_is_the_rigs_or_the_materials() {
-    let rigs = EffectId::ALL.iter().filter(|id| compensates(**id)).count();
+    let rigs = EffectId::ALL
+        .iter()
+        .filter(|id| id.belongs_to_rig())
+        .count();
     assert_eq!((rigs, EffectId::ALL.len() - rigs), (16, 10));
-    assert!(!compensates(EffectId::SurfaceMotion));
+    assert!(!EffectId::SurfaceMotion.belongs_to_rig());
 }
 
 #[test]

@@ -1,22 +1,26 @@
 //! A contact that sticks.
 
-use super::{direction, effect};
+use super::row::effect;
+use super::shapes::direction;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// A constant pull in all contact, and a neck that tears on the way out; or a bond, which pulls only
-    /// as far as the material is drawn out: relaxed by a hold, it holds the probe back. Surfaces that
-    /// close pull less than surfaces that part (adhesion hysteresis).
-    Adhesion = "adhesion", Contact {
+    /// A contact that sticks: a constant pull in all contact and a neck that tears on the way out; or a
+    /// bond, which pulls only as far as the material is drawn out, so that after a hold it holds the
+    /// probe back. Surfaces that close pull less than surfaces that part (adhesion hysteresis).
+    Adhesion = "adhesion" {
         /// F_a (N)
-        force_n = "force", Newton, Positive;
+        force_n = "force", Newton, Positive, Size, FitRange::up_to(Times(1.0, Force));
         /// d_a (m)
-        neck_length_m = "neck_length", Metre, Positive;
-        /// 0: it pulls in all contact. 1: a bond, max(relaxed + damping, −F_a) until it tears.
-        bond = "bond", One, NotNegative, 0.0;
-        /// h: the share of F_a that is missing on the way in, and half of it at rest. Not of a bond.
-        hysteresis = "hysteresis", One, NotNegative, 0.0;
+        neck_length_m = "neck_length", Metre, Positive, Shape, Linear(Times(2.0, PositionNoise), Times(1.0, Travel));
+        /// 0: the contact pulls wherever it is. 1: a bond, max(relaxed + damping, −F_a) until it tears.
+        bond = "bond", One, NotNegative = 0.0, Switch("it pulls in all contact"), Fixed(1.0);
+        /// h: the share of F_a that is missing on the way in, and half of it at rest. A bond has none.
+        hysteresis = "hysteresis", One, NotNegative = 0.0,
+            Form("it pulls as much both ways", TakenOn { start: Number(0.3), first: 1.0 }), FitRange::up_to(Number(1.0));
     }
+    stage: Contact, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "−F_a in contact; on the way out −F_a(1 + δ/d_a) for −d_a < δ < 0; bond = 1: none in contact, which pulls up to F_a; hysteresis h: F_a(1 − h) on the way in",
     signature: "negative force after lift-off, none before touch",
     motion: "leave the contact slowly, and well clear of it",
@@ -25,17 +29,17 @@ effect! {
 impl<S: Scalar> Adhesion<S> {
     /// The pull (N, negative) at a depth. `attached` is 1 while the neck holds, and changes here.
     pub(crate) fn force_n(&self, attached: &mut S, depth_m: S, speed_mps: S) -> S {
-        let (nil, one) = (S::zero(), S::one());
-        if depth_m > nil {
+        let (zero, one) = (S::zero(), S::one());
+        if depth_m > zero {
             *attached = one;
             return -self.pull_n(speed_mps);
         }
         let left = one + depth_m / self.neck_length_m;
-        if *attached > nil && left > nil {
+        if *attached > zero && left > zero {
             return -(self.pull_n(speed_mps) * left);
         }
-        *attached = nil;
-        nil
+        *attached = zero;
+        zero
     }
 
     /// F_a(1 − h(1 + sgn δ̇)/2)
@@ -48,34 +52,34 @@ impl<S: Scalar> Adhesion<S> {
     }
 
     /// The force (N) of a bonded contact that would be pushed by `pushed_n` if it could not tear.
-    /// `memory` is 1 while it holds, 0 before it is made and after its neck, −δ at tearing in between.
-    pub(crate) fn bonded_n(&self, memory: &mut S, depth_m: S, pushed_n: S) -> S {
-        let (nil, one) = (S::zero(), S::one());
+    /// `state` is 1 while it holds, 0 before it is made and after its neck, −δ at tearing in between.
+    pub(crate) fn bonded_n(&self, state: &mut S, depth_m: S, pushed_n: S) -> S {
+        let (zero, one) = (S::zero(), S::one());
         // Pressing makes it, again after it tore.
-        if depth_m > nil && pushed_n > nil {
-            *memory = one;
+        if depth_m > zero && pushed_n > zero {
+            *state = one;
             return pushed_n;
         }
         let holds = pushed_n >= -self.force_n;
         let pull_n = if holds { pushed_n } else { -self.force_n };
-        if *memory > nil {
-            if depth_m > nil {
+        if *state > zero {
+            if depth_m > zero {
                 if !holds {
-                    *memory = -depth_m;
+                    *state = -depth_m;
                 }
                 return pull_n;
             }
             let left = one + depth_m / self.neck_length_m;
-            if left > nil {
+            if left > zero {
                 return pull_n * left;
             }
-        } else if *memory < nil {
-            let left = one + (depth_m + *memory) / self.neck_length_m;
-            if left > nil {
+        } else if *state < zero {
+            let left = one + (depth_m + *state) / self.neck_length_m;
+            if left > zero {
                 return -(self.force_n * left);
             }
         }
-        *memory = nil;
-        nil
+        *state = zero;
+        zero
     }
 }

@@ -1,14 +1,16 @@
 //! The part of a drag that depends on the direction.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// c·|v|
-    AsymmetricDrag = "asymmetric_drag", LoadPath {
+    /// The drag c·|v|: the part that pushes the same way in both directions.
+    AsymmetricDrag = "asymmetric_drag" {
         /// c (N s/m)
-        coefficient_ns_per_m = "coefficient", NewtonSecondPerMetre, Any;
+        coefficient_ns_per_m = "coefficient", NewtonSecondPerMetre, Any, Size, FitRange::ANY;
     }
+    stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: true, family: Drag, simpler: None, is_physical: |_| true,
     law: "c·|v|",
     signature: "differs by direction, also in free motion",
     motion: "free motion both ways at several speeds",

@@ -1,14 +1,16 @@
 //! Play between the motor and the tip.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// The tip stays until the play is used up.
-    Backlash = "backlash", Transmission {
-        /// w (m), total
-        width_m = "width", Metre, Positive;
+    /// Play: the tip stays where it is until the motor has used the play up.
+    Backlash = "backlash" {
+        /// w (m), the whole play
+        width_m = "width", Metre, Positive, Size, FitRange::up_to(Times(0.3, Travel));
     }
+    stage: Transmission, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "play of ±w/2 about x",
     signature: "flat pieces after each reversal, in contact only",
     motion: "reversals in contact",

@@ -1,18 +1,26 @@
 //! A second, stiffer layer below.
 
-use super::{effect, ramp};
+use super::row::effect;
+use super::shapes::ramp;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// A spring more from a depth on.
-    BuriedLayer = "buried_layer", Elastic {
+    /// A second spring that acts from a depth on.
+    BuriedLayer = "buried_layer" {
         /// k₂ (N/m)
-        stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive;
+        stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive, Size, FitRange::up_to(Times(1e3, Stiffness));
         /// d₂ (m)
-        depth_m = "depth", Metre, Positive;
-        /// w (m): over how much depth it sets in; 0: at once.
-        rounding_m = "rounding", Metre, NotNegative, 0.0;
+        depth_m = "depth", Metre, Positive, Shape, Linear(Times(0.02, Travel), Times(0.98, Travel));
+        /// w (m): the depth over which the layer sets in; 0: it sets in at once.
+        rounding_m = "rounding", Metre, NotNegative = 0.0,
+            Form("it sets in at once", TakenOn { start: Times(0.03, Travel), first: 1.0 }),
+            Logarithmic(Times(1.0, PositionNoise), Times(0.2, Travel));
     }
+    stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None,
+    // A layer that sets in over a quarter of its depth pushes from the touch on, with 2 % of its
+    // stiffness: it is no layer, but any stiffening.
+    is_physical: |[_, depth_m, rounding_m, ..]| *rounding_m <= 0.25 * depth_m,
     law: "+ k₂·max(δ − d₂, 0); rounding > 0: sets in over it",
     signature: "a kink at a fixed depth",
     motion: "press deep, to different depths",

@@ -1,14 +1,16 @@
 //! A cable or hose that pulls back.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// k_c·x, zero at x = 0.
-    CableStiffness = "cable_stiffness", LoadPath {
+    /// A spring k_c·x that is relaxed at x = 0.
+    CableStiffness = "cable_stiffness" {
         /// k_c (N/m)
-        stiffness_n_per_m = "stiffness", NewtonPerMetre, Any;
+        stiffness_n_per_m = "stiffness", NewtonPerMetre, Any, Size, FitRange::ANY;
     }
+    stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "k_c·x",
     signature: "linear in x, also in free motion",
     motion: "free motion over a long way",

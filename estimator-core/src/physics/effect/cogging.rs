@@ -1,19 +1,21 @@
 //! A force that repeats along the way: cogging, ripple of a screw.
 
-use super::effect;
-use super::{angular_of, wave};
+use super::row::effect;
+use super::shapes::{angular_of, wave};
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// A sin(2πx/p + φ)
-    Cogging = "cogging", LoadPath {
+    /// The force A sin(2πx/p + φ).
+    Cogging = "cogging" {
         /// A (N)
-        amplitude_n = "amplitude", Newton, NotNegative;
+        amplitude_n = "amplitude", Newton, NotNegative, Size, FitRange::up_to(Times(1.0, Force));
         /// p (m)
-        pitch_m = "pitch", Metre, Positive;
+        pitch_m = "pitch", Metre, Positive, Shape, Linear(Times(4.0, PositionNoise), Times(0.5, Travel));
         /// φ (rad) at x = 0
-        phase_rad = "phase", Radian, Angle;
+        phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }
+    stage: LoadPath, sign: Either, proportional: false, several: true, repeats: AlongTheWay, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "A sin(2πx/p + φ)",
     signature: "periodic in x, also in free motion",
     motion: "free motion over many pitches",

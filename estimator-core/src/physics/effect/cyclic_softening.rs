@@ -1,16 +1,19 @@
 //! Softening by the deepest stroke so far: Mullins' effect.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// Below the depth reached before the elastic force is smaller; at new depth it is all there.
-    CyclicSoftening = "cyclic_softening", Elastic {
+    /// Above the depth that was reached before the elastic force is smaller; at new depth all of it is
+    /// there.
+    CyclicSoftening = "cyclic_softening" {
         /// α
-        fraction = "fraction", One, Fraction;
+        fraction = "fraction", One, Fraction, SizeUpTo(0.6), FitRange::up_to(Number(0.95));
         /// d_s (m)
-        depth_scale_m = "depth_scale", Metre, Positive;
+        depth_scale_m = "depth_scale", Metre, Positive, Shape, Logarithmic(Times(4.0, PositionNoise), Times(2.0, Travel));
     }
+    stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "Fᵉ·[1 − α(1 − e^{−(δ_max − δ)/d_s})]",
     signature: "the depth reached before matters, full recovery at new depth",
     motion: "strokes of growing depth, each repeated",

@@ -1,19 +1,25 @@
 //! An encoder whose reading ripples along the way: interpolation error, an eccentric disc.
 
-use super::effect;
-use super::{Motion, angular_of, wave};
+use super::motion::Motion;
+use super::row::effect;
+use super::shapes::{angular_of, wave};
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// x_read = x + A sin(2πx/p + φ)
-    EncoderPeriodicError = "encoder_periodic_error", PositionReading {
+    /// The reading x_read = x + A sin(2πx/p + φ).
+    EncoderPeriodicError = "encoder_periodic_error" {
         /// A (m)
-        amplitude_m = "amplitude", Metre, NotNegative;
+        amplitude_m = "amplitude", Metre, NotNegative, Size, FitRange::up_to(Times(0.05, Travel));
         /// p (m)
-        pitch_m = "pitch", Metre, Positive;
+        pitch_m = "pitch", Metre, Positive, Shape, Linear(Times(4.0, PositionNoise), Times(1.0, PitchInContact));
         /// φ (rad) at x = 0
-        phase_rad = "phase", Radian, Angle;
+        phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }
+    stage: PositionReading, sign: OneWay, proportional: false, several: true, repeats: AlongTheWay, timed: false,
+    needs_derivative: false, family: Alone, simpler: None,
+    // Where the reading falls while the position rises, the error is any curve at all (70 nm that
+    // repeat every 140 nm).
+    is_physical: |[amplitude_m, pitch_m, ..]| core::f64::consts::TAU * amplitude_m < *pitch_m,
     law: "x_read = x + A sin(2πx/p + φ)",
     signature: "periodic in x, in contact only, scales with the local stiffness",
     motion: "slow strokes in contact over many pitches",

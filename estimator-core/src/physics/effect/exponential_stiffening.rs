@@ -1,16 +1,20 @@
 //! Elastic force that grows exponentially with depth.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
     /// The elastic force times e^{bδ}.
-    ExponentialStiffening = "exponential_stiffening", Elastic {
+    ExponentialStiffening = "exponential_stiffening" {
         /// b (1/m)
-        rate_per_m = "rate", PerMetre, Positive;
+        rate_per_m = "rate", PerMetre, Positive, Size, FitRange::up_to(Per(20.0, Travel));
         /// q: how much the rate itself grows, towards a depth that locks.
-        bend = "bend", One, NotNegative, 0.0;
+        bend = "bend", One, NotNegative = 0.0,
+            // Half of a growth of e^{1.5} is the bend's.
+            Form("its rate is constant", TakenOn { start: Number(1.3), first: 0.5 }), FitRange::up_to(Number(10.0));
     }
+    stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "Fᵉ·e^{bδ}; with a bend q: Fᵉ·e^{bδ(1 + q·bδ)}",
     signature: "misfit grows at the deepest strokes",
     motion: "press deep",

@@ -1,16 +1,19 @@
 //! A load cell whose zero wanders.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// A ramp, or with a time constant a ramp that levels off.
-    ForceDrift = "force_drift", LoadPath {
+    /// A ramp in time, or with a time constant a ramp that levels off.
+    ForceDrift = "force_drift" {
         /// r (N/s)
-        rate_n_per_s = "rate", NewtonPerSecond, Any;
+        rate_n_per_s = "rate", NewtonPerSecond, Any, Size, FitRange::ANY;
         /// τ (s); 0: a ramp.
-        time_constant_s = "time_constant", Second, NotNegative, 0.0;
+        time_constant_s = "time_constant", Second, NotNegative = 0.0,
+            Form("it is a ramp", OfTheStart), Logarithmic(Times(10.0, Period), Times(3.0, Duration));
     }
+    stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: true,
+    needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
     law: "r·t, or r·τ(1 − e^{−t/τ})",
     signature: "free-motion force wanders",
     motion: "rest in free air at the beginning and at the end",

@@ -1,15 +1,17 @@
 //! A load cell amplifier that is slow.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 use crate::physics::law::high_passed;
 
 effect! {
     /// A low-pass of first order on the force.
-    ForceLag = "force_lag", ForceReading {
+    ForceLag = "force_lag" {
         /// τ (s)
-        time_constant_s = "time_constant", Second, Positive;
+        time_constant_s = "time_constant", Second, Positive, Size, Linear(Times(0.02, Period), Part(Duration, 20.0));
     }
+    stage: ForceReading, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: true, family: Lateness, simpler: None, is_physical: |_| true,
     law: "first-order low-pass on F",
     signature: "force late at every rate, high frequencies damped",
     motion: "fast strokes, and a step",

@@ -1,14 +1,16 @@
 //! A load cell whose zero is not zero.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// A constant.
-    ForceOffset = "force_offset", LoadPath {
-        /// Offset (N)
-        force_n = "force", Newton, Any;
+    /// A constant force.
+    ForceOffset = "force_offset" {
+        /// The offset (N)
+        force_n = "force", Newton, Any, Size, FitRange::ANY;
     }
+    stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
     law: "constant",
     signature: "nonzero force at rest in free motion",
     motion: "rest in free air",

@@ -1,16 +1,20 @@
 //! A load cell at the end of its range.
 
-use super::{effect, ramp};
+use super::row::effect;
+use super::shapes::ramp;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// min(F, F_max); with a softness s the limit is rounded: F_max − s ln(1 + e^{(F_max − F)/s}).
-    ForceSaturation = "force_saturation", ForceReading {
-        /// F_max (N)
-        limit_n = "limit", Newton, Positive;
-        /// s (N): over how much force the amplifier gives way; 0: at once.
-        softness_n = "softness", Newton, NotNegative, 0.0;
+    /// The limit min(F, F_max); with a softness s it is rounded: F_max − s ln(1 + e^{(F_max − F)/s}).
+    ForceSaturation = "force_saturation" {
+        /// F_max (N). A rounded limit is never quite reached.
+        limit_n = "limit", Newton, Positive, Shape, Linear(Times(0.2, HighestForce), Times(1.5, HighestForce));
+        /// s (N): the force over which the amplifier gives way; 0: it gives way at once.
+        softness_n = "softness", Newton, NotNegative = 0.0,
+            Form("the limit is sharp", OfTheStart), Logarithmic(Times(1e-4, HighestForce), Times(0.3, HighestForce));
     }
+    stage: ForceReading, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "min(F, F_max); softness > 0: rounded over it",
     signature: "flat tops",
     motion: "press harder than the range",

@@ -1,17 +1,20 @@
 //! A loop that does not depend on the rate: Bouc and Wen's.
 
-use super::effect;
-use super::presliding::slid;
+use super::row::effect;
+use super::shapes::slid;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// ż = (δ̇/d_h)(1 − z·sgn δ̇), and z → 0 out of contact.
-    HystereticDamping = "hysteretic_damping", Contact {
+    /// The force F_h·z with ż = (δ̇/d_h)(1 − z·sgn δ̇), and z → 0 out of contact.
+    HystereticDamping = "hysteretic_damping" {
         /// F_h (N)
-        force_n = "force", Newton, Positive;
+        force_n = "force", Newton, Positive, Size, FitRange::up_to(Times(1.0, Force));
         /// d_h (m)
-        yield_displacement_m = "yield_displacement", Metre, Positive;
+        yield_displacement_m = "yield_displacement", Metre, Positive, Shape,
+            Logarithmic(Times(2.0, PositionNoise), Times(1.0, Travel));
     }
+    stage: Contact, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "F_h·z, ż = (δ̇/d_h)(1 − z·sgn δ̇)",
     signature: "loop area independent of the rate, in contact only",
     motion: "the same stroke at several speeds",

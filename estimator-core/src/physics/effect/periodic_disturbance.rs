@@ -1,19 +1,21 @@
 //! A force that repeats in time: hum, a fan, a pump.
 
-use super::effect;
-use super::wave;
+use super::row::effect;
+use super::shapes::wave;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// A sin(2πft + φ)
-    PeriodicDisturbance = "periodic_disturbance", LoadPath {
+    /// The force A sin(2πft + φ).
+    PeriodicDisturbance = "periodic_disturbance" {
         /// A (N)
-        amplitude_n = "amplitude", Newton, NotNegative;
+        amplitude_n = "amplitude", Newton, NotNegative, Size, FitRange::up_to(Times(1.0, Force));
         /// f (Hz)
-        frequency_hz = "frequency", Hertz, Positive;
+        frequency_hz = "frequency", Hertz, Positive, Shape, Linear(Per(2.0, Duration), Per(0.5, Period));
         /// φ (rad) at t = 0
-        phase_rad = "phase", Radian, Angle;
+        phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }
+    stage: LoadPath, sign: Either, proportional: false, several: true, repeats: InTime, timed: true,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "A sin(2πft + φ)",
     signature: "a line in the spectrum whatever the motion",
     motion: "rest in free air",

@@ -1,16 +1,19 @@
 //! A surface that stays where it was pushed.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// Beyond the yield depth the surface recedes with the largest depth so far; it acts while that grows.
-    PermanentSet = "permanent_set", Depth {
+    /// Beyond the yield depth the surface recedes with the largest depth so far; the recession changes
+    /// while that grows.
+    PermanentSet = "permanent_set" {
         /// α: the share of the depth beyond yield that remains.
-        fraction = "fraction", One, Fraction;
+        fraction = "fraction", One, Fraction, Size, FitRange::up_to(Number(0.95));
         /// δ_y (m)
-        yield_depth_m = "yield_depth", Metre, NotNegative;
+        yield_depth_m = "yield_depth", Metre, NotNegative, Shape, FitRange::up_to(Times(1.0, Travel));
     }
+    stage: Depth, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "δ = tip − surface − α·max(δ_max − δ_y, 0)",
     signature: "the first stroke differs from the next ones",
     motion: "press to the same depth again and again, then deeper",

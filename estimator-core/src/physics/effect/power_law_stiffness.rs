@@ -1,15 +1,17 @@
 //! A spring that is not linear.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 use crate::physics::law::Elastic;
 
 effect! {
     /// The elastic force of a linear law becomes Kδ₀(δ/δ₀)ⁿ.
-    PowerLawStiffness = "power_law_stiffness", Elastic {
+    PowerLawStiffness = "power_law_stiffness" {
         /// n
-        exponent = "exponent", One, Positive;
+        exponent = "exponent", One, Positive, Shape, Linear(Number(0.3), Number(5.0));
     }
+    stage: Elastic, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "Kδ → Kδ₀(δ/δ₀)ⁿ",
     signature: "curvature of F(δ), the same both ways",
     motion: "press to different depths, slowly",

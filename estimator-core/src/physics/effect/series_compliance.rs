@@ -1,17 +1,21 @@
 //! A rig that gives way: a spring between the motor and the tip.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// tip = x − u(F_contact), u = F/k_s; or of a spring whose stiffness grows with its force, as that of
-    /// a tendon, a rope or a bolted joint does.
-    SeriesCompliance = "series_compliance", Transmission {
+    /// A spring in series: tip = x − u(F_contact), u = F/k_s; or a spring whose stiffness grows with its
+    /// force, as that of a tendon, a rope or a bolted joint does.
+    SeriesCompliance = "series_compliance" {
         /// k_s (N/m), unloaded
-        stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive;
-        /// F_h (N): the force at which it is twice as stiff; 0: always as stiff.
-        hardening_n = "hardening_force", Newton, NotNegative, 0.0;
+        stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive, Shape, Logarithmic(Times(0.1, Stiffness), Times(1e3, Stiffness));
+        /// F_h (N): the force at which it is twice as stiff; 0: it is always as stiff.
+        hardening_n = "hardening_force", Newton, NotNegative = 0.0,
+            Form("it is always as stiff", TakenOn { start: Times(0.5, Force), first: 1.0 }),
+            Logarithmic(Times(0.02, Force), Times(20.0, Force));
     }
+    stage: Transmission, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "tip = x − F_contact/k_s; with a hardening force F_h the stiffness is k_s(1 + |F|/F_h)",
     signature: "a softer and less damped contact at high force; couples force into depth",
     motion: "fast and slow strokes of the same depth",

@@ -1,17 +1,19 @@
 //! One more relaxation mode of the elastic force, equation (10).
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 use crate::physics::law::RelaxationMode;
 
 effect! {
-    /// c and ν of one more mode. May enter several times: a spectrum.
-    StressRelaxation = "stress_relaxation", Relaxation {
+    /// One more relaxation mode. A rig can have several of them: a spectrum.
+    StressRelaxation = "stress_relaxation" {
         /// c: the share of the elastic force that it takes away in time.
-        fraction = "fraction", One, Fraction;
+        fraction = "fraction", One, Fraction, SizeUpTo(0.6), FitRange::up_to(Number(0.95));
         /// ν (1/s)
-        rate_per_s = "rate", PerSecond, Positive;
+        rate_per_s = "rate", PerSecond, Positive, Shape, Logarithmic(Per(0.1, Duration), Per(0.5, Period));
     }
+    stage: Relaxation, sign: OneWay, proportional: true, several: true, repeats: Never, timed: false,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "Fᵉ − c(Fᵉ − w), ẇ = Ḟᵉ − νw",
     signature: "force decays in a hold, slow tail after a step",
     motion: "press and hold for several time constants; press at different speeds",

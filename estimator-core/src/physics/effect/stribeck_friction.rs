@@ -1,21 +1,26 @@
 //! Dry friction that is larger near standstill.
 
-use super::direction;
-use super::effect;
+use super::row::effect;
+use super::shapes::direction;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// [F_c + (F_s − F_c)e^{−(v/v_s)²}]·sgn(v)
-    StribeckFriction = "stribeck_friction", LoadPath {
+    /// The friction [F_c + (F_s − F_c)e^{−(v/v_s)²}]·sgn(v).
+    StribeckFriction = "stribeck_friction" {
         /// F_c (N)
-        kinetic_n = "kinetic_force", Newton, NotNegative;
+        kinetic_n = "kinetic_force", Newton, NotNegative, Size, FitRange::up_to(Times(2.0, Force));
         /// F_s (N)
-        static_n = "static_force", Newton, NotNegative;
+        static_n = "static_force", Newton, NotNegative, Size, FitRange::up_to(Times(2.0, Force));
         /// v_s (m/s)
-        speed_mps = "speed", MetrePerSecond, Positive;
+        speed_mps = "speed", MetrePerSecond, Positive, Shape, Logarithmic(Times(3e-3, Speed), Times(1.0, Speed));
         /// v_t (m/s): tanh(v/v_t) in place of the sign; 0: the sign.
-        transition_mps = "transition_speed", MetrePerSecond, NotNegative, 0.0;
+        transition_mps = "transition_speed", MetrePerSecond, NotNegative = 0.0,
+            Form("it reverses at once", OfTheStart), Logarithmic(Times(1e-3, Speed), Times(0.5, Speed));
     }
+    stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: true, family: DryFriction, simpler: Some("coulomb_friction"),
+    // A friction that is smaller at rest than sliding imitates a drag.
+    is_physical: |[kinetic_n, static_n, ..]| static_n >= kinetic_n,
     law: "[F_c + (F_s − F_c)e^{−(v/v_s)²}]·sgn(v)",
     signature: "a step at each reversal, also in free motion, larger near v = 0",
     motion: "free motion with slow and fast reversals",

@@ -1,19 +1,21 @@
 //! A surface that moves by itself: breath, pulse, a shaking table.
 
-use super::effect;
-use super::wave;
+use super::row::effect;
+use super::shapes::wave;
 use crate::maths::scalar::Scalar;
 
 effect! {
     /// A sine in time, into and out of the material.
-    SurfaceMotion = "surface_motion", Depth {
+    SurfaceMotion = "surface_motion" {
         /// A (m)
-        amplitude_m = "amplitude", Metre, NotNegative;
+        amplitude_m = "amplitude", Metre, NotNegative, Size, FitRange::up_to(Times(0.3, Travel));
         /// f (Hz)
-        frequency_hz = "frequency", Hertz, Positive;
+        frequency_hz = "frequency", Hertz, Positive, Shape, Linear(Per(2.0, Duration), Per(0.5, Period));
         /// φ (rad) at t = 0
-        phase_rad = "phase", Radian, Angle;
+        phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }
+    stage: Depth, sign: OneWay, proportional: false, several: true, repeats: InTime, timed: true,
+    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
     law: "δ = tip − surface − A sin(2πft + φ)",
     signature: "in contact only, scales with the local stiffness, periodic in time",
     motion: "hold in contact for several periods",

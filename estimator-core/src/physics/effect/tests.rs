@@ -25,3 +25,35 @@ fn a_row_of_values_goes_in_and_comes_out() {
         assert!(effect.row()[count..].iter().all(|rest| *rest == 0.0));
     }
 }
+
+#[test]
+fn optional_forms_are_0_by_default_and_an_extension_names_a_relative() {
+    for id in EffectId::ALL {
+        let info = id.info();
+        assert_eq!(info.fits.len(), info.parameters.len());
+        for (fit, parameter) in info.fits.iter().zip(info.parameters) {
+            let is_optional = matches!(fit.role, Role::Form(..) | Role::Switch(_));
+            assert_eq!(
+                parameter.default,
+                is_optional.then_some(0.0),
+                "{}",
+                parameter.name
+            );
+        }
+        if let Some(name) = info.simpler {
+            let simpler = EffectId::from_name(name).expect("an effect of the catalogue");
+            assert_eq!(simpler.info().family, info.family);
+            assert!(info.family.is_nested());
+        }
+    }
+}
+
+#[test]
+fn what_a_board_compensates_belongs_to_the_rig_and_counts_no_time() {
+    for id in EffectId::ALL.iter().copied() {
+        let info = id.info();
+        assert_eq!(id.belongs_to_rig(), info.stage.belongs_to_rig());
+        assert_eq!(id.is_for_boards(), id.belongs_to_rig() && !info.timed);
+        assert_eq!(id.needs_derivative(), info.needs_derivative);
+    }
+}

@@ -1,13 +1,15 @@
 //! A force that belongs to an earlier position, or a later one.
 
-use super::effect;
+use super::row::effect;
 
 effect! {
-    /// F(t − T_d)
-    TimeDelay = "time_delay", ForceReading {
+    /// The delayed force F(t − T_d).
+    TimeDelay = "time_delay" {
         /// T_d (s), negative if the position is late
-        delay_s = "delay", Second, Any;
+        delay_s = "delay", Second, Any, Size, Linear(Part(Duration, -40.0), Part(Duration, 40.0));
     }
+    stage: ForceReading, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: false, family: Lateness, simpler: None, is_physical: |_| true,
     law: "F(t − T_d)",
     signature: "a pure shift between the channels",
     motion: "fast strokes, and a step",

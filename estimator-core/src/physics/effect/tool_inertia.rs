@@ -1,14 +1,16 @@
 //! Mass between the load cell and the material.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// m·a
-    ToolInertia = "tool_inertia", LoadPath {
+    /// The force m·a.
+    ToolInertia = "tool_inertia" {
         /// m (kg)
-        mass_kg = "mass", Kilogram, Positive;
+        mass_kg = "mass", Kilogram, Positive, Size, FitRange::NOT_NEGATIVE;
     }
+    stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: true, family: Alone, simpler: None, is_physical: |_| true,
     law: "m·a",
     signature: "proportional to a, also in free motion",
     motion: "free motion with hard accelerations",

@@ -1,14 +1,16 @@
 //! Drag of a bearing or a fluid.
 
-use super::effect;
+use super::row::effect;
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// b·v
-    ViscousDrag = "viscous_drag", LoadPath {
+    /// The force b·v.
+    ViscousDrag = "viscous_drag" {
         /// b (N s/m)
-        coefficient_ns_per_m = "coefficient", NewtonSecondPerMetre, Positive;
+        coefficient_ns_per_m = "coefficient", NewtonSecondPerMetre, Positive, Size, FitRange::NOT_NEGATIVE;
     }
+    stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    needs_derivative: true, family: Drag, simpler: None, is_physical: |_| true,
     law: "b·v",
     signature: "proportional to v, also in free motion",
     motion: "free motion at several speeds",

@@ -150,7 +150,10 @@ fn every_effect_changes_the_force_where_it_should() {
         }
         // Within 0.3 mm of the material nothing of the contact's own acts before the first touch.
         let before = (plain[20] - changed[20]).abs() > 1e-9;
-        let path = matches!(id.info().place, crate::physics::effect::Place::LoadPath);
+        let path = matches!(
+            id.info().stage,
+            crate::physics::effect::ChainStage::LoadPath
+        );
         assert_eq!(before, path, "{}", id.name());
     }
 }

@@ -14,10 +14,10 @@ const ERASE_STEP: usize = 64;
 /// Flash in memory that loses power after so many steps: a byte written, or [`ERASE_STEP`] bytes
 /// erased. Like the real one, a write only clears bits.
 #[derive(Clone)]
-struct Flash {
+struct RamFlash {
     bytes: Vec<u8>,
     steps_left: u64,
-    /// What the byte in work looks like after the cut.
+    /// The bits that the byte in work still has after the cut.
     torn: u8,
 }
 
@@ -30,13 +30,13 @@ impl NorFlashError for PowerCut {
     }
 }
 
-impl ErrorType for Flash {
+impl ErrorType for RamFlash {
     type Error = PowerCut;
 }
 
-impl Flash {
+impl RamFlash {
     fn new(fill: u8) -> Self {
-        Flash {
+        RamFlash {
             bytes: vec![fill; 2 * SECTOR as usize],
             steps_left: u64::MAX,
             torn: 0,
@@ -59,7 +59,7 @@ impl Flash {
     }
 }
 
-impl ReadNorFlash for Flash {
+impl ReadNorFlash for RamFlash {
     const READ_SIZE: usize = 1;
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerCut> {
         let start = offset as usize;
@@ -75,7 +75,7 @@ impl ReadNorFlash for Flash {
     }
 }
 
-impl NorFlash for Flash {
+impl NorFlash for RamFlash {
     const WRITE_SIZE: usize = 1;
     const ERASE_SIZE: usize = SECTOR as usize;
 
@@ -113,7 +113,7 @@ impl NorFlash for Flash {
     }
 }
 
-fn store(flash: Flash) -> Store<Flash> {
+fn store(flash: RamFlash) -> Store<RamFlash> {
     Store::new(flash, 0, SECTOR)
 }
 
@@ -130,7 +130,7 @@ fn good(count: u16) -> Loaded {
 }
 
 /// Saves 0, 1, … until the power is cut or `saves` are done; gives the number that were done.
-fn save_all(store: &mut Store<Flash>, saves: u16) -> u16 {
+fn save_all(store: &mut Store<RamFlash>, saves: u16) -> u16 {
     (0..saves)
         .find(|count| store.save(&settings(*count)).is_err())
         .unwrap_or(saves)
@@ -138,7 +138,7 @@ fn save_all(store: &mut Store<Flash>, saves: u16) -> u16 {
 
 #[test]
 fn what_was_saved_last_is_loaded_through_many_changes_of_sector() {
-    let mut store = store(Flash::new(0xff));
+    let mut store = store(RamFlash::new(0xff));
     assert_eq!(store.load(), Ok(Loaded::Nothing));
     for count in 0..50 {
         store.save(&settings(count)).unwrap();
@@ -152,7 +152,7 @@ fn what_was_saved_last_is_loaded_through_many_changes_of_sector() {
 fn a_power_cut_at_every_step_leaves_the_old_settings_or_the_new() {
     const SAVES: u16 = 13;
     for fill in [0xff, 0x00, 0x5a] {
-        let mut counting = Flash::new(fill);
+        let mut counting = RamFlash::new(fill);
         counting.steps_left = u64::MAX / 2;
         let mut whole = store(counting);
         assert_eq!(save_all(&mut whole, SAVES), SAVES);
@@ -160,7 +160,7 @@ fn a_power_cut_at_every_step_leaves_the_old_settings_or_the_new() {
         assert!(steps > u64::from(SAVES) * SLOT as u64);
         for cut in 1..=steps {
             for torn in [0x00, 0xff, 0xa5] {
-                let mut flash = Flash::new(fill);
+                let mut flash = RamFlash::new(fill);
                 (flash.steps_left, flash.torn) = (cut, torn);
                 let mut cut_store = store(flash);
                 let done = save_all(&mut cut_store, SAVES);
@@ -191,7 +191,7 @@ fn a_second_cut_while_the_first_is_being_repaired_does_no_harm() {
     // Six saves, so that the last repair erases a sector.
     for first in (1..2 * u64::from(SECTOR)).step_by(37) {
         for second in (1..600).step_by(7) {
-            let mut flash = Flash::new(0xff);
+            let mut flash = RamFlash::new(0xff);
             (flash.steps_left, flash.torn) = (first, 0x3c);
             let mut store_1 = store(flash);
             let done = save_all(&mut store_1, 9);
@@ -217,7 +217,7 @@ fn a_second_cut_while_the_first_is_being_repaired_does_no_harm() {
 #[test]
 fn a_slot_that_cannot_be_written_is_an_error_and_the_old_settings_stay() {
     /// The second slot has a bit that is stuck low, unseen while it reads blank.
-    struct Worn(Flash);
+    struct Worn(RamFlash);
     impl ErrorType for Worn {
         type Error = PowerCut;
     }
@@ -245,7 +245,7 @@ fn a_slot_that_cannot_be_written_is_an_error_and_the_old_settings_stay() {
             Ok(())
         }
     }
-    let mut store = Store::new(Worn(Flash::new(0xff)), 0, SECTOR);
+    let mut store = Store::new(Worn(RamFlash::new(0xff)), 0, SECTOR);
     store.save(&settings(1)).unwrap();
     assert_eq!(store.save(&settings(2)), Err(StoreError::Verify));
     assert_eq!(store.load(), Ok(good(1)));
@@ -269,7 +269,7 @@ fn record(layout: u8, pairs: &[(u8, f32)]) -> [u8; SLOT] {
 }
 
 fn loaded(record: [u8; SLOT]) -> Loaded {
-    let mut flash = Flash::new(0xff);
+    let mut flash = RamFlash::new(0xff);
     flash.bytes[..SLOT].copy_from_slice(&record);
     store(flash).load().unwrap()
 }
@@ -287,6 +287,81 @@ fn a_record_of_an_older_firmware_keeps_its_values_and_gets_defaults_for_the_rest
     expected.put(Key::ForcePerCode, 2.5e-4);
     expected.put(Key::ForceZeroCode, 777.0);
     assert_eq!(settings, expected);
+}
+
+/// The second record of a flash as the firmware wrote it before effects could have numbers above 26.
+#[rustfmt::skip]
+const BEFORE_EFFECT_27: [u8; SLOT] = [
+    0x50, 0xa1, 0x01, 0x28, 0x01, 0x00, 0x00, 0x00, 0x01, 0x6f, 0x12, 0x83, 0xb9, 0x02, 0x00, 0xe8,
+    0x7d, 0x47, 0x03, 0x00, 0x00, 0x80, 0x41, 0x04, 0x00, 0xf0, 0x7e, 0x45, 0x05, 0x00, 0x00, 0x80,
+    0x3f, 0x06, 0x00, 0x00, 0x80, 0x3f, 0x07, 0xcd, 0xcc, 0x4c, 0x3c, 0x10, 0xbd, 0x37, 0x06, 0x33,
+    0x11, 0x00, 0x00, 0xa0, 0x40, 0x12, 0x00, 0x00, 0xa0, 0x40, 0x13, 0x00, 0x00, 0x80, 0x3f, 0x20,
+    0x00, 0x00, 0x00, 0x40, 0x21, 0x6f, 0x12, 0x03, 0x3b, 0x22, 0x00, 0x00, 0x80, 0x3f, 0x23, 0x00,
+    0x00, 0x40, 0x41, 0x24, 0x00, 0x00, 0xc0, 0x40, 0x25, 0x00, 0x00, 0x40, 0x40, 0x26, 0xcd, 0xcc,
+    0x4c, 0x3e, 0x30, 0x00, 0x00, 0x80, 0x40, 0x40, 0x00, 0x00, 0xc0, 0x3e, 0x42, 0x6f, 0x12, 0x03,
+    0x3a, 0x44, 0x00, 0x00, 0x00, 0x3e, 0x45, 0x00, 0x00, 0x80, 0x3e, 0x46, 0x6f, 0x12, 0x03, 0x3b,
+    0x50, 0x00, 0x00, 0x60, 0x3e, 0x68, 0x00, 0x80, 0x3b, 0x46, 0x69, 0x00, 0x00, 0x20, 0x42, 0x74,
+    0xa6, 0x9b, 0x44, 0xbb, 0x7c, 0xbd, 0x37, 0x06, 0x36, 0x7d, 0x6f, 0x12, 0x83, 0x3a, 0x7e, 0x00,
+    0x00, 0xa0, 0xbf, 0x80, 0x00, 0x00, 0x20, 0x41, 0x90, 0x00, 0x00, 0x00, 0x41, 0x91, 0x00, 0x00,
+    0x20, 0x41, 0x92, 0x00, 0x00, 0x00, 0x00, 0x93, 0x00, 0x00, 0xc0, 0x3f, 0x94, 0x00, 0x40, 0x9c,
+    0x45, 0x95, 0xcd, 0xcc, 0xcc, 0x3d, 0x96, 0xcd, 0xcc, 0x4c, 0x3d, 0x97, 0x00, 0x00, 0x00, 0x3f,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x10, 0xa4, 0xdc, 0xe5,
+];
+
+#[test]
+fn a_flash_written_before_there_was_room_for_more_effects_loads_with_the_same_values() {
+    // GIVEN the record of settings with six effects of the rig, and the values that were set
+    let set = [
+        (1, "force.n_per_code", -0.00025),
+        (2, "force.zero_code", 65000.0),
+        (6, "force.calibrated", 1.0),
+        (7, "force.residual_n", 0.0125),
+        (16, "position.m_per_code", 3.125e-8),
+        (19, "position.calibrated", 1.0),
+        (32, "estimator.method", 2.0),
+        (33, "estimator.depth_m", 0.002),
+        (35, "estimator.half_width", 12.0),
+        (48, "telemetry.every", 4.0),
+        (64, "compensation.coulomb_friction.force", 0.375),
+        (66, "compensation.coulomb_friction.transition_speed", 0.0005),
+        (68, "compensation.stribeck_friction.kinetic_force", 0.125),
+        (69, "compensation.stribeck_friction.static_force", 0.25),
+        (70, "compensation.stribeck_friction.speed", 0.002),
+        (80, "compensation.tool_inertia.mass", 0.21875),
+        (104, "compensation.series_compliance.stiffness", 12000.0),
+        (105, "compensation.series_compliance.hardening_force", 40.0),
+        (116, "compensation.time_delay.delay", -0.003),
+        (124, "compensation.encoder_periodic_error.amplitude", 2e-6),
+        (125, "compensation.encoder_periodic_error.pitch", 0.001),
+        (126, "compensation.encoder_periodic_error.phase", -1.25),
+        (128, "reflection.every", 10.0),
+        (144, "render.force_n", 8.0),
+        (147, "render.device_ns_per_m", 1.5),
+        (151, "render.shaping", 0.5),
+    ];
+    let mut expected = Settings::default();
+    for (id, name, value) in set {
+        let key = Key::from_id(id).unwrap();
+        assert_eq!(key.info().name, name);
+        expected.put(key, value);
+    }
+    // WHEN this firmware loads it
+    let found = loaded(BEFORE_EFFECT_27);
+    // THEN every value is as it was, and the next save is the same record
+    assert_eq!(found, Loaded::Good(expected));
+    assert_eq!(encode(&expected, 1), BEFORE_EFFECT_27);
+}
+
+#[test]
+fn a_setting_of_an_effect_that_this_firmware_does_not_know_is_left_out() {
+    let newer = record(LAYOUT, &[(2, 777.0), (255, 0.5), (128, 3.0)]);
+    assert_eq!(Key::from_id(255), None);
+    let mut expected = Settings::default();
+    expected.put(Key::ForceZeroCode, 777.0);
+    expected.put(Key::ReflectionEvery, 3.0);
+    assert_eq!(loaded(newer), Loaded::Good(expected));
 }
 
 #[test]
@@ -348,7 +423,7 @@ fn every_value_of_every_setting_survives() {
             assert!(own.iter().any(|key| key.id() == 116));
             settings.put(Key::from_id(116).unwrap(), 0.064);
         }
-        let mut store = store(Flash::new(0xff));
+        let mut store = store(RamFlash::new(0xff));
         store.save(&settings).unwrap();
         assert_eq!(store.load(), Ok(Loaded::Good(settings)));
     }

@@ -1,3 +1,4 @@
+use super::super::compensation::{COUNT, MOST_AT_ONCE};
 use super::super::store::SLOT;
 use super::*;
 extern crate std;
@@ -23,7 +24,7 @@ fn every_parameter_of_every_effect_of_the_rig_has_its_place_and_no_other() {
         for (place, info) in id.info().parameters.iter().enumerate() {
             let Some(parameter) = Parameter::of(id, place) else {
                 let timed = [EffectId::ForceDrift, EffectId::PeriodicDisturbance];
-                assert!(!compensates(id) || timed.contains(&id), "{id:?}");
+                assert!(!id.belongs_to_rig() || timed.contains(&id), "{id:?}");
                 continue;
             };
             let key = Key::Compensation(parameter);
@@ -56,7 +57,7 @@ fn the_numbers_are_stable() {
 #[test]
 fn a_record_holds_all_settings() {
     // Those of the eight effects with the most parameters: more cannot be on at once.
-    let places = EffectId::ALL.iter().filter(|id| has_place(**id));
+    let places = EffectId::ALL.iter().filter(|id| id.is_for_boards());
     let mut sizes: Vec<_> = places.map(|id| id.info().parameters.len()).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
     let most: usize = sizes.iter().take(8).sum();

@@ -1,0 +1,53 @@
+//! The functions that several effects are made of: a wave, a rounded corner, the direction of a speed,
+//! and a force that follows the way.
+
+use crate::maths::scalar::Scalar;
+
+/// The sine A sin(ωu + φ) and its derivative Aω cos(ωu + φ).
+pub(super) fn wave<S: Scalar>(amplitude: S, angular: S, phase: S, at: S) -> (S, S) {
+    let (sin, cos) = (angular * at + phase).sin_cos();
+    (amplitude * sin, amplitude * angular * cos)
+}
+
+/// max(x, 0) with its corner rounded over a width w: w ln(1 + e^{x/w}).
+pub(super) fn ramp<S: Scalar>(x: S, width: S) -> S {
+    if width <= S::zero() {
+        return x.max_of(S::zero());
+    }
+    let far = x / width;
+    // Beyond this the rounding is 10⁻¹³ of its width.
+    if far > S::from_f64(30.0) {
+        return x;
+    }
+    width * (S::one() + far.exp()).ln()
+}
+
+/// 2π/`period`
+pub(super) fn angular_of<S: Scalar>(period: S) -> S {
+    S::from_f64(core::f64::consts::TAU) / period
+}
+
+/// The direction of a speed: its sign where `transition_mps` is 0, else tanh(v/v_t).
+pub(super) fn direction<S: Scalar>(speed_mps: S, transition_mps: S) -> S {
+    if transition_mps > S::zero() {
+        return (speed_mps / transition_mps).tanh();
+    }
+    if speed_mps > S::zero() {
+        S::one()
+    } else if speed_mps < S::zero() {
+        -S::one()
+    } else {
+        S::zero()
+    }
+}
+
+/// The state z of Dahl's friction and of Bouc and Wen's loop after a way of `change_m`:
+/// dz/ds = (1 − z·sgn ṡ)/w, exactly, however long the way.
+pub(super) fn slid<S: Scalar>(z: S, change_m: S, width_m: S) -> S {
+    let zero = S::zero();
+    if change_m == zero {
+        return z;
+    }
+    let towards = if change_m > zero { S::one() } else { -S::one() };
+    towards + (z - towards) * (-(change_m.abs() / width_m)).exp()
+}
