@@ -54,6 +54,6 @@ fn what_a_board_compensates_belongs_to_the_rig_and_counts_no_time() {
         let info = id.info();
         assert_eq!(id.belongs_to_rig(), info.stage.belongs_to_rig());
         assert_eq!(id.is_for_boards(), id.belongs_to_rig() && !info.timed);
-        assert_eq!(id.needs_motion(), info.needs_motion);
+        assert_eq!(id.needs_derivative(), info.needs_derivative);
     }
 }
