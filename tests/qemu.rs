@@ -3,15 +3,15 @@
 
 use estimator_core::board::frame::Frame;
 use estimator_core::board::link::{Answer, Command, Health, Identity, Name, Refusal};
+use estimator_core::board::ram_flash::{RamFlash, SECTOR};
 use estimator_core::board::reflection::{Limit, Packet, Rendered};
-use estimator_core::board::sampling::{Record, Sampler};
+use estimator_core::board::sampling::{FULL, Record, Sampler};
 use estimator_core::board::sensing::{Codes, Watch};
 use estimator_core::board::settings::store::Store;
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::estimate::PARAMETER_SLOTS;
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
 use palpate::link::Device;
-use palpate::link::board::{Memory, SECTOR};
 use palpate::link::port::Files;
 use palpate::link::record::{convert, record};
 use std::ops::RangeInclusive;
@@ -171,7 +171,7 @@ static COMPENSATED: LazyLock<(Settings, Vec<Codes>, Run, Budget)> = LazyLock::ne
     codes.drain(20_000..20_250);
     let frames: Vec<Frame> = codes.iter().copied().map(Frame::Codes).collect();
     let emulator = Emulator::from_env("compensated").expect("set-up");
-    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    let mut store = Store::new(RamFlash::default(), 0, SECTOR);
     store.save(&settings).expect("memory");
     let flash = emulator.directory.join("settings.flash");
     fs::write(flash, store.release().bytes()).expect("settings.flash");
@@ -247,7 +247,7 @@ static REFLECTING: LazyLock<Reflecting> = LazyLock::new(|| {
     ];
     let commands = told.map(|(quiet_ms, packet)| (quiet_ms, Command::Reflect(packet)));
     let emulator = Emulator::from_env("reflecting").expect("set-up");
-    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    let mut store = Store::new(RamFlash::default(), 0, SECTOR);
     store.save(&settings).expect("memory");
     let flash = emulator.directory.join("settings.flash");
     fs::write(flash, store.release().bytes()).expect("settings.flash");
@@ -320,7 +320,7 @@ fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
             let packet = told.iter().find(|packet| packet.sequence == taken);
             host.take(packet.expect("one that was told"));
         }
-        let (own, code) = host.render(&read, 2625);
+        let (own, code) = host.render(&read, FULL);
         let own = own.expect("rendering");
         if let Some(difference) = differs(&rendered_fields(&own), &rendered_fields(rendered)) {
             panic!("sample {index}: {difference}\nhost: {own:?}\nQEMU: {rendered:?}");
@@ -404,7 +404,7 @@ fn while_settings_are_saved_the_force_is_at_rest_and_then_goes_on() {
         settings.put(key, value);
     }
     let emulator = Emulator::from_env("saving").expect("set-up");
-    let mut store = Store::new(Memory::default(), 0, SECTOR);
+    let mut store = Store::new(RamFlash::default(), 0, SECTOR);
     store.save(&settings).expect("memory");
     let flash = emulator.directory.join("settings.flash");
     fs::write(flash, store.release().bytes()).expect("settings.flash");

@@ -6,6 +6,7 @@ pub mod calibration;
 pub mod frame;
 pub mod instants;
 pub mod link;
+pub mod ram_flash;
 pub mod reflection;
 pub mod sampling;
 pub mod sensing;

@@ -12,6 +12,11 @@ use crate::board::settings::Key;
 use crate::estimate::fault::Faults;
 use core::fmt;
 
+/// Speed of the serial line (baud), 8N1: exact on the board, and within 0.2 % on the adapters that have it.
+pub const BAUD: u32 = 2_000_000;
+/// Bytes that the serial line carries in a millisecond: a byte takes ten bits.
+pub const BYTES_PER_MS: usize = BAUD as usize / 10 / 1000;
+
 /// To the board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {

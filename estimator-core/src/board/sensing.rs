@@ -5,8 +5,8 @@ use crate::board::settings::{Key, Settings};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 
-/// Codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
-pub const CODES_PER_COUNT: f32 = 32.0;
+/// Codes of the position in one count of the encoder: a code is the sum of 32 latches, or a count times 32.
+pub const CODES_PER_COUNT: i32 = 32;
 
 /// One instant as the hardware gave it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
