@@ -2,7 +2,7 @@
 //! describes them: 7.3.1 (CR) and 7.3.2 (PLLCFGR). Bits and limits are written down here once more.
 
 // The firmware is a workspace of its own for another target; this file of it knows no hardware.
-#[path = "../firmware/src/driver/clock.rs"]
+#[path = "../firmware/src/board/f405/pll.rs"]
 #[allow(missing_docs, unreachable_pub)]
 mod clock;
 

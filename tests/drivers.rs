@@ -1,17 +1,16 @@
 //! The drivers of the second set of sensors against the sequences of their data sheets.
 
-// The firmware is a workspace of its own for another target; its drivers know only embedded-hal. The
-// clocks are tests/clock.rs's.
+// The firmware is a workspace of its own for another target; its drivers know only embedded-hal.
 #[path = "../firmware/src/driver/mod.rs"]
-#[allow(missing_docs, unreachable_pub, dead_code)]
+#[allow(missing_docs, unreachable_pub)]
 mod driver;
 
 use driver::as5047p::{Diagnosis, Error, Reported, angle, diagnose};
-use driver::pair::{CODES_PER_COUNT, Pair};
+use driver::pair::Pair;
 use driver::{ads1220, as5047p};
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
-use estimator_core::board::sensing::{Codes, Watch};
+use estimator_core::board::sensing::{CODES_PER_COUNT, Codes, Watch};
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::{Fault, Faults};
 

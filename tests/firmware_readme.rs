@@ -2,6 +2,9 @@
 
 use estimator_core::Fault;
 use estimator_core::board::frame::{CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED, encode};
+use estimator_core::board::link::{BAUD, BYTES_PER_MS};
+use estimator_core::board::sampling::{FULL, QUEUE};
+use estimator_core::board::sensing::CODES_PER_COUNT;
 use estimator_core::board::settings::compensation::Parameter;
 use estimator_core::board::settings::store::SLOT;
 use estimator_core::board::settings::{Key, Settings};
@@ -90,14 +93,21 @@ fn its_bytes_and_counts_are_those_of_the_frames_and_the_store() {
     let record = |law| record_of(law) + SAMPLE_ENCODED + CODES_ENCODED;
     let longest = LawKind::ALL.into_iter().map(record).max().expect("laws");
     assert!(
-        readme.contains(&format!("\n{longest} bytes, of 200")),
+        readme.contains(&format!("\n{longest} bytes, of {BYTES_PER_MS}")),
         "{longest}"
     );
-    let usual = record(LawKind::HuntCrossley);
+    let default = record(LawKind::HuntCrossley);
     assert!(
-        readme.contains(&format!("Hunt–Crossley's {usual}")),
-        "{usual}"
+        readme.contains(&format!("Hunt–Crossley's {default}")),
+        "{default}"
     );
+    for counted in [
+        format!("{} Mbaud", BAUD / 1_000_000),
+        format!("{FULL} steps"),
+        format!("queue of {QUEUE} records"),
+    ] {
+        assert!(readme.contains(&counted), "{counted}");
+    }
     let saves = 128 * 1024 / SLOT;
     assert!(readme.contains(&format!("{saves}th erases")), "{saves}");
 }
@@ -107,7 +117,47 @@ fn the_settings_for_spi_sensors_can_be_restored() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/settings-spi.toml");
     let settings = backup::read(&path, Settings::default()).expect("settings");
     assert_eq!(settings.get(Key::ForceHighestCode), 8_300_000.0);
-    // 5 mm a turn: 16 384 counts of 32 codes.
-    let turn_m = f64::from(settings.get(Key::PositionPerCode)) * 32.0 * 16_384.0;
+    // 5 mm a turn of 16 384 counts.
+    let count_m = f64::from(settings.get(Key::PositionPerCode)) * f64::from(CODES_PER_COUNT);
+    let turn_m = count_m * 16_384.0;
     assert!((turn_m - 5e-3).abs() < 1e-9, "{turn_m}");
+}
+
+/// The files of a folder of the firmware, each with its name and its text.
+fn sources(folder: &Path) -> Vec<(String, String)> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    paths
+        .flat_map(|path| match path.is_dir() {
+            true => sources(&path),
+            false => {
+                let text = fs::read_to_string(&path).expect("text");
+                vec![(path.display().to_string(), text)]
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn only_the_folder_of_its_board_names_the_crate_of_a_chip() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/src");
+    let naming: Vec<String> = sources(&source)
+        .into_iter()
+        .filter(|(_, text)| text.contains("stm32f4xx"))
+        .map(|(name, _)| name)
+        .collect();
+    assert!(!naming.is_empty());
+    let below = naming.iter().filter(|name| name.contains("board/f405/"));
+    assert_eq!(below.count(), naming.len(), "{naming:?}");
+    // And the emulator is built without it.
+    let manifest = of_the_firmware("Cargo.toml");
+    let features = |board: &str| {
+        let feature = manifest.lines().find(|line| line.starts_with(board));
+        feature.expect("a feature").contains("dep:stm32f4xx-hal")
+    };
+    assert!(features("f405 =") && !features("qemu ="));
+    let hal = manifest
+        .lines()
+        .find(|line| line.starts_with("stm32f4xx-hal ="));
+    assert!(hal.expect("the HAL").contains("optional = true"));
 }

@@ -3,15 +3,15 @@
 
 use estimator_core::board::frame::Frame;
 use estimator_core::board::link::{Answer, Command, Health, Identity, Name, Refusal};
+use estimator_core::board::ram_flash::{RamFlash, SECTOR};
 use estimator_core::board::reflection::{Limit, Packet, Rendered};
-use estimator_core::board::sampling::{Record, Sampler};
+use estimator_core::board::sampling::{FULL, Record, Sampler};
 use estimator_core::board::sensing::{Codes, Watch};
 use estimator_core::board::settings::store::Store;
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::estimate::PARAMETER_SLOTS;
 use estimator_core::{Config, Estimate, Fault, Faults, Params, Sample, State, step};
 use palpate::link::Device;
-use palpate::link::board::{RamFlash, SECTOR};
 use palpate::link::port::Files;
 use palpate::link::record::{convert, record};
 use std::ops::RangeInclusive;
@@ -320,7 +320,7 @@ fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
             let packet = told.iter().find(|packet| packet.sequence == taken);
             host.take(packet.expect("one that was told"));
         }
-        let (own, code) = host.render(&read, 2625);
+        let (own, code) = host.render(&read, FULL);
         let own = own.expect("rendering");
         if let Some(difference) = differs(&rendered_fields(&own), &rendered_fields(rendered)) {
             panic!("sample {index}: {difference}\nhost: {own:?}\nQEMU: {rendered:?}");

@@ -1,5 +1,5 @@
-//! Where a program goes that cannot go on: says why, then stops. The board has commanded no motion; the
-//! force that it may put out goes with [`Board::stop`].
+//! The end of a program that cannot go on: it logs why, then stops. The board has commanded no motion, and
+//! [`Board::stop`] takes its force away.
 
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -7,7 +7,7 @@ use palpate_firmware::board::{Board, Outcome, Selected};
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    // Where, and not what: the text needs 3 KiB of formatting that nothing else does.
+    // Only the location is logged: the message would need 3 KiB of formatting that nothing else uses.
     match info.location() {
         Some(at) => defmt::error!("panic at {=str}:{=u32}", at.file(), at.line()),
         None => defmt::error!("panic"),
@@ -15,7 +15,7 @@ fn panic(info: &PanicInfo) -> ! {
     Selected::stop(Outcome::Failed)
 }
 
-/// `defmt::panic!` has already logged its message.
+/// Stops after `defmt::panic!`, which has logged its message already.
 #[defmt::panic_handler]
 fn defmt_panic() -> ! {
     Selected::stop(Outcome::Failed)

@@ -1,6 +1,6 @@
-//! Palpate on a motor controller: everything but the tasks (`main.rs`) and where a program that cannot
-//! go on ends (`halt.rs`). A library, so that the link proof (`bin/panic_free.rs`) is made of the code
-//! that runs.
+//! Palpate on a motor controller: everything but the tasks (`main.rs`) and the end of a program that cannot
+//! go on (`halt.rs`). It is a library, so that the link proof (`bin/panic_free.rs`) consists of the code that
+//! runs.
 #![no_std]
 #![deny(missing_docs)]
 
@@ -10,4 +10,5 @@ pub mod force;
 pub mod sampling;
 pub mod service;
 mod stack;
+pub mod systick;
 pub mod telemetry;

@@ -1,34 +1,29 @@
-//! Palpate on a motor controller: reads the load cell and the encoder at 1 kHz and identifies what
-//! is being touched. Tasks only; what they do stands in the modules.
+//! Palpate on a motor controller: reads the load cell and the encoder at 1 kHz and identifies the mechanical
+//! impedance of whatever the probe touches. This file has the tasks only; their work is in the modules.
 //!
 //! The application commands no motion: it measures while something else (a hand, another
-//! controller) moves the probe. At the master of a teleoperation it renders what another board has
-//! identified, as a force.
+//! controller) moves the probe. At the master of a teleoperation it renders the impedance that another
+//! board has identified, as a force.
 #![no_std]
 #![no_main]
 #![deny(missing_docs)]
 
 mod halt;
 
-// Where the log goes.
-#[cfg(feature = "f405")]
-use defmt_rtt as _;
-#[cfg(feature = "qemu")]
-use defmt_semihosting as _;
-
-#[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX])]
+// `TICK` and `SPARE` are the names of `board::device` for two interrupts of the selected board.
+#[rtic::app(device = palpate_firmware::board::device, peripherals = false, dispatchers = [SPARE])]
 mod app {
     use core::mem::MaybeUninit;
     use estimator_core::board::budget::Budget;
     use estimator_core::board::link::Change;
     use estimator_core::board::reflection::Packet;
-    use estimator_core::board::sampling::{Record, Sampler};
+    use estimator_core::board::sampling::{PERIOD_US, QUEUE, Record, Sampler};
     use heapless::spsc::{Consumer, Queue};
     use palpate_firmware::board::{Board, Outcome, Parts, Selected};
     use palpate_firmware::force::Force;
     use palpate_firmware::sampling::{CHANGES, Output, PACKETS, Sampling, Tick};
     use palpate_firmware::service::Service;
-    use palpate_firmware::telemetry::{QUEUE, Telemetry};
+    use palpate_firmware::telemetry::Telemetry;
 
     #[shared]
     struct Shared {
@@ -48,7 +43,7 @@ mod app {
         records: Queue<Record, QUEUE> = Queue::new(),
         setups: Queue<Change, CHANGES> = Queue::new(),
         impedances: Queue<Packet, PACKETS> = Queue::new(),
-        // Made where it stays: 10 KiB that the stack need not hold twice.
+        // The sampler is made where it stays: the stack need not hold its 10 KiB a second time.
         sampler: MaybeUninit<Sampler> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
@@ -65,7 +60,7 @@ mod app {
             watchdog,
             output,
             clock_fallback,
-        } = Selected::start(cx.core, cx.device);
+        } = Selected::start(cx.core);
         let (outbox, inbox) = cx.local.records.split();
         let (to_sampler, changes) = cx.local.setups.split();
         let (to_renderer, packets) = cx.local.impedances.split();
@@ -93,28 +88,28 @@ mod app {
         )
     }
 
-    /// 1 kHz, above everything else: read, convert, render, compensate, step, push.
-    #[task(binds = DMA2_STREAM0, priority = 3, local = [sampling], shared = [budget, output])]
+    /// Runs a tick at 1 kHz, above everything else: read, convert, render, compensate, step, queue.
+    #[task(binds = TICK, priority = 3, local = [sampling], shared = [budget, output])]
     fn sample(mut cx: sample::Context) {
         let sampling = cx.local.sampling;
         let ticked = cx.shared.output.lock(|output| sampling.tick(output));
         cx.shared.budget.lock(|budget| match &ticked {
-            Tick::Sampled(sampled) => sampled.count(budget),
+            Tick::Sampled(sampled) => budget.count(sampled, PERIOD_US, Selected::TICK),
             Tick::Nothing => {}
             Tick::End => budget.finished = true,
         });
         sampling.change();
-        // Already spawned is as good: it drains everything that it finds.
+        // An error says that the task is spawned already; it then sends this record as well.
         let _ = telemetry::spawn();
     }
 
-    /// Sends what has been queued and answers commands; says once a second how the board is.
+    /// Sends the queued records, answers commands, and reports the board's health once a second.
     #[task(priority = 1, local = [inbox, telemetry, service], shared = [budget, output])]
     async fn telemetry(mut cx: telemetry::Context) {
         let (telemetry, service) = (cx.local.telemetry, cx.local.service);
-        // Before draining: whatever was queued before the end is then still sent.
+        // The copy is taken before the queue is emptied: records from before the end are then still sent.
         let budget = cx.shared.budget.lock(|budget| *budget);
-        // Before the records: on a line that they fill, there would never be room for an answer.
+        // Answers go before the records: a line that the records fill would never have room for them.
         service.answer(telemetry, &mut cx.shared.output);
         while telemetry.has_room()
             && let Some(record) = cx.local.inbox.dequeue()

@@ -1,136 +1,103 @@
-//! What happens at every tick, and nothing else: read, convert, render, compensate, step, push. The link
-//! proof holds it free of panics, the reading of the board's sensors included.
+//! The sampling task: it runs the core's tick on the board's sensors, force output and queues, and nothing
+//! else. The link proof shows that it is free of panics, the reading of the sensors included.
 
-use crate::board::{Acquired, Board, ForceOutput, RATE_HZ, Selected, Sensors};
+use crate::board::{Acquired, Board, ForceOutput, Selected, Sensors};
 use crate::force::Force;
-use crate::telemetry::QUEUE;
-use estimator_core::Sample;
-use estimator_core::board::budget::{Budget, Stations};
+use estimator_core::board::budget::Sampled;
 use estimator_core::board::link::Change;
 use estimator_core::board::reflection::Packet;
-use estimator_core::board::sampling::{Record, Sampler};
+use estimator_core::board::sampling::{Ports, QUEUE, Record, Sampler};
 use heapless::spsc::{Consumer, Producer};
 
-const FULL: u16 = <Selected as Board>::Output::FULL;
-const PERIOD_US: u64 = 1_000_000 / RATE_HZ as u64;
-
-/// Settings that wait to be taken over, and one more.
+/// Length of the ring of settings that wait to be taken over: one waits, and one place stays free.
 pub const CHANGES: usize = 2;
-/// Impedances that wait to be rendered, and one more: there are a thousand a second at most, and one is
-/// taken at every tick.
+/// Length of the ring of impedances that wait to be rendered. At most a thousand come in a second, and one
+/// is taken at every tick.
 pub const PACKETS: usize = 4;
 
-/// Where the force goes.
+/// The force output of the selected board.
 pub type Output = Force<<Selected as Board>::Output>;
 
-/// All that the sampling task owns.
+/// Everything that the sampling task owns.
 pub struct Sampling {
-    /// Read at every tick.
+    /// The sensors are read at every tick.
     pub sensors: <Selected as Board>::Sensors,
-    /// From codes to estimates; where it was made, since it is 10 KiB.
+    /// The sampler makes estimates of readings. It stays where it was made, since it has 10 KiB.
     pub sampler: &'static mut Sampler,
-    /// To the telemetry task: of a queue of [`QUEUE`].
+    /// Records go to the telemetry task, through a ring of [`QUEUE`].
     pub outbox: Producer<'static, Record>,
-    /// From it: other settings, of a queue of [`CHANGES`].
+    /// Settings come from the telemetry task, through a ring of [`CHANGES`].
     pub changes: Consumer<'static, Change>,
-    /// From it: impedances to render, of a queue of [`PACKETS`].
+    /// Impedances to render come from the telemetry task, through a ring of [`PACKETS`].
     pub packets: Consumer<'static, Packet>,
 }
 
-/// What came of a tick.
+/// The outcome of a tick.
 pub enum Tick {
-    /// A sample, and what it took.
+    /// A sample went through.
     Sampled(Sampled),
-    /// A spurious call.
+    /// The call was spurious.
     Nothing,
-    /// The recording is used up: the emulator only.
+    /// The recording is used up; only the emulator has one.
     End,
 }
 
-/// A sample that went through, for the budget.
-pub struct Sampled {
-    at: Stations,
-    sample: Sample<f32>,
-    dropped: bool,
+/// The surroundings of a tick on the selected board.
+struct BoardPorts<'a> {
+    output: &'a mut Output,
+    outbox: &'a mut Producer<'static, Record>,
+    packets: &'a mut Consumer<'static, Packet>,
+}
+
+/// A ring knows its length only at run time and divides by it. The comparison with the capacity before
+/// shows the compiler that it does not divide by zero, which would be a panic.
+impl Ports for BoardPorts<'_> {
+    const FULL: u16 = <Selected as Board>::Output::FULL;
+
+    fn now(&self) -> u32 {
+        Selected::now()
+    }
+
+    fn packet(&mut self) -> Option<Packet> {
+        if self.packets.capacity() != PACKETS - 1 {
+            return None;
+        }
+        self.packets.dequeue()
+    }
+
+    fn put(&mut self, code: u16) {
+        self.output.put(code);
+    }
+
+    fn queue(&mut self, record: Record) -> bool {
+        self.outbox.capacity() == QUEUE - 1 && self.outbox.enqueue(record).is_ok()
+    }
 }
 
 impl Sampling {
-    /// One instant, from the hardware to the queue. What is rendered goes out as soon as the position is
-    /// known: a force that is late costs stiffness that can be rendered stably.
+    /// Takes one instant from the sensors to the queue.
     pub fn tick(&mut self, output: &mut Output) -> Tick {
         let start = Selected::now();
-        let (codes, sample, acquired) = match self.sensors.sample() {
-            Acquired::Codes(codes) => {
-                let acquired = Selected::now();
-                (Some(codes), self.sampler.convert(&codes), acquired)
-            }
-            Acquired::Sample(sample) => (None, sample, Selected::now()),
+        let reading = match self.sensors.sample() {
+            Acquired::Reading(reading) => reading,
             Acquired::Nothing => return Tick::Nothing,
             Acquired::End => return Tick::End,
         };
-        let converted = Selected::now();
-        if self.packets.capacity() == PACKETS - 1
-            && let Some(packet) = self.packets.dequeue()
-        {
-            self.sampler.take(&packet);
-        }
-        let (rendered, code) = self.sampler.render(&sample, FULL);
-        output.put(code);
-        let put_out = Selected::now();
-        let contact = self.sampler.compensate(sample);
-        let compensated = Selected::now();
-        let estimate = self.sampler.step(contact);
-        let stepped = Selected::now();
-        let due = self.sampler.due(&estimate);
-        let record = Record {
-            codes,
-            sample,
-            estimate,
-            rendered,
-            due,
+        let mut ports = BoardPorts {
+            output,
+            outbox: &mut self.outbox,
+            packets: &mut self.packets,
         };
-        let dropped = due.any() && !self.queue(record);
-        let at = Stations {
-            start,
-            acquired,
-            converted,
-            put_out,
-            compensated,
-            stepped,
-            queued: Selected::now(),
-        };
-        Tick::Sampled(Sampled {
-            at,
-            sample,
-            dropped,
-        })
+        Tick::Sampled(self.sampler.tick(start, reading, &mut ports))
     }
 
-    /// Takes over other settings, if there are any. After the sample, and after the stopwatch: a
-    /// change comes once in a while.
+    /// Takes over other settings if some have come. This runs after the sample and after the last reading
+    /// of the stopwatch, because a change is rare.
     pub fn change(&mut self) {
         if self.changes.capacity() == CHANGES - 1
             && let Some(change) = self.changes.dequeue()
         {
             self.sampler.apply(&change);
         }
-    }
-
-    /// Whether there was room. Both ends of a queue know its length only while the program runs, and
-    /// divide by it: asked for it first, they cannot divide by zero, which would be a panic.
-    fn queue(&mut self, record: Record) -> bool {
-        self.outbox.capacity() == QUEUE - 1 && self.outbox.enqueue(record).is_ok()
-    }
-}
-
-impl Sampled {
-    /// Counts it.
-    pub fn count(&self, budget: &mut Budget) {
-        let Sampled {
-            at,
-            sample,
-            dropped,
-        } = self;
-        budget.sample(at, sample, *dropped, PERIOD_US, Selected::TICK);
     }
 }

@@ -1,39 +1,45 @@
-//! What the board does besides sampling: answers commands, keeps the settings, says how it is.
+//! The services of the board besides sampling: it answers commands, keeps the settings, and reports its
+//! health.
 
-use crate::board::{Board, ForceOutput, Link, RATE_HZ, Watchdog};
+use crate::board::{Board, ForceOutput, Link, Watchdog};
 use crate::force::Force;
 use crate::stack;
 use crate::telemetry::Telemetry;
 use embedded_hal::digital::OutputPin;
 use estimator_core::board::budget::{Budget, Meter};
-use estimator_core::estimate::Phase;
 use estimator_core::board::frame::Frame;
 use estimator_core::board::link::{Answer, Command};
-use estimator_core::board::link::{Change, Health, Identity, Name, Range, Refusal, Reply, Responder};
+use estimator_core::board::link::{Change, Health, Identity, Name, Refusal, Reply, Responder};
 use estimator_core::board::reflection::Packet;
+use estimator_core::board::sampling::RATE_HZ;
 use estimator_core::board::settings::Setup;
 use estimator_core::board::settings::store::{LAYOUT, Store};
+use estimator_core::estimate::Phase;
 use heapless::spsc::Producer;
 use rtic::Mutex;
 
-/// A line of the log with all costs, every so many samples: 10 s.
+/// Samples between two lines of the log with all costs: 10 s.
 const LOG_EVERY: u32 = 10 * RATE_HZ;
 
-/// Settings, commands, health.
+/// The state of the services.
 pub struct Service<B: Board> {
     responder: Responder<B::Flash>,
     watchdog: B::Watchdog,
     changes: Producer<'static, Change>,
     packets: Producer<'static, Packet>,
     clock_fallback: bool,
+    /// Number of samples at the last health frame.
     reported: u32,
+    /// Number of samples at the last line with all costs.
     logged: u32,
+    /// Number of samples when the watchdog was last considered.
     fed: u32,
+    /// Number of overruns at that time.
     overruns: u32,
 }
 
 impl<B: Board> Service<B> {
-    /// Loads the settings.
+    /// Loads the settings; if they cannot be used, the log says so and the defaults count.
     pub fn new(
         store: Store<B::Flash>,
         watchdog: B::Watchdog,
@@ -69,13 +75,13 @@ impl<B: Board> Service<B> {
         }
     }
 
-    /// What the sampling task starts with.
+    /// Returns the setup with which the sampling task starts.
     pub fn setup(&self) -> Option<Setup> {
         self.responder.setup()
     }
 
-    /// Answers the commands that have come, as long as there is room for answers. `output`: the force's,
-    /// held at 0 N while a command is obeyed during which the core may stand still.
+    /// Answers the commands that have come, as long as there is room for answers. The force output is held
+    /// at 0 N during a command in which the core may stand still.
     pub fn answer<L: Link, P: OutputPin>(
         &mut self,
         telemetry: &mut Telemetry<L, P>,
@@ -90,6 +96,7 @@ impl<B: Board> Service<B> {
         }
     }
 
+    /// Obeys a command and sends the reply to the frame number `to`.
     fn obey<L: Link, P: OutputPin>(
         &mut self,
         to: u16,
@@ -99,7 +106,7 @@ impl<B: Board> Service<B> {
     ) {
         let in_contact = telemetry.phase() == Phase::Contact;
         let busy = !self.changes.is_empty();
-        // An erase may take 4 s, during which nothing runs, and a force would stand.
+        // An erase may take 4 s, during which nothing runs: the last force would stay on.
         let stalls = command == Command::Save && !in_contact && !busy;
         if stalls {
             self.watchdog.feed();
@@ -113,7 +120,7 @@ impl<B: Board> Service<B> {
         if let Some(change) = answered.change
             && self.changes.enqueue(change).is_err()
         {
-            // Not reached: the responder refuses while one is on its way.
+            // Not reached: the responder refuses a change while another one waits.
             answered.reply = Reply {
                 to,
                 answer: Answer::Refused(Refusal::Busy, 0),
@@ -127,7 +134,7 @@ impl<B: Board> Service<B> {
         telemetry.send_frame(&Frame::Reply(answered.reply));
     }
 
-    /// Feeds the watchdog while samples come in time; once a second says how the board is.
+    /// Feeds the watchdog while samples come in time, and reports the board's health once a second.
     pub fn report<L: Link, P: OutputPin>(
         &mut self,
         telemetry: &mut Telemetry<L, P>,
@@ -135,7 +142,7 @@ impl<B: Board> Service<B> {
     ) {
         if budget.samples.wrapping_sub(self.fed) >= RATE_HZ / 10 {
             self.fed = budget.samples;
-            // A task that is late again and again starves the watchdog: 100 samples, 100 overruns.
+            // The watchdog is not fed by a task that is always late: 100 overruns in 100 samples.
             if budget.overruns.wrapping_sub(self.overruns) < RATE_HZ / 10 {
                 self.watchdog.feed();
             }
@@ -152,6 +159,7 @@ impl<B: Board> Service<B> {
         }
     }
 
+    /// Returns the health of the board.
     fn health<L: Link, P: OutputPin>(
         &self,
         telemetry: &Telemetry<L, P>,
@@ -159,43 +167,18 @@ impl<B: Board> Service<B> {
     ) -> Health {
         Health {
             time_us: telemetry.time_us(),
-            samples: budget.samples,
-            dropped: budget.dropped,
-            overruns: budget.overruns,
-            missed: budget.missed,
             garbled: self.responder.garbled(),
-            period: budget.period.range(),
-            step: budget.step.range(),
-            task: budget.task.range(),
             stack_free: stack::never_used(),
             faults: telemetry.faults(),
             concerns: self.responder.concerns(),
             clock_fallback: self.clock_fallback,
+            ..budget.health()
         }
     }
 
-    /// Logs everything, as `key=value` (tests/qemu.rs reads it) with min/mean/max.
+    /// Logs counters and costs as `key=value`, with min/mean/max of every meter; the emulator's tests read
+    /// the line.
     pub fn log(budget: &Budget, encode: &Meter) {
-        let [
-            period,
-            convert,
-            render,
-            compensate,
-            step,
-            queue,
-            task,
-            encode,
-        ] = [
-            &budget.period,
-            &budget.convert,
-            &budget.render,
-            &budget.compensate,
-            &budget.step,
-            &budget.queue,
-            &budget.task,
-            encode,
-        ]
-        .map(|meter| Shown(meter.range()));
         defmt::info!(
             "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} render={} compensate={} step={} queue={} task={} encode={}",
             B::COST_UNIT,
@@ -206,23 +189,24 @@ impl<B: Board> Service<B> {
             budget.missed,
             stack::never_used(),
             B::TICK,
-            period,
-            convert,
-            render,
-            compensate,
-            step,
-            queue,
-            task,
-            encode
+            Shown(&budget.period),
+            Shown(&budget.convert),
+            Shown(&budget.render),
+            Shown(&budget.compensate),
+            Shown(&budget.step),
+            Shown(&budget.queue),
+            Shown(&budget.task),
+            Shown(encode),
         );
     }
 }
 
-/// min/mean/max in a log.
-struct Shown(Range);
+/// The range of a meter as min/mean/max in a log.
+struct Shown<'a>(&'a Meter);
 
-impl defmt::Format for Shown {
+impl defmt::Format for Shown<'_> {
     fn format(&self, f: defmt::Formatter) {
-        defmt::write!(f, "{}/{}/{}", self.0.min, self.0.mean, self.0.max)
+        let range = self.0.range();
+        defmt::write!(f, "{}/{}/{}", range.min, range.mean, range.max)
     }
 }

@@ -1,33 +1,28 @@
-//! Frames out, and a log line for whatever a person would want to see. Low priority: may be late,
-//! may not be wrong.
+//! Telemetry: frames to the host, the status light, and a log line for every event that a person would want
+//! to see. It runs at low priority: it may be late, but not wrong.
 
 use crate::board::{Board, Link, Selected};
 use embedded_hal::digital::OutputPin;
 use estimator_core::board::budget::Meter;
-use estimator_core::estimate::{Event, Phase};
 use estimator_core::board::frame::{self, Frame, MAX_ENCODED, RECORD_ENCODED};
 use estimator_core::board::sampling::Record;
-use estimator_core::{Estimate, Fault, Faults, Status};
+use estimator_core::estimate::{Event, Phase};
+use estimator_core::{Estimate, Faults, Status};
 
-/// Records that wait for the link: 64 ms of it. Codes, sample and estimate are at most 180 bytes
-/// together (frame.rs), of the 200 that 2 Mbaud carry in a millisecond.
-pub const QUEUE: usize = 64;
-
-/// Telemetry over a link, with a light.
+/// Telemetry over a link, with a status light.
 pub struct Telemetry<L, P> {
     link: L,
     light: P,
     sequence: u16,
-    /// What a record costs to encode and queue, in the board's unit.
+    /// This measures the encoding and queueing of a record, in the board's unit.
     pub encode: Meter,
     last: Option<Estimate<f32>>,
     last_in_contact: Option<Estimate<f32>>,
-    /// What is wrong with rendering.
-    rendering: Faults,
+    faults: Faults,
 }
 
 impl<L: Link, P: OutputPin> Telemetry<L, P> {
-    /// Nothing sent yet.
+    /// New telemetry has sent nothing.
     pub fn new(link: L, light: P) -> Self {
         Telemetry {
             link,
@@ -36,12 +31,12 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
             encode: Meter::new(),
             last: None,
             last_in_contact: None,
-            rendering: Faults::NONE,
+            faults: Faults::NONE,
         }
     }
 
-    /// Whether the frames of one record fit into the link. Where they do not, the queue fills and
-    /// the sampling task counts the drops: they are counted in one place.
+    /// Returns whether the frames of one record fit into the link. If not, the queue fills and the
+    /// sampling task counts the drops: this is the only place where they are counted.
     pub fn has_room(&self) -> bool {
         self.link.room() >= RECORD_ENCODED
     }
@@ -49,35 +44,23 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
     /// Sends the frames of a record and logs what happened in it.
     pub fn send(&mut self, record: &Record) {
         let start = Selected::now();
-        if record.due.shown {
-            if let Some(codes) = record.codes {
-                self.send_frame(&Frame::Codes(codes));
-            }
-            self.send_frame(&Frame::Sample(record.sample));
-            self.send_frame(&Frame::Estimate(record.estimate));
-            if let Some(rendered) = record.rendered {
-                self.send_frame(&Frame::Rendered(rendered));
-            }
-        }
-        if let Some(packet) = record.packet() {
-            self.send_frame(&Frame::Reflection(packet));
-        }
+        record.for_each_frame(|frame| self.send_frame(frame));
         self.encode.record(Selected::now().wrapping_sub(start));
         self.log_changes(&record.estimate);
         self.show(&record.estimate);
         self.last = Some(record.estimate);
-        self.rendering = record.rendered.map_or(Faults::NONE, |of| of.faults);
+        self.faults = record.faults();
         if record.estimate.phase == Phase::Contact {
             self.last_in_contact = self.last;
         }
     }
 
-    /// Lets the link work.
+    /// Starts the link on the queued frames.
     pub fn poll(&mut self) {
         self.link.poll();
     }
 
-    /// The last words of a finite run.
+    /// Logs the final estimate of a finite run and sends everything that is queued.
     pub fn finish(&mut self) {
         match &self.last_in_contact {
             Some(estimate) => log_estimate("final estimate", estimate),
@@ -86,33 +69,27 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
         self.link.finish();
     }
 
-    /// The next byte from the host.
+    /// Returns the next byte from the host.
     pub fn receive(&mut self) -> Option<u8> {
         self.link.receive()
     }
 
-    /// Where the probe is; before the first sample, as if it were in free air.
+    /// Returns the phase of the last estimate; before the first one the board is settling.
     pub fn phase(&self) -> Phase {
         self.last.map_or(Phase::Settling, |last| last.phase)
     }
 
-    /// Time of the last estimate (µs).
+    /// Returns the time of the last estimate (µs).
     pub fn time_us(&self) -> u64 {
         self.last.map_or(0, |last| last.time_us)
     }
 
-    /// What is wrong now, the estimator's own doubts included.
+    /// Returns the faults of the last record that was sent.
     pub fn faults(&self) -> Faults {
-        let Some(last) = self.last else {
-            return Faults::NONE;
-        };
-        match last.status {
-            Status::ModelSuspect => last.faults.with(Fault::EstimatorSuspect) | self.rendering,
-            _ => last.faults | self.rendering,
-        }
+        self.faults
     }
 
-    /// Sends a frame; there must be room for it. Never inlined: there are eight that do.
+    /// Sends a frame, for which there must be room. Never inlined: eight places send frames.
     #[inline(never)]
     pub fn send_frame(&mut self, frame: &Frame) {
         let mut bytes = [0; MAX_ENCODED];
@@ -149,18 +126,19 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
         }
     }
 
-    /// On in contact, blinking once a second in free air, off while settling.
+    /// Switches the light: on in contact, a flash of 0.1 s every second in free air, off while settling.
     fn show(&mut self, estimate: &Estimate<f32>) {
         let on = match estimate.phase {
             Phase::Contact => true,
             Phase::Free => estimate.time_us % 1_000_000 < 100_000,
             Phase::Settling => false,
         };
-        // A light that fails takes nothing with it.
+        // Nothing depends on the light.
         let _ = self.light.set_state(on.into());
     }
 }
 
+/// Logs an estimate with its parameters.
 fn log_estimate(what: &'static str, estimate: &Estimate<f32>) {
     defmt::info!(
         "{=u64:us}: {=str}: {=str}, {=str}",

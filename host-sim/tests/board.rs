@@ -12,10 +12,9 @@ use std::sync::{Arc, Mutex};
 
 use common::Folder;
 use estimator_core::board::frame::Frame;
-use estimator_core::board::link::{Answer, Command, Refusal};
+use estimator_core::board::link::{Answer, BYTES_PER_MS, Command, Refusal};
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::{Fault, State, step};
-use palpate::link::board::BYTES_PER_MS;
 use palpate::link::calibrate::{self, CalibrateArgs, Person};
 use palpate::link::port::{Files, Simulated};
 use palpate::link::record;

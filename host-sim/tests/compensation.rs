@@ -8,12 +8,12 @@ use std::sync::{Arc, Mutex};
 
 use common::{Folder, complained, said};
 use estimator_core::board::frame::Frame;
+use estimator_core::board::link::BYTES_PER_MS;
 use estimator_core::board::link::Command;
 use estimator_core::board::sampling::Sampler;
 use estimator_core::board::settings::Key;
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Fault, Status};
-use palpate::link::board::BYTES_PER_MS;
 use palpate::link::compensate::{self, CompensateArgs};
 use palpate::link::port::Simulated;
 use palpate::link::record::record;

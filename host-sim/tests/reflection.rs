@@ -10,12 +10,12 @@ use std::sync::{Arc, Mutex};
 
 use common::Folder;
 use estimator_core::board::frame::Frame;
-use estimator_core::board::link::{Answer, Command, Refusal};
+use estimator_core::board::link::{Answer, BYTES_PER_MS, Command, Refusal};
 use estimator_core::board::reflection::{Impedance, Output, Packet, Speed};
+use estimator_core::board::sampling::FULL;
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use estimator_core::{Fault, Sample, Status};
-use palpate::link::board::{BYTES_PER_MS, FULL};
 use palpate::link::port::Simulated;
 use palpate::link::world::{Hand, World};
 use palpate::link::{Device, Port, SimulatedBoard, config};

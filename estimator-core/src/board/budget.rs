@@ -1,10 +1,10 @@
-//! What the sampling task costs and whether it is in time, counted while it runs.
+//! The cost of the sampling task and its punctuality, counted while the task runs.
 
-use crate::board::link::Range;
+use crate::board::link::{Health, Range};
 use crate::estimate::fault::Fault;
 use crate::estimate::sample::Sample;
 
-/// Smallest, largest and mean of a series.
+/// A meter keeps the minimum, the mean and the maximum of a series.
 #[derive(Clone, Copy, Debug)]
 pub struct Meter {
     min: u32,
@@ -20,7 +20,7 @@ impl Default for Meter {
 }
 
 impl Meter {
-    /// Nothing measured yet.
+    /// A new meter has measured nothing.
     pub const fn new() -> Self {
         Meter {
             min: u32::MAX,
@@ -30,7 +30,7 @@ impl Meter {
         }
     }
 
-    /// One more of the series.
+    /// Adds a value to the series.
     pub fn record(&mut self, value: u32) {
         self.min = self.min.min(value);
         self.max = self.max.max(value);
@@ -38,7 +38,7 @@ impl Meter {
         self.count = self.count.wrapping_add(1);
     }
 
-    /// All three; zeros of an empty series.
+    /// Returns minimum, mean and maximum, which are zeros while the series is empty.
     pub fn range(&self) -> Range {
         match self.sum.checked_div(u64::from(self.count)) {
             Some(mean) => Range {
@@ -51,56 +51,68 @@ impl Meter {
     }
 }
 
-/// Counters of the sampling task since start.
+/// The counters and meters of the sampling task since start. Times are in the unit of the board's
+/// stopwatch.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {
-    /// Times that the task ran.
+    /// This counts the runs of the task.
     pub ticks: u32,
-    /// Samples that went through `step`.
+    /// This counts the samples that went through `step`.
     pub samples: u32,
-    /// Records that found the queue full.
+    /// This counts the records that found the queue full.
     pub dropped: u32,
-    /// Times that the task took longer than a tick, or that the board saw it come late.
+    /// This counts the runs that took longer than a tick or that the board saw start late.
     pub overruns: u32,
-    /// Instants that no sample was taken of.
+    /// This counts the instants of which no sample was taken.
     pub missed: u32,
-    /// Between two starts of the task.
+    /// This measures the time between two starts of the task; its spread is the jitter.
     pub period: Meter,
-    /// From the codes to SI units.
+    /// This measures the conversion from codes to SI units.
     pub convert: Meter,
-    /// From the position to the force that is put out.
+    /// This measures the rendering, from the position to the force at the output.
     pub render: Meter,
-    /// What the rig adds is taken off.
+    /// This measures the compensation of the rig's effects.
     pub compensate: Meter,
-    /// `step` alone.
+    /// This measures `step` alone.
     pub step: Meter,
-    /// From the estimate to the queue.
+    /// This measures the way of the record into the queue.
     pub queue: Meter,
-    /// The whole task.
+    /// This measures the whole task.
     pub task: Meter,
     last_start: Option<u32>,
     last_time_us: Option<u64>,
-    /// Whether the sensors have reported the end of their recording.
+    /// This is true as soon as the sensors have reported the end of their recording.
     pub finished: bool,
 }
 
-/// The stopwatch at the task's stations.
+/// The readings of the stopwatch in one tick, one at the end of each stage.
 #[derive(Clone, Copy, Debug)]
-pub struct Stations {
-    /// The task starts.
+pub struct StageTimes {
+    /// The task started at this reading.
     pub start: u32,
-    /// The codes are there.
+    /// The sensors had been read.
     pub acquired: u32,
-    /// They are in SI units.
+    /// The sample was in SI units.
     pub converted: u32,
-    /// The force that is rendered is out.
+    /// The rendered force was at the output.
     pub put_out: u32,
-    /// The rig's own effects are off.
+    /// The effects of the rig had been taken off.
     pub compensated: u32,
-    /// The estimate is there.
+    /// The estimate was ready.
     pub stepped: u32,
-    /// It is in the queue, or dropped.
+    /// The record was in the queue, or dropped.
     pub queued: u32,
+}
+
+/// The outcome of a tick, for the budget.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    /// The stopwatch was read at the end of each stage.
+    pub times: StageTimes,
+    /// The sample before the compensation.
+    pub sample: Sample<f32>,
+    /// The record was due, but the queue was full.
+    pub dropped: bool,
 }
 
 impl Default for Budget {
@@ -110,7 +122,7 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// Nothing counted yet.
+    /// A new budget has counted nothing.
     pub const fn new() -> Self {
         Budget {
             ticks: 0,
@@ -131,36 +143,52 @@ impl Budget {
         }
     }
 
-    /// A sample went through. `period_us` and `tick`: the time between two samples in µs and in the
-    /// stopwatch's unit; `dropped`: its record found the queue full.
-    pub fn sample(
-        &mut self,
-        at: &Stations,
-        sample: &Sample<f32>,
-        dropped: bool,
-        period_us: u64,
-        tick: u32,
-    ) {
+    /// Counts a tick. The time between two samples is `period_us` (µs), and `tick` in the unit of
+    /// the stopwatch.
+    pub fn count(&mut self, sampled: &Sampled, period_us: u64, tick: u32) {
+        let Sampled {
+            times,
+            sample,
+            dropped,
+        } = sampled;
         self.ticks = self.ticks.wrapping_add(1);
         self.samples = self.samples.wrapping_add(1);
-        self.dropped = self.dropped.wrapping_add(u32::from(dropped));
-        if let Some(last) = self.last_start.replace(at.start) {
-            self.period.record(at.start.wrapping_sub(last));
+        self.dropped = self.dropped.wrapping_add(u32::from(*dropped));
+        if let Some(last) = self.last_start.replace(times.start) {
+            self.period.record(times.start.wrapping_sub(last));
         }
-        self.convert.record(at.converted.wrapping_sub(at.acquired));
-        self.render.record(at.put_out.wrapping_sub(at.converted));
+        self.convert
+            .record(times.converted.wrapping_sub(times.acquired));
+        self.render
+            .record(times.put_out.wrapping_sub(times.converted));
         self.compensate
-            .record(at.compensated.wrapping_sub(at.put_out));
-        self.step.record(at.stepped.wrapping_sub(at.compensated));
-        self.queue.record(at.queued.wrapping_sub(at.stepped));
-        let task = at.queued.wrapping_sub(at.start);
+            .record(times.compensated.wrapping_sub(times.put_out));
+        self.step
+            .record(times.stepped.wrapping_sub(times.compensated));
+        self.queue.record(times.queued.wrapping_sub(times.stepped));
+        let task = times.queued.wrapping_sub(times.start);
         self.task.record(task);
         let late = task > tick || sample.faults.has(Fault::Overrun);
         self.overruns = self.overruns.wrapping_add(u32::from(late));
         self.count_missed(sample.time_us, period_us);
     }
 
-    /// Whole periods between two samples, less the one that there should be.
+    /// Returns the part of the board's health that the budget knows; the other fields have their
+    /// defaults.
+    pub fn health(&self) -> Health {
+        Health {
+            samples: self.samples,
+            dropped: self.dropped,
+            overruns: self.overruns,
+            missed: self.missed,
+            period: self.period.range(),
+            step: self.step.range(),
+            task: self.task.range(),
+            ..Health::default()
+        }
+    }
+
+    /// Counts the whole periods between two samples, without the one that there should be.
     fn count_missed(&mut self, time_us: u64, period_us: u64) {
         let last = self.last_time_us.unwrap_or(time_us);
         if time_us < last {
@@ -182,9 +210,9 @@ mod tests {
 
     const TICK: u32 = 168_000;
 
-    /// A task that starts at `start` and takes `cost`, with a sample of time `time_us`.
+    /// Counts a task that starts at `start` and takes `cost`, with a sample of time `time_us`.
     fn run(budget: &mut Budget, start: u32, cost: u32, time_us: u64, faults: Faults) {
-        let at = Stations {
+        let times = StageTimes {
             start,
             acquired: start.wrapping_add(93),
             converted: start.wrapping_add(143),
@@ -198,7 +226,12 @@ mod tests {
             faults,
             ..Sample::default()
         };
-        budget.sample(&at, &sample, false, 1000, TICK);
+        let sampled = Sampled {
+            times,
+            sample,
+            dropped: false,
+        };
+        budget.count(&sampled, 1000, TICK);
     }
 
     #[test]
@@ -211,7 +244,7 @@ mod tests {
             start = start.wrapping_add(TICK);
         }
         assert_eq!((budget.overruns, budget.missed), (0, 0));
-        // As long as a tick is in time, one more is not.
+        // A task that takes a whole tick is in time; one count more is an overrun.
         run(&mut budget, start, TICK, 11_000, Faults::NONE);
         assert_eq!(budget.overruns, 0);
         run(&mut budget, start, TICK + 1, 12_000, Faults::NONE);
@@ -220,7 +253,7 @@ mod tests {
         let late = Faults::NONE.with(Fault::Overrun);
         run(&mut budget, start, 20_000, 15_000, late);
         assert_eq!((budget.overruns, budget.missed), (2, 2));
-        // Time that stands still or runs back is none that is missing.
+        // Time that stands still or runs back adds no missing instant.
         run(&mut budget, start, 20_000, 15_000, Faults::NONE);
         run(&mut budget, start, 20_000, 3_000, Faults::NONE);
         assert_eq!((budget.overruns, budget.missed), (2, 2));

@@ -1,47 +1,47 @@
-//! The load cell's scale and zero from known weights: a line by least squares, and how good it is.
+//! The load cell's scale and zero from known weights: a line by least squares, and its quality.
 //!
 //! F = s·(c − z): force F (N), code c, scale s (N per code), zero z (code). With two weights the line
-//! passes through both points and says nothing about itself; a third shows whether the cell is
-//! straight, a re-zero at the end whether it stays where it was.
+//! passes through both points, and nothing checks it. A third weight shows whether the cell is linear,
+//! and a second zero at the end whether it drifts.
 
 /// One known weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Mean code while the weight lay still.
     pub code: f64,
-    /// Standard deviation of single samples around it (codes).
+    /// Standard deviation of single samples around the mean (codes).
     pub noise_codes: f64,
-    /// The force that the weight makes (N), positive when it pushes the probe out.
+    /// Force of the weight (N), positive when it pushes the probe out.
     pub force_n: f64,
 }
 
-/// What came out.
+/// The calibration line with its errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
-    /// s (N per code).
+    /// Scale s (N per code).
     pub n_per_code: f64,
-    /// z (code).
+    /// Zero z (code).
     pub zero_code: f64,
-    /// Standard error of s over s: of what the line leaves over, or of the noise if that is more.
+    /// Relative standard error of s, from the residuals or from the noise, whichever is larger.
     pub scale_error: f64,
-    /// What the line leaves over, rms over the degrees of freedom (N); `None` with two weights.
+    /// Residual standard deviation: rms over the degrees of freedom (N); `None` with two weights.
     pub residual_n: Option<f64>,
-    /// The largest deviation of a point from the line (N), and which point.
+    /// Largest deviation of a point from the line (N), and the index of that point.
     pub worst: (f64, usize),
     /// Noise of single samples (N rms).
     pub noise_n: f64,
-    /// The largest force of a point in magnitude (N).
+    /// Largest absolute force of a point (N).
     pub span_n: f64,
 }
 
-/// Why there is no calibration.
+/// The reason why there is no calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CalibrationError {
-    /// Fewer than two points, or a number that is not finite.
+    /// There are fewer than two points, or a number is not finite.
     TooFew,
     /// All weights are the same.
     SameForce,
-    /// The code hardly moves with the weight: less than five times its noise.
+    /// The code moves with the weight by less than five times its noise.
     NoResponse,
 }
 
@@ -59,24 +59,24 @@ impl core::fmt::Display for CalibrationError {
 
 impl core::error::Error for CalibrationError {}
 
-/// How far a calibration can be trusted.
+/// The quality of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// Worst deviation within 0.5 % of the span.
+    /// The worst deviation is within 0.5 % of the span.
     Good,
-    /// Within 2 %.
+    /// The worst deviation is within 2 % of the span.
     Usable,
-    /// Beyond.
+    /// The worst deviation is beyond 2 % of the span.
     Poor,
-    /// Two weights: nothing checks the line.
+    /// There are two weights, and nothing checks the line.
     Unchecked,
 }
 
 impl Calibration {
-    /// The line through the points that leaves the least squares of force over.
+    /// Fits the line through the points by least squares.
     ///
     /// Codes are regressed on forces, since the weights are known and the codes are measured, and
-    /// the line is turned round: exact for points on a line, no bias from the noise of the codes.
+    /// the line is inverted. The fit is exact for points on a line and has no bias from the noise of the codes.
     ///
     /// # Errors
     /// [`CalibrationError`].
@@ -95,13 +95,13 @@ impl Calibration {
                 .map(|p| of(p.force_n - mean_n, p.code - mean_code));
             centred.sum()
         };
-        let spread = moment(&|force, _| force * force);
-        if spread <= 0.0 {
+        let force_variation = moment(&|force, _| force * force);
+        if force_variation <= 0.0 {
             return Err(CalibrationError::SameForce);
         }
-        let codes_per_n = moment(&|force, code| force * code) / spread;
+        let codes_per_n = moment(&|force, code| force * code) / force_variation;
         let noise_codes = libm::sqrt(mean(|p| p.noise_codes * p.noise_codes));
-        let moved = codes_per_n.abs() * libm::sqrt(spread / count);
+        let moved = codes_per_n.abs() * libm::sqrt(force_variation / count);
         if moved <= 5.0 * noise_codes || codes_per_n == 0.0 {
             return Err(CalibrationError::NoResponse);
         }
@@ -112,11 +112,11 @@ impl Calibration {
             n_per_code,
             zero_code,
             noise_codes,
-            spread,
+            force_variation,
         ))
     }
 
-    /// In one word.
+    /// Returns the quality in one word.
     pub fn quality(&self) -> Quality {
         let worst = self.worst.0 / self.span_n;
         match self.residual_n {
@@ -127,18 +127,19 @@ impl Calibration {
         }
     }
 
-    /// How far the zero has moved (N) if the unloaded cell now reads `code`.
+    /// Returns how far the zero has moved (N) if the unloaded cell now reads `code`.
     pub fn drift_n(&self, code: f64) -> f64 {
         (code - self.zero_code) * self.n_per_code
     }
 }
 
+/// Returns the line with its errors.
 fn estimates(
     points: &[Point],
     n_per_code: f64,
     zero_code: f64,
     noise_codes: f64,
-    spread: f64,
+    force_variation: f64,
 ) -> Calibration {
     let mut worst = (0.0, 0);
     let (mut squares, mut span_n) = (0.0, 0.0_f64);
@@ -156,7 +157,7 @@ fn estimates(
     Calibration {
         n_per_code,
         zero_code,
-        scale_error: residual_n.unwrap_or(0.0).max(noise_n) / libm::sqrt(spread),
+        scale_error: residual_n.unwrap_or(0.0).max(noise_n) / libm::sqrt(force_variation),
         residual_n,
         worst,
         noise_n,
@@ -170,10 +171,10 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
-    /// A cell of `n_per_code` with its zero at 65 000 and a curvature of `bend` codes at 20 N.
-    fn points(forces: &[f64], n_per_code: f64, bend: f64) -> Vec<Point> {
+    /// Points of a cell of `n_per_code` with its zero at 65 000, which deviates by `curvature` codes at 20 N.
+    fn points(forces: &[f64], n_per_code: f64, curvature: f64) -> Vec<Point> {
         let point = |force_n: &f64| Point {
-            code: 65_000.0 + force_n / n_per_code + bend * (force_n / 20.0) * (force_n / 20.0),
+            code: 65_000.0 + force_n / n_per_code + curvature * (force_n / 20.0) * (force_n / 20.0),
             noise_codes: 8.0,
             force_n: *force_n,
         };
@@ -195,16 +196,16 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_cell_is_told_by_what_the_line_leaves_over() {
+    fn a_curved_cell_shows_in_the_residuals() {
         // 20 N are 26 316 codes; a sagitta of b codes leaves b/8 at the middle of the line.
-        for (bend, quality) in [
+        for (curvature, quality) in [
             (500.0, Quality::Good),
             (2000.0, Quality::Usable),
             (8000.0, Quality::Poor),
         ] {
-            let fit = Calibration::fit(&points(&[0.0, 5.0, 10.0, 15.0, 20.0], 7.6e-4, bend));
+            let fit = Calibration::fit(&points(&[0.0, 5.0, 10.0, 15.0, 20.0], 7.6e-4, curvature));
             let fit = fit.unwrap();
-            assert_eq!(fit.quality(), quality, "{bend}: {fit:?}");
+            assert_eq!(fit.quality(), quality, "{curvature}: {fit:?}");
             assert!(fit.residual_n.unwrap() > 0.0);
         }
     }

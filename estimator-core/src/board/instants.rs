@@ -1,7 +1,7 @@
-//! What reading sensors needs besides hardware: sums of oversampled conversions, counters without
-//! their wraps, and the time of an instant from a stopwatch that wraps as well.
+//! Helpers for reading sensors that need no hardware: sums of oversampled conversions, counters without
+//! their wraps, and the time of an instant from a stopwatch that wraps.
 
-/// A 16-bit counter without its wraps.
+/// The count behind a 16-bit counter that wraps.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counter {
     last: u16,
@@ -9,13 +9,13 @@ pub struct Counter {
 }
 
 impl Counter {
-    /// From 0.
+    /// Starts at 0.
     pub const fn new() -> Self {
         Counter { last: 0, count: 0 }
     }
 
-    /// What the counter stands for, now that it reads `counter`: right as long as it moves by less
-    /// than 32 768 between two calls.
+    /// Returns the count for the reading `counter`, which is right as long as the counter moves by less than
+    /// 32 768 between two calls.
     pub fn follow(&mut self, counter: u16) -> i32 {
         let moved = counter.wrapping_sub(self.last) as i16;
         self.last = counter;
@@ -24,8 +24,8 @@ impl Counter {
     }
 }
 
-/// The sum of conversions, the lowest and the highest of them: one that stood at a rail does not
-/// hide in the sum.
+/// Returns the sum of conversions, the lowest and the highest of them: a conversion at a rail does not
+/// show in the sum.
 pub fn summed(conversions: impl Iterator<Item = u16>) -> (i32, i32, i32) {
     conversions
         .map(i32::from)
@@ -34,18 +34,18 @@ pub fn summed(conversions: impl Iterator<Item = u16>) -> (i32, i32, i32) {
         })
 }
 
-/// How many ticks have passed, by a stopwatch that runs from the ticks' own clock.
+/// The number of ticks that have passed, by a stopwatch that runs from the same clock as the ticks.
 #[derive(Clone, Copy, Debug)]
 pub struct Ticks {
-    /// Of the stopwatch, to a tick.
+    /// Length of a tick on the stopwatch.
     length: u32,
     count: u64,
-    /// What the stopwatch read at the last tick, had the call been on time.
+    /// The reading of the stopwatch at the last tick, for a call on time.
     on_time: Option<u32>,
 }
 
 impl Ticks {
-    /// Before the first; `length`: of a tick on the stopwatch, greater than 0.
+    /// Starts before the first tick. A tick is `length` on the stopwatch, greater than 0.
     pub const fn new(length: u32) -> Self {
         Ticks {
             length,
@@ -54,16 +54,16 @@ impl Ticks {
         }
     }
 
-    /// The number of this tick, from 1, and whether ticks were missed before it; `None` of a spurious
-    /// call.
+    /// Returns the number of this tick, from 1, and whether ticks were missed before it; or `None` for a
+    /// spurious call.
     ///
-    /// Ticks stay where the first one was; a sixteenth of slack is for a first call that came later
-    /// than usual. Right for calls less than 2³² of the stopwatch apart.
+    /// All ticks are counted from the first call; a slack of a sixteenth of a tick allows for a first call
+    /// that was late. The number is right for calls less than 2³² of the stopwatch apart.
     pub fn at(&mut self, now: u32) -> Option<(u64, bool)> {
         let on_time = *self.on_time.get_or_insert(now.wrapping_sub(self.length));
         let elapsed = u64::from(now.wrapping_sub(on_time)) + u64::from(self.length / 16);
         let passed = elapsed.checked_div(u64::from(self.length)).unwrap_or(0);
-        // Called a little before its tick: what is before on_time wraps round.
+        // For a call a little before its tick, the difference to on_time wraps round.
         if passed == 0 || now.wrapping_sub(on_time) > u32::MAX - self.length / 16 {
             return None;
         }
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn missed_ticks_are_counted_and_told_and_a_spurious_call_is_none() {
+    fn missed_ticks_are_counted_and_reported_and_a_spurious_call_has_no_number() {
         let mut ticks = Ticks::new(TICK);
         assert_eq!(ticks.at(1000), Some((1, false)));
         assert_eq!(ticks.at(1000 + TICK / 2), None);

@@ -1,6 +1,9 @@
-//! What happens to every instant on a board, and nothing else: convert, compensate, step, record. The
-//! firmware's sampling task, its link proof and the host's simulated board are made of it.
+//! The sampling task of a board: one tick takes one instant from the sensors to the queue of records. The
+//! firmware on the board and in the emulator, its link proof and the host's simulated board all run
+//! [`Sampler::tick`].
 
+use crate::board::budget::{Sampled, StageTimes};
+use crate::board::frame::Frame;
 use crate::board::link::Change;
 use crate::board::reflection::{Packet, Rendered, Renderer, Speed};
 use crate::board::sensing::{Codes, Watch};
@@ -8,78 +11,145 @@ use crate::board::settings::Setup;
 use crate::estimate::Estimate;
 use crate::estimate::compensation::{Compensation, CompensationState};
 use crate::estimate::estimator::{State, step};
-use crate::estimate::fault::Fault;
+use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::params::Params;
 use crate::estimate::sample::Sample;
+use crate::estimate::status::Status;
 
-/// What the sampling task leaves behind at every tick.
+/// Samples per second of every board (Hz).
+pub const RATE_HZ: u32 = 1000;
+/// Time between two samples (µs).
+pub const PERIOD_US: u64 = 1_000_000 / RATE_HZ as u64;
+/// Length of the queue of records between the sampling task and the link: 64 ms. The firmware's ring of
+/// this length holds one record less.
+pub const QUEUE: usize = 64;
+/// Code of the full force output on the reference wiring, a PWM of 32 kHz counted at 84 MHz. The emulator
+/// and the host's simulated board imitate it.
+pub const FULL: u16 = 2625;
+
+/// A reading of the sensors at one instant.
+#[derive(Clone, Copy, Debug)]
+pub enum Reading {
+    /// The sensors gave the codes of the converters.
+    Codes(Codes),
+    /// A recording gave a sample that is in SI units already; only the emulator has such readings.
+    Sample(Sample<f32>),
+}
+
+/// The surroundings of a tick: the board's stopwatch, and where a tick takes from and gives to.
+pub trait Ports {
+    /// Code of the full force output; 0 is no output.
+    const FULL: u16;
+
+    /// Reads the stopwatch.
+    fn now(&self) -> u32;
+
+    /// Takes an impedance to render that has come since the last tick.
+    fn packet(&mut self) -> Option<Packet>;
+
+    /// Puts a code of at most [`Ports::FULL`] out as the force.
+    fn put(&mut self, code: u16);
+
+    /// Queues a record for the link and returns whether there was room.
+    fn queue(&mut self, record: Record) -> bool;
+}
+
+/// The record of one instant, which the sampling task hands to the link.
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
-    /// What the converters said; `None` of a recording in SI units.
+    /// The codes of the converters; a recording in SI units has none.
     pub codes: Option<Codes>,
-    /// What was read, before anything was taken off: recorded, it can be replayed with other
-    /// settings.
+    /// The sample before the compensation: a recording of it can be replayed with other settings.
     pub sample: Sample<f32>,
-    /// What came out, with the stamp of the instant that it belongs to.
+    /// The estimate, with the stamp of the instant that it belongs to.
     pub estimate: Estimate<f32>,
-    /// What was put out at this instant; `None` while nothing is rendered.
+    /// The rendered force at this instant; `None` while nothing is rendered.
     pub rendered: Option<Rendered>,
-    /// What of it is to be sent.
+    /// The parts of the record that are to be sent.
     pub due: Due,
 }
 
-/// What is to be sent of an instant.
+/// The parts of a record that are to be sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Due {
-    /// Codes, sample, estimate, and what was rendered.
+    /// Codes, sample, estimate and rendered force are to be sent.
     pub shown: bool,
-    /// The impedance, for the other side: as the packet with this number.
+    /// The impedance is to be sent to the other side, as the packet with this number.
     pub reflected: Option<u16>,
-    /// Depth (m) that its parameters are reported at.
+    /// The packet reports its parameters at this depth (m).
     reference_depth_m: f32,
 }
 
 impl Due {
-    /// Whether there is anything.
+    /// Returns whether anything is to be sent.
     pub fn any(&self) -> bool {
         self.shown || self.reflected.is_some()
     }
 }
 
 impl Record {
-    /// The packet for the other side, if one is due.
+    /// Returns the packet for the other side, if one is due.
     pub fn packet(&self) -> Option<Packet> {
         let sequence = self.due.reflected?;
         let depth_m = self.due.reference_depth_m;
         Some(Packet::of(&self.estimate, depth_m, sequence))
     }
+
+    /// Hands over the frames that are due, in the order in which they go out.
+    pub fn for_each_frame(&self, mut send: impl FnMut(&Frame)) {
+        if self.due.shown {
+            if let Some(codes) = self.codes {
+                send(&Frame::Codes(codes));
+            }
+            send(&Frame::Sample(self.sample));
+            send(&Frame::Estimate(self.estimate));
+            if let Some(rendered) = self.rendered {
+                send(&Frame::Rendered(rendered));
+            }
+        }
+        if let Some(packet) = self.packet() {
+            send(&Frame::Reflection(packet));
+        }
+    }
+
+    /// Returns the faults of the instant: those of estimate and rendering, and
+    /// [`Fault::EstimatorSuspect`] while the law does not explain the force.
+    pub fn faults(&self) -> Faults {
+        let estimator = match self.estimate.status {
+            Status::ModelSuspect => self.estimate.faults.with(Fault::EstimatorSuspect),
+            _ => self.estimate.faults,
+        };
+        estimator | self.rendered.map_or(Faults::NONE, |of| of.faults)
+    }
 }
 
-/// The sampling task's own state.
+/// The state of the sampling task.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     setup: Setup,
     watch: Watch,
-    memory: Option<CompensationState<f32>>,
+    compensation: Option<CompensationState<f32>>,
     state: State<f32>,
-    count: u16,
+    /// Samples since the last record that was due for the host.
+    unshown: u16,
     renderer: Renderer,
     speed: Speed,
-    /// Samples since the last packet for the other side, and how many packets there were.
+    /// Samples since the last packet for the other side.
     unreflected: u16,
+    /// Number of the last packet for the other side.
     packets: u16,
 }
 
 impl Sampler {
-    /// Before the first sample. Never inlined: 2 KiB of flash each time, and 10 KiB of stack.
+    /// Starts before the first sample. Never inlined: each copy costs 2 KiB of flash and 10 KiB of stack.
     #[inline(never)]
     pub fn new(setup: Setup) -> Self {
         Sampler {
             setup,
             watch: Watch::default(),
-            memory: at_rest(&setup),
+            compensation: setup.compensation.as_ref().map(Compensation::at_rest),
             state: State::new(&setup.params),
-            count: 0,
+            unshown: 0,
             renderer: Renderer::new(),
             speed: Speed::default(),
             unreflected: 0,
@@ -87,8 +157,54 @@ impl Sampler {
         }
     }
 
-    /// Takes over other settings. What is rendered starts anew if anything about it changes: from no
-    /// force, with the next packet.
+    /// Takes one reading through all stages: convert, render, compensate, step, queue. `start`: the
+    /// stopwatch when the task started. The force goes out as soon as the position is known, because a
+    /// force that is late lowers the stiffness that can be rendered stably.
+    #[inline]
+    pub fn tick<P: Ports>(&mut self, start: u32, reading: Reading, ports: &mut P) -> Sampled {
+        let acquired = ports.now();
+        let (codes, sample) = match reading {
+            Reading::Codes(codes) => (Some(codes), self.convert(&codes)),
+            Reading::Sample(sample) => (None, sample),
+        };
+        let converted = ports.now();
+        if let Some(packet) = ports.packet() {
+            self.take(&packet);
+        }
+        let (rendered, code) = self.render(&sample, P::FULL);
+        ports.put(code);
+        let put_out = ports.now();
+        let contact = self.compensate(sample);
+        let compensated = ports.now();
+        let estimate = self.step(contact);
+        let stepped = ports.now();
+        let due = self.due(&estimate);
+        let record = Record {
+            codes,
+            sample,
+            estimate,
+            rendered,
+            due,
+        };
+        let dropped = due.any() && !ports.queue(record);
+        let times = StageTimes {
+            start,
+            acquired,
+            converted,
+            put_out,
+            compensated,
+            stepped,
+            queued: ports.now(),
+        };
+        Sampled {
+            times,
+            sample,
+            dropped,
+        }
+    }
+
+    /// Takes over other settings. If a setting of the rendering changes, the force starts again from 0 N
+    /// with the next packet.
     #[inline(never)]
     pub fn apply(&mut self, change: &Change) {
         let (before, after) = (&self.setup, &change.setup);
@@ -101,16 +217,16 @@ impl Sampler {
         }
     }
 
-    /// Takes an impedance to render, checked by [`crate::board::link::Responder`].
+    /// Takes an impedance to render, which [`crate::board::link::Responder`] has checked.
     pub fn take(&mut self, packet: &Packet) {
         if let Some(params) = &self.setup.render {
-            // One that cannot be rendered leaves everything as it is.
+            // An impedance that cannot be rendered changes nothing.
             let _ = self.renderer.take(params, packet);
         }
     }
 
-    /// What is put out at the position that was just read: the force, and the code for it on a board
-    /// whose full output has the code `full`. Without a setting for it that is 0 N.
+    /// Renders the force at the position that was just read and returns it with its code, on a board whose
+    /// full output has the code `full`. Without a setting for it the force is 0 N.
     #[inline(never)]
     pub fn render(&mut self, read: &Sample<f32>, full: u16) -> (Option<Rendered>, u16) {
         let Some(params) = &self.setup.render else {
@@ -132,35 +248,36 @@ impl Sampler {
         (Some(rendered), code)
     }
 
-    /// Codes in SI units, watched.
+    /// Converts codes to SI units and marks the faults that show in them.
     pub fn convert(&mut self, codes: &Codes) -> Sample<f32> {
         self.setup.conversion.sample(&mut self.watch, codes)
     }
 
-    /// The sample without what the rig adds; as it is if nothing is to be taken off.
+    /// Takes the effects of the rig off a sample; without such effects in the settings it returns the
+    /// sample unchanged.
     pub fn compensate(&mut self, read: Sample<f32>) -> Sample<f32> {
-        let (Some(compensation), Some(memory)) = (&self.setup.compensation, &mut self.memory)
+        let (Some(compensation), Some(state)) = (&self.setup.compensation, &mut self.compensation)
         else {
             return read;
         };
         self.state.observe_raw_force(read.force_n);
-        isolated_compensation(compensation, memory, read)
+        isolated_compensation(compensation, state, read)
     }
 
-    /// The estimator's step, on what [`Sampler::compensate`] gave. The stamp of the estimate is that
-    /// of the instant that it belongs to: the filter's delay, and the compensation's, before the
-    /// newest sample.
+    /// Runs the estimator's step on a sample from [`Sampler::compensate`]. The stamp of the estimate is
+    /// that of the instant to which it belongs: older than the newest sample by the delays of the filter
+    /// and of the compensation.
     pub fn step(&mut self, sample: Sample<f32>) -> Estimate<f32> {
-        // Changed where it is: a copy costs 300 instructions.
+        // Changed in place: a copy costs 300 instructions.
         let mut estimate = isolated_step(&self.setup.params, &mut self.state, sample);
         estimate.time_us = estimate.time_us.saturating_sub(self.setup.late_us);
         estimate
     }
 
-    /// What is sent of this instant: every so many, and those in which something happens; and
-    /// impedances for the other side, every so many.
+    /// Decides what is sent of this instant. A record is due at every `telemetry.every`-th sample and at
+    /// every event, an impedance for the other side at every `reflection.every`-th sample.
     pub fn due(&mut self, estimate: &Estimate<f32>) -> Due {
-        let shown = is_due(&mut self.count, self.setup.every) || estimate.event.is_some();
+        let shown = is_due(&mut self.unshown, self.setup.every) || estimate.event.is_some();
         let every = self.setup.reflect_every;
         let reflects = every > 0 && is_due(&mut self.unreflected, every);
         if reflects {
@@ -174,7 +291,7 @@ impl Sampler {
     }
 }
 
-/// Counts, and starts anew at every so many.
+/// Counts a sample and returns whether it is the last of `every`; the count then starts again.
 fn is_due(count: &mut u16, every: u16) -> bool {
     *count = count.saturating_add(1);
     let due = *count >= every;
@@ -184,21 +301,17 @@ fn is_due(count: &mut u16, every: u16) -> bool {
     due
 }
 
-fn at_rest(setup: &Setup) -> Option<CompensationState<f32>> {
-    setup.compensation.as_ref().map(Compensation::at_rest)
-}
-
-/// The compensation, never inlined, for the same reason as the step.
+/// Runs the compensation; never inlined, for the same reason as [`isolated_step`].
 #[inline(never)]
 fn isolated_compensation(
     compensation: &Compensation<f32>,
-    memory: &mut CompensationState<f32>,
+    state: &mut CompensationState<f32>,
     read: Sample<f32>,
 ) -> Sample<f32> {
-    compensation.step(memory, read)
+    compensation.step(state, read)
 }
 
-/// `step`, never inlined: the compiler would move parts of it past the stopwatch.
+/// Runs `step`; never inlined, because the compiler would move parts of it past the stopwatch.
 #[inline(never)]
 fn isolated_step(
     params: &Params<f32>,

@@ -5,7 +5,7 @@ use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 
 /// The codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
-pub const CODES_PER_COUNT: f32 = 32.0;
+pub const CODES_PER_COUNT: i32 = 32;
 
 /// One instant as the hardware gave it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

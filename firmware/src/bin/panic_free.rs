@@ -1,11 +1,11 @@
 //! A proof by linking: the panic handler calls a function that does not exist, so this program
 //! links only if the optimiser has shown that no panic can be reached from the sampling task as it
 //! runs on the board (`sampling.rs`: read the sensors, convert, render, compensate, step, queue, count,
-//! take over other settings), from making a setup of settings, from encoding what the task returns, and
-//! from taking commands apart. With the feature `panic-control` there is one, and the link must fail;
-//! `cargo xtask test` does both. Release profile only, and for a board: the emulator's sensors are a
-//! file, and stop when that is broken. There is no log either: what logs does not link (`proof.x`), a
-//! `defmt::panic!` included.
+//! take over other settings), from making a setup of settings, from encoding the task's records, and
+//! from taking commands apart. The feature `panic-control` adds a panic, and the link must fail;
+//! `cargo xtask test` does both. The proof needs the release profile and a board: the emulator's sensors
+//! are a file, and stop when it is broken. No logger is linked, so code that logs does not link either
+//! (`proof.x`), a `defmt::panic!` included.
 #![no_std]
 #![no_main]
 #![deny(missing_docs)]
@@ -15,9 +15,9 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use estimator_core::board::budget::Budget;
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
-use estimator_core::board::link::Health;
-use estimator_core::board::sampling::{Record, Sampler};
+use estimator_core::board::sampling::{PERIOD_US, Record, Sampler};
 use estimator_core::board::settings::Settings;
+use palpate_firmware::board::{Board, Selected};
 use palpate_firmware::sampling::{Output, Sampling, Tick};
 
 unsafe extern "C" {
@@ -26,12 +26,12 @@ unsafe extern "C" {
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    // SAFETY: never runs: what calls it does not link.
+    // SAFETY: this never runs, since a program that calls it does not link.
     unsafe { a_panic_path_is_left() }
 }
 
-/// Nothing here is meant to run. What counts is that it links, for arguments, codes and settings of
-/// which the optimiser knows nothing.
+/// Refers to everything that the proof covers, with arguments, codes and settings of which the optimiser
+/// knows nothing. It is linked and never run.
 #[entry]
 fn main() -> ! {
     black_box(sample as fn(&mut Sampling, &mut Output, &mut Budget));
@@ -45,36 +45,20 @@ fn main() -> ! {
     }
 }
 
-/// The sampling task.
+/// Runs the sampling task.
 fn sample(sampling: &mut Sampling, output: &mut Output, budget: &mut Budget) {
     if let Tick::Sampled(sampled) = sampling.tick(output) {
-        sampled.count(budget);
+        budget.count(&sampled, PERIOD_US, Selected::TICK);
         #[cfg(feature = "panic-control")]
         black_box([budget.ticks][budget.samples as usize]);
     }
     sampling.change();
 }
 
-/// What is sent of it.
+/// Encodes the frames of a record and of the board's health.
 fn report(budget: &Budget, record: &Record) {
-    let health = Health {
-        samples: budget.samples,
-        dropped: budget.dropped,
-        overruns: budget.overruns,
-        missed: budget.missed,
-        period: budget.period.range(),
-        step: budget.step.range(),
-        task: budget.task.range(),
-        ..Health::default()
-    };
-    send(&Frame::Health(health));
-    send(&Frame::Sample(record.sample));
-    send(&Frame::Estimate(record.estimate));
-    send(&Frame::Codes(record.codes.unwrap_or_default()));
-    send(&Frame::Rendered(record.rendered.unwrap_or_default()));
-    if let Some(packet) = record.packet() {
-        send(&Frame::Reflection(packet));
-    }
+    send(&Frame::Health(budget.health()));
+    record.for_each_frame(send);
 }
 
 fn send(frame: &Frame) {

@@ -1,15 +1,14 @@
-//! Both sensors as one instant, in the same codes as the reference wiring's.
+//! Encoder and converter as one instant, in the same codes as those of the reference wiring.
 
-use estimator_core::board::sensing::Codes;
+use estimator_core::board::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::{Fault, Faults};
 
-/// The middle of a conversion, in 1/32 of a tick after its start: it takes 0.5 to 0.6 ms of the tick's
-/// 1 ms. What is left, 0.02 ms, is 0.03 N s/m of damping at a stiffness of 1350 N/m.
+/// The middle of a conversion after its start, in 1/[`CODES_PER_COUNT`] of a tick: a conversion takes 0.5 to
+/// 0.6 ms of the tick's 1 ms. The remaining error of 0.02 ms is 0.03 N s/m of damping at a stiffness of
+/// 1350 N/m.
 const MIDDLE: i32 = 9;
-/// Position codes per count of the encoder.
-pub const CODES_PER_COUNT: i32 = 32;
 
-/// What is remembered from tick to tick.
+/// The two sensors' readings at the last tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pair {
     last: Option<Last>,
@@ -18,21 +17,21 @@ pub struct Pair {
 #[derive(Clone, Copy, Debug)]
 struct Last {
     time_us: u64,
-    /// As the encoder gave it, 14 bits, and that without its wraps.
+    /// The angle has 14 bits and wraps; the count goes on.
     angle: u16,
     count: i32,
     force: i32,
-    /// Whether that tick's angle was a good one.
+    /// The encoder gave an angle at that tick.
     good: bool,
 }
 
 impl Pair {
-    /// What was read at a tick of time `time_us`, the angle first, since the next conversion starts
-    /// right after it; `ready`: what the converter's DRDY pin said before. Gives the instant of the
-    /// conversion that the last tick started; nothing at the first.
+    /// Takes the readings of the tick at `time_us` (µs) and returns the instant of the conversion that the last
+    /// tick started; the first tick has none. The angle is read before the next conversion starts. `ready`
+    /// is true if the converter's DRDY pin showed a finished conversion before.
     ///
-    /// The conversion lasts from the last tick to its middle: its position lies between the angle of
-    /// then and that of now, [`MIDDLE`] of the way.
+    /// The position is that in the middle of the conversion: [`MIDDLE`] of the way from the last angle to
+    /// this one.
     pub fn sample(
         &mut self,
         time_us: u64,
@@ -78,7 +77,7 @@ impl Pair {
     }
 }
 
-/// Counts from one angle to the next, the short way round: right below half a turn a tick.
+/// Returns the counts from one angle to the next, the short way round: right below half a turn a tick.
 fn moved(from: u16, to: u16) -> i32 {
     let turned = to.wrapping_sub(from) << 2;
     i32::from(turned as i16) >> 2

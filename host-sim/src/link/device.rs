@@ -5,7 +5,7 @@ use std::io;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
-use estimator_core::board::link::{Answer, Command, Identity, Refusal};
+use estimator_core::board::link::{Answer, BAUD, Command, Identity, Refusal};
 use estimator_core::board::settings::{Key, Settings};
 
 use super::port::Port;
@@ -139,9 +139,7 @@ impl<P: Port> Device<P> {
             format!(
                 "the board does not answer ({} frames came, {} were garbled): is its RX line \
                  connected, and is it a Palpate board at {} baud?",
-                self.statistics.frames,
-                self.statistics.garbled,
-                super::port::BAUD
+                self.statistics.frames, self.statistics.garbled, BAUD
             ),
         ))
     }

@@ -8,14 +8,13 @@ use std::sync::{Arc, Mutex};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use estimator_core::board::link::{BAUD, BYTES_PER_MS};
 use serialport::SerialPort;
 
-use super::board::{BYTES_PER_MS, SimulatedBoard};
+use super::board::SimulatedBoard;
 use super::world::World;
 use crate::diagnostic::Diagnostic;
 
-/// What the firmware sends at, 8N1: exact on the board, and within 0.2 % on the adapters that have it.
-pub const BAUD: u32 = 2_000_000;
 /// How long [`Port::read`] waits for bytes.
 const WAIT: Duration = Duration::from_millis(20);
 

@@ -1,11 +1,11 @@
-//! Everything, in the order that ends with cargo's own summary.
+//! Every check, in an order that ends with cargo's summary of the tests.
 
 use crate::firmware::{Firmware, decoder};
 use crate::step::{command, lint_level, run, run_quietly, runs};
 use crate::{packages, root};
 use std::process::Command;
 
-/// Runs every step, also after one has failed; red if any has.
+/// Runs every step, even after one has failed; an error if any has.
 pub(crate) fn everything() -> Result<(), String> {
     let mut failed = Vec::new();
     let mut note = |result: Result<(), String>| failed.extend(result.err());
@@ -20,7 +20,7 @@ pub(crate) fn everything() -> Result<(), String> {
             "{error}\nSo the emulator's tests did not run."
         ))),
     }
-    // Nothing is printed after cargo's own summary, unless something failed.
+    // Nothing is printed after cargo's summary unless something failed.
     note(run_quietly("tests", tests));
     if failed.is_empty() {
         return Ok(());
@@ -32,7 +32,7 @@ pub(crate) fn everything() -> Result<(), String> {
     ))
 }
 
-/// Builds all that the emulator's tests need and says where it is.
+/// Builds everything that the emulator's tests need and returns where it is, as environment variables.
 fn firmware_steps(
     note: &mut impl FnMut(Result<(), String>),
 ) -> Result<Vec<(&'static str, std::path::PathBuf)>, String> {
@@ -56,7 +56,7 @@ fn firmware_steps(
     ])
 }
 
-/// Formatting and lints; a toolchain without them tests all the same, and says so.
+/// Checks formatting and lints. Without the tools, the tests still run and a line names what is left out.
 fn host_lints() -> Result<(), String> {
     let mut result = Ok(());
     if runs(cargo(&["fmt", "--version"])) {

@@ -11,7 +11,7 @@ use tests::emulator::footprint;
 /// The symbol that a panic would need: firmware/src/bin/panic_free.rs.
 const PROOF: &str = "a_panic_path_is_left";
 const APPLICATION: &str = "palpate-firmware";
-/// What an image may take at most: an eighth of the flash, three eighths of the RAM.
+/// Limits of an image (bytes): an eighth of the flash, three eighths of the RAM.
 const FLASH_LIMIT: u64 = 128 * 1024;
 const RAM_LIMIT: u64 = 48 * 1024;
 
@@ -22,7 +22,7 @@ pub(crate) struct Firmware {
 }
 
 impl Firmware {
-    /// Finds the compiler, or installs it.
+    /// Finds the compiler or installs it.
     pub(crate) fn set_up() -> Result<Self, String> {
         let directory = root().join("firmware");
         let toolchain = Toolchain::find(&directory)?;
@@ -50,7 +50,7 @@ impl Firmware {
         Ok(kept)
     }
 
-    /// Links only if no panic is left, with either set of sensors.
+    /// Builds the proof with either set of sensors: it links only if no panic is left.
     pub(crate) fn prove_panic_freedom(&self) -> Result<(), String> {
         for features in ["panic-proof", "panic-proof,spi-sensors"] {
             let name = format!("link proof: the sampling task cannot panic, {features}");
@@ -61,7 +61,7 @@ impl Firmware {
         Ok(())
     }
 
-    /// With a panic path, the proof must fail, and for that reason.
+    /// Builds the proof with a panic path: it must fail, and for that reason.
     pub(crate) fn control_the_proof(&self) -> Result<(), String> {
         let name = "link proof, control: a panic path does not link";
         let output = capture(name, self.proof("panic-control"))?;
@@ -75,7 +75,7 @@ impl Firmware {
         ))
     }
 
-    /// Lints for both boards; `None` where there is no clippy.
+    /// Runs the lints for both boards; `None` where there is no clippy.
     pub(crate) fn lint(&self) -> Option<Result<(), String>> {
         self.toolchain.has_clippy(&self.directory).then(|| {
             for features in ["qemu", "panic-proof", "panic-proof,spi-sensors"] {
@@ -100,7 +100,7 @@ impl Firmware {
     }
 }
 
-/// An image that has outgrown the board's share of the part is no build.
+/// Fails for an image that is larger than the limits.
 fn within_limits(board: &str, elf: &Path) -> Result<(), String> {
     let (flash, ram) = footprint(elf)?;
     println!("    {board}: {flash} bytes of flash, {ram} bytes of RAM without stack");
@@ -114,7 +114,7 @@ fn within_limits(board: &str, elf: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Builds the program that turns a log into lines.
+/// Builds the program that decodes a firmware's log into lines.
 pub(crate) fn decoder() -> Result<PathBuf, String> {
     let root = root();
     let mut cargo = command("cargo", &root);

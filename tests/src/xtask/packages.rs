@@ -5,7 +5,7 @@ use crate::step::{command, output, run};
 use std::env;
 use std::path::PathBuf;
 
-/// The emulator, installed if need be.
+/// Returns where the emulator is, and installs it if it is missing.
 pub(crate) fn qemu() -> Result<PathBuf, String> {
     const PROGRAM: &str = "qemu-system-arm";
     if which(PROGRAM).is_none() {
@@ -14,14 +14,14 @@ pub(crate) fn qemu() -> Result<PathBuf, String> {
     which(PROGRAM).ok_or_else(|| format!("{PROGRAM} is still not on the PATH"))
 }
 
-/// Where a program is.
+/// Returns where a program is.
 pub(crate) fn which(program: &str) -> Option<PathBuf> {
     env::split_paths(&env::var_os("PATH")?)
         .map(|directory| directory.join(program))
         .find(|path| path.is_file())
 }
 
-/// Installs Debian packages as root; others are told what to do.
+/// Installs Debian packages as root; for other users the error has the command to run.
 pub(crate) fn install(packages: &[&str], what: &str) -> Result<(), String> {
     let list = packages.join(" ");
     let as_root = output_of("id", &["-u"]).as_deref() == Some("0");
@@ -34,7 +34,7 @@ pub(crate) fn install(packages: &[&str], what: &str) -> Result<(), String> {
     }
     let apt = |arguments: &[&str]| {
         let mut apt = command("apt-get", &root());
-        // Another apt may be at work: wait for it.
+        // Wait for another apt that may be running.
         apt.args(["-o", "DPkg::Lock::Timeout=300", "-qq"])
             .args(arguments);
         apt.env("DEBIAN_FRONTEND", "noninteractive");

@@ -1,4 +1,4 @@
-//! One run in the emulator, for a person.
+//! A run in the emulator whose log a person reads.
 
 use crate::firmware::{Firmware, decoder};
 use crate::{packages, root};
@@ -10,7 +10,7 @@ use tests::signal::palpation;
 /// 20 s of palpation: both materials, a few seconds to read.
 const SAMPLES: usize = 20_000;
 
-/// Runs the firmware, or builds it first.
+/// Runs the firmware `elf`, or builds one and runs it.
 pub(crate) fn run(elf: Option<&Path>) -> Result<(), String> {
     let qemu = packages::qemu()?;
     let elf = match elf {
@@ -19,7 +19,7 @@ pub(crate) fn run(elf: Option<&Path>) -> Result<(), String> {
     };
     let directory = root().join("target/qemu");
     fs::create_dir_all(&directory).map_err(|e| format!("{}: {e}", directory.display()))?;
-    // There from the start, so that `palpate config --port target/qemu` reaches the firmware.
+    // The file exists from the start, so that `palpate config --port target/qemu` reaches the firmware.
     let commands = directory.join("commands.frames");
     fs::write(&commands, []).map_err(|e| format!("{}: {e}", commands.display()))?;
     let emulator = Emulator {

@@ -1,13 +1,13 @@
-//! A step: a command with a name, its time, and an environment that is not cargo's.
+//! Steps: commands with a name and a time, in an environment without this cargo's variables.
 
 use std::env;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Instant;
 
-/// A command in `directory` without what the cargo that started us has set: its RUSTUP_TOOLCHAIN,
-/// RUSTC and CARGO_… would lead another cargo to the wrong compiler, its LD_LIBRARY_PATH another
-/// compiler to the wrong libraries. What a person sets for every cargo stays.
+/// Returns a command in `directory` without the variables of the cargo that started this program: its
+/// RUSTUP_TOOLCHAIN, RUSTC and CARGO_… would lead another cargo to the wrong compiler, its LD_LIBRARY_PATH
+/// another compiler to the wrong libraries. Variables that a person sets for every cargo stay.
 pub(crate) fn command(program: impl AsRef<Path>, directory: &Path) -> Command {
     const KEPT: [&str; 7] = [
         "CARGO_HOME",
@@ -32,7 +32,7 @@ pub(crate) fn command(program: impl AsRef<Path>, directory: &Path) -> Command {
     command
 }
 
-/// Whether a program runs at all.
+/// Returns whether a program runs and succeeds.
 pub(crate) fn runs(mut command: Command) -> bool {
     let status = command
         .stdin(Stdio::null())
@@ -42,14 +42,14 @@ pub(crate) fn runs(mut command: Command) -> bool {
     status.is_ok_and(|status| status.success())
 }
 
-/// What a program writes to its standard output.
+/// Returns the standard output of a program that succeeds.
 pub(crate) fn output(mut command: Command) -> Option<String> {
     let output = command.stdin(Stdio::null()).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output.status.success().then(|| text.trim().to_string())
 }
 
-/// Runs a command in full view and says how long it took.
+/// Runs a command with its output on the terminal and prints how long it took.
 pub(crate) fn run(name: &str, command: Command) -> Result<(), String> {
     let start = Instant::now();
     run_quietly(name, command)?;
@@ -57,7 +57,7 @@ pub(crate) fn run(name: &str, command: Command) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs a command in full view.
+/// Runs a command with its output on the terminal.
 pub(crate) fn run_quietly(name: &str, mut command: Command) -> Result<(), String> {
     println!("\n==> {name}");
     let status = command.status().map_err(|e| cannot_start(&command, &e))?;
@@ -67,14 +67,14 @@ pub(crate) fn run_quietly(name: &str, mut command: Command) -> Result<(), String
         .ok_or_else(|| format!("{name} failed ({status}): {}", line(&command)))
 }
 
-/// What a person would type, without the environment.
+/// Returns the command as a person would type it, without the environment.
 fn line(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
     words.join(" ")
 }
 
-/// Runs a command that is expected to fail, and shows nothing.
+/// Runs a command without showing its output, for one that is expected to fail.
 pub(crate) fn capture(name: &str, mut command: Command) -> Result<Output, String> {
     println!("\n==> {name}");
     command.output().map_err(|e| cannot_start(&command, &e))
@@ -84,7 +84,7 @@ fn cannot_start(command: &Command, error: &std::io::Error) -> String {
     format!("{}: {error}", command.get_program().display())
 }
 
-/// How clippy treats a warning: CI denies it, elsewhere a newer compiler's new lint is no failure.
+/// Returns clippy's flag for warnings: CI denies them; elsewhere a new lint of a newer compiler is no failure.
 pub(crate) fn lint_level() -> &'static str {
     if env::var_os("CI").is_some() {
         "-D"

@@ -1,4 +1,4 @@
-//! Which compiler builds the firmware.
+//! The compiler that builds the firmware.
 
 use crate::packages::{install, which};
 use crate::step::{command, output, runs};
@@ -14,14 +14,14 @@ const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 /// A compiler for the board.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Toolchain {
-    /// The one that firmware/rust-toolchain.toml names; it has the target.
+    /// The toolchain that firmware/rust-toolchain.toml names; it has the target.
     Ordinary,
-    /// Debian's, which has no target: core is built from source.
+    /// Debian's toolchain, which has no target: core is built from source.
     Debian,
 }
 
 impl Toolchain {
-    /// The ordinary one if it has the target, or if rustup may fetch it; else Debian's.
+    /// Finds the ordinary toolchain if it has the target or if rustup may fetch it, or else Debian's.
     ///
     /// rustup itself is never called. Where it may download, asking rustc for a directory makes it
     /// fetch what firmware/rust-toolchain.toml names; where it may not, nothing happens.
@@ -45,7 +45,7 @@ impl Toolchain {
         ))
     }
 
-    /// Cargo in firmware/, ready for `build` and the like.
+    /// Returns cargo in firmware/ with a verb such as `build`.
     pub(crate) fn cargo(self, firmware: &Path, verb: &str) -> Command {
         let mut cargo = match (self, verb) {
             (Toolchain::Ordinary, _) => command("cargo", firmware),
@@ -67,7 +67,7 @@ impl Toolchain {
         cargo
     }
 
-    /// Under firmware/: one for each compiler, or they would rebuild everything in turn.
+    /// Returns the target directory under firmware/. Each compiler has one, or each would rebuild everything.
     pub(crate) fn target_dir(self) -> &'static str {
         match self {
             Toolchain::Ordinary => "target",
@@ -75,15 +75,15 @@ impl Toolchain {
         }
     }
 
-    /// Where a program of the release profile is, under firmware/.
+    /// Returns where a program of the release profile is, under firmware/.
     pub(crate) fn release(self, program: &str) -> String {
         format!("{}/{TARGET}/release/{program}", self.target_dir())
     }
 
-    /// Whether `cargo clippy` works, installed if need be.
+    /// Returns whether `cargo clippy` works, after installing it where possible.
     pub(crate) fn has_clippy(self, firmware: &Path) -> bool {
         if self == Toolchain::Debian && !Path::new("/usr/bin/cargo-clippy").exists() {
-            // An extra: without it, the firmware is built and tested all the same.
+            // Clippy is optional: without it, the firmware is still built and tested.
             let _ = install(&["rust-web-clippy"], "clippy for the board's compiler");
         }
         let mut clippy = match self {
@@ -103,7 +103,7 @@ fn has_target(firmware: &Path) -> bool {
     fs::read_dir(directory).is_ok_and(|mut files| files.next().is_some())
 }
 
-/// rustc and cargo under /usr/bin, recent enough, with the sources of core, and a linker.
+/// Returns whether /usr/bin has a recent rustc and cargo with the sources of core, and a linker.
 fn debian_is_complete(firmware: &Path) -> bool {
     let ask = |arguments: &[&str]| {
         let mut rustc = command(DEBIAN_RUSTC, firmware);
@@ -119,12 +119,12 @@ fn debian_is_complete(firmware: &Path) -> bool {
     recent && sources && Path::new(DEBIAN_CARGO).exists() && which("ld.lld").is_some()
 }
 
-/// 96 of "rustc 1.96.0 (…)".
+/// Returns 96 for "rustc 1.96.0 (…)".
 fn minor(version: &str) -> Option<u32> {
     version.split('.').nth(1)?.parse().ok()
 }
 
-/// The environment says whether rustup may download; for the report only.
+/// Describes a toolchain. The environment tells whether rustup may download.
 pub(crate) fn describe(toolchain: Toolchain) -> &'static str {
     let offline = env::var("RUSTUP_AUTO_INSTALL").is_ok_and(|value| value == "0");
     match (toolchain, offline) {

@@ -31,7 +31,7 @@ impl Settings {
         if effects.iter().all(Option::is_none) {
             return Ok(None);
         }
-        let count_m = self.get(Key::PositionPerCode).abs() * CODES_PER_COUNT;
+        let count_m = self.get(Key::PositionPerCode).abs() * CODES_PER_COUNT as f32;
         Compensation::from_rig_effects(effects, Config::default().rate_hz, f64::from(count_m))
             .map(Some)
             .map_err(|error| self.of_the_delay(&error))

@@ -1,4 +1,4 @@
-//! The first set of sensors: a load cell's amplifier on the ADC, an encoder on the quadrature timer.
+//! The first set of sensors: a load cell's amplifier on the ADC, and an encoder on the quadrature timer.
 //!
 //! One timer event, 32 000 times a second, starts a conversion of the load cell and latches the
 //! encoder; DMA collects both. After 32 events the ADC's stream raises the 1 kHz interrupt, and
@@ -6,9 +6,10 @@
 
 use super::Clock;
 use super::event::{self, PER_SAMPLE};
-use super::ring::{self, Memory, Ring};
+use super::ring::{self, Blocks, Ring};
 use crate::board::{Acquired, Sensors};
 use estimator_core::board::instants::{Counter, summed};
+use estimator_core::board::sampling::Reading;
 use estimator_core::board::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::board::settings::Key;
 use stm32f4xx_hal::adc::Adc;
@@ -24,34 +25,34 @@ use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::rcc::Rcc;
 
 /// Conversions that are summed into one sample: 32 kHz down to 1 kHz. The sum is not divided: 12 bits
-/// become 17 codes' worth, and noise drops by √32. The encoder's latches are summed alike.
+/// become 17, and the noise of the mean drops by √32. The encoder's latches are summed as well.
 pub const OVERSAMPLING: u16 = PER_SAMPLE;
-// The defaults of the settings are those of this wiring: 0 N at half the range of the sum.
+// The settings have the defaults of this wiring: 0 N is at half the range of the sum.
 const _: () = assert!(Key::ForceZeroCode.info().default == 2048.0 * OVERSAMPLING as f32);
-const _: () = assert!(CODES_PER_COUNT == OVERSAMPLING as f32);
+const _: () = assert!(CODES_PER_COUNT == OVERSAMPLING as i32);
 
-static FORCES: Memory = ring::memory();
-static POSITIONS: Memory = ring::memory();
+static FORCES: Blocks = ring::blocks();
+static POSITIONS: Blocks = ring::blocks();
 
-/// The timers, the converter, their streams and pins.
+/// The timers and the converter with their streams and pins.
 pub struct Wires {
-    /// PA2
+    /// The load cell's amplifier is on PA2.
     pub force: PA2,
-    /// PB4 and PB5
+    /// The encoder's A and B are on PB4 and PB5.
     pub quadrature: (PB4<Alternate<2>>, PB5<Alternate<2>>),
-    /// Of the ADC.
+    /// This stream collects the ADC's conversions.
     pub force_stream: Stream0<DMA2>,
-    /// Of the encoder's latch.
+    /// This stream collects the encoder's latches.
     pub position_stream: Stream7<DMA1>,
-    /// The converter.
+    /// The ADC converts the load cell's signal.
     pub adc: ADC1,
-    /// The event.
+    /// TIM2 makes the event.
     pub tim2: TIM2,
-    /// The counter.
+    /// TIM3 counts the encoder's edges.
     pub tim3: TIM3,
 }
 
-/// Starts both channels, the event last: from the first one on, both streams count in step.
+/// Starts both channels and then the event: from the first event on, both streams count in step.
 pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> AnalogAndQuadrature {
     let forces = load_cell(
         wires.adc,
@@ -69,10 +70,10 @@ pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> AnalogAndQuadrature {
     }
 }
 
-/// ADC1 on PA2, one conversion per event, result by DMA2 stream 0 channel 0 (RM table 43).
+/// Sets ADC1 up on PA2: one conversion per event, whose result goes by DMA2 stream 0 channel 0 (RM table 43).
 ///
-/// 21 MHz (DS: at most 36) and 480 cycles of sampling: 23.4 µs of the 31.25 µs between events, the
-/// longest that fits, so that the amplifier's filter may be as slow as 50 kΩ.
+/// The ADC runs at 21 MHz (DS: at most 36) and samples for 480 cycles: 23.4 µs of the 31.25 µs between
+/// events. This is the longest time that fits; the source may have a resistance of 50 kΩ.
 fn load_cell(
     adc: ADC1,
     pin: PA2<Analog>,
@@ -96,7 +97,7 @@ fn load_cell(
     ring
 }
 
-/// TIM3 counts the quadrature edges on PB4/PB5 and copies its count into CCR3 at every event;
+/// Sets TIM3 up: it counts the quadrature edges on PB4/PB5 and copies its count into CCR3 at every event;
 /// DMA1 stream 7 channel 5 collects the copies (RM table 42).
 fn encoder(
     tim3: TIM3,
@@ -106,7 +107,7 @@ fn encoder(
 ) -> Ring<Stream7<DMA1>> {
     let (tim3, _) = Qei::new(tim3, pins, rcc).release();
     tim3.cr1().modify(|_, w| w.cen().clear_bit());
-    // Eight equal readings at 84 MHz make an edge: spikes below 95 ns do not count, 5 MHz do.
+    // Eight equal readings at 84 MHz make an edge: spikes below 95 ns are ignored, 5 MHz passes.
     tim3.ccmr1_input()
         .modify(|_, w| w.ic1f().fck_int_n8().ic2f().fck_int_n8());
     // The trigger may be selected only while the slave mode is off (RM 18.4.3, TS).
@@ -128,7 +129,7 @@ fn encoder(
     )
 }
 
-/// Both channels, and the time that their blocks belong to.
+/// Both channels, with the clock that stamps their blocks.
 pub struct AnalogAndQuadrature {
     forces: Ring<Stream0<DMA2>>,
     positions: Ring<Stream7<DMA1>>,
@@ -137,11 +138,11 @@ pub struct AnalogAndQuadrature {
 }
 
 impl AnalogAndQuadrature {
-    /// The sum of the last 32 latches, in position codes. Each 16-bit count is taken on from the
-    /// last: right as long as the probe moves less than 32 768 counts between two of them.
+    /// Returns the sum of the last 32 latches, in position codes. Each 16-bit count continues the one before
+    /// it, which is right as long as the probe moves less than 32 768 counts between two of them.
     ///
-    /// The latest, not the last block: should the first event have reached only one of the two
-    /// channels, they are one event (31 µs) apart instead of a block.
+    /// The sum is over the latest values and not over the last block: if the first event reached only one of
+    /// the two channels, they are one event (31 µs) apart instead of a block.
     fn position(&mut self) -> i32 {
         let mut sum = 0_i32;
         for count in self.positions.latest() {
@@ -158,13 +159,13 @@ impl Sensors for AnalogAndQuadrature {
             return Acquired::Nothing;
         };
         let (force, force_low, force_high) = summed(self.forces.finished());
-        Acquired::Codes(Codes {
+        Acquired::Reading(Reading::Codes(Codes {
             time_us,
             force,
             force_low,
             force_high,
             position: self.position(),
             faults,
-        })
+        }))
     }
 }

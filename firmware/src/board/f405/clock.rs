@@ -1,26 +1,27 @@
-//! The clocks, and what the HAL has to know about them.
+//! The start of the clocks, through [`super::pll`] and the HAL.
 
-use crate::driver::clock::{self, NotLocked, Register, Registers, Source};
+use super::pll::{self, NotLocked, Register, Registers, Source};
 use stm32f4xx_hal::pac::RCC;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};
 
-/// Core clock; APB1 42 MHz, APB2 84 MHz, timers 84 and 168 MHz.
+/// Core clock (Hz). APB1 runs at 42 MHz, APB2 at 84 MHz, the timers at 84 and 168 MHz.
 pub const CORE_HZ: u32 = 168_000_000;
+/// Crystal (Hz).
 const CRYSTAL_HZ: u32 = 8_000_000;
 
-/// Starts the clocks, each with a bound.
+/// Starts the clocks with a bound on every wait.
 ///
-/// The HAL waits without one, but by then there is nothing to wait for: oscillator and PLL run, and
-/// it finds the same PLLCFGR as it would write ([`super::registers`] checks that). What is left to it
-/// are flash latency, prescalers and the switch to the PLL.
+/// The HAL waits without a bound, but then everything runs already: oscillator and PLL are on, and
+/// PLLCFGR has the value that the HAL would write ([`super::registers`] checks it). The HAL sets flash
+/// latency and prescalers and switches to the PLL.
 ///
 /// # Errors
-/// The controller as it is after a reset, at 16 MHz, where the PLL does not lock: the sampling task
-/// does not fit into that.
+/// Where the PLL does not lock, the controller as it is after a reset, at 16 MHz: too slow for the
+/// sampling task.
 pub fn start(rcc: RCC) -> Result<(Rcc, Source), RCC> {
     let mut controller = Controller(rcc);
-    let started = clock::start(&mut controller);
+    let started = pll::start(&mut controller);
     let Controller(rcc) = controller;
     let (source, input) = match started {
         Ok(source @ Source::Crystal) => (source, Config::hse(CRYSTAL_HZ.Hz())),
@@ -31,7 +32,7 @@ pub fn start(rcc: RCC) -> Result<(Rcc, Source), RCC> {
     Ok((rcc.freeze(config), source))
 }
 
-/// The controller, its registers by name.
+/// The reset and clock controller.
 struct Controller(RCC);
 
 impl Registers for Controller {
@@ -43,7 +44,7 @@ impl Registers for Controller {
     }
 
     fn write(&mut self, register: Register, value: u32) {
-        // SAFETY: whole registers, reserved bits as they were.
+        // SAFETY: the value has the reserved bits as they were.
         match register {
             Register::Cr => self.0.cr().write(|w| unsafe { w.bits(value) }),
             Register::Pllcfgr => self.0.pllcfgr().write(|w| unsafe { w.bits(value) }),
@@ -51,7 +52,7 @@ impl Registers for Controller {
     }
 
     fn pause(&mut self) {
-        // At the 16 MHz that the core starts with.
+        // 10 µs at the 16 MHz with which the core starts.
         cortex_m::asm::delay(160);
     }
 }

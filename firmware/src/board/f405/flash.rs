@@ -1,7 +1,7 @@
-//! The last two sectors of the flash, for settings.
+//! The settings' flash: its last two sectors.
 //!
 //! The part has one bank: while it erases (up to 4 s for 128 KiB) or programs (16 µs a byte, so 4 ms
-//! for a record) the core cannot fetch and stands still, the sampling task with it. The responder
+//! for a record) the core cannot fetch and stands still, and the sampling task too. The responder
 //! saves in free air only; the samples that are missing then are counted, and the filters restart.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
@@ -10,7 +10,7 @@ use stm32f4xx_hal::pac::FLASH;
 
 /// Offset of sectors 10 and 11, which memory.x leaves out of the program's flash.
 pub const SETTINGS: u32 = 768 * 1024;
-/// Bytes of one of them.
+/// Bytes of one sector.
 pub const SECTOR: u32 = 128 * 1024;
 
 /// The flash, unlocked only while it is written to.
@@ -22,18 +22,18 @@ impl Flash {
         Flash(LockedFlash::new(flash))
     }
 
-    /// Flags of an earlier error make the HAL report the next operation as failed (it never clears
-    /// them): written with 1, they clear (RM 3.9.5).
-    fn forget_errors() {
-        // SAFETY: a write to a register of which nothing else is in use: `self.0` owns the flash.
+    /// Clears the flags of earlier errors by writing 1 to them (RM 3.9.5). The HAL never clears them and
+    /// would report the next operation as failed.
+    fn clear_errors() {
+        // SAFETY: nothing else uses this register, since `self.0` owns the flash.
         unsafe {
             (*FLASH::ptr()).sr().write(|w| w.bits(0xf3));
         }
     }
 
-    /// The data cache may hold what was there before (RM 3.5.2): it is turned off, reset, and on.
+    /// Turns the data cache off, resets it, and turns it on: it may hold the old contents (RM 3.5.2).
     fn refresh_cache() {
-        // SAFETY: as above.
+        // SAFETY: nothing else uses this register, since `self.0` owns the flash.
         let acr = unsafe { (*FLASH::ptr()).acr() };
         if acr.read().dcen().bit_is_set() {
             acr.modify(|_, w| w.dcen().clear_bit());
@@ -65,14 +65,14 @@ impl NorFlash for Flash {
     const ERASE_SIZE: usize = SECTOR as usize;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
-        Self::forget_errors();
+        Self::clear_errors();
         let erased = NorFlash::erase(&mut self.0.unlocked(), from, to);
         Self::refresh_cache();
         erased
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
-        Self::forget_errors();
+        Self::clear_errors();
         let written = NorFlash::write(&mut self.0.unlocked(), offset, bytes);
         Self::refresh_cache();
         written

@@ -1,25 +1,11 @@
-//! What the registers must hold after start-up, from the reference manual and not from the code that
-//! sets them: what no emulator shows, the board checks for itself. A line of the log for each that
-//! differs; on a good board there is one that says so.
+//! The values that the registers must have after start-up, from the reference manual and not from the code
+//! that sets them: the board checks for itself what no emulator shows. The log gets a line for each register
+//! that differs; on a good board it gets one that says so.
 
-use crate::driver::clock::Source;
+use super::pll::Source;
 
-/// A register, the bits of it that matter, and what they must be.
-struct Expected {
-    name: &'static str,
-    address: u32,
-    mask: u32,
-    value: u32,
-}
-
-const fn expected(name: &'static str, address: u32, mask: u32, value: u32) -> Expected {
-    Expected {
-        name,
-        address,
-        mask,
-        value,
-    }
-}
+/// The name of a register, its address, a mask of the bits that matter, and the value they must have.
+struct Expected(&'static str, u32, u32, u32);
 
 const RCC: u32 = 0x4002_3800;
 const GPIOB: u32 = 0x4002_0400;
@@ -35,26 +21,26 @@ const DMA2: u32 = 0x4002_6400;
 #[cfg(feature = "spi-sensors")]
 const SPI3: u32 = 0x4000_3c00;
 
-/// For either set of sensors.
+/// Registers that have the same value with either set of sensors.
 const COMMON: [Expected; 10] = [
     // 7.3.3: SWS (3:2) says that the PLL drives the core; PPRE1 (12:10) divides by 4, PPRE2 (15:13)
     // by 2.
-    expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
-    // 8.4.1: PB12 an output; what it puts out is low (8.4.6).
-    expected("GPIOB_MODER", GPIOB, 0b11 << 24, 0b01 << 24),
-    expected("GPIOB_ODR", GPIOB + 0x14, 1 << 12, 0),
+    Expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
+    // 8.4.1: PB12 is an output, and it is low (8.4.6).
+    Expected("GPIOB_MODER", GPIOB, 0b11 << 24, 0b01 << 24),
+    Expected("GPIOB_ODR", GPIOB + 0x14, 1 << 12, 0),
     // 8.4.1 and 8.4.9: PB3 is TIM2's channel 2.
-    expected("GPIOB_MODER", GPIOB, 0b11 << 6, 0b10 << 6),
-    expected("GPIOB_AFRL", GPIOB + 0x20, 0xf << 12, 1 << 12),
+    Expected("GPIOB_MODER", GPIOB, 0b11 << 6, 0b10 << 6),
+    Expected("GPIOB_AFRL", GPIOB + 0x20, 0xf << 12, 1 << 12),
     // 18.4.7: channel 2 is PWM, its CCR2 taken over with the next period.
-    expected("TIM2_CCMR1", TIM2 + 0x18, 0xff00, 0x6800),
+    Expected("TIM2_CCMR1", TIM2 + 0x18, 0xff00, 0x6800),
     // 18.4.12: 84 MHz / 2625 = 32 kHz, without a prescaler.
-    expected("TIM2_PSC", TIM2 + 0x28, 0xffff, 0),
-    expected("TIM2_ARR", TIM2 + 0x2c, u32::MAX, 2624),
+    Expected("TIM2_PSC", TIM2 + 0x28, 0xffff, 0),
+    Expected("TIM2_ARR", TIM2 + 0x2c, u32::MAX, 2624),
     // 30.6.3: 42 MHz / 2 Mbaud = 16 · 1 5/16.
-    expected("UART4_BRR", UART4 + 0x08, 0xffff, 0x15),
+    Expected("UART4_BRR", UART4 + 0x08, 0xffff, 0x15),
     // 10.5.5, stream 2: channel 4, circular, counting up the memory, on.
-    expected(
+    Expected(
         "DMA1_S2CR",
         DMA1 + 0x10 + 0x18 * 2,
         0x0e00_0501,
@@ -65,18 +51,18 @@ const COMMON: [Expected; 10] = [
 #[cfg(not(feature = "spi-sensors"))]
 const SENSORS: [Expected; 7] = [
     // 18.4.2: the update is the trigger output.
-    expected("TIM2_CR2", TIM2 + 0x04, 0b111 << 4, 0b010 << 4),
+    Expected("TIM2_CR2", TIM2 + 0x04, 0b111 << 4, 0b010 << 4),
     // 18.4.3: both edges of both inputs count, ITR1 is the trigger.
-    expected("TIM3_SMCR", TIM3 + 0x08, 0x77, 0x13),
+    Expected("TIM3_SMCR", TIM3 + 0x08, 0x77, 0x13),
     // 18.4.8 and 18.4.9: channel 3 captures on the trigger; 18.4.4: and asks for DMA.
-    expected("TIM3_CCMR2", TIM3 + 0x1c, 0b11, 0b11),
-    expected("TIM3_DIER", TIM3 + 0x0c, 1 << 11, 1 << 11),
+    Expected("TIM3_CCMR2", TIM3 + 0x1c, 0b11, 0b11),
+    Expected("TIM3_DIER", TIM3 + 0x0c, 1 << 11, 1 << 11),
     // 13.13.3: rising edge of TIM2_TRGO, DMA for ever, on.
-    expected("ADC1_CR2", ADC1 + 0x08, 0x3f00_0301, 0x1600_0301),
+    Expected("ADC1_CR2", ADC1 + 0x08, 0x3f00_0301, 0x1600_0301),
     // 10.5.5, stream 0: channel 0, double buffer, half words, interrupt when a block is full, on.
-    expected("DMA2_S0CR", DMA2 + 0x10, 0x0e04_7c11, 0x0004_2c11),
+    Expected("DMA2_S0CR", DMA2 + 0x10, 0x0e04_7c11, 0x0004_2c11),
     // Stream 7: channel 5, double buffer, half words, on.
-    expected(
+    Expected(
         "DMA1_S7CR",
         DMA1 + 0x10 + 0x18 * 7,
         0x0e04_7c01,
@@ -87,25 +73,25 @@ const SENSORS: [Expected; 7] = [
 #[cfg(feature = "spi-sensors")]
 const SENSORS: [Expected; 1] = [
     // 28.5.1: mode 1, master, 42 MHz / 8, the highest bit first; SPE is left open.
-    expected("SPI3_CR1", SPI3, 0x00ff & !(1 << 6), 0b0001_0101),
+    Expected("SPI3_CR1", SPI3, 0x00ff & !(1 << 6), 0b0001_0101),
 ];
 
-/// Compares, and logs what differs. `source`: the PLL runs from it, and as `driver::clock` has set it.
+/// Compares the registers and logs those that differ. The PLL runs from `source`, as [`super::pll`] has set it.
 pub fn check(source: Source) {
     let mut wrong = 0;
-    let pll = expected("RCC_PLLCFGR", RCC + 0x04, u32::MAX, source.pllcfgr());
+    let pll = Expected("RCC_PLLCFGR", RCC + 0x04, u32::MAX, source.pllcfgr());
     for register in COMMON.iter().chain(&SENSORS).chain([&pll]) {
-        // SAFETY: a load of a register of a peripheral whose clock is on; none of them changes by
-        // being read.
-        let read = unsafe { (register.address as *const u32).read_volatile() };
-        if read & register.mask != register.value {
+        let Expected(name, address, mask, value) = *register;
+        // SAFETY: the peripheral's clock is on, and none of these registers changes when it is read.
+        let read = unsafe { (address as *const u32).read_volatile() };
+        if read & mask != value {
             wrong += 1;
             defmt::warn!(
                 "register {=str} reads {=u32:#010x}, expected {=u32:#010x} under {=u32:#010x}",
-                register.name,
+                name,
                 read,
-                register.value,
-                register.mask
+                value,
+                mask
             );
         }
     }

@@ -1,41 +1,41 @@
 //! The second set of sensors: AS5047P and ADS1220 on SPI3, read at every tick of SysTick.
 //!
-//! PC10 to PC12 are the bus (on the ODrive's header); both motor drivers' select lines (PC13, PC14)
-//! are held high, so that they stay out of it. 5.25 MHz, mode 1: within both data sheets.
+//! PC10 to PC12 are the bus (on the ODrive's header). The select lines of both motor drivers (PC13, PC14)
+//! are held high, so that the drivers ignore the bus. It runs at 5.25 MHz in mode 1, within both data sheets.
 
 use super::Clock;
 use super::clock::CORE_HZ;
-use crate::board::{Acquired, RATE_HZ, Sensors};
+use crate::board::{Acquired, Sensors};
 use crate::driver::pair::Pair;
 use crate::driver::{ads1220, as5047p};
-use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m::peripheral::{NVIC, SYST};
-use cortex_m_rt::exception;
+use crate::systick;
+use cortex_m::peripheral::SYST;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorType, MODE_1, Operation, SpiBus, SpiDevice};
+use estimator_core::board::sampling::Reading;
 use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PB2, PC10, PC11, PC12};
-use stm32f4xx_hal::pac::{self, SPI3};
+use stm32f4xx_hal::pac::SPI3;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 
 /// The bus, the select lines, DRDY and the tick.
 pub struct Wires {
-    /// The bus.
+    /// SPI3 drives the bus.
     pub spi3: SPI3,
-    /// SCK, MISO, MOSI.
+    /// SCK, MISO and MOSI are on these pins.
     pub bus: (PC10, PC11, PC12),
-    /// Selects the encoder.
+    /// This line selects the encoder.
     pub encoder: PA2<Output>,
-    /// Selects the converter.
+    /// This line selects the converter.
     pub bridge: PA3<Output>,
-    /// The converter's DRDY, low when a conversion is done.
+    /// The converter's DRDY is low when a conversion is done.
     pub ready: PB2<Input>,
-    /// The tick.
+    /// SysTick makes the tick.
     pub tick: SYST,
 }
 
-/// Both sensors.
+/// Both sensors on their bus.
 pub struct SpiSensors {
     bus: Spi<SPI3>,
     encoder: PA2<Output>,
@@ -45,7 +45,7 @@ pub struct SpiSensors {
     clock: Clock,
 }
 
-/// Sets both sensors up, says in the log what is wrong with them, and starts the tick.
+/// Sets both sensors up, logs their errors, and starts the tick.
 pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
     let (sck, miso, mosi) = wires.bus;
     let pins = (Some(sck), Some(miso), Some(mosi));
@@ -60,26 +60,16 @@ pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
         clock,
     };
     sensors.set_up();
-    let mut tick = wires.tick;
-    tick.set_clock_source(SystClkSource::Core);
-    tick.set_reload(CORE_HZ / RATE_HZ - 1);
-    tick.clear_current();
-    tick.enable_interrupt();
-    tick.enable_counter();
+    systick::start(wires.tick, CORE_HZ);
     sensors
 }
 
-/// The tick.
-#[exception]
-fn SysTick() {
-    NVIC::pend(pac::Interrupt::DMA2_STREAM0);
-}
-
 impl SpiSensors {
-    /// A sensor that does not answer now may do so later: its samples are faulty until then.
+    /// Sets both sensors up. A sensor that does not answer now may answer later: its samples are faulty until
+    /// then.
     fn set_up(&mut self) {
         let mut bridge = Chip(&mut self.bus, &mut self.bridge);
-        // Field by field: `Debug` of the drivers' types costs 4 KiB of flash.
+        // The errors are logged field by field: `Debug` of the drivers' types costs 4 KiB of flash.
         match ads1220::set_up(&mut bridge) {
             Ok(()) => {}
             Err(ads1220::Error::Spi(_)) => defmt::warn!("ADS1220: the bus failed"),
@@ -127,14 +117,14 @@ impl Sensors for SpiSensors {
         match self.pair.sample(time_us, ready, angle, force) {
             Some(mut codes) => {
                 codes.faults = codes.faults | faults;
-                Acquired::Codes(codes)
+                Acquired::Reading(Reading::Codes(codes))
             }
             None => Acquired::Nothing,
         }
     }
 }
 
-/// A chip on the bus that it shares: select line low, operations, high again.
+/// A chip on the shared bus: its select line is low during the operations.
 struct Chip<'a, B, P>(&'a mut B, &'a mut P);
 
 impl<B: SpiBus, P> ErrorType for Chip<'_, B, P> {
@@ -147,7 +137,7 @@ impl<B: SpiBus, P: OutputPin> SpiDevice for Chip<'_, B, P> {
     }
 }
 
-/// 60 cycles: 357 ns, of the 350 that the encoder wants between two frames and around each.
+/// Pause around a frame and between two frames (cycles): 357 ns, of which the encoder needs 350.
 const SELECT_CYCLES: u32 = 60;
 
 fn select<B: SpiBus, P: OutputPin>(
@@ -166,7 +156,7 @@ fn select<B: SpiBus, P: OutputPin>(
             Operation::Transfer(read, write) => bus.transfer(read, write),
             Operation::TransferInPlace(bytes) => bus.transfer_in_place(bytes),
             Operation::DelayNs(nanoseconds) => {
-                // At least so long: 168 cycles a microsecond.
+                // 168 cycles are a microsecond; one cycle more makes up for the rounding.
                 let cycles = nanoseconds.saturating_mul(CORE_HZ / 1_000_000) / 1000;
                 cortex_m::asm::delay(cycles + 1);
                 Ok(())

@@ -1,10 +1,11 @@
-//! Telemetry and commands on UART4, both by DMA. Out: two chunks, of which one goes out while the
-//! other fills. In: a ring that the DMA fills for ever and [`Link::receive`] follows.
+//! Telemetry and commands on UART4, both by DMA. Frames go out from two chunks: one is sent while the other
+//! fills. Commands come into a ring that the DMA fills without end and [`Link::receive`] follows.
 
 use crate::board::Link;
 use core::sync::atomic::{AtomicU8, Ordering};
 use cortex_m::singleton;
 use embedded_dma::ReadBuffer;
+use estimator_core::board::link::BAUD;
 use stm32f4xx_hal::dma::config::DmaConfig;
 use stm32f4xx_hal::dma::traits::{PeriAddress, Stream};
 use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, DmaFlag, MemoryToPeripheral};
@@ -15,27 +16,26 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Rx, Serial, Tx, config};
 
-/// 200 bytes per millisecond; codes, sample and estimate are at most 180 (frame.rs).
-/// 42 MHz / 16 / 2 Mbaud = 1 5/16: exact.
-const BAUD: u32 = 2_000_000;
-
-/// 2.5 ms at full speed.
+/// Bytes of a chunk: 2.5 ms at full speed.
 const CHUNK: usize = 512;
 
-/// Bytes of commands that wait to be fetched: the longest is 15, and telemetry looks every
+/// Bytes of the ring of commands. The longest command has 15 bytes, and telemetry looks every
 /// millisecond, in which 200 can come. A host waits for the answer before its next command.
 const INBOX: usize = 256;
 
-/// Atomic, since the DMA writes behind the compiler's back.
+// The divider is exact: 42 MHz / 16 / 2 Mbaud = 1 5/16.
+const _: () = assert!(42_000_000 % BAUD == 0);
+
+/// The ring is atomic, since the DMA writes it without the compiler's knowledge.
 static RECEIVED: [AtomicU8; INBOX] = [const { AtomicU8::new(0) }; INBOX];
 
-/// Bytes that DMA may read: they stay where they are.
+/// A buffer that the DMA may read, since it never moves.
 pub struct Chunk {
     bytes: &'static mut [u8; CHUNK],
     length: usize,
 }
 
-// SAFETY: the bytes are static and `length` is at most their number; while the DMA reads them, the
+// SAFETY: the bytes are static and `length` is at most their number. While the DMA reads them, the
 // transfer owns the chunk.
 unsafe impl ReadBuffer for Chunk {
     type Word = u8;
@@ -45,17 +45,17 @@ unsafe impl ReadBuffer for Chunk {
     }
 }
 
-/// The link.
+/// The serial link.
 pub struct Uart {
     transfer: Transfer<Stream4<DMA1>, 4, Tx<UART4>, MemoryToPeripheral, Chunk>,
-    /// `None` only within [`Link::poll`].
+    /// The chunk that fills; it is `None` only within [`Link::poll`].
     filling: Option<Chunk>,
     received: Stream2<DMA1>,
-    /// Where in [`RECEIVED`] the next byte is to be fetched.
+    /// Index in [`RECEIVED`] of the next byte to fetch.
     fetched: usize,
 }
 
-/// The inbox's stream: DMA1 stream 2 channel 4 (RM table 42), circular, a byte at a time.
+/// Starts the stream of the commands: DMA1 stream 2 channel 4 (RM table 42), circular, byte by byte.
 fn receive(rx: &Rx<UART4>, mut stream: Stream2<DMA1>) -> Stream2<DMA1> {
     stream.set_channel(DmaChannel::Channel4);
     stream.set_direction(DmaDirection::PeripheralToMemory);
@@ -66,7 +66,7 @@ fn receive(rx: &Rx<UART4>, mut stream: Stream2<DMA1>) -> Stream2<DMA1> {
     stream.set_peripheral_increment(false);
     stream.set_circular_mode(true);
     stream.set_fifo_enable(false);
-    // SAFETY: the memory is static and as many bytes as transfers; nothing else uses the stream.
+    // SAFETY: the memory is static and has a byte for each transfer; nothing else uses the stream.
     unsafe {
         stream.set_memory_size(DmaDataSize::Byte);
         stream.set_peripheral_size(DmaDataSize::Byte);
@@ -76,7 +76,7 @@ fn receive(rx: &Rx<UART4>, mut stream: Stream2<DMA1>) -> Stream2<DMA1> {
 }
 
 impl Uart {
-    /// UART4 transmits on PA0 by DMA1 stream 4 channel 4 (RM table 42) and receives on PA1.
+    /// Starts UART4: it transmits on PA0 by DMA1 stream 4 channel 4 (RM table 42) and receives on PA1.
     pub fn new(
         uart: UART4,
         pins: (PA0, PA1),
@@ -96,7 +96,7 @@ impl Uart {
         ) else {
             defmt::panic!("the board was started twice");
         };
-        // One zero, the end of a frame: whoever listens already is in step from here on.
+        // A zero ends a frame: a host that listens already is in step from here on.
         let opening = Chunk {
             bytes: first,
             length: 1,
@@ -142,8 +142,8 @@ impl Link for Uart {
         };
         self.filling = Some(match self.transfer.next_transfer(chunk) {
             Ok((sent, _)) => Chunk { length: 0, ..sent },
-            // Only for double-buffered transfers, which this is not; the bytes are lost, the
-            // sequence numbers show it.
+            // Only double-buffered transfers fail, and this is none. The bytes would be lost, and the
+            // sequence numbers would show it.
             Err(error) => Chunk {
                 length: 0,
                 ..chunk_of(error)
@@ -152,7 +152,7 @@ impl Link for Uart {
     }
 
     fn receive(&mut self) -> Option<u8> {
-        // The stream counts down to 1 and starts again at INBOX.
+        // The stream counts the bytes that are left of the ring down to 1 and starts again at INBOX.
         let filled = INBOX - usize::from(self.received.number_of_transfers());
         if self.fetched == filled % INBOX {
             return None;
@@ -168,6 +168,7 @@ impl Link for Uart {
     }
 }
 
+/// Returns the chunk that an error hands back.
 fn chunk_of(error: stm32f4xx_hal::dma::DMAError<Chunk>) -> Chunk {
     use stm32f4xx_hal::dma::DMAError::{NotReady, Overrun, SmallBuffer};
     match error {

@@ -1,18 +1,20 @@
 //! An STM32F405 motor controller, wired like an ODrive v3.6 (README, "Wiring").
 //!
-//! Two sets of sensors behind one seam: [`analog`], and with the feature `spi-sensors` [`spi`].
+//! The board has one of two sets of sensors: [`analog`], or [`spi`] with the feature `spi-sensors`.
 //!
-//! The board commands no motion: the gate driver's enable (PB12) is held low, none of its pins is
-//! touched. What it puts out is a force for whatever drives a master, on PB3 ([`force`]).
+//! The board commands no motion: it holds the gate driver's enable (PB12) low and touches none of the
+//! driver's other pins. On PB3 it puts out a force for whatever drives a master ([`force`]).
 //!
 //! "RM" is reference manual RM0090, "DS" the data sheet DocID022152.
 
 #[cfg(not(feature = "spi-sensors"))]
 mod analog;
 mod clock;
+pub mod device;
 mod event;
 mod flash;
 mod force;
+mod pll;
 mod registers;
 #[cfg(not(feature = "spi-sensors"))]
 mod ring;
@@ -20,14 +22,20 @@ mod ring;
 mod spi;
 mod uart;
 
-use super::{Board, Outcome, Parts, RATE_HZ, Watchdog};
-use crate::driver::clock::Source;
+pub use self::F405 as Selected;
+
+use crate::board::{Board, Outcome, Parts, Watchdog};
 use cortex_m::peripheral::DWT;
+// The log goes over RTT. The link proof has no logger.
+#[cfg(not(feature = "panic-proof"))]
+use defmt_rtt as _;
 use estimator_core::board::instants::Ticks;
+use estimator_core::board::sampling::{PERIOD_US, RATE_HZ};
 use estimator_core::board::settings::store::Store;
 use estimator_core::{Fault, Faults};
 use flash::{Flash, SECTOR, SETTINGS};
 use force::Pwm;
+use pll::Source;
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{Output, PC4};
 use stm32f4xx_hal::pac;
@@ -35,10 +43,10 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use uart::Uart;
 
-/// Longer than an erase of a 128 KiB sector, which takes up to 4 s (DS table 44).
+/// Length of the watchdog (ms): longer than an erase of a 128 KiB sector, up to 4 s (DS table 44).
 const WATCHDOG_MS: u32 = 10_000;
 
-/// The board.
+/// The STM32F405 board.
 pub struct F405;
 
 impl Board for F405 {
@@ -56,11 +64,14 @@ impl Board for F405 {
     type Link = Uart;
     type Light = PC4<Output>;
     type Flash = Flash;
-    type Watchdog = Dog;
+    type Watchdog = IwdgWatchdog;
     type Output = Pwm;
 
-    fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Parts<F405> {
-        // First of all, and from its own oscillator: a start-up that hangs ends in a reset.
+    fn start(mut core: cortex_m::Peripherals) -> Parts<F405> {
+        let Some(device) = pac::Peripherals::take() else {
+            defmt::panic!("the board was started twice");
+        };
+        // The watchdog starts first, from an oscillator of its own: a start-up that hangs ends in a reset.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(WATCHDOG_MS.millis());
@@ -84,10 +95,10 @@ impl Board for F405 {
         let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
         let dma1 = StreamsTuple::new(device.DMA1, &mut rcc);
-        // Gate driver off, and kept off: the pin stays an output that is low.
+        // The gate driver is off and stays off: the pin stays an output that is low.
         let _ = gpiob.pb12.into_push_pull_output_in_state(false.into());
 
-        // Pulled up: a cable that is off is an idle line, not a stream of noise.
+        // With a pull-up, a cable that is unplugged is an idle line and no stream of noise.
         let pins = (gpioa.pa0, gpioa.pa1.into_pull_up_input());
         let link = Uart::new(device.UART4, pins, (dma1.4, dma1.2), &mut rcc);
         #[cfg(not(feature = "spi-sensors"))]
@@ -107,9 +118,9 @@ impl Board for F405 {
         );
         #[cfg(feature = "spi-sensors")]
         let sensors = {
-            // Nothing else needs the event here than the force output.
+            // Only the force output needs the event here.
             event::start(device.TIM2, &mut rcc);
-            // The motor drivers share the bus: not selected, and kept so.
+            // The motor drivers share the bus and stay deselected.
             let _ = gpioc.pc13.into_push_pull_output_in_state(true.into());
             let _ = gpioc.pc14.into_push_pull_output_in_state(true.into());
             spi::start(
@@ -118,7 +129,7 @@ impl Board for F405 {
                     bus: (gpioc.pc10, gpioc.pc11, gpioc.pc12),
                     encoder: gpioa.pa2.into_push_pull_output_in_state(true.into()),
                     bridge: gpioa.pa3.into_push_pull_output_in_state(true.into()),
-                    // Pulled up: without a converter nothing is ever ready.
+                    // With a pull-up, nothing is ever ready without a converter.
                     ready: gpiob.pb2.into_pull_up_input(),
                     tick: core.SYST,
                 },
@@ -133,7 +144,7 @@ impl Board for F405 {
             link,
             light: gpioc.pc4.into_push_pull_output(),
             store: Store::new(Flash::new(device.FLASH), SETTINGS, SECTOR),
-            watchdog: Dog(watchdog),
+            watchdog: IwdgWatchdog(watchdog),
             output,
             clock_fallback,
         }
@@ -143,8 +154,8 @@ impl Board for F405 {
         DWT::cycle_count()
     }
 
-    /// Not `wfi`: the cycle counter stands still while the core sleeps, and the time of samples is
-    /// its.
+    /// Waits without `wfi`: the cycle counter, which gives the samples their time, stands still while the
+    /// core sleeps.
     fn idle() {
         cortex_m::asm::nop();
     }
@@ -158,19 +169,19 @@ impl Board for F405 {
     }
 }
 
-/// The independent watchdog.
-pub struct Dog(IndependentWatchdog);
+/// The independent watchdog, which runs from the start.
+pub struct IwdgWatchdog(IndependentWatchdog);
 
-impl Watchdog for Dog {
+impl Watchdog for IwdgWatchdog {
     fn feed(&mut self) {
         self.0.feed();
     }
 }
 
-/// Says that there is no clock, in the log and with the status light, three flashes and a pause, until
-/// the watchdog starts the board for another try.
+/// Reports that there is no clock, in the log and with the status light (three flashes and a pause), until
+/// the watchdog restarts the board.
 fn without_clock(rcc: pac::RCC, gpioc: pac::GPIOC) -> ! {
-    /// Of the 16 MHz that are left.
+    /// A tenth of a second in cycles of the 16 MHz that are left.
     const TENTH_SECOND: u32 = 1_600_000;
     defmt::error!("the PLL does not lock, neither on the crystal nor on the internal oscillator");
     let mut light = gpioc
@@ -186,10 +197,10 @@ fn without_clock(rcc: pac::RCC, gpioc: pac::GPIOC) -> ! {
     }
 }
 
-/// The time of samples.
+/// The source of the samples' time stamps.
 struct Clock {
     ticks: Ticks,
-    /// What is wrong with every sample.
+    /// The faults of every sample.
     standing: Faults,
 }
 
@@ -201,14 +212,14 @@ impl Clock {
         }
     }
 
-    /// The time of this tick (µs), with [`Fault::Overrun`] if ticks were missed before it; `None` of
-    /// a spurious call.
+    /// Returns the time of this tick (µs), with [`Fault::Overrun`] if ticks were missed before it, and
+    /// `None` for a spurious call.
     fn tick(&mut self) -> Option<(u64, Faults)> {
         let (count, late) = self.ticks.at(F405::now())?;
         let faults = match late {
             true => self.standing.with(Fault::Overrun),
             false => self.standing,
         };
-        Some((count * u64::from(1_000_000 / RATE_HZ), faults))
+        Some((count * PERIOD_US, faults))
     }
 }

@@ -1,43 +1,50 @@
 //! The emulator: QEMU's `netduinoplus2`, an STM32F405 of which the core, the FPU, the NVIC and
-//! SysTick work and the peripherals read 0 (README, "What the emulator cannot show").
+//! SysTick work and the peripherals read 0 (README, "What the emulator shows, and what it cannot").
 //!
-//! Samples come from the file [`SAMPLES`], frames go into [`TELEMETRY`], commands come from
-//! [`COMMANDS`], the force output's codes go into [`FORCES`] and settings are kept in `settings.flash`, all
-//! in QEMU's working directory. Run with `-icount shift=0,sleep=off`: 1 instruction is then 1 ns of virtual time.
+//! Samples come from the file [`SAMPLES`], frames go into [`TELEMETRY`], commands come from [`COMMANDS`], the
+//! codes of the force output go into [`FORCES`], and `settings.flash` keeps the settings, all in QEMU's working
+//! directory. With `-icount shift=0,sleep=off` an instruction is 1 ns of virtual time.
 
+pub mod device;
 mod flash;
 
-use super::{Acquired, Board, ForceOutput, Link, Outcome, Parts, RATE_HZ, Sensors, Watchdog};
+pub use self::Qemu as Selected;
+
+use crate::board::{Acquired, Board, ForceOutput, Link, Outcome, Parts, Sensors, Watchdog};
+use crate::systick;
 use core::convert::Infallible;
 use core::ffi::CStr;
-use cortex_m::peripheral::{NVIC, syst::SystClkSource};
-use cortex_m_rt::exception;
+// The log goes to QEMU's standard output.
+use defmt_semihosting as _;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, RECORD_ENCODED};
+use estimator_core::board::ram_flash::{RamFlash, SECTOR};
+use estimator_core::board::sampling::{FULL, RATE_HZ, Reading};
 use estimator_core::board::settings::store::Store;
-use flash::{FlashFile, SECTOR};
 use semihosting::fs::File;
 use semihosting::io::{Read, Write};
-use stm32f4xx_hal::pac;
 
-/// Where the samples come from: frames, of which [`Frame::Sample`] and [`Frame::Codes`] are used and
-/// others skipped.
+/// File of the samples: the frames [`Frame::Sample`] and [`Frame::Codes`] in it are used, others skipped.
 const SAMPLES: &CStr = c"samples.frames";
-/// Where the frames go.
+/// File into which the frames go.
 const TELEMETRY: &CStr = c"telemetry.frames";
-/// Where commands come from, if it is there at the start; may grow while the emulator runs.
+/// File of the commands, if it exists at the start; it may grow while the emulator runs.
 const COMMANDS: &CStr = c"commands.frames";
-/// Where the codes of the force output go: of each that differs from the one before it, the number of
-/// the tick (u32) and the code (u16).
+/// File of the force output: for each code that differs from the one before it, the number of the tick
+/// (u32) and the code (u16).
 const FORCES: &CStr = c"force.codes";
-/// Ticks between two looks into it: a look costs the host microseconds.
+/// Ticks between two looks for commands: a look costs the host microseconds.
 const LOOK_EVERY: u32 = 32;
 
-/// A semihosting call stops the emulator for microseconds of real time: one per 100 samples.
+/// Bytes that a semihosting call moves: it stops the emulator for microseconds of real time, and a block
+/// holds about 100 samples.
 const BLOCK: usize = 4096;
 
-/// What the machine's SysTick runs at, like the board.
+/// Clock of the machine's SysTick (Hz), as on the F405.
 const CORE_HZ: u32 = 168_000_000;
+
+/// Address of the counter of the machine's timer TIM2 (reference manual RM0090, 18.4.10).
+const TIM2_CNT: *const u32 = 0x4000_0024 as *const u32;
 
 /// The emulated board.
 pub struct Qemu;
@@ -50,40 +57,37 @@ impl Board for Qemu {
     type Sensors = Recording;
     type Link = Output;
     type Light = NoLight;
-    type Flash = FlashFile;
+    type Flash = RamFlash;
     type Watchdog = NoWatchdog;
     type Output = Recorded;
 
-    fn start(mut core: cortex_m::Peripherals, _: pac::Peripherals) -> Parts<Qemu> {
+    fn start(core: cortex_m::Peripherals) -> Parts<Qemu> {
         let parts = Parts {
             sensors: Recording::open(),
             link: Output::create(),
             light: NoLight,
-            store: Store::new(FlashFile::open(), 0, SECTOR),
+            store: Store::new(flash::open(), 0, SECTOR),
             watchdog: NoWatchdog,
             output: Recorded::create(),
             clock_fallback: false,
         };
-        core.SYST.set_clock_source(SystClkSource::Core);
-        core.SYST.set_reload(CORE_HZ / RATE_HZ - 1);
-        core.SYST.clear_current();
-        core.SYST.enable_interrupt();
-        core.SYST.enable_counter();
+        systick::start(core.SYST, CORE_HZ);
         parts
     }
 
-    /// TIM2 runs at 1 GHz here whatever is written to it, and under `shift=0` a nanosecond is an
-    /// instruction: exact, where SysTick's 168 MHz would resolve six. (The DWT counter reads 0.)
+    /// Reads TIM2, which runs at 1 GHz here whatever is written to it. Under `shift=0` a nanosecond is an
+    /// instruction, so the count is exact; SysTick's 168 MHz would resolve six instructions. (The DWT
+    /// counter reads 0.)
     fn now() -> u32 {
-        // SAFETY: a load of a register that nothing else in this build uses.
-        unsafe { (*pac::TIM2::ptr()).cnt().read().bits() }
+        // SAFETY: the address is that of a register of the machine, and a load does not change it.
+        unsafe { TIM2_CNT.read_volatile() }
     }
 
-    /// Not `wfi`: with `sleep=off`, QEMU 7.2 goes past the first tick to the second before the core
-    /// wakes, and a tick takes 2 ms. Instructions that do nothing are as good: a tick full of them
-    /// takes the host 27 µs in runs of 400 (75 µs in runs of 100), and a tick ends a run early.
+    /// Waits without `wfi`: with `sleep=off`, QEMU 7.2 goes past the first tick to the second before the core
+    /// wakes, and a tick takes 2 ms. Instructions that do nothing serve as well: a tick full of them takes the
+    /// host 27 µs in runs of 400 (75 µs in runs of 100), and a tick ends a run early.
     fn idle() {
-        // SAFETY: no operation.
+        // SAFETY: the instructions do nothing.
         unsafe { core::arch::asm!(".rept 400", "nop", ".endr", options(nomem, nostack)) }
     }
 
@@ -93,12 +97,6 @@ impl Board for Qemu {
             Outcome::Failed => 1,
         })
     }
-}
-
-/// The tick: stands in for the ADC's DMA stream.
-#[exception]
-fn SysTick() {
-    NVIC::pend(pac::Interrupt::DMA2_STREAM0);
 }
 
 /// Sensors that read a file.
@@ -142,8 +140,12 @@ impl Sensors for Recording {
     fn sample(&mut self) -> Acquired {
         while let Some(byte) = self.next_byte() {
             match self.decoder.push(byte) {
-                Some(Ok((_, Frame::Sample(sample)))) => return Acquired::Sample(sample),
-                Some(Ok((_, Frame::Codes(codes)))) => return Acquired::Codes(codes),
+                Some(Ok((_, Frame::Sample(sample)))) => {
+                    return Acquired::Reading(Reading::Sample(sample));
+                }
+                Some(Ok((_, Frame::Codes(codes)))) => {
+                    return Acquired::Reading(Reading::Codes(codes));
+                }
                 Some(Ok(_)) | None => {}
                 Some(Err(error)) => {
                     defmt::panic!("samples.frames: {}", defmt::Debug2Format(&error))
@@ -177,7 +179,7 @@ impl Output {
         }
     }
 
-    /// At the end of the file there is nothing, until there is more.
+    /// Reads commands that have come since the last look. At the end of the file it reads nothing.
     fn look_for_commands(&mut self) {
         let mut bytes = [0; 64];
         let count = match &mut self.commands {
@@ -185,7 +187,7 @@ impl Output {
             None => 0,
         };
         for byte in bytes.iter().take(count) {
-            // As many as fit: it is empty here.
+            // All fit: the queue is empty here.
             let _ = self.received.push_back(*byte);
         }
     }
@@ -198,7 +200,7 @@ impl Link for Output {
 
     fn send(&mut self, bytes: &[u8]) {
         let fits = bytes.len().min(self.room());
-        // Cut to what fits, so that it does.
+        // The slice is cut to the room, so it fits.
         let _ = self.block.extend_from_slice(&bytes[..fits]);
     }
 
@@ -248,8 +250,7 @@ impl Recorded {
 }
 
 impl ForceOutput for Recorded {
-    /// As on the F405.
-    const FULL: u16 = 2625;
+    const FULL: u16 = FULL;
 
     fn put(&mut self, code: u16) {
         if self.last.replace(code) != Some(code) {
@@ -263,14 +264,14 @@ impl ForceOutput for Recorded {
     }
 }
 
-/// The machine's watchdog does nothing.
+/// A watchdog that is never fed and never resets: the machine's watchdog does nothing.
 pub struct NoWatchdog;
 
 impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
-/// The machine has no light.
+/// A light that nobody sees: the machine has none.
 pub struct NoLight;
 
 impl ErrorType for NoLight {
