@@ -1,21 +1,10 @@
 //! Prints the acceptance table: `cargo run --release -p tests --example acceptance -- 1000`.
 
-// The table and its small version each use a part of these.
-#[allow(dead_code)]
-mod cases;
-#[allow(dead_code)]
-mod floor;
-#[allow(dead_code)]
-mod relaxing;
-#[allow(dead_code)]
-mod rows;
-#[allow(dead_code)]
-mod score;
-
-use cases::{Case, SETTINGS, Touched};
 use estimator_core::estimate::method::Method;
-use rows::{Skew, Swap};
-use score::{Row, quantile, score};
+use tests::acceptance::cases::{Case, SETTINGS, Touched};
+use tests::acceptance::rows::{Skew, Swap};
+use tests::acceptance::score::{Row, quantile, score};
+use tests::acceptance::{relaxing, rows};
 
 /// The methods side by side: name, method, whether the surface is told.
 const METHODS: [(&str, Method, bool); 6] = [

@@ -1,22 +1,11 @@
 //! The small version of the acceptance table; `cargo run --release -p tests --example acceptance -- 1000`
 //! prints the full one.
 
-// The table and its small version each use a part of these.
-#[allow(dead_code)]
-mod cases;
-#[allow(dead_code)]
-mod floor;
-#[allow(dead_code)]
-mod relaxing;
-#[allow(dead_code)]
-mod rows;
-#[allow(dead_code)]
-mod score;
-
-use cases::{Case, SETTINGS, Touched};
 use estimator_core::estimate::method::Method;
-use rows::{Skew, Swap};
-use score::{Row, quantile, score};
+use tests::acceptance::cases::{Case, SETTINGS, Stroke, Touched};
+use tests::acceptance::relaxing::{self, Relaxing};
+use tests::acceptance::rows::{self, Skew, Swap};
+use tests::acceptance::score::{Row, quantile, score};
 use tests::tolerance;
 
 /// Seeds a setting.
@@ -92,15 +81,10 @@ fn the_two_stages_are_the_baseline_that_they_are_known_to_be() {
 
 #[test]
 fn materials_that_relax_are_found_with_their_surface() {
-    use relaxing::Relaxing;
     // The full table says 95–100 % within 1 % of all parameters; here every one within 5 %.
     for (touched, stroke, method) in [
-        (Relaxing::Solid, cases::Stroke::Sine, Method::ZenerBank),
-        (
-            Relaxing::OneMode,
-            cases::Stroke::Ramp,
-            Method::QuasiLinearBank,
-        ),
+        (Relaxing::Solid, Stroke::Sine, Method::ZenerBank),
+        (Relaxing::OneMode, Stroke::Ramp, Method::QuasiLinearBank),
     ] {
         let mut row = relaxing::Row::default();
         for seed in 1..4 {
@@ -123,11 +107,11 @@ fn the_law_is_selected_while_it_runs() {
     };
     let params = params.validate::<f32>().unwrap();
     // A quasi-linear material, a standard linear solid, and gel, which must get no mode.
-    let relaxes = |touched| relaxing::Case::new(touched, cases::Stroke::Ramp, 3).log;
-    let gel = Case::new(cases::Touched::Gel, cases::Stroke::Sine, 3).log;
+    let relaxes = |touched| relaxing::Case::new(touched, Stroke::Ramp, 3).log;
+    let gel = Case::new(Touched::Gel, Stroke::Sine, 3).log;
     for (log, law) in [
-        (relaxes(relaxing::Relaxing::OneMode), LawKind::QuasiLinear),
-        (relaxes(relaxing::Relaxing::Solid), LawKind::Zener),
+        (relaxes(Relaxing::OneMode), LawKind::QuasiLinear),
+        (relaxes(Relaxing::Solid), LawKind::Zener),
         (gel, LawKind::HuntCrossley),
     ] {
         let mut state = State::new(&params);

@@ -1,10 +1,10 @@
 //! The rig against closed forms.
 
-use crate::rig::effect::{Effect, Friction};
-use crate::rig::material::{Law, Material};
-use crate::rig::motion::{Profile, Track};
-use crate::rig::plant::Plant;
-use crate::rig::random::Random;
+use tests::hidden::rig::effect::{Effect, Friction};
+use tests::hidden::rig::material::{Law, Material};
+use tests::hidden::rig::motion::{Profile, Track};
+use tests::hidden::rig::plant::Plant;
+use tests::hidden::rig::random::Random;
 
 /// Sub-step of these runs (s): the generator's own.
 const DT_S: f64 = 5e-5;
@@ -13,10 +13,9 @@ const LAMBDA: f64 = 20.0;
 
 fn linear(hidden: Vec<Effect>) -> Plant {
     let material = Material::from_numbers(Law::KelvinVoigt, &[K, LAMBDA, 0.0]);
-    Plant {
-        hidden,
-        ..Plant::bare(material)
-    }
+    let mut plant = Plant::bare(material);
+    plant.hidden = hidden;
+    plant
 }
 
 /// Force on a position x(t) with its derivatives.

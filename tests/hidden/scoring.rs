@@ -1,12 +1,12 @@
 //! The scorer on answers made by hand.
 
-use crate::score::answer::Answer;
-use crate::score::judge::{Mark, errors, mark};
-use crate::score::process::cpu;
-use crate::score::run::Scored;
-use crate::score::share::{Share, quantile};
-use crate::score::table::{self, WIDE};
-use crate::score::truth::Truth;
+use tests::hidden::score::answer::Answer;
+use tests::hidden::score::judge::{Mark, errors, mark};
+use tests::hidden::score::process::cpu;
+use tests::hidden::score::scored::Scored;
+use tests::hidden::score::share::{Share, quantile};
+use tests::hidden::score::table::{self, WIDE};
+use tests::hidden::score::truth::Truth;
 
 fn truth(effects: &str, forms: &str) -> Truth {
     let text = format!(

@@ -1,12 +1,13 @@
 //! The whole workflow on short rigs, at least one of each kind of answer, by the scorer of the big
 //! table. Seeds and indices are named; what is hidden is known to the scorer alone.
 
-use crate::rig::case::{Case, Kind};
-use crate::score::further;
-use crate::score::judge::{Mark, errors};
-use crate::score::library;
-use crate::score::run::Scored;
 use std::path::{Path, PathBuf};
+use tests::hidden::rig::case::Case;
+use tests::hidden::rig::kind::Kind;
+use tests::hidden::score::further;
+use tests::hidden::score::judge::{Mark, errors};
+use tests::hidden::score::library;
+use tests::hidden::score::scored::Scored;
 
 /// Draws the rigs.
 const SEED: u64 = 1;
@@ -149,7 +150,7 @@ fn a_rig_that_is_recorded_again_follows_the_motion_and_is_the_same_rig() {
     assert!((rows[0][1] + 1e-3).abs() < 1.1e-6 && (end[1] - 1e-3).abs() < 1.1e-6);
     // At rest in free air there is the noise of the first log alone: 150 samples tell it to 6 %.
     let free: Vec<f64> = rows.iter().take(150).map(|row| row[2]).collect();
-    let noise_n = crate::rig::fit::rms(&free);
+    let noise_n = tests::hidden::rig::fit::rms(&free);
     assert!(
         (0.75..1.3).contains(&(noise_n / case.floor_n)),
         "{noise_n} N of {} N",
