@@ -161,7 +161,11 @@ fn e5_polyurethane_gives_up_its_elastic_response_and_its_relaxation() {
     let names = ["K", "n", "c", "ν"];
     for (((error, sigmas), name), bound) in worst.iter().zip(names).zip(tolerance::E5) {
         assert_within(name, *error, bound);
-        assert_within(&format!("{name} in standard errors"), *sigmas, 0.2..4.0);
+        assert_within(
+            &format!("{name} in standard errors"),
+            *sigmas,
+            tolerance::E5_STD_ERRORS,
+        );
     }
 }
 
@@ -177,7 +181,7 @@ fn settles<const N: usize>(
     for (index, record) in replay.records.iter().enumerate() {
         let now = values(record);
         for (i, settled) in settled.iter_mut().enumerate() {
-            if now.is_none_or(|now| (now[i] / last[i] - 1.0).abs() > 0.05) {
+            if now.is_none_or(|now| (now[i] / last[i] - 1.0).abs() > tolerance::CLOSE) {
                 *settled = replay.time_s(index) - from_s;
             }
         }
@@ -202,9 +206,8 @@ fn e5_the_chapters_parameters_settle_within_a_few_seconds() {
     let touched_s = estimation.outcome.touches[0].from_s;
     let [gamma_1, gamma_2, a, b, fraction, rate] = settles(&estimation, touched_s, values);
     for settled_s in [gamma_1, gamma_2, a, b] {
-        assert_within("γ, a, b", settled_s, 0.05..5.0);
+        assert_within("γ, a, b", settled_s, tolerance::E5_SETTLES_S);
     }
-    // A time constant of 8 s takes one to be known to 5 %.
     assert_within("c", fraction, tolerance::E5_MODE_SETTLES_S);
     assert_within("ν", rate, tolerance::E5_MODE_SETTLES_S);
 }
@@ -254,7 +257,11 @@ fn a_zener_material_is_found_by_arx() {
         worst.iter().zip(["κ₁", "κ₂", "λ"]).zip(tolerance::ZENER)
     {
         assert_within(name, *error, bound);
-        assert_within(&format!("{name} in standard errors"), *sigmas, 0.3..4.0);
+        assert_within(
+            &format!("{name} in standard errors"),
+            *sigmas,
+            tolerance::ZENER_STD_ERRORS,
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! The acceptance table: every method on the same simulated palpations, over many seeds.
+//! The cases of the acceptance table: simulated palpations, the same for every method.
 //!
 //! A case is a material, a motion and a surface drawn from its seed: gel, plastic or a material of
 //! 300–20 000 N/m, λ/K 3–40 ms and n 1.05–1.7; 8 s of a sine of 0.9–1.6 Hz that leaves contact each
@@ -17,7 +17,7 @@ pub(crate) const SECONDS: f64 = 8.0;
 /// Rest in free air at the start (s).
 const REST_S: f64 = 0.3;
 
-/// What is touched.
+/// The material that is touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touched {
     /// The chapter's gel.
@@ -29,7 +29,7 @@ pub enum Touched {
 }
 
 impl Touched {
-    /// Its law.
+    /// The law of the material.
     pub(crate) fn law(self, rng: &mut Pcg64) -> HuntCrossley<f64> {
         match self {
             Touched::Gel => GEL.law,
@@ -39,7 +39,7 @@ impl Touched {
     }
 }
 
-/// How it is touched.
+/// The motion of the probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
     /// A sine that leaves contact.
@@ -63,11 +63,11 @@ pub const SETTINGS: [(Touched, Stroke); 6] = [
 pub struct Case {
     /// K (N/m), λ (N s/m), n, surface (m).
     pub(crate) truth: [f64; 4],
-    /// What the sensors read.
+    /// The readings of the sensors.
     pub log: UniformLog,
-    /// What really happened.
+    /// The true motion and force.
     pub(crate) run: Truth,
-    /// Noise of the force (N).
+    /// The noise of the force (N rms).
     pub(crate) force_noise_n: f64,
     /// When the probe first touched (s).
     pub(crate) touched_s: f64,
@@ -79,7 +79,7 @@ impl Case {
         Case::on(&Rig::default(), touched, stroke, seed)
     }
 
-    /// The same on another rig.
+    /// Draws and simulates a case on another rig.
     pub(crate) fn on(rig: &Rig, touched: Touched, stroke: Stroke, seed: u64) -> Case {
         let mut rng = Pcg64::seed_from_u64(seed);
         let law = touched.law(&mut rng);
@@ -106,10 +106,8 @@ impl Case {
             force_noise_n: rig.sensors.force_noise_n,
         }
     }
-}
 
-impl Case {
-    /// The same, its force read `skew_s` later than its position.
+    /// The same case with its force read `skew_s` (s) later than its position.
     pub(crate) fn skewed(mut self, skew_s: f64, seed: u64) -> Case {
         let sensors = Sensors::default();
         let mut cell = LoadCell::new(sensors, seed);
@@ -135,7 +133,7 @@ fn drawn(rng: &mut Pcg64) -> HuntCrossley<f64> {
     HuntCrossley::new(stiffness, damping, rng.random_range(1.05..1.7), 1e-3)
 }
 
-/// The stroke whose fastest way in reaches `peak_n` at its deepest, or would: the cell ends at 15.4 N.
+/// A stroke whose fastest way in would reach `peak_n` (N) at its deepest; the cell saturates at 15.4 N.
 pub(crate) fn motion(
     rng: &mut Pcg64,
     stroke: Stroke,
@@ -143,7 +141,7 @@ pub(crate) fn motion(
     peak_n: f64,
 ) -> Motion {
     let frequency_hz = rng.random_range(0.9..1.6);
-    // Largest speed over the way.
+    // The largest speed over the length of the way (1/s).
     let quickness = match stroke {
         Stroke::Sine => std::f64::consts::PI * frequency_hz,
         Stroke::Ramp => [2.0, 4.0, 8.0][rng.random_range(0..3)],
@@ -177,7 +175,7 @@ pub(crate) fn motion(
     Motion::new(-gap_m, segments).expect("the motions of the table are valid")
 }
 
-/// Depth of a stroke (m) whose fastest way in, `quickness` ways a second, reaches `peak_n` at its
+/// The depth (m) of a stroke whose fastest way in, `quickness` ways a second, reaches `peak_n` (N) at its
 /// deepest, and how far it leaves the surface (m).
 pub(crate) fn reach(law: &HuntCrossley<f64>, quickness: f64, peak_n: f64) -> (f64, f64) {
     let gap_m = |depth_m: f64| (0.4 * depth_m).clamp(1e-4, 5e-4);

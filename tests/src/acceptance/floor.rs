@@ -1,38 +1,38 @@
-//! What no unbiased estimator can undercut: the Cramér–Rao bound of a case.
+//! The Cramér–Rao bound of a case, below which no unbiased estimator gets.
 //!
 //! Fisher information of the true law along the true motion, with the noise and the steps of both
-//! sensors: each instant in contact tells ∇F·∇Fᵀ/R, R = σ² + q_F²/12 + (∂F/∂x)²·q_x²/12. The resting
-//! force is unknown too; each instant in free air tells it. A told surface is known to a count of
-//! the encoder, q_x/√12.
+//! sensors: each instant in contact adds ∇F·∇Fᵀ/R with R = σ² + q_F²/12 + (∂F/∂x)²·q_x²/12. The resting
+//! force is unknown too, and each instant in free air adds 1/R for it. A surface that is told is known to
+//! a count of the encoder, q_x/√12.
 
 use nalgebra::{Matrix6, Vector6};
 
 use super::cases::{Case, SECONDS};
+use crate::tolerance::{CLOSE, SURE};
 
-/// Steps of the default sensors: N, m.
+/// The step of the default force sensor (N).
 const FORCE_STEP_N: f64 = 0.005;
+/// The count of the default encoder (m).
 const COUNT_M: f64 = 1e-6;
-/// Samples between two looks at how much is known.
+/// The bound is calculated at every sample of this many.
 const EVERY: usize = 10;
-/// Half a 95 % interval, in standard deviations.
-const SURE: f64 = 1.96;
 
 /// The bound of one case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Floor {
     /// Standard deviations of K, λ, n (relative) and of the surface (m).
     pub(crate) sigma: [f64; 4],
-    /// From the first touch until 95 % intervals of K, λ, n are within 5 % (s).
+    /// The time (s) from the first touch until the 95 % intervals of K, λ, n are within 5 %.
     pub(crate) settles_s: f64,
 }
 
 impl Floor {
-    /// Of a case, its surface told if `known`.
+    /// The bound of a case whose surface is told if `known`.
     pub(crate) fn of(case: &Case, known: bool) -> Floor {
         Floor::skewed(case, known, 0.0)
     }
 
-    /// The same where the skew of the sensors is one more thing that is not known (`asked` 1).
+    /// The same where the skew of the sensors is unknown, too (`asked` 1).
     pub(crate) fn skewed(case: &Case, known: bool, asked: f64) -> Floor {
         let white = case.force_noise_n.powi(2) + FORCE_STEP_N.powi(2) / 12.0;
         let count_m2 = COUNT_M.powi(2) / 12.0;
@@ -48,18 +48,18 @@ impl Floor {
             }
             if settles_s == SECONDS && index % EVERY == 0 {
                 let sigma = bound(information);
-                if sigma.iter().take(3).all(|sigma| SURE * sigma < 0.05) {
+                if sigma.iter().take(3).all(|sigma| SURE * sigma < CLOSE) {
                     settles_s = case.run.time_s[index] - case.touched_s;
                 }
             }
         }
         let mut sigma = bound(information);
-        // Where the surface is in true metres, the encoder leaves open by its count.
+        // The encoder leaves the true position of the surface open by a count.
         sigma[3] = sigma[3].hypot(if known { 0.0 } else { count_m2.sqrt() });
         Floor { sigma, settles_s }
     }
 
-    /// Probability of K, λ and n within `bound`, as if they were independent: λ decides.
+    /// The probability that K, λ and n are within `bound`, as if they were independent: λ decides.
     pub(crate) fn within(&self, bound: f64) -> f64 {
         let each = self.sigma.iter().take(3);
         each.map(|sigma| libm::erf(bound / sigma / std::f64::consts::SQRT_2))
@@ -67,7 +67,7 @@ impl Floor {
     }
 }
 
-/// ∂F by ln K, ln λ, ln n, x₀, the resting force and, if `asked`, the skew (ms); `None` in free air.
+/// The derivatives of F by ln K, ln λ, ln n, x₀, the resting force and, if `asked`, the skew (ms); `None` in free air.
 fn gradient(case: &Case, index: usize, asked: f64) -> Option<Vector6<f64>> {
     let [stiffness, damping, exponent, surface_m] = case.truth;
     let depth = (case.run.position_m[index] - surface_m) / 1e-3;

@@ -1,5 +1,5 @@
 //! The acceptance table of materials that relax: Zener, quasi-linear with one mode and with two, the
-//! surface within ±0.5 mm and not told.
+//! surface within ±0.5 mm, told to the estimator or not.
 //!
 //! Drawn are K 300–20 000 N/m, n 1.05–1.7, one mode of c 0.15–0.6 and ν 0.3–10/s, or two of
 //! 0.1–0.35 each at 2–10/s and a tenth to a fifth of that; 8 s of a sine of 0.9–1.6 Hz that leaves
@@ -18,26 +18,27 @@ use rand_pcg::Pcg64;
 
 use super::cases::Stroke;
 use super::score::{Ran, largest, quantile, run};
+use crate::tolerance::{CLOSE, STRICT, SURE};
 
 /// Length of a case (s).
 const SECONDS: f64 = 8.0;
 /// Rest in free air at the start (s).
 const REST_S: f64 = 0.3;
 
-/// What is touched.
+/// The material that is touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relaxing {
     /// The chapter's polyurethane, pressed once and held for 50 s.
     E5,
     /// A standard linear solid.
     Solid,
-    /// One mode.
+    /// A quasi-linear material with one mode.
     OneMode,
-    /// Two modes.
+    /// A quasi-linear material with two modes.
     TwoModes,
 }
 
-/// A material, a motion, and the estimators side by side: name, method, whether the surface is told.
+/// A material, a motion, and the estimators side by side: name, method, whether the surface is known.
 pub(crate) type Setting = (Relaxing, Stroke, &'static [(&'static str, Method, bool)]);
 
 const SOLID: &[(&str, Method, bool)] = &[
@@ -224,22 +225,22 @@ impl Case {
     }
 }
 
-/// What one method made of one case.
+/// How well one method estimates one case.
 #[derive(Clone, Debug)]
 pub struct Score {
-    /// Relative errors at the end; infinite for one that is not observable.
+    /// The relative errors at the end, infinite for a parameter that is not observable.
     pub(crate) errors: Vec<f64>,
-    /// From first touch until every parameter stays within 5 % of the truth (s).
+    /// The time (s) from the first touch until every parameter stays within 5 % of the truth.
     pub(crate) settles_s: f64,
-    /// Error of the surface (m).
+    /// The error of the surface (m).
     pub(crate) surface_m: f64,
-    /// Which parameters lie within 1.96 standard errors of the truth.
+    /// Whether the truth lies in the 95 % interval of each parameter.
     pub(crate) covered: Vec<bool>,
-    /// False material changes.
+    /// The number of false material changes.
     pub(crate) changes: u32,
 }
 
-/// Runs a method over a case, its surface told if `known`.
+/// Runs a method over a case, and tells it the surface if `known`.
 pub fn score(case: &Case, method: Method, known: bool) -> Score {
     let surface_m = known.then_some(case.surface_m);
     let worst = |estimate: &Estimate<f32>| largest(errors(estimate, &case.truth));
@@ -248,8 +249,8 @@ pub fn score(case: &Case, method: Method, known: bool) -> Score {
         unsettled_s,
         changes,
     } = run(&case.log, case.touched_s, method, surface_m, worst);
-    let own = case.truth.len();
-    let surface = end.parameters[own].map_or(f64::INFINITY, |p| f64::from(p.value));
+    let slot = case.truth.len();
+    let surface = end.parameters[slot].map_or(f64::INFINITY, |p| f64::from(p.value));
     Score {
         errors: errors(&end, &case.truth).collect(),
         settles_s: unsettled_s - case.touched_s,
@@ -257,7 +258,7 @@ pub fn score(case: &Case, method: Method, known: bool) -> Score {
         covered: std::iter::zip(&end.parameters, &case.truth)
             .map(|(parameter, truth)| {
                 parameter.is_some_and(|p| {
-                    (f64::from(p.value) - truth).abs() < 1.96 * f64::from(p.std_error)
+                    (f64::from(p.value) - truth).abs() < SURE * f64::from(p.std_error)
                 })
             })
             .collect(),
@@ -288,12 +289,12 @@ impl Row {
         self.scores.iter().filter(|score| is(score)).count() as f64 / self.scores.len() as f64
     }
 
-    /// Share of the runs whose parameters all end within `bound` of the truth.
+    /// The share of the runs whose parameters all end within `bound` of the truth.
     pub fn within(&self, bound: f64) -> f64 {
         self.share(|score| score.errors.iter().all(|error| *error < bound))
     }
 
-    /// Share of the runs that flagged a change where there was none.
+    /// The share of the runs that flagged a change where there was none.
     pub fn changed(&self) -> f64 {
         self.share(|score| score.changes > 0)
     }
@@ -308,14 +309,14 @@ impl Row {
         quantile(self.scores.iter().map(|score| score.surface_m), share)
     }
 
-    /// For each parameter the median error.
+    /// The median error of each parameter.
     pub(crate) fn medians(&self) -> Vec<f64> {
         let slots = self.scores.first().map_or(0, |score| score.errors.len());
         let of = |slot: usize| quantile(self.scores.iter().map(|score| score.errors[slot]), 0.5);
         (0..slots).map(of).collect()
     }
 
-    /// For each parameter the share within 1.96 standard errors.
+    /// For each parameter the share of the runs in which the truth lies in its 95 % interval.
     pub(crate) fn coverage(&self) -> Vec<f64> {
         let slots = self.scores.first().map_or(0, |score| score.covered.len());
         (0..slots)
@@ -330,8 +331,8 @@ impl std::fmt::Display for Row {
         write!(
             f,
             "{:>5.1} {:>6.1} {:>6.2} / {:<5.2} {:>6.1} µm  {:>6.3} ",
-            100.0 * self.within(0.01),
-            100.0 * self.within(0.05),
+            100.0 * self.within(STRICT),
+            100.0 * self.within(CLOSE),
             self.settles_s(0.5),
             self.settles_s(0.95),
             1e6 * self.surface_m(0.95),

@@ -1,4 +1,4 @@
-//! The rows of the table beside the palpations: skew, swap, hours, holds, precision, ARMCMC.
+//! The further rows of the table: skew, swap, hours of palpation, holds, precision, ARMCMC.
 
 use estimator_core::estimate::config::{Config, Reference, Surface};
 use estimator_core::estimate::method::Method;
@@ -16,8 +16,9 @@ use rand_pcg::Pcg64;
 use super::cases::{Case, SETTINGS, Stroke, Touched, motion, reach};
 use super::floor::Floor;
 use super::score::{Row, errors, quantile, score};
+use crate::tolerance::CLOSE;
 
-/// λ and the skew of plastic whose force is read up to 2 ms late or early.
+/// Errors of λ and of the skew on plastic whose force is read up to 2 ms late or early.
 #[derive(Clone, Debug, Default)]
 pub struct Skew {
     damping: Vec<f64>,
@@ -26,7 +27,7 @@ pub struct Skew {
 }
 
 impl Skew {
-    /// Of one method.
+    /// The errors of one method.
     pub fn of(method: Method, seeds: u64) -> Skew {
         let mut found = Skew::default();
         for seed in 1..=seeds {
@@ -52,13 +53,13 @@ impl Skew {
         found
     }
 
-    /// Error of λ over its Cramér–Rao bound with the skew unknown, root mean square.
+    /// The error of λ over its Cramér–Rao bound with the skew unknown, root mean square.
     pub fn over_floor(&self) -> f64 {
         let squares = self.over_floor.iter().map(|ratio| ratio * ratio);
         (squares.sum::<f64>() / self.over_floor.len() as f64).sqrt()
     }
 
-    /// The `share`-quantiles of the error of λ, relative, and of the skew (s).
+    /// The `share`-quantiles of the relative error of λ and of the error of the skew (s).
     pub fn errors(&self, share: f64) -> (f64, f64) {
         let of = |errors: &Vec<f64>| quantile(errors.iter().copied(), share);
         (of(&self.damping), of(&self.skew_s))
@@ -74,17 +75,17 @@ fn last<T: Real>(config: Config, samples: impl Iterator<Item = Sample<T>>) -> Es
     estimates.last().expect("there are samples")
 }
 
-/// Gel swapped for plastic, or plastic for gel.
+/// How a method copes with gel that is swapped for plastic, or plastic for gel.
 #[derive(Clone, Copy, Debug)]
 pub struct Swap {
-    /// From the first touch of the new material until K, λ, n stay within 5 % of its own (s).
+    /// The time (s) from the first touch of the new material until K, λ, n stay within 5 % of its values.
     pub settles_s: f64,
-    /// Flags before the swap, and after it.
+    /// The number of flags before the swap, and after it.
     pub flags: [u32; 2],
 }
 
 impl Swap {
-    /// One swap, by one method, the surface found.
+    /// Runs one method over one swap, without telling it the surface.
     pub fn of(method: Method, seed: u64) -> Swap {
         let (run, swap_s, new, surface_m) = swapped(seed);
         let config = Config {
@@ -115,7 +116,7 @@ impl Swap {
             swap.flags[after] += u32::from(estimate.event == Some(Event::MaterialChange));
             if errors(&estimate, &truth)
                 .into_iter()
-                .any(|error| error > 0.05)
+                .any(|error| error > CLOSE)
             {
                 swap.settles_s = (time_s - touched_s).max(0.0);
             }
@@ -174,8 +175,8 @@ fn swapped(seed: u64) -> (Run, f64, HuntCrossley<f64>, f64) {
     )
 }
 
-/// Some time of one material, stroke after stroke of changing speed and depth, as samples: made
-/// piece by piece, the truth of an hour would not fit.
+/// The samples of one material, stroke after stroke of changing speed and depth. They are made piece by
+/// piece, since the truth of an hour does not fit into memory.
 pub(crate) fn palpating(
     touched: Touched,
     seconds: f64,
@@ -183,7 +184,7 @@ pub(crate) fn palpating(
 ) -> (HuntCrossley<f64>, impl Iterator<Item = Sample<f64>>) {
     let mut rng = Pcg64::seed_from_u64(seed);
     let law = touched.law(&mut rng);
-    // One encoder for all pieces: its zero must not jump between them.
+    // All pieces have the same encoder: its zero must not jump between them.
     let encoder = Encoder::new(1e-6, seed);
     let mut rig = Rig::default();
     rig.sensors.position_step_m = 0.0;
@@ -233,7 +234,7 @@ fn narrow(sample: Sample<f64>) -> Sample<f32> {
     }
 }
 
-/// Flags of a change in `seconds` of palpation in which nothing changes.
+/// The number of changes that are flagged in `seconds` of palpation in which nothing changes.
 pub fn false_flags(touched: Touched, seconds: f64, seed: u64) -> usize {
     let params = Config::default()
         .validate::<f32>()
@@ -246,21 +247,22 @@ pub fn false_flags(touched: Touched, seconds: f64, seed: u64) -> usize {
         .count()
 }
 
-/// Largest relative difference of K, λ, n in f32 from f64 after `seconds` of palpation.
+/// The largest relative difference of K, λ, n between f32 and f64 after `seconds` of palpation.
 pub fn single_against_double(touched: Touched, seconds: f64, seed: u64) -> f64 {
     let samples = || palpating(touched, seconds, seed).1;
     let single = last::<f32>(Config::default(), samples().map(narrow));
     let double = last::<f64>(Config::default(), samples());
-    let own = single.parameters.iter().zip(&double.parameters).take(3);
-    own.map(|pair| match pair {
-        (Some(single), Some(double)) => (f64::from(single.value) / double.value - 1.0).abs(),
-        _ => f64::INFINITY,
-    })
-    .fold(0.0, f64::max)
+    let pairs = single.parameters.iter().zip(&double.parameters).take(3);
+    pairs
+        .map(|pair| match pair {
+            (Some(single), Some(double)) => (f64::from(single.value) / double.value - 1.0).abs(),
+            _ => f64::INFINITY,
+        })
+        .fold(0.0, f64::max)
 }
 
-/// A hold after 8 s of palpation: largest relative change of K, λ, n over it, and the largest factor
-/// by which a standard error grew.
+/// The largest relative change of K, λ, n over a hold after 8 s of palpation, and the largest factor by
+/// which a standard error grew.
 pub fn hold(touched: Touched, seconds: f64, seed: u64) -> (f64, f64) {
     let params = Config::default()
         .validate::<f32>()
@@ -318,7 +320,7 @@ fn compare(before: &Parameters<f32>, after: &Parameters<f32>) -> (f64, f64) {
     })
 }
 
-/// All settings at a force noise, by the default method, the surface found.
+/// The default method on all settings at a given noise of the force (N), without telling it the surface.
 pub fn at_noise(noise_n: f64, seeds: u64) -> Row {
     let mut rig = Rig::default();
     rig.sensors.force_noise_n = noise_n;
@@ -333,7 +335,8 @@ pub fn at_noise(noise_n: f64, seeds: u64) -> Row {
 }
 
 /// The setting of ARMCMC (Agand et al. 2023) in its own units: K = 4, B = 2.3, n = 1.7, δ₀ = 1, force
-/// noise of variance 0.1, 1 kHz, 20 s. Strokes of 3 at 0.5 Hz that leave contact. Relative errors.
+/// noise of variance 0.1, 1 kHz, 20 s, strokes of 3 at 0.5 Hz that leave contact. Gives the relative errors
+/// of K, B and n.
 pub fn armcmc(method: Method, seed: u64) -> [f64; 3] {
     let law = HuntCrossley::new(4.0, 2.3, 1.7, 1.0);
     let mut rng = Pcg64::seed_from_u64(seed);
@@ -346,7 +349,7 @@ pub fn armcmc(method: Method, seed: u64) -> [f64; 3] {
         },
         ..Config::default()
     };
-    // It knows the surface.
+    // ARMCMC knows the surface.
     config.contact.surface = Surface::Known { position_m: 0.0 };
     let samples = (1..=20_000u64).map(|count| {
         let angle = omega * (count.max(300) - 300) as f64 * 1e-3;

@@ -1,4 +1,4 @@
-//! What a method made of a case, and of many.
+//! How well a method estimates one case, and many.
 
 use estimator_core::estimate::config::{Config, Surface};
 use estimator_core::estimate::method::Method;
@@ -9,38 +9,39 @@ use palpate::replay::samples;
 
 use super::cases::Case;
 use super::floor::Floor;
+use crate::tolerance::{CLOSE, SURE};
 
-/// What one method made of one case.
+/// How well one method estimates one case.
 #[derive(Clone, Copy, Debug)]
 pub struct Score {
-    /// Largest relative error of K, λ, n at the end; infinite if one is not observable.
+    /// The largest relative error of K, λ, n at the end; infinite if one is not observable.
     pub(crate) worst: f64,
-    /// From first touch until K, λ, n stay within 5 % of the truth (s).
+    /// The time (s) from the first touch until K, λ, n stay within 5 % of the truth.
     pub(crate) settles_s: f64,
-    /// Error of the surface (m), if the method gives one.
+    /// The error of the surface (m), if the method estimates it.
     pub(crate) surface_m: Option<f64>,
-    /// Relative error of K, λ and n; infinite if one is not observable.
+    /// The relative errors of K, λ and n, infinite where one is not observable.
     pub(crate) errors: [f64; 3],
-    /// Which of K, λ, n lie within 1.96 standard errors of the truth.
+    /// Whether the truth lies in the 95 % intervals of K, λ, n.
     pub(crate) covered: [bool; 3],
-    /// False material changes.
+    /// The number of false material changes.
     pub(crate) changes: u32,
-    /// What no method can undercut.
+    /// The Cramér–Rao bound of the case.
     pub(crate) floor: Floor,
 }
 
-/// A method's way through a log.
+/// What a method says along a log.
 pub(crate) struct Ran {
     /// Its last estimate.
     pub(crate) end: Estimate<f32>,
     /// The last time (s) at which an error was more than 5 %; not before the first touch.
     pub(crate) unsettled_s: f64,
-    /// Material changes.
+    /// The number of material changes that it flagged.
     pub(crate) changes: u32,
 }
 
-/// Runs a method over a log that touches at `touched_s`, the surface told if given; `worst` is the
-/// largest relative error of an estimate.
+/// Runs a method over a log with its first touch at `touched_s`, and tells it the surface if that is given;
+/// `worst` is the largest relative error of an estimate.
 pub(crate) fn run(
     log: &UniformLog,
     touched_s: f64,
@@ -65,7 +66,7 @@ pub(crate) fn run(
     for (time_s, sample) in log.time_s.iter().zip(samples(log)) {
         let estimate = step(&params, &mut state, sample);
         changes += u32::from(estimate.event == Some(Event::MaterialChange));
-        if worst(&estimate) > 0.05 {
+        if worst(&estimate) > CLOSE {
             unsettled_s = *time_s;
         }
         end = Some(estimate);
@@ -77,7 +78,7 @@ pub(crate) fn run(
     }
 }
 
-/// Runs a method over a case, its surface told if `known`.
+/// Runs a method over a case, and tells it the surface if `known`.
 pub fn score(case: &Case, method: Method, known: bool) -> Score {
     let surface_m = known.then_some(case.truth[3]);
     let worst = |estimate: &Estimate<f32>| largest(errors(estimate, &case.truth));
@@ -95,7 +96,7 @@ pub fn score(case: &Case, method: Method, known: bool) -> Score {
         covered: std::array::from_fn(|slot| {
             end.parameters[slot].is_some_and(|p| {
                 let off = (f64::from(p.value) - case.truth[slot]).abs();
-                off < 1.96 * f64::from(p.std_error)
+                off < SURE * f64::from(p.std_error)
             })
         }),
         errors: errors(&end, &case.truth),
@@ -104,12 +105,12 @@ pub fn score(case: &Case, method: Method, known: bool) -> Score {
     }
 }
 
-/// The largest of errors.
+/// The largest of several errors.
 pub(crate) fn largest(errors: impl IntoIterator<Item = f64>) -> f64 {
     errors.into_iter().fold(0.0, f64::max)
 }
 
-/// Relative errors of K, λ, n.
+/// The relative errors of K, λ, n.
 pub(crate) fn errors(estimate: &Estimate<f32>, truth: &[f64; 4]) -> [f64; 3] {
     std::array::from_fn(|slot| {
         let value = estimate.parameters[slot].map(|p| f64::from(p.value));
@@ -129,12 +130,12 @@ impl Row {
         self.scores.push(score);
     }
 
-    /// Share of the runs whose K, λ and n all end within `bound` of the truth.
+    /// The share of the runs whose K, λ and n all end within `bound` of the truth.
     pub fn within(&self, bound: f64) -> f64 {
         self.share(|score| score.worst < bound)
     }
 
-    /// Share of the runs that flagged a change where there was none.
+    /// The share of the runs that flagged a change where there was none.
     pub fn changed(&self) -> f64 {
         self.share(|score| score.changes > 0)
     }
@@ -156,7 +157,7 @@ impl Row {
         )
     }
 
-    /// Errors of K, λ, n and the surface over their Cramér–Rao bounds, root mean square.
+    /// The errors of K, λ, n and the surface over their Cramér–Rao bounds, root mean square.
     pub fn over_floor(&self) -> [f64; 4] {
         std::array::from_fn(|slot| {
             let squares = self.scores.iter().map(|score| {
@@ -170,7 +171,7 @@ impl Row {
         })
     }
 
-    /// Share of the runs that an estimator at the Cramér–Rao bound would have within `bound`.
+    /// The share of the runs that an estimator at the Cramér–Rao bound would have within `bound`.
     pub fn floor_within(&self, bound: f64) -> f64 {
         let shares = self.scores.iter().map(|score| score.floor.within(bound));
         shares.sum::<f64>() / self.scores.len() as f64
@@ -181,13 +182,13 @@ impl Row {
         quantile(self.scores.iter().map(|score| score.floor.settles_s), share)
     }
 
-    /// Share of K, λ and n within 1.96 of their standard errors.
+    /// The shares of the runs in which the truth lies in the 95 % intervals of K, λ and n.
     pub fn coverage(&self) -> [f64; 3] {
         std::array::from_fn(|slot| self.share(|score| score.covered[slot]))
     }
 }
 
-/// The `share`-quantile.
+/// The `share`-quantile of the values.
 pub fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_unstable_by(f64::total_cmp);

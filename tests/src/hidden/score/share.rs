@@ -1,5 +1,7 @@
 //! Shares with their confidence intervals, and quantiles.
 
+use crate::tolerance::SURE;
+
 /// A share: how many of how many cases.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
@@ -21,7 +23,7 @@ impl Share {
         if self.of == 0 {
             return (0.0, 1.0);
         }
-        let (n, p, z) = (self.of as f64, self.hits as f64 / self.of as f64, 1.96);
+        let (n, p, z) = (self.of as f64, self.hits as f64 / self.of as f64, SURE);
         let scale = 1.0 / (1.0 + z * z / n);
         let middle = scale * (p + z * z / (2.0 * n));
         let half = scale * z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();

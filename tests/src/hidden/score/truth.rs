@@ -1,6 +1,7 @@
 //! Reads a truth.json: of the generator [`rig`](crate::hidden::rig), or of the older rigs in
 //! `data/hidden-effects`.
 
+use crate::hidden::rig::case::LEAST_RATIO;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -35,10 +36,6 @@ pub struct Truth {
 /// Where the best fit of the catalogue's form leaves more than this multiple of the floor, the
 /// catalogue does not explain the rig: `unexplained` with the right name is then the honest answer.
 pub(crate) const CRUDE: f64 = 1.15;
-
-/// Where the best fit of the base alone leaves less than this multiple of the floor, an effect of
-/// the bars' rows is one of the row `weak`. Both multiples are the generator's, from its own fit.
-pub(crate) const SHOWN: f64 = 1.5;
 
 /// The parameters of the older rigs: their name, the effect, the catalogue's name.
 const OLDER: [(&str, &str, &str); 13] = [
@@ -103,7 +100,8 @@ impl Truth {
             truth.read_older(&json)
         };
         let something = !["none", "unknown", "poor"].contains(&truth.kind.as_str());
-        if something && ratio("gap_ratio").is_some_and(|ratio| ratio < SHOWN) {
+        // The base nearly hides the effect, whatever the generator was asked for.
+        if something && ratio("gap_ratio").is_some_and(|ratio| ratio < LEAST_RATIO) {
             truth.kind = "weak".into();
         }
         Ok(truth)

@@ -4,6 +4,7 @@ use super::wrapped;
 use crate::hidden::score::judge::{Mark, errors};
 use crate::hidden::score::scored::Scored;
 use crate::hidden::score::share::Share;
+use crate::tolerance::SURE;
 use std::collections::BTreeMap;
 
 /// The share of truths within their 95 % intervals, over the answers that name exactly what is hidden in
@@ -26,13 +27,13 @@ pub(super) fn text(scored: &[Scored]) -> String {
             without += effect.without_error;
         }
         for (name, error) in of_added {
-            added.push(error.abs() <= 1.96);
-            each.entry(name).or_default().push(error.abs() <= 1.96);
+            added.push(error.abs() <= SURE);
+            each.entry(name).or_default().push(error.abs() <= SURE);
         }
         for (name, error) in of_base {
-            base.push(error.abs() <= 1.96);
+            base.push(error.abs() <= SURE);
             let name = format!("base.{name}");
-            each.entry(name).or_default().push(error.abs() <= 1.96);
+            each.entry(name).or_default().push(error.abs() <= SURE);
         }
     }
     if added.of + base.of == 0 {
