@@ -174,7 +174,7 @@ impl<B: Board> Service<B> {
         }
     }
 
-    /// Logs everything, as `key=value` (tests/qemu.rs reads it) with min/mean/max.
+    /// Logs everything, as `key=value` (tests/src/emulator reads it) with min/mean/max.
     pub fn log(budget: &Budget, encode: &Meter) {
         let [
             period,

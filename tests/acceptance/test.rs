@@ -2,8 +2,8 @@
 //! prints the full one.
 
 use estimator_core::estimate::method::Method;
-use tests::acceptance::cases::{Case, SETTINGS, Stroke, Touched};
-use tests::acceptance::relaxing::{self, Relaxing};
+use tests::acceptance::cases::{self, Case, SETTINGS, Touched};
+use tests::acceptance::relaxing;
 use tests::acceptance::rows::{self, Skew, Swap};
 use tests::acceptance::score::{Row, quantile, score};
 use tests::tolerance::{self, CLOSE, STRICT};
@@ -83,10 +83,15 @@ fn the_two_stages_are_the_baseline_that_they_are_known_to_be() {
 
 #[test]
 fn materials_that_relax_are_found_with_their_surface() {
+    use relaxing::Relaxing;
     // The full table has 95–100 % of the runs within 1 %; here all of them must be within 5 %.
     for (touched, stroke, method) in [
-        (Relaxing::Solid, Stroke::Sine, Method::ZenerBank),
-        (Relaxing::OneMode, Stroke::Ramp, Method::QuasiLinearBank),
+        (Relaxing::Solid, cases::Stroke::Sine, Method::ZenerBank),
+        (
+            Relaxing::OneMode,
+            cases::Stroke::Ramp,
+            Method::QuasiLinearBank,
+        ),
     ] {
         let mut row = relaxing::Row::default();
         for seed in 1..4 {
@@ -112,11 +117,11 @@ fn the_law_is_selected_while_it_runs() {
     };
     let params = params.validate::<f32>().unwrap();
     // A quasi-linear material, a standard linear solid, and gel, which does not relax.
-    let relaxes = |touched| relaxing::Case::new(touched, Stroke::Ramp, 3).log;
-    let gel = Case::new(Touched::Gel, Stroke::Sine, 3).log;
+    let relaxes = |touched| relaxing::Case::new(touched, cases::Stroke::Ramp, 3).log;
+    let gel = Case::new(cases::Touched::Gel, cases::Stroke::Sine, 3).log;
     for (log, law) in [
-        (relaxes(Relaxing::OneMode), LawKind::QuasiLinear),
-        (relaxes(Relaxing::Solid), LawKind::Zener),
+        (relaxes(relaxing::Relaxing::OneMode), LawKind::QuasiLinear),
+        (relaxes(relaxing::Relaxing::Solid), LawKind::Zener),
         (gel, LawKind::HuntCrossley),
     ] {
         let mut state = State::new(&params);
