@@ -1,5 +1,5 @@
-//! Whatever comes in: nothing that is not finite comes out, no memory is asked for, and the
-//! estimator finds the material again once the input is good.
+//! Whatever comes in, only finite numbers come out, no memory is allocated, and the estimator finds the
+//! material again once the input is good.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -15,7 +15,7 @@ use tests::tolerance;
 const SEED_GARBAGE: u64 = 21;
 const SEED_LONG: u64 = 22;
 
-/// Counts the allocations of the thread that asks.
+/// An allocator that counts the allocations of each thread.
 struct Counting;
 
 thread_local! {
@@ -79,7 +79,7 @@ fn configurations() -> Vec<Config> {
     all
 }
 
-/// Gel under 1.2 Hz strokes of 3 mm that leave it each time, 5 mN steps, 1 µm steps.
+/// The sample `i` of gel under strokes of 3 mm at 1.2 Hz that leave it each time, in steps of 5 mN and 1 µm.
 fn palpation(i: u64) -> Sample<f32> {
     let gel = HuntCrossley::new(1350.0_f64, 36.0, 1.35, 1e-3);
     let omega = std::f64::consts::TAU * 1.2;
@@ -152,7 +152,7 @@ fn nothing_that_is_not_finite_comes_out_of_any_bit_pattern() {
     }
 }
 
-/// Feeds good samples, then bad ones for a second, then good ones, and gives the last estimate.
+/// The last estimate after good samples, a second of bad ones, and good ones again.
 fn spoiled(config: Config, bad: impl Fn(u64) -> Sample<f32>) -> Estimate<f32> {
     let params = config.validate::<f32>().unwrap();
     let mut state = State::new(&params);

@@ -120,21 +120,21 @@ fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
             let packet = told.iter().find(|packet| packet.sequence == taken);
             host.take(packet.expect("one that was told"));
         }
-        let (own, code) = host.render(&read, 2625);
-        let own = own.expect("rendering");
-        assert_same(index, &own, rendered, rendered_fields);
+        let (force, code) = host.render(&read, 2625);
+        let force = force.expect("rendering");
+        assert_same(index, &force, rendered, rendered_fields);
         // A change of the output at this tick.
         if last_code.replace(code) != Some(code) {
             assert_eq!(written.next(), Some((index as u32, code)));
         }
         let contact = host.compensate(read);
-        let own_estimate = host.step(contact);
-        assert_same(index, &own_estimate, estimate, estimate_fields);
-        let due = host.due(&own_estimate);
+        let estimated = host.step(contact);
+        assert_same(index, &estimated, estimate, estimate_fields);
+        let due = host.due(&estimated);
         let record = Record {
             codes: None,
             sample: read,
-            estimate: own_estimate,
+            estimate: estimated,
             rendered: None,
             due,
         };

@@ -202,7 +202,7 @@ impl Case {
 
     /// Whether the effect, in the catalogue's form, explains at least half (in power) of what the base
     /// leaves. Of a progressive spring on a linear material the base takes the linear part, and what
-    /// is left to see is a stiffening, which nobody would call a compliance.
+    /// is left to see is a stiffening and not a compliance.
     fn deserves_its_name(&self) -> bool {
         let excess = |rmse_n: f64| rmse_n.powi(2) - self.floor_n.powi(2);
         let left = self.form_rmse_n.map_or(0.0, excess);

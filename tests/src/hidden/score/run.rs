@@ -126,7 +126,7 @@ fn took(out: &Path) -> Took {
 fn run(rig: &Path, logs: &[PathBuf], out: &Path, options: &Options) -> Result<Took, String> {
     std::fs::create_dir_all(out).map_err(|e| format!("{}: {e}", out.display()))?;
     for old in ["gap.json", MOTION, "further.csv"] {
-        // An old answer must not stand for a run that fails; that there is none is no error.
+        // An old answer must not stand for a run that fails; it is no error if there is none.
         let _ = std::fs::remove_file(out.join(old));
     }
     let mut command = Command::new(&options.palpate);
