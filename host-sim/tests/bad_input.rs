@@ -1,12 +1,12 @@
-//! The bar: every wrong file and every wrong argument is one screen that says file, line, column,
-//! value and remedy; the status is 2, and nothing is written.
+//! For every wrong file and every wrong argument the command prints one screen with file, line, column,
+//! value and remedy, exits with status 2, and writes nothing.
 
 mod common;
 
 use common::{Folder, MODEL, complained, csv, flowing, press, said};
 use std::process::{Output, Stdio};
 
-/// A screen: lines, and columns of the widest.
+/// A screen: lines and columns.
 const LINES: usize = 12;
 const COLUMNS: usize = 100;
 
@@ -19,7 +19,7 @@ fn with_line_17(line: &str) -> String {
         .collect()
 }
 
-/// Exactly 2, one screen, nothing on standard output, and every word is there.
+/// Asserts status 2, at most one screen with all these words, and nothing on standard output.
 fn assert_refused(case: &str, output: &Output, words: &[&str]) {
     let text = complained(output);
     assert_eq!(output.status.code(), Some(2), "{case}: {text}");

@@ -1,5 +1,5 @@
-//! From a hidden effect to a board without bias: a recording of the board, `palpate gap` on it, what
-//! was found back into the board, and the board's own step on the same motion again.
+//! From a hidden effect to a board without bias: the board is recorded, `palpate gap` finds the effect, the
+//! finding goes to the board, and the board estimates without bias on the same motion.
 
 mod common;
 
@@ -85,7 +85,7 @@ impl Bench {
         }
     }
 
-    /// Begins the palpation anew: the estimator settles in its first 0.6 s, in free air.
+    /// Starts the palpation again: the estimator settles in its first 0.6 s, in free air.
     fn begin(&mut self) {
         let (now, _) = self.device.port().board().counts();
         let from = u64::from(now) + 1;
@@ -93,7 +93,7 @@ impl Bench {
         self.device.order(Command::Restart).unwrap();
     }
 
-    /// Palpates, and gives the board's last estimate in contact.
+    /// Palpates, and gives the last estimate of the board in contact.
     fn palpated(&mut self) -> Estimate<f32> {
         self.begin();
         let (start, _) = self.device.port().board().counts();
@@ -109,11 +109,11 @@ impl Bench {
         last.expect("contact")
     }
 
-    /// Largest error of K, λ and n (%), and of one of them in its standard errors.
+    /// The largest error of K, λ and n in per cent, and the largest in standard errors.
     fn errors(&mut self) -> (f64, f64) {
         let estimate = self.palpated();
-        let own = TRUTH.iter().zip(estimate.parameters);
-        let errors = own.map(|(truth, slot)| {
+        let pairs = TRUTH.iter().zip(estimate.parameters);
+        let errors = pairs.map(|(truth, slot)| {
             let found = slot.expect("observable");
             let off = (f64::from(found.value) - truth).abs();
             (100.0 * off / truth, off / f64::from(found.std_error))
@@ -123,7 +123,7 @@ impl Bench {
         })
     }
 
-    /// `palpate record` and `palpate gap`, as a person would; gives what was named.
+    /// Runs `palpate record` and `palpate gap`, and gives the named effects.
     fn gap(&mut self) -> String {
         self.begin();
         let out = self.folder.path("run");
@@ -163,7 +163,7 @@ fn what_gap_finds_in_a_recording_of_the_board_takes_the_bias_off_the_board() {
         let model = bench.folder.path("gap/model.toml");
         let said = bench.compensate(Some(&model));
         assert!(said.contains(id) && said.contains("saved"), "{said}");
-        // THEN the board's own estimates are unbiased, and its standard errors say so
+        // THEN the board's estimates are unbiased, and its standard errors say so
         let (after, sigmas) = bench.errors();
         println!("{id}: {before:.2} % before, {after:.2} % after, {sigmas:.1} standard errors");
         assert!(before > 5.0, "{id} hidden: {before} %");
@@ -208,10 +208,10 @@ fn samples_go_out_as_they_were_read_and_replay_to_the_boards_estimates() {
                 // What a filter of 8 samples, and the compensation, are late.
                 assert_eq!(read.time_us - estimate.time_us, 8000 + late_us);
                 let contact = host.compensate(read);
-                let own = host.step(contact);
-                assert_eq!(own.parameters, estimate.parameters, "{}", read.time_us);
-                assert_eq!(own.force_n.to_bits(), estimate.force_n.to_bits());
-                assert_eq!(own.time_us, estimate.time_us);
+                let host = host.step(contact);
+                assert_eq!(host.parameters, estimate.parameters, "{}", read.time_us);
+                assert_eq!(host.force_n.to_bits(), estimate.force_n.to_bits());
+                assert_eq!(host.time_us, estimate.time_us);
                 contacts += usize::from(estimate.phase == Phase::Contact);
                 compared += 1;
             }

@@ -1,5 +1,5 @@
-//! `gap` on rigs with a known truth, by the command: verdict, effect, parameters, files. Only these
-//! tests read the truth.
+//! The command `gap` on rigs with a known truth: verdict, effect, parameters, files. Only these tests read
+//! the truth.
 
 mod common;
 
@@ -53,8 +53,8 @@ impl Found {
         value.unwrap_or_else(|| panic!("{path} in {}", self.json))
     }
 
-    /// Within three standard errors or `floor` of the truth, whichever is more: the encoder of 1 µm and
-    /// the other integration of these rigs are in no standard error.
+    /// Asserts that a value is within three standard errors or `floor` of the truth, whichever is more: no
+    /// standard error covers the encoder of 1 µm and the other integration of these rigs.
     fn assert_near(&self, path: &str, truth: f64, floor: f64) {
         let value = self.number(&format!("{path}/value"));
         let error = self.number(&format!("{path}/std_error"));
@@ -70,7 +70,7 @@ impl Found {
         self.truth.pointer(path).and_then(Value::as_f64).unwrap()
     }
 
-    /// What the base model really was: 1 %, and two counts of the encoder for the surface.
+    /// Asserts that the base model is found to 1 %, and its surface to two counts of the encoder.
     fn assert_base(&self, parameters: &[(&str, &str)]) {
         for (name, key) in parameters {
             let truth = self.truth(&format!("/base/{key}"));
@@ -79,16 +79,16 @@ impl Found {
         }
     }
 
-    /// The parameter of the first effect within three standard errors or 1 %.
+    /// Asserts that the parameter of the first effect is within three standard errors or 1 %.
     fn assert_effect(&self, name: &str, key: &str) {
         let truth = self.truth(&format!("/params/{key}"));
         self.assert_near(&format!("/effects/0/params/{name}"), truth, 0.01 * truth);
     }
 
-    /// Held-out residuals at the floor, from below as well.
+    /// Asserts that the held-out residuals are at the floor, and not below it.
     fn assert_explained(&self) {
         let ratio = self.number("/floor_ratio/after");
-        // Every rig's own noise scatters by 1 %; the goal is 1.04 at the same form.
+        // The noise of a rig scatters by 1 %; the goal is 1.04 at the same form.
         assert!((0.95..1.06).contains(&ratio), "{ratio}");
         assert_eq!(self.ids(), self.true_ids());
         let floor = self.number("/noise_floor_n") / self.truth("/floor_n");
@@ -164,7 +164,7 @@ fn rig_and_base(rig: &str) -> Folder {
     folder
 }
 
-/// A delay of 6 ms under one slow sine: a lag of 6 ms does the same.
+/// A delay of 6 ms under one slow sine, where a lag of 6 ms does the same.
 const DELAYED: &str = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 3.0\n\
                        [[effect]]\nid = \"time_delay\"\ndelay = 0.006\n";
 const SLOW_SINE: &str = "start = -0.0005\n[[segment]]\nkind = \"sine\"\nmean = 0.0015\n\
@@ -206,7 +206,7 @@ fn an_ambiguous_log_yields_a_motion_that_runs_and_settles_it() {
     assert!(!folder.path("out/motion.toml").exists());
 }
 
-/// A stiffening under strokes that reach the load cell's limit of 15.355 N as well.
+/// A stiffening under strokes that also reach the load cell's limit of 15.355 N.
 const STIFFENING: &str = "[environment]\nlaw = \"quasi_linear\"\nstiffness = 1075.0\nexponent = 1.53\n\
                           relaxation = [{ fraction = 0.25, rate = 2.1 }]\n\
                           [[effect]]\nid = \"exponential_stiffening\"\nrate = 281.0\n";
@@ -237,7 +237,7 @@ fn an_exponential_is_found_behind_an_exponent_that_ran_away() {
     );
 }
 
-/// Every field that gap.json promises, with its type.
+/// gap.json has every field that it promises, with its type.
 fn every_field(json: &Value) {
     let numbers = [
         "/rmse_n/before",
@@ -291,7 +291,7 @@ fn every_field(json: &Value) {
     assert!((0.9..1.0).contains(&gain), "{gain}");
 }
 
-/// `model.toml` is a model: it simulates, and holds the effect.
+/// `model.toml` is a model that can be simulated and holds the effect.
 fn the_model_reads_back(found: &Found) {
     let model = found.folder.read("out/model.toml");
     assert!(model.contains("id = \"series_compliance\""), "{model}");

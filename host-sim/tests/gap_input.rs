@@ -1,5 +1,5 @@
 //! `gap` on logs that it cannot use, or that look wrong: refused with a remedy, or fitted with a note.
-//! The fits would end in a verdict on any of them.
+//! The fits alone would give a verdict on any of them.
 
 mod common;
 

@@ -1,5 +1,5 @@
-//! `palpate gap` on records that nobody in this project shaped: what is known about them is found, and
-//! what is left is said to be left.
+//! `palpate gap` on records from outside this project: it finds what is known about them, and reports what
+//! it cannot explain.
 
 mod common;
 
@@ -12,7 +12,7 @@ use palpate::log::{Log, ReadOptions, UniformLog};
 use palpate::model::Model;
 use serde_json::Value;
 
-/// What the command answers on a record, from the base beside it.
+/// The answer of the command to a record, from the base model beside it.
 fn answer(name: &str, log: &str) -> Value {
     let folder = Folder::new();
     let (log, model) = (
@@ -52,7 +52,7 @@ fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
     // THEN dry friction and a direction are named, and that something is left is said. The published
     // model has an offset of −3.2 N where this has a drag that differs by direction: next to that one
     // an offset comes out at −0.05 ± 0.14 N, and the published pair leaves 1.91 N.
-    let named: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+    let named: Vec<EffectId> = finding.effects.iter().map(|effect| effect.id).collect();
     assert!(named.contains(&EffectId::CoulombFriction), "{named:?}");
     let direction = [EffectId::AsymmetricDrag, EffectId::ForceOffset];
     assert!(direction.iter().any(|id| named.contains(id)), "{named:?}");
@@ -70,26 +70,26 @@ fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
     // Published: 95.1 kg, 203.5 N s/m, 20.4 N, by a fit of another structure with other weights: 2 %.
     // (A transition of 0.4 mm/s instead of the sign takes 2 % off the squared residual and 2 % off both:
     // it does not pay.)
-    let own = |name: &str| {
+    let value = |name: &str| {
         finding
             .base_after
             .iter()
-            .find(|own| own.name == name)
+            .find(|parameter| parameter.name == name)
             .unwrap()
     };
     let friction = finding
         .effects
         .iter()
-        .find(|own| own.id == EffectId::CoulombFriction)
+        .find(|effect| effect.id == EffectId::CoulombFriction)
         .unwrap();
     let force = friction
         .parameters
         .iter()
-        .find(|own| own.name == "force")
+        .find(|parameter| parameter.name == "force")
         .unwrap();
     let known = [
-        (own("tool_inertia.mass"), 95.1),
-        (own("viscous_drag.coefficient"), 203.5),
+        (value("tool_inertia.mass"), 95.1),
+        (value("viscous_drag.coefficient"), 203.5),
         (force, 20.4),
     ];
     for (found, published) in known {
@@ -165,7 +165,10 @@ fn irradiated_foam_relaxes_and_is_bonded_to_the_plate() {
     assert!(modes.count() >= 2, "{names:?}");
     // It pulls to −4.93 N and is still attached at the end.
     let effects = json["effects"].as_array().unwrap();
-    let bond = effects.iter().find(|own| own["id"] == "adhesion").unwrap();
+    let bond = effects
+        .iter()
+        .find(|effect| effect["id"] == "adhesion")
+        .unwrap();
     let force_n = number(&bond["params"]["force"]["value"]);
     assert!((4.5..5.5).contains(&force_n), "{force_n} N");
     let (before, after) = (
@@ -184,15 +187,16 @@ fn a_cell_layer_under_a_cantilever_relaxes_and_sticks() {
     let base = Model::read(Path::new(&record("afm_relaxation_rheos/base.toml"))).unwrap();
     let options = Options::default();
     let finding = gap(&base, &[read("afm_relaxation_rheos/data.csv.gz")], &options).unwrap();
-    let named: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+    let named: Vec<EffectId> = finding.effects.iter().map(|effect| effect.id).collect();
     let modes = named.iter().filter(|id| **id == EffectId::StressRelaxation);
     assert!(modes.count() >= 2, "{named:?}");
     let value = |id: EffectId, name: &str| {
-        let own = finding.effects.iter().find(|own| own.id == id);
-        let own = own.unwrap_or_else(|| panic!("no {id:?} in {named:?}"));
-        own.parameters
+        let effect = finding.effects.iter().find(|effect| effect.id == id);
+        let effect = effect.unwrap_or_else(|| panic!("no {id:?} in {named:?}"));
+        effect
+            .parameters
             .iter()
-            .find(|own| own.name == name)
+            .find(|parameter| parameter.name == name)
             .unwrap()
             .value
     };
@@ -220,8 +224,8 @@ fn before_any_log_the_plan_says_what_the_drive_will_show() {
     let seen = |id: &str| {
         effects
             .iter()
-            .find(|own| own["id"] == id)
-            .map(|own| own["seen"] == true)
+            .find(|effect| effect["id"] == id)
+            .map(|effect| effect["seen"] == true)
     };
     // A drive that touches nothing shows what its load path adds, and contact effects mean nothing.
     assert_eq!(seen("coulomb_friction"), Some(true));

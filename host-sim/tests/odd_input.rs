@@ -1,10 +1,10 @@
-//! Logs that can be read and are not what their owner thinks: an honest estimate, and words about it.
+//! Logs that can be read but hold a mistake: the estimate is honest, and a note names the mistake.
 
 mod common;
 
 use common::{Folder, complained, csv, flowing, press, said};
 
-/// What a rig records by mistake, and what is said about it: `estimate` as a note, `check` likewise.
+/// What a rig records by mistake, and the words that `estimate` and `check` have to say about it.
 #[rustfmt::skip]
 fn odd_logs() -> Vec<(&'static str, String, &'static str, &'static str)> {
     let changed = |change: fn([f64; 3]) -> [f64; 3]| csv(press().into_iter().map(change));

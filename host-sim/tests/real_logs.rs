@@ -1,5 +1,5 @@
-//! `estimate` and `check` on logs that nobody in this project shaped: numbers at their scales, and the
-//! reason why a law does not fit by its name. Only this test reads the truth of the simulated rigs.
+//! `estimate` and `check` on logs from outside this project: the numbers have the right scale, and the reason
+//! why a law does not fit is named. Only this test reads the truth of the simulated rigs.
 
 mod common;
 
@@ -40,7 +40,7 @@ impl Estimated {
         self.parameter(name, "value")
     }
 
-    /// All notes in one piece, with usual blanks.
+    /// All notes in one piece, with plain spaces.
     fn notes(&self) -> String {
         let notes = self.json["notes"].as_array().unwrap();
         let notes: Vec<&str> = notes.iter().filter_map(Value::as_str).collect();
@@ -48,7 +48,7 @@ impl Estimated {
     }
 }
 
-/// What a rig really was: K (N/m), λ (N s/m), n, surface (m).
+/// The truth of a rig: K (N/m), λ (N s/m), n, surface (m).
 fn truth(rig: &str) -> [(&'static str, f64); 4] {
     let text =
         std::fs::read_to_string(record(&format!("hidden-effects/{rig}/truth.json"))).unwrap();
@@ -84,7 +84,7 @@ fn an_afm_log_is_estimated_at_its_own_scale_and_nobody_calls_it_converged() {
     // 2.2 µN over 2.1 µm is 1.05 N/m on the way in, 0.8 µN over 2 µm 0.4 N/m at the end of the hold.
     assert_within("K", estimated.value("stiffness"), 0.2..=2.0);
     assert_within("λ", estimated.value("damping"), 1e-4..=1e-1);
-    // README: the contact point is at 6.29 µm of travel, by a fit; a spring's own surface is where its
+    // README: the contact point is at 6.29 µm of travel, by a fit; the surface of a spring is where its
     // chord through the relaxed hold meets zero, half a micrometre deeper.
     assert_within("surface", estimated.value("surface"), 6.2e-6..=7.0e-6);
     assert_ne!(json["status"], "converged");
@@ -131,7 +131,7 @@ fn a_foam_is_as_stiff_as_its_record_says_and_its_relaxation_has_a_name() {
     );
 }
 
-/// Every parameter within 1 % of the truth, and within three of its own standard errors or 0.1 %.
+/// Asserts that every parameter is within 1 % of the truth, and within three standard errors or 0.1 %.
 fn assert_found(estimated: &Estimated, truth: &[(&str, f64)]) {
     for (name, truth) in truth {
         let error = (estimated.value(name) - truth).abs();
@@ -228,7 +228,7 @@ fn auto_takes_the_law_that_the_rig_has() {
     assert_says(&spring.said, &["laws tried: kelvin_voigt leaves"]);
 }
 
-/// The fields of an object, in their order.
+/// The names of an object's fields, in their order.
 fn fields(object: &Value) -> Vec<&str> {
     object
         .as_object()

@@ -37,10 +37,12 @@ fn set<P: Port>(device: &mut Device<P>, values: &[(Key, f32)]) {
     device.order(Command::Commit).unwrap();
 }
 
-/// Packets at 200 Hz, everything else at 20 Hz: 74 of the 200 bytes that a millisecond carries.
+/// A board that sends packets at 200 Hz and everything else at 20 Hz: 74 of the 200 bytes that a millisecond
+/// carries.
 const SLAVE: [(Key, f32); 2] = [(Key::ReflectionEvery, 5.0), (Key::TelemetryEvery, 50.0)];
 
-/// A handle with 100 N s/m of its own: 50 000 N/m and 250 N s/m, more than the gel has anywhere.
+/// A handle with a damping of 100 N s/m, which allows 50 000 N/m and 250 N s/m: more than the gel has
+/// anywhere.
 const MASTER: [(Key, f32); 5] = [
     (Key::RenderForceN, 10.0),
     (Key::RenderDeviceNsPerM, 100.0),
@@ -70,7 +72,7 @@ fn law(packet: &Packet) -> (HuntCrossley<f32>, f32) {
     }
 }
 
-/// Every sample and what was rendered at it, against the law of `packet`, once that has come in.
+/// Asserts that what is rendered at every sample follows the law of `packet`, once that has come in.
 fn renders_the_law<P: Port>(master: &mut Device<P>, packet: &Packet) {
     let (law, surface_m) = law(packet);
     let (mut speed, mut sample) = (Speed::default(), Sample::default());
@@ -269,7 +271,7 @@ fn the_monitor_shows_both_sides_and_a_recording_has_its_log() {
     }
 }
 
-/// Settings that boards did not know at first, and then not yet.
+/// Settings that older firmware does not know.
 fn newer() -> [Vec<Key>; 2] {
     let all = || Key::ALL.into_iter();
     let effects =
@@ -370,7 +372,7 @@ fn device_set_in_free_air(device: &mut Device<Simulated>, key: Key, value: f32) 
     device.set(key, value).ok()
 }
 
-/// Over two serial devices of the system: pseudo-terminals, with a board at the other end of each.
+/// Two serial devices of the system: pseudo-terminals with a board at the other end of each.
 #[cfg(unix)]
 #[test]
 fn one_boards_packets_are_rendered_by_another_over_two_pseudo_terminals() {

@@ -1,23 +1,14 @@
-//! Prints the acceptance table: `cargo run --release -p tests --example acceptance -- 1000`.
+//! Prints the acceptance table: `cargo run --release -p tests --example acceptance -- 1000`, where 1000 is
+//! the number of seeds in each setting.
 
-// The table and its small version each use a part of these.
-#[allow(dead_code)]
-mod cases;
-#[allow(dead_code)]
-mod floor;
-#[allow(dead_code)]
-mod relaxing;
-#[allow(dead_code)]
-mod rows;
-#[allow(dead_code)]
-mod score;
-
-use cases::{Case, SETTINGS, Touched};
 use estimator_core::estimate::method::Method;
-use rows::{Skew, Swap};
-use score::{Row, quantile, score};
+use tests::acceptance::cases::{Case, SETTINGS, Touched};
+use tests::acceptance::rows::{Skew, Swap};
+use tests::acceptance::score::{Row, quantile, score};
+use tests::acceptance::{relaxing, rows};
+use tests::tolerance::{CLOSE, STRICT};
 
-/// The methods side by side: name, method, whether the surface is told.
+/// The methods side by side: name, method, whether the surface is known.
 const METHODS: [(&str, Method, bool); 6] = [
     (
         "two stages, surface known",
@@ -51,15 +42,16 @@ const METHODS: [(&str, Method, bool); 6] = [
     ),
 ];
 
-/// The methods without a known surface.
+/// The methods that find the surface by themselves.
 const BLIND: [(&str, Method); 3] = [
     ("two stages", Method::HUNT_CROSSLEY_TWO_STAGE),
     ("log-linear", Method::HUNT_CROSSLEY_LOG_LINEAR),
     ("bank + refiner", Method::HUNT_CROSSLEY_BANK),
 ];
 
-/// Seconds.
+/// Ten minutes (s).
 const TEN_MINUTES: f64 = 600.0;
+/// An hour (s).
 const AN_HOUR: f64 = 3600.0;
 
 fn main() {
@@ -92,8 +84,8 @@ fn main() {
     let row = rows::at_noise(0.1, seeds);
     println!(
         "noise 0.1 N, all settings, surface found: {:.1} ({:.1}) % within 5 %",
-        100.0 * row.within(0.05),
-        100.0 * row.floor_within(0.05)
+        100.0 * row.within(CLOSE),
+        100.0 * row.floor_within(CLOSE)
     );
     for (name, method) in BLIND {
         let runs: Vec<[f64; 3]> = (1..=seeds).map(|seed| rows::armcmc(method, seed)).collect();
@@ -125,7 +117,8 @@ fn palpations(seeds: u64) {
     print_relaxing(seeds);
 }
 
-/// The materials that relax; as second argument, `relaxing` prints them alone.
+/// Prints the rows of the materials that relax; with the second argument `relaxing` nothing else is
+/// printed.
 fn print_relaxing(seeds: u64) {
     println!(
         "{seeds} seeds a setting\n{:<32} {:>6} {:>6} {:>13} {:>9} {:>7}  coverage, median error (%)",
@@ -155,9 +148,9 @@ fn print(name: &str, row: &Row) {
         .collect();
     println!(
         "  {name:<32} {:>5.1} ({:>5.1}) {:>6.1} {:>5.2} / {:<5.2}({:.2} / {:.2}) {:>6.1} µm {stiffness:>5.0} {damping:>4.0} {exponent:>4.0} {:>21} {:>7.3}",
-        100.0 * row.within(0.01),
-        100.0 * row.floor_within(0.01),
-        100.0 * row.within(0.05),
+        100.0 * row.within(STRICT),
+        100.0 * row.floor_within(STRICT),
+        100.0 * row.within(CLOSE),
         row.settles_s(0.5),
         row.settles_s(0.95),
         row.floor_settles_s(0.5),

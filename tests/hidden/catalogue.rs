@@ -1,21 +1,22 @@
-//! Two readings of the catalogue, this one and `estimator_core::physics::rig`, written by different hands: on
-//! the same motion at 20 kHz they give the same force, effect by effect.
+//! The catalogue is implemented twice, by the generator and by `estimator_core::physics::rig`, without
+//! shared code: on the same motion at 20 kHz both give the same force, effect by effect.
 
-use crate::rig::case::Case;
-use crate::rig::draw::CATALOGUE;
-use crate::rig::fit::rms;
-use crate::rig::material::Law;
-use crate::rig::motion::{FINE_HZ, SUBSTEPS};
 use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS, Motion};
 use estimator_core::physics::law::{
     Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, Zener,
 };
 use estimator_core::physics::rig::{Environment, Rig};
+use tests::hidden::rig::case::Case;
+use tests::hidden::rig::draw::CATALOGUE;
+use tests::hidden::rig::fit::rms;
+use tests::hidden::rig::material::Law;
+use tests::hidden::rig::motion::{FINE_HZ, SUBSTEPS};
 
-/// Largest difference (rms) over the peak force. The two treat the sub-step of a touch, of a reversal
+/// The largest difference (rms) over the peak force. The two treat the sub-step of a touch, of a reversal
 /// and of a stop differently; the noise of these rigs is 4·10⁻⁴ of the peak and more.
 const AGREE: f64 = 1e-4;
 
+/// The material of a case as the project's environment.
 fn environment(case: &Case) -> Environment<f64> {
     let p = case.material.numbers();
     let bare: Environment<f64> = match case.material.law {
@@ -47,7 +48,7 @@ fn environment(case: &Case) -> Environment<f64> {
     bare.at(case.material.surface)
 }
 
-/// The project's effect with the parameters of truth.json.
+/// The hidden effect of a case as the project's effect.
 fn effect(case: &Case) -> Effect<f64> {
     let hidden = &case.hidden[0];
     let id = EffectId::from_name(hidden.id).unwrap_or_else(|| panic!("{} is unknown", hidden.id));

@@ -1,25 +1,24 @@
-//! The rig against closed forms.
+//! The generator's rig against closed forms.
 
-use crate::rig::effect::{Effect, Friction};
-use crate::rig::material::{Law, Material};
-use crate::rig::motion::{Profile, Track};
-use crate::rig::plant::Plant;
-use crate::rig::random::Random;
+use tests::hidden::rig::effect::{Effect, Friction};
+use tests::hidden::rig::material::{Law, Material};
+use tests::hidden::rig::motion::{Profile, Track};
+use tests::hidden::rig::plant::Plant;
+use tests::hidden::rig::random::Random;
 
-/// Sub-step of these runs (s): the generator's own.
+/// The sub-step of these runs (s), which is the generator's.
 const DT_S: f64 = 5e-5;
 const K: f64 = 2000.0;
 const LAMBDA: f64 = 20.0;
 
 fn linear(hidden: Vec<Effect>) -> Plant {
     let material = Material::from_numbers(Law::KelvinVoigt, &[K, LAMBDA, 0.0]);
-    Plant {
-        hidden,
-        ..Plant::bare(material)
-    }
+    let mut plant = Plant::bare(material);
+    plant.hidden = hidden;
+    plant
 }
 
-/// Force on a position x(t) with its derivatives.
+/// The force along a position x(t), given with its two derivatives.
 fn forces(plant: &Plant, seconds: f64, x: impl Fn(f64) -> [f64; 3]) -> Vec<f64> {
     let motion: Vec<[f64; 3]> = (0..(seconds / DT_S) as usize)
         .map(|k| x(k as f64 * DT_S))
@@ -28,7 +27,7 @@ fn forces(plant: &Plant, seconds: f64, x: impl Fn(f64) -> [f64; 3]) -> Vec<f64> 
     plant.force(&column(0), &column(1), &column(2), DT_S)
 }
 
-/// Out of contact for 10 ms, then held at `depth`.
+/// The force on a tip that is out of contact for 10 ms, then held at `depth`.
 fn held(plant: &Plant, depth: f64, seconds: f64) -> Vec<f64> {
     forces(plant, seconds, |t| {
         [if t < 0.01 { -1e-3 } else { depth }, 0.0, 0.0]

@@ -2,15 +2,11 @@
 //! `cargo run --release -p tests --example hidden -- write DIR --cases 52 --kind single --seed 1`,
 //! `cargo run --release -p tests --example hidden -- score DIR --palpate target/release/palpate`.
 
-// The table and its small version each use a part of it.
-#[allow(dead_code)]
-mod rig;
-#[allow(dead_code)]
-mod score;
-
-use rig::case::{Case, Kind};
-use rig::write::Units;
 use std::path::{Path, PathBuf};
+use tests::hidden::rig::case::Case;
+use tests::hidden::rig::kind::Kind;
+use tests::hidden::rig::write::Units;
+use tests::hidden::score::{further, run, table};
 
 const USAGE: &str = "\
 hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J] [--brief]
@@ -79,7 +75,9 @@ fn write(arguments: &[String]) -> Result<(), String> {
         for job in 0..jobs {
             scope.spawn(move || {
                 for index in (job..cases).step_by(jobs as usize) {
-                    save(Path::new(dir), units, draw(kind, seed, index), index);
+                    let mut case = draw(kind, seed, index);
+                    case.units = units;
+                    save(Path::new(dir), &case, index);
                 }
             });
         }
@@ -91,21 +89,19 @@ fn record(arguments: &[String]) -> Result<(), String> {
     let rig = arguments.first().ok_or(USAGE)?;
     let file = |name: &str| option(arguments, name).map(Path::new).ok_or(USAGE);
     let (motion, out) = (file("--motion")?, file("--out")?);
-    let log = score::further::record(Path::new(rig), motion, out)?;
+    let log = further::record(Path::new(rig), motion, out)?;
     println!("{}", log.display());
     Ok(())
 }
 
 fn score(arguments: &[String]) -> Result<(), String> {
     let dirs = arguments.iter().take_while(|a| !a.starts_with("--"));
-    let rigs: Vec<PathBuf> = dirs
-        .flat_map(|dir| score::run::rigs(Path::new(dir)))
-        .collect();
+    let rigs: Vec<PathBuf> = dirs.flat_map(|dir| run::rigs(Path::new(dir))).collect();
     if rigs.is_empty() {
         return Err(format!("no truth.json below the folders given\n{USAGE}"));
     }
     let flag = |name: &str| arguments.iter().any(|a| a == name);
-    let options = score::run::Options {
+    let options = run::Options {
         palpate: option(arguments, "--palpate")
             .unwrap_or("target/release/palpate")
             .into(),
@@ -119,35 +115,16 @@ fn score(arguments: &[String]) -> Result<(), String> {
             .map(String::from)
             .collect(),
     };
-    let scored = score::run::all(&rigs, &options)?;
-    print!("{}", score::table::text(&scored, flag("--list")));
+    let scored = run::all(&rigs, &options)?;
+    print!("{}", table::text(&scored, flag("--list")));
     Ok(())
 }
 
-fn save(dir: &Path, units: Units, case: Case, index: u64) {
-    let case = Case { units, ..case };
+fn save(dir: &Path, case: &Case, index: u64) {
     let to: PathBuf = dir.join(format!("rig-{:03}", index + 1));
     if let Err(error) = case.save(&to) {
         eprintln!("{}: {error}", to.display());
         std::process::exit(1);
     }
-    let ids: Vec<String> = case
-        .hidden
-        .iter()
-        .map(|h| format!("{} ({})", h.id, h.form))
-        .collect();
-    let stranger = case.stranger.map_or("", |(stranger, _)| stranger.name());
-    println!(
-        "{} {} {} {} {} gap {:.2}",
-        to.display(),
-        case.material.law.name(),
-        case.profile.name(),
-        case.sensor.noise.name(),
-        if ids.is_empty() {
-            stranger.to_string()
-        } else {
-            ids.join(" + ")
-        },
-        case.gap_ratio(),
-    );
+    println!("{} {case}", to.display());
 }

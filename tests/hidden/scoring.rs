@@ -1,12 +1,12 @@
-//! The scorer on answers made by hand.
+//! The scorer on answers that are written by hand.
 
-use crate::score::answer::Answer;
-use crate::score::judge::{Mark, errors, mark};
-use crate::score::process::cpu;
-use crate::score::run::Scored;
-use crate::score::share::{Share, quantile};
-use crate::score::table::{self, WIDE};
-use crate::score::truth::Truth;
+use tests::hidden::score::answer::Answer;
+use tests::hidden::score::judge::{Mark, errors, mark};
+use tests::hidden::score::process::cpu;
+use tests::hidden::score::scored::Scored;
+use tests::hidden::score::share::{Share, quantile};
+use tests::hidden::score::table::{self, WIDE};
+use tests::hidden::score::truth::Truth;
 
 fn truth(effects: &str, forms: &str) -> Truth {
     let text = format!(
@@ -148,7 +148,7 @@ fn shares_carry_the_interval_that_wilson_gives() {
     assert!(quantile(&[], 0.5).is_nan());
 }
 
-/// A run of a kind, by made-up files.
+/// A scored rig of a kind, from texts in place of files.
 fn run(kind: &str, effects: &str, more: &str, verdict: &str, named: &str) -> Scored {
     let ids: Vec<String> = serde_json::from_str(effects).unwrap_or_else(|e| panic!("{e}"));
     let form = |id: &String| format!(r#""{id}": "catalogue""#);
@@ -164,7 +164,7 @@ fn run(kind: &str, effects: &str, more: &str, verdict: &str, named: &str) -> Sco
     }
 }
 
-/// The words of the first line that starts so.
+/// The words of the first line that starts with `start`.
 fn words(text: &str, start: &str) -> Vec<String> {
     let line = text.lines().find(|line| line.starts_with(start));
     let line = line.unwrap_or_else(|| panic!("no {start} in\n{text}"));
@@ -201,9 +201,9 @@ fn names_are_counted_alone_adequate_and_left_open_apart() {
     );
     // inad, open, part, bad, iffy, null, fail
     assert_eq!(row[8..], ["1", "1", "0", "0", "0", "1", "0"], "{text}");
-    // Nearly hidden by the base: in no bar.
+    // What the base nearly hides is in no bar.
     assert_eq!(words(&text, "weak")[1], "1");
-    // A form that the catalogue cannot follow counts among all, and again apart.
+    // A form that the catalogue cannot follow counts among all, and again in a row of its own.
     assert_eq!(words(&text, "mismatched")[1..3], ["1", "100.0"]);
     assert_eq!(words(&text, "  crude form")[2..4], ["1", "100.0"]);
 }

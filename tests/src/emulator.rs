@@ -1,39 +1,45 @@
 //! Runs a firmware in QEMU: samples in, log lines and telemetry out.
 
+mod budget;
+mod elf;
+
+pub use budget::{Budget, Meter};
+pub use elf::footprint;
+
 use estimator_core::Sample;
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
 use std::io::{BufRead, BufReader, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 use std::{env, fs, thread};
 
-/// 100 000 samples take 6 s; a firmware that hangs is ended after this.
+/// A firmware that hangs is ended after this time; 100 000 samples take 6 s.
 const LIMIT: Duration = Duration::from_secs(240);
 
 /// What a run needs.
 pub struct Emulator {
     /// `qemu-system-arm`.
     pub qemu: PathBuf,
-    /// `defmt-lines`, see tests/decoder.
+    /// `defmt-lines`, which turns the log into text: tests/decoder.
     pub decoder: PathBuf,
-    /// The firmware.
+    /// The image of the firmware.
     pub elf: PathBuf,
-    /// Working directory: the firmware reads and writes its files here.
+    /// The working directory, where the firmware reads and writes its files.
     pub directory: PathBuf,
 }
 
-/// What a run gave.
+/// What a run produced.
 pub struct Run {
-    /// The log, a line each: level, message.
+    /// The lines of the log: level, message.
     pub log: Vec<String>,
-    /// The frames that came back, with their sequence numbers.
+    /// The frames that the firmware sent, with their sequence numbers.
     pub frames: Vec<(u16, Frame)>,
 }
 
 impl Emulator {
-    /// The emulator that `cargo xtask test` has set up, with a directory of its own called `name`.
+    /// The emulator that `cargo xtask test` has set up, with a directory for this run that is called `name`.
     pub fn from_env(name: &str) -> Result<Self, String> {
         let directory = path_from_env("PALPATE_RUNS")?.join(name);
         fs::create_dir_all(&directory).map_err(|e| format!("{}: {e}", directory.display()))?;
@@ -45,13 +51,13 @@ impl Emulator {
         })
     }
 
-    /// Runs the firmware over the samples. Every log line also goes to `watch` as it comes.
+    /// Runs the firmware over samples. Every line of the log also goes to `watch` as it comes.
     pub fn run(&self, samples: &[Sample<f32>], watch: impl FnMut(&str)) -> Result<Run, String> {
         let frames: Vec<Frame> = samples.iter().copied().map(Frame::Sample).collect();
         self.run_frames(&frames, watch)
     }
 
-    /// The same over samples or codes.
+    /// Runs the firmware over recorded frames: samples or codes.
     pub fn run_frames(&self, frames: &[Frame], watch: impl FnMut(&str)) -> Result<Run, String> {
         let recording = self.directory.join("samples.frames");
         let telemetry = self.directory.join("telemetry.frames");
@@ -65,8 +71,8 @@ impl Emulator {
         })
     }
 
-    /// What a board's image logs, up to a line with `last`. It logs into its memory, where a debug probe
-    /// finds it (RTT); here the emulator's monitor is the probe.
+    /// The log of a board's image, up to a line with `last`. The image logs into its memory, where a debug
+    /// probe finds it (RTT); here the emulator's monitor takes the place of the probe.
     pub fn log_in_memory(&self, last: &str) -> Result<Vec<String>, String> {
         const LOOKS: u32 = 100;
         let image = self.directory.join("memory");
@@ -92,7 +98,7 @@ impl Emulator {
         Ok(log)
     }
 
-    /// Complete lines of a log, from its bytes.
+    /// The complete lines of a log, from its bytes.
     fn decode(&self, bytes: &[u8]) -> Result<Vec<String>, String> {
         let file = self.directory.join("log");
         fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))?;
@@ -133,8 +139,8 @@ impl Emulator {
             .ok_or_else(|| format!("log of another firmware; so far:\n{told}"))
     }
 
-    /// `shift=0`: an instruction is a nanosecond; `sleep=off`: and nothing else is, so that every
-    /// run takes the same path to the instruction.
+    /// QEMU with a clock that counts instructions. With `shift=0` an instruction takes a nanosecond, and with
+    /// `sleep=off` nothing else takes time, so that every run is the same to the instruction.
     fn machine(&self) -> Command {
         let mut qemu = Command::new(&self.qemu);
         qemu.current_dir(&self.directory)
@@ -157,11 +163,11 @@ impl Emulator {
     }
 }
 
-/// Where the RAM begins.
+/// The address of the RAM.
 const RAM: usize = 0x2000_0000;
 
-/// The bytes that a program has logged by RTT, which nobody has fetched: its control block has a name,
-/// two counts, and for the first channel name, memory, size, and how far it is written.
+/// The bytes that a program has logged by RTT and that have not been fetched. Its control block holds a
+/// name, two counts, and for the first channel its name, memory and size, and how far it is written.
 fn logged(memory: &[u8]) -> Option<&[u8]> {
     const NAME: &[u8] = b"SEGGER RTT";
     let block = memory.windows(NAME.len()).position(|at| at == NAME)?;
@@ -173,7 +179,7 @@ fn logged(memory: &[u8]) -> Option<&[u8]> {
     memory.get(start..start + written)
 }
 
-/// Waits for QEMU, which ends when its firmware does.
+/// Waits for QEMU, which ends with its firmware.
 fn end_after_limit(mut qemu: Child, wait: &Receiver<()>) -> Result<(), String> {
     if wait.recv_timeout(LIMIT) == Err(RecvTimeoutError::Timeout) {
         qemu.kill().map_err(|e| format!("cannot end QEMU: {e}"))?;
@@ -192,7 +198,7 @@ fn path_from_env(name: &str) -> Result<PathBuf, String> {
         .ok_or_else(|| format!("{name} is not set: run `cargo xtask test`, which sets it"))
 }
 
-/// Frames one after another, numbered from 0.
+/// The bytes of frames that are numbered from 0.
 pub fn encoded(frames: &[Frame]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut out = [0; MAX_ENCODED];
@@ -210,121 +216,4 @@ fn decoded(bytes: &[u8]) -> Result<Vec<(u16, Frame)>, String> {
         .filter_map(|byte| decoder.push(*byte))
         .map(|frame| frame.map_err(|e| format!("telemetry: {e}")))
         .collect()
-}
-
-/// The counters of a firmware's sampling task, from the line that it logs.
-#[derive(Debug)]
-pub struct Budget {
-    /// Samples that went through `step`.
-    pub samples: u64,
-    /// Times that the task ran.
-    pub ticks: u64,
-    /// Records that found the queue full.
-    pub dropped: u64,
-    /// Times that the task took longer than a tick.
-    pub overruns: u64,
-    /// Instants that no sample was taken of.
-    pub missed: u64,
-    /// Bytes of stack that were never used.
-    pub stack_free: u64,
-    /// What a tick should take, in the board's unit.
-    pub tick: u64,
-    /// Between two starts of the task.
-    pub period: Meter,
-    /// From the codes to SI units.
-    pub convert: Meter,
-    /// What the rig adds is taken off.
-    pub render: Meter,
-    /// Of what the rig adds, taken off.
-    pub compensate: Meter,
-    /// `step`.
-    pub step: Meter,
-    /// From the estimate to the queue.
-    pub queue: Meter,
-    /// The whole task.
-    pub task: Meter,
-    /// Encoding a record, at low priority.
-    pub encode: Meter,
-}
-
-/// Smallest, mean and largest of a series.
-#[derive(Debug)]
-pub struct Meter {
-    /// Smallest.
-    pub min: u64,
-    /// Mean, rounded down.
-    pub mean: u64,
-    /// Largest.
-    pub max: u64,
-}
-
-impl Budget {
-    /// From the last line of a log that has one.
-    pub fn from_log(log: &[String]) -> Result<Self, String> {
-        let line = log.iter().rfind(|line| line.contains("budget: "));
-        let line = line.ok_or("the firmware logged no budget")?;
-        Ok(Budget {
-            samples: number(field(line, "samples")?)?,
-            ticks: number(field(line, "ticks")?)?,
-            dropped: number(field(line, "dropped")?)?,
-            overruns: number(field(line, "overruns")?)?,
-            missed: number(field(line, "missed")?)?,
-            stack_free: number(field(line, "stack_free")?)?,
-            tick: number(field(line, "tick")?)?,
-            period: meter(field(line, "period")?)?,
-            convert: meter(field(line, "convert")?)?,
-            render: meter(field(line, "render")?)?,
-            compensate: meter(field(line, "compensate")?)?,
-            step: meter(field(line, "step")?)?,
-            queue: meter(field(line, "queue")?)?,
-            task: meter(field(line, "task")?)?,
-            encode: meter(field(line, "encode")?)?,
-        })
-    }
-}
-
-fn field<'a>(line: &'a str, key: &str) -> Result<&'a str, String> {
-    line.split_whitespace()
-        .find_map(|word| word.strip_prefix(key)?.strip_prefix('='))
-        .ok_or_else(|| format!("no {key} in `{line}`"))
-}
-
-fn number(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|e| format!("`{text}`: {e}"))
-}
-
-fn meter(text: &str) -> Result<Meter, String> {
-    let numbers: Vec<u64> = text.split('/').map(number).collect::<Result<_, _>>()?;
-    match numbers[..] {
-        [min, mean, max] => Ok(Meter { min, mean, max }),
-        _ => Err(format!("`{text}` is not min/mean/max")),
-    }
-}
-
-/// Bytes of flash and of RAM (without stack) that an ELF for the board takes.
-pub fn footprint(elf: &Path) -> Result<(u64, u64), String> {
-    let bytes = fs::read(elf).map_err(|e| format!("{}: {e}", elf.display()))?;
-    load_segments(&bytes).ok_or_else(|| format!("{}: not a 32-bit ELF", elf.display()))
-}
-
-/// Sums over the segments that are loaded: ELF32, little-endian.
-fn load_segments(elf: &[u8]) -> Option<(u64, u64)> {
-    let half = |at: usize| Some(u16::from_le_bytes(elf.get(at..at + 2)?.try_into().ok()?));
-    let word = |at: usize| Some(u32::from_le_bytes(elf.get(at..at + 4)?.try_into().ok()?));
-    if elf.get(..5)? != b"\x7fELF\x01" {
-        return None;
-    }
-    let (table, size, count) = (word(28)?, half(42)?, half(44)?);
-    let (mut flash, mut ram) = (0, 0);
-    for index in 0..count {
-        let header = table as usize + usize::from(index) * usize::from(size);
-        const LOAD: u32 = 1;
-        if word(header)? == LOAD {
-            let (address, in_file, in_memory) =
-                (word(header + 8)?, word(header + 16)?, word(header + 20)?);
-            flash += u64::from(in_file);
-            ram += u64::from(in_memory) * u64::from(address >= 0x2000_0000);
-        }
-    }
-    Some((flash, ram))
 }

@@ -1,6 +1,5 @@
-//! A simulated palpation without a rig: strokes into two materials, noise, and the same samples
-//! whenever it is asked. For tests that compare two runs of the estimator; truth about sensors
-//! and motors is host-sim's.
+//! A simulated palpation without a rig: strokes into two materials with noise, always the same samples. It
+//! is for tests that compare two runs of the estimator; host-sim simulates sensors and motors.
 
 use estimator_core::Sample;
 use estimator_core::physics::law::{ContactLaw, HuntCrossley, unilateral};
@@ -46,7 +45,7 @@ pub fn palpation(count: usize, seed: u64) -> Vec<Sample<f32>> {
     samples
 }
 
-/// Down and up again, without a jump in position or speed.
+/// A stroke down and up again, without a jump in position or speed.
 struct Stroke {
     depth_m: f64,
     duration_s: f64,

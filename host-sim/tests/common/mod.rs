@@ -1,7 +1,7 @@
-//! What the tests of the command share: a folder that disappears, the real binary run in it, and a
-//! good log to spoil.
+//! What the tests of the command share: a folder that disappears after the test, the command run in it, and
+//! a good log.
 
-// Each test compiles this for itself and uses its own part of it.
+// Every test program compiles this and uses a part of it.
 #![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ impl Folder {
         self.command(&arguments).output().unwrap()
     }
 
-    /// The same where nothing may go wrong: what it said.
+    /// Runs a line that must succeed, and gives its standard output.
     pub(crate) fn succeeds(&self, line: &str) -> String {
         let done = self.palpate(line);
         assert_eq!(done.status.code(), Some(0), "{line}: {}", complained(&done));
@@ -67,7 +67,7 @@ impl Drop for Folder {
     }
 }
 
-/// A record of tests/data.
+/// The path of a record in tests/data.
 pub(crate) fn record(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data");
     path.join(name).to_str().unwrap().to_string()
@@ -78,32 +78,32 @@ pub(crate) fn named(json: &serde_json::Value) -> Vec<&str> {
     let effects = json["effects"].as_array().unwrap();
     effects
         .iter()
-        .map(|own| own["id"].as_str().unwrap())
+        .map(|effect| effect["id"].as_str().unwrap())
         .collect()
 }
 
-/// What the command said on standard output.
+/// The standard output of the command.
 pub(crate) fn said(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// What the command said on standard error.
+/// The standard error of the command.
 pub(crate) fn complained(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// The text with line breaks and the blanks after them taken for one blank: wrapped sentences in one
-/// piece, and narrow and fixed blanks for usual ones.
+/// The text with every run of blanks and line breaks as one plain space, so that wrapped sentences are in
+/// one piece.
 pub(crate) fn flowing(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A model that is simulated.
+/// A model to simulate.
 pub(crate) const MODEL: &str = "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 1350.0\n\
                      damping = 36.0\nexponent = 1.35\n";
 
-/// Two presses of 3 mm into 2 N/mm at 1 kHz after 0.3 s of rest, 1 mm before the surface; 5 mN of
-/// noise. Rows of time (s), position (m), force (N).
+/// Rows of time (s), position (m) and force (N): two presses of 3 mm into 2 N/mm at 1 kHz, after 0.3 s of
+/// rest 1 mm before the surface, with 5 mN of noise.
 pub(crate) fn press() -> Vec<[f64; 3]> {
     let row = |i: u32| {
         let time = f64::from(i) * 1e-3;
@@ -118,7 +118,7 @@ pub(crate) fn press() -> Vec<[f64; 3]> {
     (0..2000).map(row).collect()
 }
 
-/// Noise between −½ and ½ that is a function of its place.
+/// Noise between −½ and ½, the same at the same place.
 fn white(place: u32) -> f64 {
     let mut hash = place.wrapping_mul(0x9e37_79b9);
     hash = (hash ^ (hash >> 15)).wrapping_mul(0x85eb_ca6b);
@@ -126,7 +126,7 @@ fn white(place: u32) -> f64 {
     f64::from(hash ^ (hash >> 16)) / f64::from(u32::MAX) - 0.5
 }
 
-/// Rows as a log.
+/// The text of a log with these rows.
 pub(crate) fn csv(rows: impl IntoIterator<Item = [f64; 3]>) -> String {
     let lines = rows
         .into_iter()

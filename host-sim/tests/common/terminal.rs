@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Runs a board at the master's end, in real time, until it is told to stop; gives it back.
+/// Runs a board at the master's end in real time until `stop` is set, then gives it back.
 pub(crate) fn serve(
     mut line: TTYPort,
     mut board: SimulatedBoard,
@@ -33,7 +33,7 @@ pub(crate) fn serve(
     })
 }
 
-/// All of it, however slow the reader is; nothing while there is none.
+/// Sends all bytes, however slow the reader is, and none where there is no reader.
 fn send(line: &mut TTYPort, mut bytes: &[u8], stop: &AtomicBool) {
     while !bytes.is_empty() && !stop.load(Ordering::Relaxed) {
         match line.write(bytes) {

@@ -1,0 +1,53 @@
+//! The command itself against the simulated board.
+
+use crate::common::Folder;
+
+#[test]
+fn a_backup_is_restored_to_the_bit_through_the_command_itself() {
+    let folder = Folder::with(
+        "board.toml",
+        "[force]\nlowest_code = 5000\nhighest_code = 60000\n",
+    );
+    let done = folder.palpate("config --port simulated restore board.toml");
+    let said = String::from_utf8(done.stdout).unwrap();
+    assert!(said.contains("2 changed, saved"), "{said}");
+    let done = folder.palpate("config --port simulated backup out.toml");
+    assert!(done.status.success());
+    assert!(
+        folder
+            .read("out.toml")
+            .contains("n_per_code = 0.00076293945")
+    );
+    folder.write("bad.toml", "[force]\nlowest_code = 70000000\n");
+    let done = folder.palpate("config --port simulated restore bad.toml");
+    assert_eq!(done.status.code(), Some(2));
+}
+
+#[test]
+fn the_verbs_refuse_a_port_that_is_not_there_with_status_2() {
+    let folder = Folder::new();
+    for line in [
+        "config --port /no/such/port show",
+        "monitor --port /no/such/port",
+        "record --port /no/such/port --out x",
+        "record --convert nothing",
+        "config --port simulated get force.scale",
+        "config --port simulated set estimator.half_width 1",
+        "monitor --port simulated --every 0",
+    ] {
+        let output = folder.palpate(line);
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        assert!(!output.stderr.is_empty());
+    }
+}
+
+#[test]
+fn the_monitor_says_what_is_touched_and_what_is_wrong() {
+    let folder = Folder::new();
+    let output = folder.palpate("monitor --port simulated --every 0.5 --looks 5");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(text.lines().count(), 5, "{text}");
+    for word in ["contact", "stiffness", "fault 12", "lost 0"] {
+        assert!(text.contains(word), "no {word} in {text}");
+    }
+}

@@ -1,0 +1,131 @@
+//! Draws an effect of the catalogue for a rig: its form, and its parameters at a strength.
+//!
+//! The same stream at another strength gives the same effect, only stronger or weaker: that is how `bare`
+//! finds the strength that a wanted gap needs. Strength 1 is a few per cent of the peak force.
+
+mod contact;
+mod guide;
+mod sensing;
+mod soft;
+mod world;
+
+use super::effect::Effect;
+use super::material::{Law, Material};
+use super::random::Random;
+
+/// The ids of the catalogue.
+pub const CATALOGUE: [&str; 26] = [
+    "stress_relaxation",
+    "power_law_stiffness",
+    "depth_dependent_damping",
+    "exponential_stiffening",
+    "adhesion",
+    "permanent_set",
+    "buried_layer",
+    "surface_motion",
+    "hysteretic_damping",
+    "cyclic_softening",
+    "coulomb_friction",
+    "stribeck_friction",
+    "viscous_drag",
+    "asymmetric_drag",
+    "tool_inertia",
+    "force_offset",
+    "force_drift",
+    "cable_stiffness",
+    "cogging",
+    "periodic_disturbance",
+    "series_compliance",
+    "backlash",
+    "force_lag",
+    "time_delay",
+    "force_saturation",
+    "encoder_periodic_error",
+];
+
+/// The scales that make a strength comparable between rigs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    /// The material of the rig.
+    pub(crate) material: Material,
+    /// The largest force of the bare rig (N).
+    pub(crate) peak_n: f64,
+    /// The largest depth (m).
+    pub(crate) depth_m: f64,
+    /// The largest speed (m/s).
+    pub(crate) fastest_mps: f64,
+    /// The range of the motor's positions (m).
+    pub(crate) way_m: f64,
+    /// The length of the motion (s).
+    pub(crate) seconds: f64,
+}
+
+/// A drawn effect.
+#[derive(Clone, Debug)]
+pub struct Hidden {
+    /// Its id in the catalogue.
+    pub id: &'static str,
+    /// The name of its form: `catalogue`, or that of another form.
+    pub form: &'static str,
+    pub(crate) effect: Effect,
+    /// Its parameters: under the catalogue's names where the form is the catalogue's, else under names of
+    /// that form.
+    pub params: Vec<(&'static str, f64)>,
+}
+
+/// The other ids that are right for a form: a Coulomb friction that falls with the speed is a Stribeck
+/// friction as well.
+pub(crate) fn accepted(id: &str, form: &str) -> &'static [&'static str] {
+    match (id, form) {
+        ("coulomb_friction", "stribeck" | "lugre") => &["stribeck_friction"],
+        _ => &[],
+    }
+}
+
+/// Whether an effect makes sense on a law.
+pub(crate) fn fits(id: &str, law: Law) -> bool {
+    match id {
+        "power_law_stiffness" | "depth_dependent_damping" => law == Law::KelvinVoigt,
+        "stress_relaxation" => law != Law::Zener,
+        _ => true,
+    }
+}
+
+type Named = Vec<(&'static str, f64)>;
+type Drawn = (&'static str, Effect, Named);
+
+/// Draws the effect `id` at a strength, which is capped where the effect would be absurd.
+pub(crate) fn build(
+    id: &'static str,
+    mismatched: bool,
+    strength: f64,
+    scale: &Scale,
+    random: &mut Random,
+) -> Hidden {
+    let from = [
+        soft::draw,
+        contact::draw,
+        guide::draw,
+        world::draw,
+        sensing::draw,
+    ];
+    let drawn = from
+        .iter()
+        .find_map(|draw| draw(id, mismatched, strength, scale, &mut random.clone()));
+    let (form, effect, params) = drawn.unwrap_or_else(|| panic!("{id} is not in the catalogue"));
+    Hidden {
+        id,
+        form,
+        effect,
+        params,
+    }
+}
+
+/// The name of the form of an effect that is a sine in the catalogue.
+fn harmonic(other: bool) -> &'static str {
+    if other {
+        "second_harmonic"
+    } else {
+        "catalogue"
+    }
+}

@@ -1,0 +1,309 @@
+//! The mechanics around the contact, one sub-step at a time: play, spring, load path, lag.
+
+use super::effect::{Effect, Friction, wave, wave_slope};
+use super::plant::{MOST, Memory, Plant, STANDING_MPS, kept};
+use super::stranger::Running;
+
+/// The frequency at which the amplitude of a disturbance breathes (Hz).
+const BREATHING_HZ: f64 = 0.31;
+
+/// A rig in motion.
+pub(super) struct Drive<'a> {
+    plant: &'a Plant,
+    memory: Memory,
+    stranger: Option<Running>,
+    spring: Option<(f64, f64, f64)>,
+    /// Position of the tip in the last two sub-steps (m).
+    tips: [f64; 2],
+    /// Sub-steps since the touch: the parabola for the rate must not reach across it.
+    touching: usize,
+    plays: [f64; MOST],
+    friction: f64,
+    loose: [f64; 2],
+    lag: [f64; 2],
+    last: f64,
+    before_x: f64,
+    started: bool,
+}
+
+impl<'a> Drive<'a> {
+    pub(super) fn new(plant: &'a Plant, x: f64) -> Self {
+        let spring = plant.hidden.iter().find_map(|effect| match effect {
+            Effect::Compliance {
+                stiffness,
+                progressive,
+                scale,
+            } => Some((*stiffness, *progressive, *scale)),
+            _ => None,
+        });
+        let mut memory = Memory::default();
+        memory.depth = x - plant.material.surface;
+        Drive {
+            plant,
+            memory,
+            stranger: plant.running(0),
+            spring,
+            tips: [x; 2],
+            touching: 0,
+            plays: [x; MOST],
+            friction: 0.0,
+            loose: [0.0; 2],
+            lag: [0.0; 2],
+            last: 0.0,
+            before_x: x,
+            started: false,
+        }
+    }
+
+    pub(super) fn step(&mut self, t: f64, x: f64, v: f64, a: f64, dt: f64) -> f64 {
+        let driven = self.play(x, v);
+        let moved = self.surface(t);
+        let contact = match self.spring {
+            None => {
+                let (force, memory) =
+                    self.plant
+                        .contact(&self.memory, &mut self.stranger, driven, moved, dt);
+                self.memory = memory;
+                force
+            }
+            Some(spring) => self.sprung(driven.0, moved, spring, dt),
+        };
+        let force = contact + self.load(t, x, v, a, dt);
+        self.before_x = x;
+        let read = self.lagged(force, dt);
+        self.started = true;
+        read
+    }
+
+    /// The position behind the play and its speed.
+    fn play(&mut self, x: f64, v: f64) -> (f64, f64) {
+        let plays = self.plant.hidden.iter().find_map(|effect| match effect {
+            Effect::Backlash { plays } => Some(plays),
+            _ => None,
+        });
+        let Some(plays) = plays else { return (x, v) };
+        let (mut tip, mut speed) = (0.0, 0.0);
+        for (at, (width, share)) in self.plays.iter_mut().zip(plays) {
+            let held = at.clamp(x - 0.5 * width, x + 0.5 * width);
+            if held != *at {
+                speed += share * v;
+            }
+            *at = held;
+            tip += share * held;
+        }
+        (tip, speed)
+    }
+
+    fn surface(&self, t: f64) -> (f64, f64) {
+        let mut moved = (0.0, 0.0);
+        for effect in &self.plant.hidden {
+            if let Effect::Surface {
+                amplitude,
+                hz,
+                phase,
+                second,
+            } = effect
+            {
+                let w = std::f64::consts::TAU * hz;
+                moved.0 += amplitude * wave(w * t + phase, *second);
+                moved.1 += amplitude * w * wave_slope(w * t + phase, *second);
+            }
+        }
+        moved
+    }
+
+    /// The contact behind a spring: the tip lies where spring and contact push alike, found by a secant
+    /// within a bisection since the difference increases.
+    fn sprung(&mut self, driven: f64, moved: (f64, f64), spring: (f64, f64, f64), dt: f64) -> f64 {
+        let (plant, before, tips) = (self.plant, self.memory, self.tips);
+        let parabola = self.touching > 1;
+        let trial = |tip: f64| {
+            let way = if parabola {
+                1.5 * tip - 2.0 * tips[0] + 0.5 * tips[1]
+            } else {
+                tip - tips[0]
+            };
+            let speed = way / dt;
+            let (force, memory) = plant.contact(&before, &mut None, (tip, speed), moved, dt);
+            (force - spring_force(driven - tip, spring), memory)
+        };
+        let (mut low, mut high) = (driven - 8e-3, driven + 1e-3);
+        let guess = driven - (self.before_x - tips[0]);
+        let mut tip = guess.clamp(low, high);
+        let mut step = 1e-7;
+        let mut found = trial(tip);
+        let (mut old_tip, mut old_error) = (tip, found.0);
+        for _ in 0..60 {
+            if found.0 > 0.0 {
+                high = tip;
+            } else {
+                low = tip;
+            }
+            if found.0.abs() < 1e-9 || high - low < 1e-15 {
+                break;
+            }
+            let slope = (found.0 - old_error) / (tip - old_tip);
+            let next = if slope.is_finite() && slope > 0.0 {
+                tip - found.0 / slope
+            } else {
+                step *= 4.0;
+                tip - step * found.0.signum()
+            };
+            (old_tip, old_error) = (tip, found.0);
+            tip = if next > low && next < high {
+                next
+            } else {
+                0.5 * (low + high)
+            };
+            found = trial(tip);
+        }
+        self.memory = found.1;
+        // A tip that the damper stops lies at the surface to the last bit.
+        self.touching = if self.memory.depth > -1e-12 {
+            self.touching + 1
+        } else {
+            0
+        };
+        self.tips = [tip, tips[0]];
+        // The force of the spring: that of the contact is undetermined where a damper is met at speed.
+        spring_force(driven - tip, spring)
+    }
+
+    fn load(&mut self, t: f64, x: f64, v: f64, a: f64, dt: f64) -> f64 {
+        let mut sum = 0.0;
+        for effect in &self.plant.hidden {
+            sum += match effect {
+                Effect::Friction(friction) => {
+                    self.friction = rubbed(self.friction, x - self.before_x, v, friction);
+                    self.friction
+                }
+                Effect::Inertia {
+                    mass,
+                    loose,
+                    hz,
+                    damping,
+                } => {
+                    mass * ((1.0 - loose) * a
+                        + loose * swing(&mut self.loose, a, *hz, *damping, dt))
+                }
+                effect => plain_load(effect, t, x, v),
+            };
+        }
+        let depth = self.memory.depth;
+        sum + self.stranger.as_mut().map_or(0.0, |s| s.load(v, depth, dt))
+    }
+
+    /// The low-pass, exact for a force that is linear within the step.
+    fn lagged(&mut self, force: f64, dt: f64) -> f64 {
+        let mut read = force;
+        for effect in &self.plant.hidden {
+            if let Effect::Lag { time, order } = effect {
+                let stage_s = time / *order as f64;
+                let mut input = (if self.started { self.last } else { force }, force);
+                self.last = force;
+                for stage in self.lag.iter_mut().take(*order) {
+                    let before = if self.started { *stage } else { force };
+                    let (keep, rise) = kept(dt / stage_s);
+                    // y = input − what has not come through yet.
+                    *stage = input.1 + keep * (before - input.0) - rise * (input.1 - input.0);
+                    input = (before, *stage);
+                    read = *stage;
+                }
+            }
+        }
+        read
+    }
+}
+
+fn spring_force(stretch: f64, (stiffness, progressive, scale): (f64, f64, f64)) -> f64 {
+    stiffness * stretch * (1.0 + progressive * (stretch / scale).clamp(0.0, 3.0))
+}
+
+fn rubbed(before: f64, way: f64, v: f64, friction: &Friction) -> f64 {
+    let steady = friction.steady(v);
+    if friction.width > 0.0 {
+        let end = steady * way.signum();
+        end - (end - before) * (-way.abs() * friction.kinetic / (friction.width * steady)).exp()
+    } else if friction.smooth > 0.0 {
+        steady * (v / friction.smooth).tanh()
+    } else if v.abs() > STANDING_MPS {
+        steady * v.signum()
+    } else {
+        0.0
+    }
+}
+
+/// The acceleration (m/s²) of a mass that hangs on a spring, semi-implicit.
+fn swing(state: &mut [f64; 2], a: f64, hz: f64, damping: f64, dt: f64) -> f64 {
+    let w = std::f64::consts::TAU * hz;
+    let pulled = -w * w * state[0] - 2.0 * damping * w * state[1];
+    state[1] += dt * (pulled - a);
+    state[0] += dt * state[1];
+    pulled
+}
+
+/// The force of an effect that depends on time, position and speed alone (N).
+fn plain_load(effect: &Effect, t: f64, x: f64, v: f64) -> f64 {
+    let tau = std::f64::consts::TAU;
+    match effect {
+        Effect::Drag { linear, quadratic } => linear * v + quadratic * v * v.abs(),
+        Effect::AsymmetricDrag {
+            coefficient,
+            bend,
+            speed,
+        } => {
+            if *bend == 0.0 {
+                coefficient * v.abs()
+            } else {
+                coefficient * v.abs() * (v.abs() / speed).powf(*bend)
+            }
+        }
+        Effect::Offset {
+            force,
+            settling,
+            time,
+        } => {
+            if *settling == 0.0 {
+                *force
+            } else {
+                force * (1.0 - settling * (-t / time).exp())
+            }
+        }
+        Effect::Drift {
+            rate,
+            time,
+            bend,
+            scale,
+        } => {
+            if *bend > 0.0 {
+                rate * scale * (t / scale).powf(*bend)
+            } else if *time > 0.0 {
+                -rate * time * (-t / time).exp_m1()
+            } else {
+                rate * t
+            }
+        }
+        Effect::Cable {
+            stiffness,
+            hardening,
+            scale,
+        } => stiffness * x * (1.0 + hardening * (x / scale) * (x / scale)),
+        Effect::Cogging {
+            amplitude,
+            pitch,
+            phase,
+            second,
+        } => amplitude * wave(tau * x / pitch + phase, *second),
+        Effect::Disturbance {
+            amplitude,
+            hz,
+            phase,
+            second,
+            breathing,
+        } => {
+            let swell = 1.0 + breathing * (tau * BREATHING_HZ * t).sin();
+            amplitude * swell * wave(tau * hz * t + phase, *second)
+        }
+        _ => 0.0,
+    }
+}

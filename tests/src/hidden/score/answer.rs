@@ -1,0 +1,167 @@
+//! What `palpate gap` answered, as far as it is scored.
+
+use super::truth::strings;
+use palpate::gap::{Finding, Known};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Values with their standard errors, by name.
+pub(crate) type Estimates = BTreeMap<String, (f64, f64)>;
+
+/// One effect that was named.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Named {
+    /// The effect's id.
+    pub(crate) id: String,
+    /// The parameters that have a standard error.
+    pub(crate) params: Estimates,
+    /// How many parameters have no standard error.
+    pub(crate) without_error: usize,
+    /// Ids that describe the data as well.
+    pub(crate) alternatives: Vec<String>,
+}
+
+/// What the workflow answered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// The name of the verdict.
+    pub(crate) verdict: String,
+    /// The effects that are missing in the model.
+    pub(crate) effects: Vec<Named>,
+    /// The RMSE on the held-out part with the named effects (N).
+    pub(crate) rmse_after_n: f64,
+    /// The noise floor that the workflow found (N).
+    pub(crate) floor_n: f64,
+    /// The base's parameters after the fit.
+    pub base: Estimates,
+    /// Wall-clock time of the process (s).
+    pub(crate) seconds: f64,
+    /// Processor time of all its threads (s); NaN where the system does not say it.
+    pub(crate) cpu_s: f64,
+}
+
+impl Answer {
+    /// Reads a gap.json.
+    pub(crate) fn read(path: &Path) -> Result<Answer, String> {
+        let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        Answer::parse(&text).map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// Reads the text of a gap.json.
+    pub fn parse(text: &str) -> Result<Answer, String> {
+        let json: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        let verdict = json["verdict"]
+            .as_str()
+            .ok_or("verdict: a text is expected")?
+            .to_string();
+        let known = [
+            "no_missing_effect",
+            "missing_effects",
+            "ambiguous",
+            "unexplained",
+        ];
+        if !known.contains(&verdict.as_str()) {
+            return Err(format!(
+                "verdict \"{verdict}\": one of {known:?} is expected"
+            ));
+        }
+        let named = |effect: &Value| Named {
+            id: effect["id"].as_str().unwrap_or_default().to_string(),
+            params: estimates(&effect["params"]),
+            without_error: effect["params"].as_object().map_or(0, serde_json::Map::len)
+                - estimates(&effect["params"]).len(),
+            alternatives: strings(&effect["alternatives"]),
+        };
+        let rmse_after_n = json["rmse_n"]["after"]
+            .as_f64()
+            .ok_or("rmse_n.after: a number is expected")?;
+        Ok(Answer {
+            verdict,
+            effects: json["effects"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .map(named)
+                .collect(),
+            rmse_after_n,
+            floor_n: json["noise_floor_n"].as_f64().unwrap_or(f64::NAN),
+            base: estimates(&json["base"]["after"]),
+            seconds: json["seconds"].as_f64().unwrap_or(f64::NAN),
+            cpu_s: f64::NAN,
+        })
+    }
+
+    /// Takes what is scored from the library's finding.
+    pub(crate) fn of(finding: &Finding, seconds: f64) -> Answer {
+        let estimates = |known: &[Known]| -> Estimates {
+            let one = |p: &Known| Some((p.name.clone(), (p.value, p.std_error?)));
+            known.iter().filter_map(one).collect()
+        };
+        let names = |ids: &[estimator_core::physics::effect::EffectId]| -> Vec<String> {
+            ids.iter().map(|id| id.name().to_string()).collect()
+        };
+        let named = finding.effects.iter().map(|effect| Named {
+            id: effect.id.name().to_string(),
+            params: estimates(&effect.parameters),
+            without_error: effect
+                .parameters
+                .iter()
+                .filter(|p| p.std_error.is_none())
+                .count(),
+            alternatives: names(&effect.alternatives),
+        });
+        Answer {
+            verdict: finding.verdict.name().to_string(),
+            effects: named.collect(),
+            rmse_after_n: finding.rmse_after_n,
+            floor_n: finding.noise_floor_n,
+            base: estimates(&finding.base_after),
+            seconds,
+            cpu_s: f64::NAN,
+        }
+    }
+
+    /// How many different ids the answer names or gives as alternatives: what an ambiguous answer leaves
+    /// open.
+    pub fn group(&self) -> usize {
+        let named = self.effects.iter().map(|named| named.id.as_str());
+        let also = self.effects.iter().flat_map(|named| &named.alternatives);
+        let all: std::collections::BTreeSet<&str> = named.chain(also.map(String::as_str)).collect();
+        all.len()
+    }
+
+    /// The named ids in their order, each once: a spectrum of several modes is one name.
+    pub(crate) fn ids(&self) -> Vec<&str> {
+        let mut ids: Vec<&str> = Vec::new();
+        for effect in &self.effects {
+            if !ids.contains(&effect.id.as_str()) {
+                ids.push(&effect.id);
+            }
+        }
+        ids
+    }
+
+    /// The answer's column in the confusion matrix: the names, with `?` for ambiguous and `!` for
+    /// unexplained.
+    pub(crate) fn label(&self) -> String {
+        let ids = self.ids().join("+");
+        match self.verdict.as_str() {
+            "no_missing_effect" => "null".into(),
+            "ambiguous" => format!("{ids}?"),
+            "unexplained" => format!("{ids}!"),
+            _ => ids,
+        }
+    }
+}
+
+fn estimates(value: &Value) -> Estimates {
+    let pairs = value.as_object().into_iter().flatten();
+    let one = |(name, value): (&String, &Value)| {
+        Some((
+            name.clone(),
+            (value["value"].as_f64()?, value["std_error"].as_f64()?),
+        ))
+    };
+    pairs.filter_map(one).collect()
+}

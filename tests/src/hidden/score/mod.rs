@@ -1,0 +1,12 @@
+//! Scores `palpate gap` against what was really hidden; nothing else reads truth.json.
+
+pub mod answer;
+pub mod further;
+pub mod judge;
+pub mod library;
+pub mod process;
+pub mod run;
+pub mod scored;
+pub mod share;
+pub mod table;
+pub mod truth;
