@@ -11,8 +11,8 @@ use estimator_core::estimate::method::Method;
 use crate::estimate::{Choices, ReadingArgs, estimate};
 use crate::inspect::{Inspection, suspicions};
 use crate::log::{Log, Timing, UniformLog};
+use crate::number::{counted, quantity};
 use crate::output::say;
-use crate::report::number::{counted, quantity};
 use crate::wrap::wrapped;
 
 /// Arguments of `palpate check`.

@@ -14,9 +14,9 @@ use crate::gap::{self, Options, gap};
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::number::Measured;
 use crate::output::{say, write_atomically};
 use crate::plant::{GEL, Material, PLASTIC, Rig, Stage};
-use crate::report::number::Measured;
 use estimator_core::physics::effect::{CoulombFriction, Effect};
 use estimator_core::physics::law::ContactLaw;
 

@@ -1,7 +1,7 @@
 //! `palpate estimate`: the board's step over a log, and what it comes to.
 
 mod explain;
-pub(crate) mod files;
+mod files;
 pub mod outcome;
 mod print;
 mod setup;
@@ -424,7 +424,7 @@ fn write(
         compensated: &log.compensated.effects,
         notes: &estimation.notes,
     };
-    files::write_json(
+    crate::json::write_json(
         &folder.join("estimate.json"),
         &files::json(&estimation.outcome, &context),
     )?;

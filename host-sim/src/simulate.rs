@@ -60,7 +60,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
 /// Simulates, writes `log.csv`, and gives what to say about it.
 fn record(args: &SimulateArgs) -> Result<String, Box<dyn Error + Send + Sync>> {
     let model = Model::read(&args.model)?;
-    let (contact, effects) = simulated(&model)?;
+    let (contact, effects) = model.simulated()?;
     let motion = read_motion(args, &contact, &effects)?;
     let rig = Rig {
         sensors: model.sensors,
@@ -72,19 +72,6 @@ fn record(args: &SimulateArgs) -> Result<String, Box<dyn Error + Send + Sync>> {
     run.log.write_csv(&path)?;
     let summary = summary(&run, &model, args);
     Ok(format!("{summary}\n  log         {}\n", path.display()))
-}
-
-/// The model as the simulated rig has it: what is touched, and what the rig adds.
-///
-/// # Errors
-/// As [`Model::rig`].
-pub fn simulated(model: &Model) -> Result<(Contact, Effects), Diagnostic> {
-    let effects = model.rig()?.effects;
-    // Model::rig has refused what has no contact.
-    Ok((
-        model.environment.contact().unwrap_or(Contact::FREE),
-        effects,
-    ))
 }
 
 fn read_motion(

@@ -2,7 +2,7 @@
 
 use super::Ignored;
 use super::text::{percent, settings, taken_off};
-use crate::report::number::quantity;
+use crate::number::quantity;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 use crate::report::{Cell, Document, Figure, Provenance, Section, Table, Tone};
 

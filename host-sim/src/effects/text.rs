@@ -6,7 +6,7 @@ use estimator_core::estimate::compensation::compensates;
 use estimator_core::physics::effect::{EffectId, ParameterInfo, Place};
 
 use super::Ignored;
-use crate::report::number::{Measured, quantity};
+use crate::number::{Measured, quantity};
 use crate::wrap::wrapped;
 
 /// All effects in the order of the signal chain.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::course::Course;
 use crate::log::UniformLog;
-use crate::report::number::setting;
+use crate::number::setting;
 use crate::signal;
 
 /// Most samples that are looked at one by one: two minutes at 1 kHz.

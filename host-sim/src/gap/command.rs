@@ -11,10 +11,11 @@ use super::record::{self, MOTION};
 use super::{Options, files, gap_watched, plan, plan_say, print};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::ReadingArgs;
+use crate::json::write_json;
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
-use crate::output::{say, write_atomically};
+use crate::output::say;
 
 /// Arguments of `palpate gap`.
 #[derive(Args, Clone, Debug)]
@@ -88,10 +89,7 @@ fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     )?;
     if let Some(folder) = &args.out {
         record::put(folder, plan_say::motion(&plan).as_deref())?;
-        write_atomically(&folder.join("plan.json"), |writer| {
-            serde_json::to_writer_pretty(&mut *writer, &plan_say::json(&plan))?;
-            writeln!(writer)
-        })?;
+        write_json(&folder.join("plan.json"), &plan_say::json(&plan))?;
     }
     say(plan_say::summary(&plan))?;
     if let Some(folder) = args

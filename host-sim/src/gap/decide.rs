@@ -203,7 +203,7 @@ impl Evidence<'_> {
             .filter(|(_, w)| **w > 0.0)
             .map(|(r, w)| r * w.sqrt())
             .collect();
-        let correlation = crate::batch::error::correlation(&residuals);
+        let correlation = crate::stats::correlation(&residuals);
         let Rivals {
             alternatives,
             better,

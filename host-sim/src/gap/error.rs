@@ -16,8 +16,8 @@ use super::basis::extend;
 use super::coloured::Coloured;
 use super::fit::{Fit, Linear, Problem, forces, forces_moved};
 use super::shape::Owner;
-use crate::batch::error::correlation;
 use crate::dense;
+use crate::stats::correlation;
 
 /// Fewest and most lags of the sandwich. Within a window of `kinematics`, 31 samples at most, the errors of
 /// speed and acceleration are the same ones.

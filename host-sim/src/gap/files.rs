@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::record::{self, MOTION};
 use super::regions::Region;
 use super::result::{Curves, Finding, Known, Named, Tried};
-use crate::estimate::files::number;
+use crate::json::{number, write_json};
 use crate::output::write_atomically;
 use crate::report::gap::GapReport;
 use crate::report::{Document, Input, Provenance};
@@ -22,10 +22,7 @@ pub(super) fn write(
 ) -> io::Result<()> {
     // First: it may refuse, and then nothing is written.
     record::put(folder, motion(finding, read).as_deref())?;
-    write_atomically(&folder.join("gap.json"), |writer| {
-        serde_json::to_writer_pretty(&mut *writer, &json(finding, seconds))?;
-        writeln!(writer)
-    })?;
+    write_json(&folder.join("gap.json"), &json(finding, seconds))?;
     write_atomically(&folder.join("model.toml"), |writer| {
         writer.write_all(finding.model.to_toml().as_bytes())
     })?;

@@ -10,9 +10,9 @@ use std::ops::Range;
 
 use super::line::Line;
 use super::spectrum::{self, Rise, Spectrum, detrended};
-use crate::batch::error::correlation;
 use crate::log::UniformLog;
 use crate::signal;
+use crate::stats::correlation;
 
 /// Shortest rest that counts (samples), and the longest window of its spectrum.
 const SHORTEST: usize = 128;

@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostic;
 use crate::inspect::{exchanged, suspicions, suspicions_without_contact};
 use crate::log::UniformLog;
 use crate::model::{EnvironmentLaw, Model};
-use crate::report::number::quantity;
+use crate::number::quantity;
 use crate::signal;
 
 /// Fewest samples: the twelve windows of which every third is held out, each as wide as half of the

@@ -1,7 +1,7 @@
 //! Motions to record: a kind each, as long and as fast as the rig and its log suggest.
 
 use crate::motion::{Motion, Segment};
-use crate::report::number::quantity;
+use crate::number::quantity;
 
 /// What a rig's motions are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]

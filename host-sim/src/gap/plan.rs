@@ -20,7 +20,6 @@ use crate::log::UniformLog;
 use crate::model::{EnvironmentLaw, Model};
 use crate::motion::Motion;
 use crate::plant::depth_at_m;
-use crate::simulate::simulated;
 
 /// Samples of a motion: enough for 12 Hz in 20 s.
 const SAMPLES: usize = 1_500;
@@ -268,7 +267,7 @@ pub fn plan(
 
 /// Depth and pace: the motion's own, or what the noise suggests.
 fn reach(model: &Model, motion: Option<&Motion>, sensor: Sensor) -> Result<Reach, Diagnostic> {
-    let (contact, effects) = simulated(model)?;
+    let (contact, effects) = model.simulated()?;
     let surface_m = model.environment.surface_m;
     let usual_m = FREE_DEPTHS * model.environment.reference_depth_m;
     let by_force = depth_at_m(&contact, &effects, DEEPEST * sensor.noise_n).unwrap_or(usual_m);

@@ -6,16 +6,16 @@ use serde_json::{Value, json};
 
 use super::plan::{Further, Plan, Planned};
 use super::record::{self, Note};
-use crate::estimate::files::number;
-use crate::report::number::quantity;
+use crate::json::number;
+use crate::number::quantity;
 use crate::wrap::wrapped;
 
 /// The table, the groups, and what to record as well.
 pub(super) fn summary(plan: &Plan) -> String {
     let lead = format!(
         "{} s at {} Hz, noise {}",
-        crate::report::number::setting(plan.duration_s, ""),
-        crate::report::number::setting(plan.rate_hz, ""),
+        crate::number::setting(plan.duration_s, ""),
+        crate::number::setting(plan.rate_hz, ""),
         quantity(plan.noise_n, 2, "N")
     );
     let mut text = wrapped("plan for ", &format!("{} ({lead})", plan.motion));

@@ -6,7 +6,7 @@ use estimator_core::physics::effect::EffectId;
 
 use super::regions::words;
 use super::result::{Finding, Known, Named, Verdict};
-use crate::report::number::{Measured, column, quantity};
+use crate::number::{Measured, column, quantity};
 use crate::wrap::wrapped;
 
 /// Where the text of a line begins.

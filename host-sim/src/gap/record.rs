@@ -6,8 +6,8 @@ use std::io;
 use std::path::Path;
 
 use crate::motion::{Limits, Motion};
+use crate::number::quantity;
 use crate::output::write_atomically;
-use crate::report::number::quantity;
 use crate::wrap::wrapped;
 
 /// Name of the file.

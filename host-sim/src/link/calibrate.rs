@@ -15,8 +15,8 @@ use estimator_core::board::settings::{Key, Settings};
 use super::config::restore;
 use super::{Device, Port};
 use crate::diagnostic::Diagnostic;
+use crate::number::quantity;
 use crate::output::say;
-use crate::report::number::quantity;
 
 /// Arguments of `palpate config calibrate`.
 #[derive(Args, Clone, Debug)]

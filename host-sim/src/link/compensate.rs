@@ -18,7 +18,7 @@ use super::config::restore;
 use super::{Device, Port};
 use crate::diagnostic::{Diagnostic, listed};
 use crate::model::Model;
-use crate::report::number::quantity;
+use crate::number::quantity;
 
 /// Arguments of `palpate config compensate`.
 #[derive(Args, Clone, Debug)]

@@ -15,8 +15,8 @@ use estimator_core::{Estimate, Fault, Faults, Status};
 
 use super::device::Statistics;
 use super::{Device, Port, port};
+use crate::number::{Measured, quantity};
 use crate::output::say;
-use crate::report::number::{Measured, quantity};
 
 /// Arguments of `palpate monitor`.
 #[derive(Args, Clone, Debug)]

@@ -20,8 +20,8 @@ use super::device::Statistics;
 use super::{Device, Port, backup, port};
 use crate::diagnostic::Diagnostic;
 use crate::log::{ExtraColumn, FEWEST_SAMPLES, Log};
+use crate::number::counted;
 use crate::output::say;
-use crate::report::number::counted;
 
 /// Arguments of `palpate record`.
 #[derive(Args, Clone, Debug)]

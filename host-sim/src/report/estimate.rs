@@ -13,10 +13,11 @@ mod parameters;
 mod tables;
 mod window;
 
+use estimator_core::estimate::Estimated;
 use estimator_core::estimate::status::Status;
-use estimator_core::estimate::{Estimated, Event};
 
 use super::{Document, Provenance, Section, Tone};
+use crate::replay::{EventMark, Touch};
 
 /// Everything that the report shows. Slices of a [`Run`] may be empty, and where they should have
 /// the same length the shortest counts: a figure without data says so.
@@ -118,42 +119,6 @@ pub struct Segment<'a> {
     pub parameters: &'a [FinalParameter<'a>],
 }
 
-/// One touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// From (s).
-    pub from_s: f64,
-    /// To (s).
-    pub to_s: f64,
-    /// Largest force (N).
-    pub peak_force_n: f64,
-    /// Largest depth (m).
-    pub peak_depth_m: f64,
-}
-
-/// Something that happened.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EventMark {
-    /// When (s).
-    pub time_s: f64,
-    /// What.
-    pub kind: EventKind,
-}
-
-/// What can happen.
-#[derive(Clone, Debug, PartialEq)]
-pub enum EventKind {
-    /// An event of the estimator.
-    Estimator(Event),
-    /// A fault, by its number and in words.
-    Fault {
-        /// The stable number.
-        code: u8,
-        /// For people.
-        description: String,
-    },
-}
-
 /// The settings of (24).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForgettingLaw {
@@ -236,17 +201,6 @@ fn interleave<T>(runs: Vec<Vec<T>>) -> Vec<T> {
         if out.len() == before {
             return out;
         }
-    }
-}
-
-/// Name of a law for people.
-pub fn law_title(name: &str) -> String {
-    match name {
-        "kelvin_voigt" => "Kelvin–Voigt".into(),
-        "hunt_crossley" => "Hunt–Crossley".into(),
-        "zener" => "Zener".into(),
-        "quasi_linear" => "quasi-linear".into(),
-        other => other.replace('_', " "),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::Run;
 use super::figures::{Layout, annotate};
+use crate::number::setting;
 use crate::report::Figure;
-use crate::report::number::setting;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 
 /// β over |F − F̂| and over time.

@@ -1,4 +1,6 @@
 use super::*;
+use crate::replay::EventKind;
+use estimator_core::estimate::Event;
 
 fn report<'a>(runs: &'a [Run<'a>], notes: &'a [String]) -> EstimateReport<'a> {
     EstimateReport {
