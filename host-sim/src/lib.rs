@@ -1,12 +1,10 @@
 //! Palpate on the host: a simulated rig, replay of logs, reports.
 
 pub mod batch;
-pub mod check;
+pub mod cli;
 pub mod compensate;
-pub mod demo;
 mod dense;
 pub mod diagnostic;
-pub mod effects;
 pub mod estimate;
 pub mod gap;
 pub mod inspect;
@@ -23,7 +21,6 @@ pub mod replay;
 pub mod report;
 pub mod settings;
 pub mod signal;
-pub mod simulate;
 mod stats;
 pub mod toml_reader;
 pub mod wrap;

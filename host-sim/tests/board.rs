@@ -15,8 +15,8 @@ use estimator_core::board::frame::Frame;
 use estimator_core::board::link::{Answer, Command, Refusal};
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::{Fault, State, step};
+use palpate::cli::config::calibrate::{self, CalibrateArgs, Person};
 use palpate::link::board::BYTES_PER_MS;
-use palpate::link::calibrate::{self, CalibrateArgs, Person};
 use palpate::link::port::{Files, Simulated};
 use palpate::link::record;
 use palpate::link::world::{Hand, World};
@@ -537,7 +537,7 @@ fn the_monitor_says_what_is_touched_and_what_is_wrong() {
 #[cfg(unix)]
 mod terminal {
     use super::*;
-    use palpate::link::compensate::{self, CompensateArgs};
+    use palpate::cli::config::compensate::{self, CompensateArgs};
     use palpate::link::port::Serial;
     use serialport::{SerialPort, TTYPort};
     use std::path::Path;

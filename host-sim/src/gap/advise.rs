@@ -12,7 +12,6 @@ use super::decide::{Decision, Evidence};
 use super::fit::{Fit, forces};
 use super::menu::{Dish, Reach, menu};
 use super::plan::{Further, Recorded, Sensor, best};
-use super::record::MOTION;
 use super::regions::words;
 use super::result::{Advised, Finding, Verdict};
 use super::rivals::are_late;
@@ -20,6 +19,9 @@ use super::shape::{Owner, Shape, Term};
 use super::start::repeats;
 use crate::dense;
 use crate::model::EnvironmentLaw;
+
+/// Name of the file that an advised motion is written to.
+pub const MOTION: &str = "motion.toml";
 
 /// Samples of the log on the bench.
 const SAMPLES: usize = 2_000;

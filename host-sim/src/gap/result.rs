@@ -181,3 +181,14 @@ impl Finding {
             .collect()
     }
 }
+
+/// What leaving an effect out multiplies the held-out squared error by, in words.
+pub fn times_larger(gain: f64) -> String {
+    match 1.0 / (1.0 - gain).max(1e-9) {
+        times if times >= 9.95 => format!("{times:.0} times as large"),
+        times if times >= 1.095 => format!("{times:.1} times as large"),
+        times if times >= 1.0 => "hardly larger".into(),
+        // It pays on the whole log, or it would not be named.
+        _ => "no larger: the held-out windows hardly contain where it acts".into(),
+    }
+}

@@ -4,8 +4,7 @@ use std::fmt::Write;
 
 use estimator_core::physics::effect::EffectId;
 
-use super::regions::words;
-use super::result::{Finding, Known, Named, Verdict};
+use crate::gap::{Finding, Known, Named, Verdict, times_larger, words};
 use crate::number::{Measured, column, quantity};
 use crate::wrap::wrapped;
 
@@ -148,17 +147,6 @@ fn effect(text: &mut String, own: &Named) {
             "",
             &format!("could as well be {}", others.join(" or ")),
         );
-    }
-}
-
-/// What leaving an effect out multiplies the held-out squared error by, in words.
-pub fn times_larger(gain: f64) -> String {
-    match 1.0 / (1.0 - gain).max(1e-9) {
-        times if times >= 9.95 => format!("{times:.0} times as large"),
-        times if times >= 1.095 => format!("{times:.1} times as large"),
-        times if times >= 1.0 => "hardly larger".into(),
-        // It pays on the whole log, or it would not be named.
-        _ => "no larger: the held-out windows hardly contain where it acts".into(),
     }
 }
 

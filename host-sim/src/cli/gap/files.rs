@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
-use super::record::{self, MOTION};
-use super::regions::Region;
-use super::result::{Curves, Finding, Known, Named, Tried};
+use super::motion as advised_motion;
+use crate::gap::{Curves, Finding, Known, MOTION, Named, Region, Tried};
 use crate::json::{number, write_json};
 use crate::output::write_atomically;
 use crate::report::gap::GapReport;
@@ -21,7 +20,7 @@ pub(super) fn write(
     seconds: f64,
 ) -> io::Result<()> {
     // First: it may refuse, and then nothing is written.
-    record::put(folder, motion(finding, read).as_deref())?;
+    advised_motion::put(folder, motion(finding, read).as_deref())?;
     write_json(&folder.join("gap.json"), &json(finding, seconds))?;
     write_atomically(&folder.join("model.toml"), |writer| {
         writer.write_all(finding.model.to_toml().as_bytes())
@@ -52,13 +51,13 @@ fn motion(finding: &Finding, read: &Read<'_>) -> Option<String> {
         logs.join(" --log ")
     );
     let limits = Some(finding.limits());
-    let note = record::Note {
+    let note = advised_motion::Note {
         words: &advised.words,
         purpose: &advised.purpose,
         command: &command,
         limits,
     };
-    Some(record::text(&advised.motion, &note))
+    Some(advised_motion::text(&advised.motion, &note))
 }
 
 fn name(path: &Path) -> String {

@@ -5,13 +5,12 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use crate::gap::MOTION;
 use crate::motion::{Limits, Motion};
 use crate::number::quantity;
 use crate::output::write_atomically;
 use crate::wrap::wrapped;
 
-/// Name of the file.
-pub(super) const MOTION: &str = "motion.toml";
 /// Its first line: only a file that begins so is `gap`'s to replace or to remove.
 const OURS: &str = "# A motion to record, advised by palpate gap.";
 

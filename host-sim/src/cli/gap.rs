@@ -1,16 +1,20 @@
 //! `palpate gap` on the command line.
 
+mod files;
+mod motion;
+mod plan;
+pub mod print;
+
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 
-use super::progress::Bar;
-use super::record::{self, MOTION};
-use super::{Options, files, gap_watched, plan, plan_say, print};
+use crate::cli::ReadingArgs;
+use crate::cli::progress::Bar;
 use crate::diagnostic::Diagnostic;
-use crate::estimate::ReadingArgs;
+use crate::gap::{self, MOTION, Options, gap_watched};
 use crate::json::write_json;
 use crate::log::UniformLog;
 use crate::model::Model;
@@ -81,21 +85,21 @@ fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         .as_ref()
         .filter(|path| path.as_os_str() != "palpation");
     let motion = named.map(|path| Motion::read(path)).transpose()?;
-    let plan = plan(
+    let plan = gap::plan(
         &model,
         motion.as_ref(),
         args.noise,
         &Options::default().catalogue,
     )?;
     if let Some(folder) = &args.out {
-        record::put(folder, plan_say::motion(&plan).as_deref())?;
-        write_json(&folder.join("plan.json"), &plan_say::json(&plan))?;
+        motion::put(folder, plan::motion(&plan).as_deref())?;
+        write_json(&folder.join("plan.json"), &plan::json(&plan))?;
     }
-    say(plan_say::summary(&plan))?;
+    say(plan::summary(&plan))?;
     if let Some(folder) = args
         .out
         .as_ref()
-        .filter(|_| !plan_say::advised(&plan).is_empty())
+        .filter(|_| !plan::advised(&plan).is_empty())
     {
         say(format!(
             "  motion          {}\n",

@@ -8,7 +8,8 @@ use clap::Args;
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
 
-use crate::estimate::{Choices, ReadingArgs, estimate};
+use crate::cli::ReadingArgs;
+use crate::estimate::{Choices, estimate};
 use crate::inspect::{Inspection, suspicions};
 use crate::log::{Log, Timing, UniformLog};
 use crate::number::{counted, quantity};

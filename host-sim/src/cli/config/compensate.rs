@@ -14,9 +14,9 @@ use estimator_core::board::settings::{Invalid, Settings};
 use estimator_core::estimate::compensation::compensates;
 use estimator_core::physics::effect::{Effect, EffectId};
 
-use super::config::restore;
-use super::{Device, Port};
 use crate::diagnostic::{Diagnostic, listed};
+use crate::link::backup::restore;
+use crate::link::{Device, Port};
 use crate::model::Model;
 use crate::number::quantity;
 

@@ -5,13 +5,17 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use estimator_core::board::link::Command;
-use estimator_core::board::settings::{Key, Settings};
+use estimator_core::board::settings::Key;
 
-use super::calibrate::{self, CalibrateArgs};
-use super::compensate::{self, CompensateArgs};
-use super::{Device, Port, backup, port};
+pub mod calibrate;
+pub mod compensate;
+
 use crate::diagnostic::{Diagnostic, listed, nearest};
+use crate::link::backup::{self, restore};
+use crate::link::{Device, Port, port};
 use crate::output::say;
+use calibrate::CalibrateArgs;
+use compensate::CompensateArgs;
 
 /// Arguments of `palpate config`.
 #[derive(Args, Clone, Debug)]
@@ -227,25 +231,4 @@ fn key_of(name: &str) -> Result<Key, Diagnostic> {
             None => diagnostic.remedy("`palpate config show` lists them"),
         }
     })
-}
-
-/// Gives every setting its new value, all of them at once, and saves. If one is refused, or the line
-/// breaks on the way, nothing has changed.
-pub(super) fn restore<P: Port>(
-    device: &mut Device<P>,
-    now: &Settings,
-    wanted: &Settings,
-) -> Result<usize, Box<dyn Error>> {
-    let differs = |key: &Key| now.get(*key) != wanted.get(*key);
-    let changed: Vec<Key> = Key::ALL.into_iter().filter(differs).collect();
-    // Whatever an earlier host left half said.
-    device.order(Command::Discard)?;
-    for key in &changed {
-        device.prepare(*key, wanted.get(*key))?;
-    }
-    device.order(Command::Commit)?;
-    device.order(Command::Save).map_err(|error| {
-        format!("{error}\nthe new values are in force, and gone with the power")
-    })?;
-    Ok(changed.len())
 }

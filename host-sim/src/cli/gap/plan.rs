@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::plan::{Further, Plan, Planned};
-use super::record::{self, Note};
+use super::motion::{self as advised_motion, Note};
+use crate::gap::{Further, Plan, Planned};
 use crate::json::number;
 use crate::number::quantity;
 use crate::wrap::wrapped;
@@ -136,7 +136,7 @@ pub(super) fn motion(plan: &Plan) -> Option<String> {
         command: "palpate gap --model MODEL.toml --log PLANNED.csv --log NEW.csv --out DIR",
         limits: None,
     };
-    Some(record::text(&further.motion, &note))
+    Some(advised_motion::text(&further.motion, &note))
 }
 
 /// The content of `plan.json`.

@@ -8,9 +8,10 @@ use clap::Args;
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
 
+use crate::cli::gap::print::summary;
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, Shown, document, estimate};
-use crate::gap::{self, Options, gap};
+use crate::gap::{Options, gap};
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
@@ -150,7 +151,7 @@ fn hidden(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     let model = Model::read(&path)?;
     let finding = gap(&model, &[log], &Options::default())?;
     say("Then the guide rubs, and the model does not know it (gel to a tenth, no friction):\n")?;
-    say(format!("{}\n", gap::summary(&finding)))?;
+    say(format!("{}\n", summary(&finding)))?;
     say(format!(
         "  true        coulomb_friction force {HIDDEN_FRICTION_N} N\n\n"
     ))?;

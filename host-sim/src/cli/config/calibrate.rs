@@ -12,9 +12,9 @@ use estimator_core::board::link::Command;
 use estimator_core::board::sensing::Codes;
 use estimator_core::board::settings::{Key, Settings};
 
-use super::config::restore;
-use super::{Device, Port};
 use crate::diagnostic::Diagnostic;
+use crate::link::backup::restore;
+use crate::link::{Device, Port};
 use crate::number::quantity;
 use crate::output::say;
 
