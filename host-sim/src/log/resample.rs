@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::Log;
+use super::record::Log;
 use super::timing::{GAP_PERIODS, Timing};
 use crate::diagnostic::Diagnostic;
 use crate::number::{counted, quantity};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use estimator_core::estimate::Estimated;
 
-use super::{EstimateReport, FinalParameter, Run, label};
+use super::run::{EstimateReport, FinalParameter, Run, label};
 use crate::model::law_title;
 use crate::number::{column, fixed, setting};
 use crate::replay::{EventKind, Touch};

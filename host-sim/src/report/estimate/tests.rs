@@ -1,6 +1,8 @@
 use super::*;
-use crate::replay::EventKind;
-use estimator_core::estimate::Event;
+use crate::replay::{EventKind, EventMark, Touch};
+use crate::report::{Provenance, Tone};
+use estimator_core::Status;
+use estimator_core::estimate::{Estimated, Event};
 
 fn report<'a>(runs: &'a [Run<'a>], notes: &'a [String]) -> EstimateReport<'a> {
     EstimateReport {

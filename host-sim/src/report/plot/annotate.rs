@@ -4,11 +4,11 @@ use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, TextStyle};
 
+use super::area::{Error, Plot, Root};
 use super::axis::Scale;
 use super::canvas::{PX, Role};
-use super::draw::{Error, Plot, Root};
+use super::chart::{Chart, Marker};
 use super::layout::{Layout, STRIP_HEIGHT};
-use super::{Chart, Marker};
 
 /// More minor markers than this would be a grey wall; the shading tells touches as well.
 const MOST_MINOR: usize = 40;

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
+use super::annotate;
 use super::axis::Scale;
 use super::canvas::{Layers, PX};
+use super::chart::{Chart, Size};
 use super::thin::View;
-use super::{Chart, Size, annotate};
 use crate::report::html::escape;
 
 /// Height of the strip of states, and of a row of labels above the plot [px].
