@@ -21,6 +21,7 @@ mod chart;
 mod draw;
 mod ink;
 mod layout;
+mod marks;
 mod thin;
 
 pub use axis::Axis;
@@ -36,6 +37,7 @@ impl Chart<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::canvas::Role;
     use super::*;
 
     fn chart<'a>(x: &'a [f64], y: &'a [f64]) -> Chart<'a> {
