@@ -5,11 +5,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, TextStyle};
 
 use super::area::{Error, Plot, Root};
-use super::axis::Scale;
 use super::canvas::{PX, Role};
 use super::chart::{Chart, Marker};
 use super::layout::{Layout, STRIP_HEIGHT};
-use super::marks::visible;
+use super::marks::{of_rank, visible};
 
 /// Width of a letter of a label [px].
 const LETTER_PX: f64 = 6.2;

@@ -14,7 +14,11 @@ pub(super) fn visible<'c>(chart: &'c Chart, x: &Scale) -> impl Iterator<Item = &
 }
 
 /// Markers of one rank that are on the axis; none if there are too many to tell apart.
-fn of_rank<'c>(chart: &'c Chart, x: &Scale, major: bool) -> impl Iterator<Item = &'c Marker> {
+pub(super) fn of_rank<'c>(
+    chart: &'c Chart,
+    x: &Scale,
+    major: bool,
+) -> impl Iterator<Item = &'c Marker> {
     let inside = |marker: &&Marker| {
         let at = x.map(marker.at);
         marker.major == major && at >= x.low && at <= x.high
