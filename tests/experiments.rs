@@ -6,7 +6,7 @@ use estimator_core::estimate::config::Filter;
 use estimator_core::estimate::method::Method;
 use estimator_core::physics::law::ContactLaw;
 use estimator_core::{Config, Estimate, Status};
-use palpate::demo::{self, Palpated};
+use palpate::cli::demo::{self, Palpated};
 use palpate::estimate::{Choices, Estimation, estimate};
 use palpate::log::UniformLog;
 use palpate::motion::Motion;

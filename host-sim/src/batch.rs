@@ -11,7 +11,7 @@
 
 mod assemble;
 mod course;
-pub(crate) mod error;
+mod error;
 mod family;
 mod files;
 mod fit;

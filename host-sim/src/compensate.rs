@@ -12,7 +12,7 @@ use estimator_core::{Fault, Faults};
 use crate::diagnostic::{Diagnostic, listed};
 use crate::log::UniformLog;
 use crate::model::Model;
-use crate::report::number::{counted, quantity};
+use crate::number::{counted, quantity};
 
 /// Positions on whole counts within this share of a count come from a counter.
 const ON_COUNT: f64 = 0.02;

@@ -1,7 +1,7 @@
 //! `palpate estimate`: the board's step over a log, and what it comes to.
 
 mod explain;
-pub(crate) mod files;
+mod files;
 mod methods;
 pub mod outcome;
 mod print;
@@ -27,9 +27,10 @@ pub use setup::{Choices, Setup, setup};
 pub use show::{Shown, document};
 pub use whole_log::BatchArgs;
 
+use crate::cli::ReadingArgs;
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
-use crate::log::{ColumnMap, FEWEST_SAMPLES, Log, ReadOptions, UniformLog};
+use crate::log::{FEWEST_SAMPLES, UniformLog};
 use crate::output::say;
 use crate::replay::{Replay, replay};
 
@@ -81,34 +82,6 @@ pub struct EstimateArgs {
     pub reading: ReadingArgs,
 }
 
-/// How logs of other machines are read.
-#[derive(Args, Clone, Debug, Default)]
-pub struct ReadingArgs {
-    /// Other column names, signs and units: `t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz`.
-    #[arg(long, value_name = "MAP", value_parser = column_map)]
-    pub columns: Option<ColumnMap>,
-    /// Leave rows with missing or non-finite values out instead of stopping at the first.
-    #[arg(long)]
-    pub skip_bad_rows: bool,
-}
-
-impl ReadingArgs {
-    pub(crate) fn options(&self) -> ReadOptions {
-        ReadOptions {
-            columns: self.columns.clone().unwrap_or_default(),
-            skip_bad_rows: self.skip_bad_rows,
-        }
-    }
-
-    /// Reads a log onto an even grid.
-    ///
-    /// # Errors
-    /// What is wrong with the file.
-    pub fn read(&self, path: &Path) -> Result<UniformLog, Diagnostic> {
-        Log::read(path, &self.options())?.uniform()
-    }
-}
-
 impl EstimateArgs {
     /// Reads a log and takes off it what the rig adds.
     fn read(&self, path: &Path) -> Result<UniformLog, Diagnostic> {
@@ -133,10 +106,6 @@ fn law_choice() -> impl TypedValueParser<Value = LawChoice> {
         value.aliases(law.info().alias)
     });
     PossibleValuesParser::new(std::iter::once(auto).chain(laws)).map(|name| LawId::from_name(&name))
-}
-
-fn column_map(text: &str) -> Result<ColumnMap, String> {
-    text.parse().map_err(|error: Diagnostic| error.below())
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -314,7 +283,7 @@ fn write(
         compensated: &log.compensated.effects,
         notes: &estimation.notes,
     };
-    files::write_json(
+    crate::json::write_json(
         &folder.join("estimate.json"),
         &files::json(&estimation.outcome, &context),
     )?;

@@ -11,60 +11,36 @@
 //! record next. Before all that
 //! `input` refuses what cannot be fitted.
 
-mod advise;
-mod apart;
-mod attenuation;
-mod basis;
-mod budget;
-mod coloured;
-mod command;
-mod course;
+mod data;
 mod decide;
-mod error;
-mod files;
-mod fit;
-mod floor;
-mod form;
-mod input;
-mod line;
-mod low_pass;
-mod menu;
-mod names;
-mod plan;
-mod plan_say;
-mod price;
-mod print;
+mod experiment;
+mod finding;
+mod model;
+mod noise;
+mod options;
 mod progress;
-mod propose;
-mod record;
-mod regions;
-mod result;
-mod rivals;
+mod say;
 mod search;
-mod shape;
-mod spectrum;
-mod standstill;
-mod start;
-mod tell;
-mod weights;
 
-pub use command::{GapArgs, run};
-pub use floor::Floor;
-pub use plan::{Further, Plan, Planned, plan};
-pub use print::{summary, times_larger};
+pub use experiment::plan::{Further, Plan, Planned, plan};
+pub use finding::{
+    Advised, Curves, Finding, Known, MOTION, Named, Region, Tried, Verdict, times_larger, words,
+};
+pub use noise::floor::Floor;
+pub use options::Options;
 pub use progress::{Progress, Silent};
-pub(crate) use regions::phase;
-pub use regions::{Region, words};
-pub use result::{Advised, Curves, Finding, Known, Named, Tried, Verdict};
+pub(crate) use say::regions::phase;
 
-use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use course::{Course, Scales};
-use decide::Evidence;
-use low_pass::LowPass;
-use search::Search;
-use shape::Term;
+use data::fit_data::Course;
+use data::low_pass::LowPass;
+use data::scales::Scales;
+use data::{budget, input};
+use decide::evidence::Evidence;
+use model::given::given;
+use say::{builder, plausibility};
+use search::search::Search;
 
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
@@ -73,24 +49,6 @@ use crate::model::Model;
 /// Samples of a search, and of the last fits.
 const SEARCHED: usize = 5_000;
 const FITTED: usize = 30_000;
-
-/// What to look for, and how.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// Corner of the zero-phase low-pass that measured and predicted force go through (Hz).
-    pub bandwidth_hz: Option<f64>,
-    /// The effects that may be named.
-    pub catalogue: Vec<EffectId>,
-}
-
-impl Default for Options {
-    fn default() -> Options {
-        Options {
-            bandwidth_hz: None,
-            catalogue: EffectId::ALL.to_vec(),
-        }
-    }
-}
 
 /// Finds what a base model lacks to explain logs of one rig.
 ///
@@ -165,33 +123,9 @@ pub fn gap_watched(
     progress.at(0.8, "held-out part and rivals");
     let decision = evidence.decide(&base, found, &ladder);
     progress.at(0.95, "regions and errors");
-    let mut finding = tell::finding(model, &evidence, decision, ladder, options);
+    let mut finding = builder::finding(model, &evidence, decision, ladder, options);
     said.extend(notes);
-    said.extend(input::implausible(model, &finding));
+    said.extend(plausibility::implausible(model, &finding));
     finding.notes.splice(0..0, said);
     Ok(finding)
-}
-
-/// The effects that the base model has already: in the fit from the start, and to stay.
-fn given(model: &Model) -> Result<Vec<Term>, Diagnostic> {
-    let term = |own: &crate::model::Effect| -> Result<Term, Diagnostic> {
-        let effect = own.core()?;
-        let id = effect.id();
-        let (row, infos) = (effect.row(), id.info().parameters);
-        let free = |at: usize| {
-            // A number that is 0 because the model does not give it is a form, not a start.
-            infos.get(at).is_some_and(|info| {
-                let form = info.default.is_some() && row[at] == 0.0;
-                let fixed = own.fit.fixed.iter().any(|name| name == info.name);
-                !(form || fixed)
-            })
-        };
-        Ok(Term {
-            id,
-            row,
-            free: std::array::from_fn(free),
-            given: true,
-        })
-    };
-    model.effects.iter().map(term).collect()
 }

@@ -8,9 +8,9 @@ pub use holds::{Hold, holds};
 pub(crate) use suspicion::exchanged;
 pub use suspicion::{suspicions, suspicions_without_contact};
 
-use crate::estimate::outcome::Touch;
 use crate::log::UniformLog;
 use crate::replay::Replay;
+use crate::replay::Touch;
 use crate::signal;
 
 /// A force below rest by this many standard deviations of what it does in free air pulls.

@@ -6,16 +6,16 @@
 //! window whose cubic still leaves no more than the noise.
 
 mod bend;
+mod misfit;
 
 use crate::log::UniformLog;
 use crate::signal;
 use bend::Quintic;
+use misfit::within;
 
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
 /// 14 µm/s of noise in the speed.
 const HALF_WIDTHS: [usize; 7] = [15, 10, 7, 5, 3, 2, 1];
-/// How often a true polynomial leaves no more than is allowed: all but 3 % of a normal distribution's.
-const PASSES: f64 = 1.86;
 
 /// Position and speed at every sample of a log.
 #[derive(Clone, Debug)]
@@ -34,14 +34,6 @@ pub(crate) struct Kinematics {
     /// Samples around each over which the error of the position stays the same: those that read the
     /// same code of an encoder; 1 if the position has no steps.
     pub(crate) held: Vec<f64>,
-}
-
-/// What a polynomial may leave of the position, in standard deviations of its noise, rms: √(χ²/f) of f degrees
-/// of freedom as Wilson & Hilferty have it. 1.25 of the widest cubic, 2.1 of one degree: a limit for all made
-/// narrow windows fail by chance, one after the other, down to three samples and 0.2 mm/s of noise.
-fn within(freedom: f64) -> f64 {
-    let share = 2.0 / (9.0 * freedom);
-    (1.0 - share + PASSES * share.sqrt()).powf(1.5)
 }
 
 /// Sums of even powers of −m..m.

@@ -1,26 +1,26 @@
 //! Palpate on the host: a simulated rig, replay of logs, reports.
 
 pub mod batch;
-pub mod check;
+pub mod cli;
 pub mod compensate;
-pub mod demo;
 mod dense;
 pub mod diagnostic;
-pub mod effects;
 pub mod estimate;
 pub mod gap;
 pub mod inspect;
+pub mod json;
 mod kinematics;
 pub mod link;
 pub mod log;
 pub mod model;
 pub mod motion;
+pub mod number;
 pub mod output;
 pub mod plant;
 pub mod replay;
 pub mod report;
 pub mod settings;
 pub mod signal;
-pub mod simulate;
+mod stats;
 pub mod toml_reader;
 pub mod wrap;

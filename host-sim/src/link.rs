@@ -6,11 +6,7 @@
 
 pub mod backup;
 pub mod board;
-pub mod calibrate;
-pub mod compensate;
-pub mod config;
 pub mod device;
-pub mod monitor;
 pub mod port;
 pub mod record;
 pub mod world;

@@ -5,10 +5,10 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use palpate::cli::{check, config, demo, effects, gap, monitor, record, simulate};
 use palpate::diagnostic::Diagnostic;
-use palpate::link::{config, monitor, record};
+use palpate::estimate;
 use palpate::wrap::wrapped;
-use palpate::{check, demo, effects, estimate, gap, simulate};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
 ///

@@ -6,10 +6,12 @@
 mod effect;
 mod environment;
 mod rig;
+mod title;
 mod write;
 
 pub use effect::Effect;
 pub use environment::{Environment, Parameter};
+pub use title::law_title;
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,9 @@
 //! The board's step over a log: same code, same single precision, same bits.
 
+mod marks;
+
+pub use marks::{EventKind, EventMark, Touch};
+
 use estimator_core::estimate::Phase;
 use estimator_core::estimate::params::Params;
 use estimator_core::physics::law::LawKind;

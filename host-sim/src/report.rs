@@ -10,7 +10,6 @@ mod figure;
 pub mod gap;
 mod heat_map;
 mod html;
-pub mod number;
 pub mod plot;
 mod provenance;
 mod table;

@@ -14,7 +14,7 @@ use estimator_core::board::sampling::Sampler;
 use estimator_core::board::settings::Key;
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Fault, Status};
-use palpate::link::compensate::{self, CompensateArgs};
+use palpate::cli::config::compensate::{self, CompensateArgs};
 use palpate::link::port::Simulated;
 use palpate::link::record::record;
 use palpate::link::world::{Hand, World};

@@ -16,9 +16,10 @@ use estimator_core::board::sampling::FULL;
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use estimator_core::{Fault, Sample, Status};
+use palpate::cli::config;
 use palpate::link::port::Simulated;
 use palpate::link::world::{Hand, World};
-use palpate::link::{Device, Port, SimulatedBoard, config};
+use palpate::link::{Device, Port, SimulatedBoard};
 
 fn board(hand: Hand) -> SimulatedBoard {
     let mut world = World::default();
@@ -253,14 +254,14 @@ fn the_monitor_shows_both_sides_and_a_recording_has_its_log() {
         said.contains("0 samples missing") && said.contains("0 frames garbled"),
         "{said}"
     );
-    let args = palpate::link::monitor::MonitorArgs {
+    let args = palpate::cli::monitor::MonitorArgs {
         port: String::new(),
         every: 0.5,
         looks: Some(3),
     };
     for in_place in [false, true] {
         let mut text = String::new();
-        palpate::link::monitor::watch(&mut slave, &args, in_place, |shown| {
+        palpate::cli::monitor::watch(&mut slave, &args, in_place, |shown| {
             text.push_str(&shown);
             Ok(())
         })

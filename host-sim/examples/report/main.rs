@@ -11,10 +11,10 @@ use std::error::Error;
 use std::path::Path;
 
 use estimator_core::physics::law::{ContactLaw, HuntCrossley};
+use palpate::number::Measured;
 use palpate::report::estimate::{
     Elastic, EstimateReport, FinalParameter, ForgettingLaw, Run, Segment, Trajectory,
 };
-use palpate::report::number::Measured;
 use palpate::report::{Input, Provenance, Tone};
 
 use palpation::{FORGETTING, Log, Motion, NAMES, RATE_HZ, law};

@@ -3,7 +3,8 @@
 use estimator_core::estimate::status::Status;
 use estimator_core::estimate::{Estimated, Event};
 use estimator_core::physics::law::{ContactLaw, HuntCrossley};
-use palpate::report::estimate::{EventKind, EventMark, FinalParameter, ForgettingLaw, Touch};
+use palpate::replay::{EventKind, EventMark, Touch};
+use palpate::report::estimate::{FinalParameter, ForgettingLaw};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;

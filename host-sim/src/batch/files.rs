@@ -12,10 +12,10 @@ use serde_json::{Map, Value, json};
 
 use super::result::{Batch, Modulus, Parameter};
 use super::show;
-use crate::estimate::files::{number, seconds, write_json};
+use crate::json::{number, seconds, write_json};
 use crate::log::UniformLog;
 use crate::output::write_atomically;
-use crate::report::estimate::EventKind;
+use crate::replay::{EventKind, EventMark};
 
 /// Writes all three into `folder`; every `every`-th sample into the table.
 ///
@@ -127,7 +127,7 @@ pub(super) fn json(batch: &Batch) -> Value {
     })
 }
 
-fn event(event: &crate::report::estimate::EventMark) -> Value {
+fn event(event: &EventMark) -> Value {
     let at = seconds(event.time_s);
     match &event.kind {
         EventKind::Estimator(kind) => json!({ "t_s": at, "kind": kind.name() }),

@@ -7,8 +7,9 @@ use super::result::Batch;
 use super::{EXPLAINED, Options};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
-use crate::report::estimate::{EventKind, EventMark, law_title};
-use crate::report::number::{Measured, quantity};
+use crate::model::law_title;
+use crate::number::{Measured, quantity};
+use crate::replay::{EventKind, EventMark};
 
 /// Fewer measurements than this are no free air.
 const FEWEST_FREE: f64 = 10.0;

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::result::{Batch, Tried};
 use crate::estimate::headline;
 use crate::log::UniformLog;
-use crate::report::number::{Measured, counted, quantity};
+use crate::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;
 
 /// A dozen lines: the log, the parameters, the fit, the laws, the notes.

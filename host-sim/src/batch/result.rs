@@ -6,7 +6,7 @@ use estimator_core::physics::law::ParameterInfo;
 
 use super::family::Family;
 use crate::inspect::Inspection;
-use crate::report::estimate::{EventMark, Touch};
+use crate::replay::{EventMark, Touch};
 
 /// A parameter of the law.
 #[derive(Clone, Debug, PartialEq)]

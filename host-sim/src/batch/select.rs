@@ -17,10 +17,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::course::{Course, Node, Scales, Use};
-use super::error::correlation;
 use super::family::{Family, SURFACE, natural};
 use super::fit::{Fit, Problem};
 use super::start::{Given, Starts, scan};
+use crate::stats::correlation;
 
 /// A block on the surface within so many samples' travel may be on either side of it.
 const STRADDLE: f64 = 1.0;

@@ -8,8 +8,9 @@ use estimator_core::Status;
 use super::print::name;
 use super::result::{Batch, Parameter};
 use crate::log::UniformLog;
+use crate::model::law_title;
+use crate::number::fixed;
 use crate::report::estimate as report;
-use crate::report::number::fixed;
 use crate::report::{Cell, Document, Input, Provenance, Section, Table, Tone};
 
 /// Of touches, so many rows are shown.
@@ -88,7 +89,7 @@ fn verdict(batch: &Batch) -> String {
     let Some(rmse) = batch.force_rmse_n else {
         return "Nothing was touched.".into();
     };
-    let law = report::law_title(batch.family.name());
+    let law = law_title(batch.family.name());
     let trust = match batch.status {
         Status::Converged => "explains the force",
         Status::ModelSuspect => "does not explain the force within its noise",

@@ -9,9 +9,9 @@ use estimator_core::physics::law::LawId;
 use super::outcome::{Outcome, law_with};
 use crate::inspect::{Inspection, suspicions};
 use crate::log::UniformLog;
+use crate::model::law_title;
+use crate::number::quantity;
 use crate::replay::Replay;
-use crate::report::estimate::law_title;
-use crate::report::number::quantity;
 use crate::signal;
 
 /// A force that falls by this share in a hold relaxes.

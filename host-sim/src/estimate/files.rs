@@ -6,8 +6,10 @@ use std::path::Path;
 use estimator_core::estimate::{Parameters, Phase};
 use serde_json::{Map, Value, json};
 
-use super::outcome::{EventKind, Outcome};
+use super::outcome::Outcome;
+use crate::json::{number, seconds};
 use crate::output::write_atomically;
+use crate::replay::EventKind;
 use crate::replay::Replay;
 
 /// What stands in `estimate.json` besides the outcome.
@@ -25,19 +27,6 @@ pub(super) struct Context<'a> {
     pub(super) compensated: &'a [String],
     /// What a reader must know, a sentence each.
     pub(super) notes: &'a [String],
-}
-
-/// Six significant digits, so that a value reads as it was computed: in single precision.
-pub(crate) fn number(value: f64) -> Value {
-    let text = format!("{value:.6e}");
-    text.parse::<f64>()
-        .ok()
-        .filter(|v| v.is_finite())
-        .map_or(Value::Null, |v| json!(v))
-}
-
-pub(crate) fn seconds(value: f64) -> Value {
-    json!((value * 1e6).round() / 1e6)
 }
 
 fn parameters(outcome: &Outcome, parameters: &Parameters<f32>) -> Value {
@@ -97,17 +86,6 @@ pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
         "selection": selection.collect::<Vec<_>>(),
         "compensated": context.compensated,
         "notes": context.notes,
-    })
-}
-
-/// Writes `estimate.json`.
-///
-/// # Errors
-/// What the file system says; nothing is half written.
-pub(crate) fn write_json(path: &Path, value: &Value) -> io::Result<()> {
-    write_atomically(path, |writer| {
-        serde_json::to_writer_pretty(&mut *writer, value)?;
-        writeln!(writer)
     })
 }
 

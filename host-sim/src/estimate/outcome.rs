@@ -7,7 +7,7 @@ use estimator_core::{Faults, LawKind, Status};
 
 use crate::log::UniformLog;
 use crate::replay::Replay;
-pub use crate::report::estimate::{EventKind, EventMark, Touch};
+use crate::replay::{EventKind, EventMark, Touch};
 use crate::signal;
 
 /// Settled: every parameter within this share of its final value from then on.

@@ -8,7 +8,7 @@ use estimator_core::estimate::contact::NOISE_FLOOR;
 use estimator_core::estimate::method::Method;
 
 use crate::log::UniformLog;
-use crate::report::number::quantity;
+use crate::number::quantity;
 use crate::signal;
 
 /// A rise of the force above this share of its peak ends the free air at the start.

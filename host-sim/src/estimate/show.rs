@@ -11,6 +11,8 @@ use super::Estimation;
 use super::explain::times;
 use super::outcome::law_with;
 use crate::log::UniformLog;
+use crate::model::law_title;
+use crate::replay::{EventMark, Touch};
 use crate::report::estimate as report;
 use crate::report::{Document, Input, Provenance, Tone};
 
@@ -34,8 +36,8 @@ pub struct Shown {
     trajectories: Vec<(&'static ParameterInfo, Vec<Option<Estimated<f64>>>)>,
     finals: Vec<report::FinalParameter<'static>>,
     segments: Vec<(f64, f64, Vec<report::FinalParameter<'static>>)>,
-    touches: Vec<report::Touch>,
-    events: Vec<report::EventMark>,
+    touches: Vec<Touch>,
+    events: Vec<EventMark>,
     elastic: (Vec<f64>, Vec<f64>, Vec<f64>),
     forgetting_law: report::ForgettingLaw,
     force_rmse_n: Option<f64>,
@@ -147,7 +149,7 @@ impl Shown {
         } else {
             format!("{}: ", self.name)
         };
-        let law = report::law_title(self.law);
+        let law = law_title(self.law);
         match (self.status, self.force_rmse_n) {
             (Status::NoContact, _) => format!("{name}nothing was touched."),
             (_, None) => format!("{name}the contact does not tell the parameters of {law}."),

@@ -1,7 +1,7 @@
 //! Columns that look exchanged, units that look wrong: what a person should look at first.
 
 use crate::log::UniformLog;
-use crate::report::number::quantity;
+use crate::number::quantity;
 use crate::signal;
 
 /// What looks wrong in the channels of a log, each with its remedy; empty if nothing does.

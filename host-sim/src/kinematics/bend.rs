@@ -4,6 +4,8 @@
 //! milliseconds: on a simulated servo (18–35 Hz, 1 µm, 1 kHz) a cubic as wide as its residuals allow
 //! made a mass 1.6 to 2.8 % too large, the quintic 0.6 %.
 
+use super::misfit::within;
+
 /// Half-widths that are tried, widest first; three is the narrowest that leaves anything.
 const HALF_WIDTHS: [usize; 9] = [15, 12, 10, 8, 7, 6, 5, 4, 3];
 const DEGREE: i32 = 5;
@@ -48,7 +50,7 @@ impl Quintic {
         Quintic {
             half_width,
             noise: product(&bends, &bends).sqrt(),
-            within: super::within((2 * half_width) as f64 - f64::from(DEGREE)),
+            within: within((2 * half_width) as f64 - f64::from(DEGREE)),
             basis,
             bends,
         }

@@ -1,10 +1,13 @@
 //! A board's settings as a file: TOML, a section for each part, every value with its unit.
 
+use std::error::Error;
 use std::io;
 use std::path::Path;
 
+use estimator_core::board::link::Command;
 use estimator_core::board::settings::{Invalid, Key, Settings};
 
+use super::{Device, Port};
 use crate::diagnostic::Diagnostic;
 use crate::output::write_atomically;
 use crate::toml_reader::{Bounds, Table, TomlFile};
@@ -111,6 +114,27 @@ fn unusable(
 /// Section, whose own parts are sections of it, and name.
 fn split(name: &'static str) -> (&'static str, &'static str) {
     name.rsplit_once('.').unwrap_or(("", name))
+}
+
+/// Gives every setting its new value, all of them at once, and saves. If one is refused, or the line
+/// breaks on the way, nothing has changed.
+pub fn restore<P: Port>(
+    device: &mut Device<P>,
+    now: &Settings,
+    wanted: &Settings,
+) -> Result<usize, Box<dyn Error>> {
+    let differs = |key: &Key| now.get(*key) != wanted.get(*key);
+    let changed: Vec<Key> = Key::ALL.into_iter().filter(differs).collect();
+    // Whatever an earlier host left half said.
+    device.order(Command::Discard)?;
+    for key in &changed {
+        device.prepare(*key, wanted.get(*key))?;
+    }
+    device.order(Command::Commit)?;
+    device.order(Command::Save).map_err(|error| {
+        format!("{error}\nthe new values are in force, and gone with the power")
+    })?;
+    Ok(changed.len())
 }
 
 #[cfg(test)]

@@ -8,15 +8,27 @@ use csv::{ByteRecord, ReaderBuilder};
 use super::cell::{Cell, number};
 use super::columns::{Channel, Placed};
 use super::preamble::{self, Preamble};
+use super::record::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
 use super::source::{Source, line_at, unreadable};
-use super::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
 use crate::diagnostic::Diagnostic;
 
 /// Largest share of rows that may be left out, or of stamps that may repeat: beyond it the rest no
 /// longer stands for the measurement.
 const MOST_LEFT_OUT: f64 = 0.2;
 
-pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Log, Diagnostic> {
+impl Log {
+    /// Reads a CSV file, gzipped or not, whatever its delimiter (comma, semicolon, tab).
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] that names line, column, value and remedy: not a table, empty, a column
+    /// missing, text in a number, a ragged row, NaN, time running backward, fewer than
+    /// [`FEWEST_SAMPLES`] samples.
+    pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, Diagnostic> {
+        read(path, options)
+    }
+}
+
+fn read(path: &Path, options: &ReadOptions) -> Result<Log, Diagnostic> {
     let source = Source::open(path)?;
     let preamble = preamble::parse(&source.head, path)?;
     let placed = options.columns.place(&preamble.names).map_err(|error| {

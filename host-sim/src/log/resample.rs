@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::Log;
+use super::record::Log;
 use super::timing::{GAP_PERIODS, Timing};
 use crate::diagnostic::Diagnostic;
-use crate::report::number::{counted, quantity};
+use crate::number::{counted, quantity};
 use crate::signal;
 
 /// A log whose stamps deviate from an even grid by less than this many periods is even.

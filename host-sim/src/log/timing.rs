@@ -1,6 +1,6 @@
 //! When the samples were taken: period, jitter, gaps.
 
-use super::Log;
+use super::record::Log;
 
 /// An interval longer than this many base periods is a gap: at least one sample is missing.
 pub(super) const GAP_PERIODS: f64 = 1.5;

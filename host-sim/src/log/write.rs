@@ -6,7 +6,7 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use super::Log;
+use super::record::Log;
 use crate::output::write_atomically;
 
 /// Digits of a channel, counted from its largest value: a 1 nm step in 1 m of travel survives.

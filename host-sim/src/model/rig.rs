@@ -5,6 +5,7 @@ use estimator_core::physics::rig::{self, MOST_EFFECTS, MOST_MODES, Rig};
 
 use super::{Environment, Model};
 use crate::diagnostic::Diagnostic;
+use crate::plant::{Contact, Effects};
 
 /// Effects that a rig has once: two power laws are no law, two amplifiers one filter of second
 /// order, two plays one play.
@@ -23,6 +24,17 @@ impl Model {
     /// enter twice, more effects or relaxation modes than a rig has.
     pub fn rig(&self) -> Result<Rig<f64>, Diagnostic> {
         self.rig_at().map_err(|error| error.in_file(&self.path))
+    }
+
+    /// The model as the simulated rig has it: what is touched, and what the rig adds.
+    ///
+    /// # Errors
+    /// As [`Model::rig`].
+    pub fn simulated(&self) -> Result<(Contact, Effects), Diagnostic> {
+        let effects = self.rig()?.effects;
+        // Model::rig has refused what has no contact.
+        let contact = self.environment.contact().unwrap_or(Contact::FREE);
+        Ok((contact, effects))
     }
 
     fn rig_at(&self) -> Result<Rig<f64>, Diagnostic> {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::html::escape;
-use super::number::{Measured, quantity};
+use crate::number::{Measured, quantity};
 
 /// One cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ impl Cell {
 
     /// A count.
     pub fn count(count: usize) -> Cell {
-        Cell::Number(super::number::fixed(count as f64, 0))
+        Cell::Number(crate::number::fixed(count as f64, 0))
     }
 
     fn is_number(&self) -> bool {

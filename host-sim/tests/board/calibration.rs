@@ -5,7 +5,7 @@ use estimator_core::Fault;
 use estimator_core::board::frame::Frame;
 use estimator_core::board::link::BYTES_PER_MS;
 use estimator_core::board::settings::{Key, Settings};
-use palpate::link::calibrate::{self, CalibrateArgs, Person};
+use palpate::cli::config::calibrate::{self, CalibrateArgs, Person};
 use palpate::link::world::Hand;
 use std::io;
 use std::sync::Arc;

@@ -7,7 +7,7 @@ use crate::common::Folder;
 use crate::world;
 use estimator_core::board::link::BYTES_PER_MS;
 use estimator_core::board::settings::{Key, Settings};
-use palpate::link::compensate::{self, CompensateArgs};
+use palpate::cli::config::compensate::{self, CompensateArgs};
 use palpate::link::port::Serial;
 use palpate::link::world::Hand;
 use palpate::link::{Device, SimulatedBoard, record};

@@ -71,6 +71,9 @@ impl File {
                 let mut tree = texts[at + 1..end].iter().copied().peekable();
                 use_tree(&mut tree, &[], public, &mut file.imports);
                 at = end + 1;
+            } else if texts[at] == "in" && at > 0 && texts[at - 1] == "(" {
+                // `pub(in crate::room)` says who may look, and needs nothing.
+                at += path_at(&texts[at + 1..]).len() * 2;
             } else if is_name(texts[at]) {
                 let path = path_at(&texts[at..]);
                 file.names.insert(texts[at].to_string());
@@ -368,6 +371,16 @@ mod tests {
         let needs = |module: &str| graph[module].iter().cloned().collect::<Vec<_>>();
         assert_eq!(needs("a"), ["b", "c"]);
         assert_eq!(needs("c"), ["d"]);
+    }
+
+    #[test]
+    fn a_visibility_needs_nothing() {
+        let graph = graph(&[
+            ("", "mod a;"),
+            ("a", "mod b; use b::c;"),
+            ("a::b", "pub(in crate::a) fn c() {}"),
+        ]);
+        assert!(graph["a::b"].is_empty());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The log from its first to its last sample: force, displacement, residual.
 
-use super::Run;
 use super::figures::{Layout, annotate, compare};
+use super::run::Run;
 use super::window::windows;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Stroke};

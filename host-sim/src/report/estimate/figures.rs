@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use estimator_core::estimate::Event;
 
-use super::{EventKind, EventMark, Run};
+use super::run::Run;
+use crate::replay::{EventKind, EventMark};
 use crate::report::Figure;
 use crate::report::plot::{Chart, Marker, Series, Size};
 

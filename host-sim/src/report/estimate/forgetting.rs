@@ -1,9 +1,9 @@
 //! β of (24): what it does with an error, and when it did.
 
-use super::Run;
 use super::figures::{Layout, annotate};
+use super::run::Run;
+use crate::number::setting;
 use crate::report::Figure;
-use crate::report::number::setting;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 
 /// β over |F − F̂| and over time.

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::Run;
 use super::figures::{Layout, annotate, compare};
+use super::run::Run;
 use super::window::{Window, windows};
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Series, Size};

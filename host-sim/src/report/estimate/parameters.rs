@@ -4,7 +4,7 @@ use estimator_core::estimate::Estimated;
 use estimator_core::estimate::status::Status;
 
 use super::figures::{Layout, annotate};
-use super::{Run, Trajectory, label};
+use super::run::{Run, Trajectory, label};
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Series, Span, StripTone};
 

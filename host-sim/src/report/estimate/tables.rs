@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use estimator_core::estimate::Estimated;
 
-use super::{EstimateReport, EventKind, FinalParameter, Run, Touch, label, law_title};
-use crate::report::number::{column, fixed, setting};
+use super::run::{EstimateReport, FinalParameter, Run, label};
+use crate::model::law_title;
+use crate::number::{column, fixed, setting};
+use crate::replay::{EventKind, Touch};
 use crate::report::{Cell, Section, Table};
 
 /// Of touches and materials, so many rows are shown.

@@ -1,4 +1,8 @@
 use super::*;
+use crate::replay::{EventKind, EventMark, Touch};
+use crate::report::{Provenance, Tone};
+use estimator_core::Status;
+use estimator_core::estimate::{Estimated, Event};
 
 fn report<'a>(runs: &'a [Run<'a>], notes: &'a [String]) -> EstimateReport<'a> {
     EstimateReport {

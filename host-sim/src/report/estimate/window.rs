@@ -1,6 +1,7 @@
 //! Which part of a long log a figure of loops shows.
 
-use super::{Run, Touch};
+use super::run::Run;
+use crate::replay::Touch;
 
 /// With more touches than this, or longer in contact, the loops would cover each other.
 const MOST_TOUCHES: usize = 8;

@@ -1,7 +1,7 @@
 //! Where on the plane of depth and speed the residuals exceed what is allowed.
 
 use super::bins::Course;
-use crate::report::number::quantity;
+use crate::number::quantity;
 use crate::report::{HeatMap, Shaded};
 
 /// Rows of equal depth in contact.

@@ -2,7 +2,7 @@
 
 use super::tables::spaced;
 use crate::gap::{Finding, Region, Verdict, words};
-use crate::report::number::{column, fixed, quantity};
+use crate::number::{column, fixed, quantity};
 use crate::report::{Cell, Section, Table};
 
 /// Where it was, and where it still is.

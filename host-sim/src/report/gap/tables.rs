@@ -3,7 +3,7 @@
 use super::label;
 use super::verdict::{heading, title};
 use crate::gap::{Finding, Known, Named, Tried, times_larger};
-use crate::report::number::Measured;
+use crate::number::Measured;
 use crate::report::{Cell, Section, Table};
 
 /// A parameter has moved when it did so by more than this many of its standard errors.

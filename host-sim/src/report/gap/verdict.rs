@@ -3,8 +3,8 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{Finding, Named, Verdict};
+use crate::number::{Measured, column};
 use crate::report::Tone;
-use crate::report::number::{Measured, column};
 
 /// How good the news is, and the verdict in a word or two.
 pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {

@@ -4,16 +4,12 @@ use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, TextStyle};
 
-use super::axis::Scale;
+use super::area::{Error, Plot, Root};
 use super::canvas::{PX, Role};
-use super::draw::{Error, Plot, Root};
+use super::chart::{Chart, Marker};
 use super::layout::{Layout, STRIP_HEIGHT};
-use super::{Chart, Marker};
+use super::marks::{of_rank, visible};
 
-/// More minor markers than this would be a grey wall; the shading tells touches as well.
-const MOST_MINOR: usize = 40;
-/// And more major ones than this.
-const MOST_MAJOR: usize = 200;
 /// Width of a letter of a label [px].
 const LETTER_PX: f64 = 6.2;
 
@@ -60,27 +56,6 @@ fn merge(touches: &[(f64, f64)], layout: &Layout) -> Vec<(f64, f64)> {
         }
     }
     out
-}
-
-/// Markers that are on the axis, major ones first.
-pub(super) fn visible<'c>(chart: &'c Chart, x: &Scale) -> impl Iterator<Item = &'c Marker> {
-    of_rank(chart, x, true).chain(of_rank(chart, x, false))
-}
-
-/// Markers of one rank that are on the axis; none if there are too many to tell apart.
-fn of_rank<'c>(chart: &'c Chart, x: &Scale, major: bool) -> impl Iterator<Item = &'c Marker> {
-    let inside = |marker: &&Marker| {
-        let at = x.map(marker.at);
-        marker.major == major && at >= x.low && at <= x.high
-    };
-    let markers: Vec<&Marker> = chart.markers.iter().filter(inside).collect();
-    let most = if major { MOST_MAJOR } else { MOST_MINOR };
-    let shown = if markers.len() > most {
-        0
-    } else {
-        markers.len()
-    };
-    markers.into_iter().take(shown)
 }
 
 /// Labels of events, and the strip of states.

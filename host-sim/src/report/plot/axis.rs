@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-use crate::report::number::{fixed, prefix_for, superscript, unit_text};
+use crate::number::{fixed, prefix_for, superscript, unit_text};
 
 /// One axis of a [`Chart`](super::Chart).
 #[derive(Clone, Debug)]

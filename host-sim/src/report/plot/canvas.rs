@@ -14,7 +14,7 @@ use plotters_backend::{
     FontTransform,
 };
 
-use super::{Ink, StripTone, Stroke};
+use super::ink::{Ink, StripTone, Stroke};
 use crate::report::html::escape;
 
 /// Units of the canvas in a pixel.

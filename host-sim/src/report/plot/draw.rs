@@ -1,24 +1,17 @@
 //! From a [`Chart`] to SVG: frame, bands, curves.
 
-use std::convert::Infallible;
-
-use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
-use plotters::coord::Shift;
-use plotters::coord::cartesian::Cartesian2d;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::chart::{ChartBuilder, LabelAreaPosition};
+use plotters::drawing::IntoDrawingArea;
 use plotters::element::{PathElement, Polygon, Rectangle};
 use plotters::style::Color;
 
 use super::annotate::{self, text_style};
-use super::axis::Scale;
+use super::area::{Error, Plot};
 use super::canvas::{Canvas, Layers, PX, Role};
+use super::chart::{Chart, Level, Series};
+use super::ink::{Ink, Stroke};
 use super::layout::Layout;
 use super::thin::{self, View};
-use super::{Chart, Ink, Level, Series, Stroke};
-
-pub(super) type Error = DrawingAreaErrorKind<Infallible>;
-pub(super) type Root<'c> = DrawingArea<Canvas<'c>, Shift>;
-pub(super) type Plot<'a, 'c> = ChartContext<'a, Canvas<'c>, Cartesian2d<Scale, Scale>>;
 
 /// Curves leave the plot by at most this many of its sizes: plotters counts in i32, and the clip
 /// hides the rest.

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use super::axis::Scale;
 use super::canvas::{Layers, PX};
+use super::chart::{Chart, Size};
+use super::marks::visible;
 use super::thin::View;
-use super::{Chart, Size, annotate};
 use crate::report::html::escape;
 
 /// Height of the strip of states, and of a row of labels above the plot [px].
@@ -49,7 +50,7 @@ impl Layout {
         let left = 36 + labels.max(usual);
         let ticks = ((width - left - RIGHT) / TICK_PX.0).min(10);
         let x = chart.x.resolve(extent.x, ticks as usize);
-        let has_markers = annotate::visible(chart, &x).next().is_some();
+        let has_markers = visible(chart, &x).next().is_some();
         let strip_top = 6 + LABEL_HEIGHT * i32::from(has_markers);
         let top = strip_top + (STRIP_HEIGHT + 2) * i32::from(!chart.strip.is_empty());
         Layout {

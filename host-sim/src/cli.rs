@@ -1,0 +1,15 @@
+//! The verbs of the command line, a file each: arguments, what a verb calls, what it writes and prints.
+//! Nothing else knows of clap.
+
+pub mod check;
+pub mod config;
+pub mod demo;
+pub mod effects;
+pub mod gap;
+pub mod monitor;
+mod progress;
+mod reading;
+pub mod record;
+pub mod simulate;
+
+pub use reading::ReadingArgs;

@@ -1,0 +1,273 @@
+//! `palpate check`: what is in a log, before any law.
+
+use std::error::Error;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use estimator_core::Config;
+use estimator_core::estimate::method::Method;
+
+use crate::cli::ReadingArgs;
+use crate::estimate::{Choices, estimate};
+use crate::inspect::{Inspection, suspicions};
+use crate::log::{Log, Timing, UniformLog};
+use crate::number::{counted, quantity};
+use crate::output::say;
+use crate::wrap::wrapped;
+
+/// Arguments of `palpate check`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Example:\n  palpate check log.csv")]
+pub struct CheckArgs {
+    /// The log: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out).
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// How the log is read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A [`crate::diagnostic::Diagnostic`] for a file that cannot be read.
+pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
+    let raw = Log::read(&args.log, &args.reading.options())?;
+    let log = raw.uniform()?;
+    // Kelvin–Voigt: any contact will do to find the touches.
+    let estimation = estimate(
+        &log,
+        Config::default(),
+        &[Method::KELVIN_VOIGT],
+        Choices::default(),
+    )?;
+    let name = args.log.display().to_string();
+    say(describe(&name, &raw, &log, &estimation.inspection))?;
+    Ok(())
+}
+
+/// The text of `check`: a screen at most for an ordinary log.
+pub fn describe(name: &str, raw: &Log, log: &UniformLog, inspection: &Inspection) -> String {
+    let mut text = String::new();
+    // Writing into a String cannot fail.
+    let _ = timing(&mut text, name, raw, &raw.timing())
+        .and_then(|()| channels(&mut text, raw, inspection))
+        .and_then(|()| contacts(&mut text, inspection))
+        .and_then(|()| verdict(&mut text, log, inspection));
+    text
+}
+
+fn timing(text: &mut String, name: &str, raw: &Log, timing: &Timing) -> std::fmt::Result {
+    writeln!(text, "{name}")?;
+    writeln!(
+        text,
+        "  time      {} samples, {}, {} Hz, {}",
+        raw.len(),
+        quantity(raw.duration_s(), 4, "s"),
+        (timing.rate_hz() * 1e3).round() / 1e3,
+        jitter(timing),
+    )?;
+    if let Some(longest) = timing
+        .gaps
+        .iter()
+        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))
+    {
+        writeln!(
+            text,
+            "            {}, the longest from {} to {} s",
+            counted(timing.gaps.len(), "gap"),
+            longest.from_s,
+            longest.to_s
+        )?;
+    }
+    for note in &raw.notes {
+        writeln!(text, "            {note}")?;
+    }
+    Ok(())
+}
+
+/// Below a millionth of a period it is the rounding of the stamps.
+fn jitter(timing: &Timing) -> String {
+    match timing.jitter_s > 1e-6 * timing.base_period_s {
+        true => format!("jitter {}", quantity(timing.jitter_s, 2, "s")),
+        false => "no jitter".into(),
+    }
+}
+
+fn extent(channel: &[f64]) -> (f64, f64) {
+    let low = channel.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = channel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (low, high)
+}
+
+fn channels(text: &mut String, raw: &Log, inspection: &Inspection) -> std::fmt::Result {
+    let line = |name: &str, channel: &[f64], unit: &str, step: Option<f64>| {
+        let (low, high) = extent(channel);
+        let step = step.map_or("no steps".into(), |s| {
+            format!("steps of {}", quantity(s, 2, unit))
+        });
+        let (low, high) = (quantity(low, 4, unit), quantity(high, 4, unit));
+        format!("  {name:<9} {low} … {high}, {step}")
+    };
+    writeln!(
+        text,
+        "{}",
+        line("position", &raw.position_m, "m", inspection.position_step_m)
+    )?;
+    let force = line("force", &raw.force_n, "N", inspection.force_step_n);
+    writeln!(
+        text,
+        "{force}, noise {} rms",
+        quantity(inspection.noise_n, 2, "N")
+    )?;
+    if let Some(limit) = inspection.saturated_n {
+        writeln!(
+            text,
+            "            flat tops at {}: saturated",
+            quantity(limit, 4, "N")
+        )?;
+    }
+    for extra in &raw.extra {
+        let (low, high) = extent(&extra.values);
+        writeln!(text, "  further   {}: {low} … {high}", extra.name)?;
+    }
+    Ok(())
+}
+
+fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
+    let rest = quantity(inspection.rest_n, 2, "N");
+    write!(
+        text,
+        "  free air  {}, force {rest}",
+        quantity(inspection.free_s, 3, "s")
+    )?;
+    match inspection.disturbance {
+        Some(times) if times > 2.0 => writeln!(
+            text,
+            ", wandering {times:.1} × more than its noise: drag, drift or hum"
+        )?,
+        _ => writeln!(text)?,
+    }
+    writeln!(text, "  touches   {}", inspection.touches.len())?;
+    for touch in inspection.touches.iter().take(8) {
+        writeln!(
+            text,
+            "            {:9.3} … {:9.3} s, up to {} and {} deep",
+            touch.from_s,
+            touch.to_s,
+            quantity(touch.peak_force_n, 3, "N"),
+            quantity(touch.peak_depth_m, 3, "m"),
+        )?;
+    }
+    if inspection.touches.len() > 8 {
+        writeln!(
+            text,
+            "            … and {} more",
+            inspection.touches.len() - 8
+        )?;
+    }
+    for hold in inspection.holds.iter().take(8) {
+        writeln!(
+            text,
+            "  hold      {:9.3} … {:9.3} s at {}: {} → {}{}",
+            hold.from_s,
+            hold.to_s,
+            quantity(hold.depth_m, 3, "m"),
+            quantity(hold.from_n, 3, "N"),
+            quantity(hold.to_n, 3, "N"),
+            if hold.relaxed > 0.0 {
+                format!(", relaxes by {:.1} %", 100.0 * hold.relaxed)
+            } else {
+                String::new()
+            }
+        )?;
+    }
+    if inspection.pull_n > 0.0 {
+        let pull = quantity(inspection.pull_n, 3, "N");
+        writeln!(
+            text,
+            "  pulls     {pull} below rest: adhesion, friction or a moving resting force"
+        )?;
+    }
+    Ok(())
+}
+
+fn verdict(text: &mut String, log: &UniformLog, inspection: &Inspection) -> std::fmt::Result {
+    for suspicion in suspicions(log) {
+        writeln!(text, "{}", wrapped("  ! ", &suspicion))?;
+    }
+    let (good, bad) = uses(inspection);
+    for (label, uses) in [("good for", good), ("not for", bad)] {
+        if !uses.is_empty() {
+            let lead = format!("  {label:<9} ");
+            writeln!(text, "{}", wrapped(&lead, &uses.join("; ")))?;
+        }
+    }
+    Ok(())
+}
+
+/// What the log is good for, and what not.
+fn uses(inspection: &Inspection) -> (Vec<String>, Vec<String>) {
+    let (mut good, mut bad) = (Vec::new(), Vec::new());
+    for judge in [elastic, damping, relaxation, free_air] {
+        match judge(inspection) {
+            Ok(use_) => good.push(use_),
+            Err(use_) => bad.push(use_),
+        }
+    }
+    (good, bad)
+}
+
+/// A force that stands out, and a depth that changes.
+fn pressed(inspection: &Inspection) -> Result<(), &'static str> {
+    let touches = inspection.touches.iter();
+    let peak_n = touches.clone().map(|t| t.peak_force_n).fold(0.0, f64::max);
+    let peak_m = touches.map(|t| t.peak_depth_m).fold(0.0, f64::max);
+    if inspection.touches.is_empty() {
+        return Err("no contact");
+    }
+    if peak_n <= 50.0 * inspection.noise_n {
+        return Err("no contact of 50 times the noise");
+    }
+    match peak_m > 0.0 {
+        true => Ok(()),
+        false => Err("the depth never changes"),
+    }
+}
+
+fn elastic(inspection: &Inspection) -> Result<String, String> {
+    match pressed(inspection) {
+        Ok(()) => Ok("stiffness and exponent".into()),
+        Err(why) => Err(format!("stiffness and exponent ({why})")),
+    }
+}
+
+fn damping(inspection: &Inspection) -> Result<String, String> {
+    pressed(inspection).map_err(|why| format!("damping ({why})"))?;
+    let (slow, fast) = inspection.speeds_mps.unwrap_or((1.0, 1.0));
+    if fast <= 3.0 * slow {
+        return Err("damping (one speed only)".into());
+    }
+    let (slow, fast) = (quantity(slow, 2, "m/s"), quantity(fast, 2, "m/s"));
+    Ok(format!("damping (speeds from {slow} to {fast})"))
+}
+
+fn relaxation(inspection: &Inspection) -> Result<String, String> {
+    pressed(inspection).map_err(|why| format!("relaxation ({why})"))?;
+    let lengths = inspection.holds.iter().map(|h| h.to_s - h.from_s);
+    match lengths.fold(0.0, f64::max) {
+        longest if longest > 0.0 => Ok(format!(
+            "relaxation (a hold of {})",
+            quantity(longest, 3, "s")
+        )),
+        _ => Err("relaxation (no hold)".into()),
+    }
+}
+
+fn free_air(inspection: &Inspection) -> Result<String, String> {
+    match inspection.free_s > 0.2 {
+        true => Ok("noise, resting force and friction in free air".into()),
+        false => Err("noise and resting force (hardly any free air)".into()),
+    }
+}

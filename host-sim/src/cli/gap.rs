@@ -1,0 +1,158 @@
+//! `palpate gap` on the command line.
+
+mod files;
+mod motion;
+mod plan;
+pub mod print;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::cli::ReadingArgs;
+use crate::cli::progress::Bar;
+use crate::diagnostic::Diagnostic;
+use crate::gap::{self, MOTION, Options, gap_watched};
+use crate::json::write_json;
+use crate::log::UniformLog;
+use crate::model::Model;
+use crate::motion::Motion;
+use crate::output::say;
+
+/// Arguments of `palpate gap`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "Example:\n  palpate gap --model base.toml --log measured.csv --out result\n  \
+    palpate gap --model drive.toml --log run1.csv --log run2.csv --bandwidth 20 --out result\n  \
+    palpate gap --plan --model base.toml --motion motion.toml --noise 0.02\n\n\
+    The verdict is one of no_missing_effect, missing_effects, ambiguous, unexplained; \
+    exit status 0 whichever it is."
+)]
+pub struct GapArgs {
+    /// The base model (TOML): what the simulation knows. Values are starting points unless fixed.
+    #[arg(long, value_name = "FILE")]
+    pub model: PathBuf,
+    /// A log of the rig; several logs of one rig are fitted together.
+    #[arg(
+        long = "log",
+        value_name = "LOG",
+        required_unless_present = "plan",
+        conflicts_with = "plan"
+    )]
+    pub logs: Vec<PathBuf>,
+    /// Before any log: which effects a motion will show and tell apart, and what to record as well.
+    #[arg(long)]
+    pub plan: bool,
+    /// With --plan: the motion file (TOML), as simulate takes it; a palpation by default.
+    #[arg(long, value_name = "FILE", requires = "plan")]
+    pub motion: Option<PathBuf>,
+    /// With --plan: standard deviation of the force noise (N); the model's sensor by default.
+    #[arg(long, value_name = "N", requires = "plan", value_parser = positive_n)]
+    pub noise: Option<f64>,
+    /// Compare both forces below this frequency (Hz) only: a zero-phase low-pass on both.
+    #[arg(long, value_name = "HZ", value_parser = positive_hz)]
+    pub bandwidth: Option<f64>,
+    /// Where report.html, gap.json, model.toml and gap.csv go, or plan.json; and motion.toml, where a
+    /// motion is advised.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// How the logs are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+fn positive_hz(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a positive frequency in Hz, such as 20".into()),
+    }
+}
+
+fn positive_n(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a positive standard deviation in N, such as 0.02".into()),
+    }
+}
+
+/// What a motion will show, before any log.
+fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
+    let model = Model::read(&args.model)?;
+    let named = args
+        .motion
+        .as_ref()
+        .filter(|path| path.as_os_str() != "palpation");
+    let motion = named.map(|path| Motion::read(path)).transpose()?;
+    let plan = gap::plan(
+        &model,
+        motion.as_ref(),
+        args.noise,
+        &Options::default().catalogue,
+    )?;
+    if let Some(folder) = &args.out {
+        motion::put(folder, plan::motion(&plan).as_deref())?;
+        write_json(&folder.join("plan.json"), &plan::json(&plan))?;
+    }
+    say(plan::summary(&plan))?;
+    if let Some(folder) = args
+        .out
+        .as_ref()
+        .filter(|_| !plan::advised(&plan).is_empty())
+    {
+        say(format!(
+            "  motion          {}\n",
+            folder.join(MOTION).display()
+        ))?;
+    }
+    Ok(())
+}
+
+/// Reads, finds, writes, says.
+///
+/// # Errors
+/// A [`Diagnostic`] for a model or a log that cannot be used; an I/O error if a file cannot be
+/// written.
+pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
+    if args.plan {
+        return planned(args);
+    }
+    let clock = Instant::now();
+    let model = Model::read(&args.model)?;
+    let logs: Vec<UniformLog> = args
+        .logs
+        .iter()
+        .map(|path| args.reading.read(path))
+        .collect::<Result<_, Diagnostic>>()?;
+    let options = Options {
+        bandwidth_hz: args.bandwidth,
+        ..Options::default()
+    };
+    let bar = Bar::new();
+    let finding = gap_watched(&model, &logs, &options, &bar)?;
+    drop(bar);
+    let seconds = clock.elapsed().as_secs_f64();
+    if let Some(folder) = &args.out {
+        let read = files::Read {
+            model: &args.model,
+            logs: &args.logs,
+        };
+        files::write(folder, &finding, &read, seconds)?;
+    }
+    say(print::summary(&finding))?;
+    say(format!("  time        {seconds:.1} s\n"))?;
+    if finding.advised.is_some() {
+        say(match &args.out {
+            Some(folder) => format!("  motion      {}\n", folder.join(MOTION).display()),
+            None => format!("  motion      --out DIR writes it to DIR/{MOTION}\n"),
+        })?;
+    }
+    if let Some(folder) = &args.out {
+        say(format!(
+            "  report      {}\n",
+            folder.join("report.html").display()
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! `gap.json`, `model.toml`, `gap.csv`, `report.html`, and `motion.toml` where a motion is advised.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+
+use super::motion as advised_motion;
+use crate::gap::{Curves, Finding, Known, MOTION, Named, Region, Tried};
+use crate::json::{number, write_json};
+use crate::output::write_atomically;
+use crate::report::gap::GapReport;
+use crate::report::{Document, Input, Provenance};
+
+/// Writes all of them into a folder.
+pub(super) fn write(
+    folder: &Path,
+    finding: &Finding,
+    read: &Read<'_>,
+    seconds: f64,
+) -> io::Result<()> {
+    // First: it may refuse, and then nothing is written.
+    advised_motion::put(folder, motion(finding, read).as_deref())?;
+    write_json(&folder.join("gap.json"), &json(finding, seconds))?;
+    write_atomically(&folder.join("model.toml"), |writer| {
+        writer.write_all(finding.model.to_toml().as_bytes())
+    })?;
+    for (at, curves) in finding.curves.iter().enumerate() {
+        let name = match at {
+            0 => "gap.csv".to_string(),
+            _ => format!("gap_{}.csv", at + 1),
+        };
+        write_atomically(&folder.join(name), |writer| csv(writer, curves))?;
+    }
+    report(finding, read)?.write(&folder.join("report.html"))
+}
+
+/// The files that a finding comes from.
+pub(super) struct Read<'a> {
+    pub(super) model: &'a Path,
+    pub(super) logs: &'a [PathBuf],
+}
+
+/// The motion file, where a motion is advised.
+fn motion(finding: &Finding, read: &Read<'_>) -> Option<String> {
+    let advised = finding.advised.as_ref()?;
+    let logs: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
+    let command = format!(
+        "palpate gap --model {} --log {} --log NEW.csv --out DIR",
+        name(read.model),
+        logs.join(" --log ")
+    );
+    let limits = Some(finding.limits());
+    let note = advised_motion::Note {
+        words: &advised.words,
+        purpose: &advised.purpose,
+        command: &command,
+        limits,
+    };
+    Some(advised_motion::text(&advised.motion, &note))
+}
+
+fn name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+fn report(finding: &Finding, read: &Read<'_>) -> io::Result<Document> {
+    let names: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
+    let command: Vec<String> = std::env::args().skip(1).collect();
+    let mut provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
+    for path in std::iter::once(read.model).chain(read.logs.iter().map(PathBuf::as_path)) {
+        provenance = provenance.input(Input::of_file(path)?);
+    }
+    if let Some(hz) = finding.bandwidth_hz {
+        provenance = provenance.setting("Bandwidth", format!("{hz} Hz"));
+    }
+    let title = format!("Gap between {} and {}", name(read.model), names.join(", "));
+    let report = GapReport {
+        title: &title,
+        finding,
+        names: &names,
+        provenance,
+    };
+    Ok(report.document())
+}
+
+/// The forces sample by sample, for pictures of one's own.
+fn csv(writer: &mut dyn Write, curves: &Curves) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(writer);
+    table.write_record([
+        "t_s",
+        "x_m",
+        "depth_m",
+        "speed_mps",
+        "force_n",
+        "before_n",
+        "after_n",
+        "allowed_n",
+        "held_out",
+    ])?;
+    for at in 0..curves.time_s.len() {
+        table.write_record([
+            format!("{:.6}", curves.time_s[at]),
+            format!("{:.6e}", curves.position_m[at]),
+            format!("{:.6e}", curves.depth_m[at]),
+            format!("{:.5e}", curves.speed_mps[at]),
+            format!("{:.6e}", curves.measured_n[at]),
+            format!("{:.6e}", curves.before_n[at]),
+            format!("{:.6e}", curves.after_n[at]),
+            format!("{:.3e}", curves.allowed_n[at]),
+            u8::from(curves.held_out[at]).to_string(),
+        ])?;
+    }
+    table.flush()
+}
+
+/// The content of `gap.json`.
+pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
+    json!({
+        "verdict": finding.verdict.name(),
+        "effects": finding.effects.iter().map(effect).collect::<Vec<_>>(),
+        "rmse_n": {
+            "before": number(finding.rmse_before_n),
+            "after": number(finding.rmse_after_n),
+        },
+        "noise_floor_n": number(finding.noise_floor_n),
+        "bandwidth_hz": finding.bandwidth_hz,
+        "floor_ratio": {
+            "before": number(finding.ratio_before),
+            "after": number(finding.ratio_after),
+        },
+        "base": {
+            "before": parameters(&finding.base_before),
+            "after": parameters(&finding.base_after),
+        },
+        "disagreement": finding.disagreement.iter().map(region).collect::<Vec<_>>(),
+        "remaining": finding.remaining.iter().map(region).collect::<Vec<_>>(),
+        "candidates": finding.ladder.iter().map(tried).collect::<Vec<_>>(),
+        "advice": finding.advice,
+        "motion": finding.advised.as_ref().map(|_| MOTION),
+        "notes": finding.notes,
+        "seconds": number(seconds),
+    })
+}
+
+fn effect(own: &Named) -> Value {
+    json!({
+        "id": own.id.name(),
+        "params": parameters(&own.parameters),
+        "alternatives": own.alternatives.iter().map(|id| id.name()).collect::<Vec<_>>(),
+        "where": own.place,
+        "held_out_gain": number(own.held_out_gain),
+    })
+}
+
+fn parameters(known: &[Known]) -> Value {
+    let each = known.iter().map(|own| {
+        let mut value = json!({
+            "value": number(own.value),
+            "std_error": own.std_error.map(number),
+            "unit": own.unit,
+        });
+        if own.at_bound {
+            value["at_bound"] = true.into();
+        }
+        (own.name.clone(), value)
+    });
+    Value::Object(each.collect::<Map<_, _>>())
+}
+
+fn region(own: &Region) -> Value {
+    let mut value = json!({
+        "region": own.id,
+        "share": number(own.share),
+        "rms_n": number(own.rms_n),
+    });
+    if let Some(hz) = own.hz {
+        value["hz"] = number(hz);
+    }
+    if let Some(pitch) = own.pitch_m {
+        value["m"] = number(pitch);
+    }
+    value
+}
+
+fn tried(own: &Tried) -> Value {
+    json!({
+        "effects": own.ids.iter().map(|id| id.name()).collect::<Vec<_>>(),
+        "floor_ratio": number(own.ratio),
+    })
+}

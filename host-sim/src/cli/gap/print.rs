@@ -1,0 +1,211 @@
+//! What `palpate gap` says in the terminal.
+
+use std::fmt::Write;
+
+use estimator_core::physics::effect::EffectId;
+
+use crate::gap::{Finding, Known, Named, Verdict, times_larger, words};
+use crate::number::{Measured, column, quantity};
+use crate::wrap::wrapped;
+
+/// Where the text of a line begins.
+const INDENT: &str = "              ";
+
+/// The verdict first, then what stands behind it.
+pub fn summary(finding: &Finding) -> String {
+    let mut text = format!("{}\n", verdict(finding));
+    for note in &finding.notes {
+        line(&mut text, "note", note);
+    }
+    line(&mut text, "error", &error(finding));
+    line(&mut text, "floor", &floor(finding));
+    if !finding.disagreement.is_empty() {
+        line(&mut text, "where", &words(&finding.disagreement));
+    }
+    for own in &finding.effects {
+        effect(&mut text, own);
+    }
+    base(&mut text, finding);
+    for (id, parameters) in finding.given() {
+        let numbers = parameters
+            .iter()
+            .map(|own| format!("{} {}", own.name, measured(own)));
+        let numbers: Vec<String> = numbers.collect();
+        line(
+            &mut text,
+            "refitted",
+            &format!("{}: {}", id.name(), numbers.join(", ")),
+        );
+    }
+    // Without effects what remains is what was there.
+    if !finding.remaining.is_empty() && !finding.effects.is_empty() {
+        line(&mut text, "remains", &words(&finding.remaining));
+    }
+    line(&mut text, "advice", &finding.advice);
+    text
+}
+
+fn line(text: &mut String, label: &str, value: &str) {
+    // Writing into a String cannot fail.
+    // A number stays with its percent sign.
+    let value = value.replace(" %", "\u{a0}%");
+    let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), &value));
+}
+
+/// The verdict in a sentence.
+pub(super) fn verdict(finding: &Finding) -> String {
+    let ids: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+    let names = names(&ids);
+    match finding.verdict {
+        Verdict::NoMissingEffect => "nothing is missing: the base model explains the log".into(),
+        Verdict::MissingEffects => format!("missing: {names}"),
+        Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
+        Verdict::Unexplained if names.is_empty() => {
+            "unexplained: something is missing that the catalogue does not hold".into()
+        }
+        Verdict::Unexplained => format!("missing: {names}; and something unexplained"),
+    }
+}
+
+/// Each name once: a spectrum has its effect several times.
+fn names(ids: &[EffectId]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for (at, id) in ids.iter().enumerate() {
+        let times = ids.iter().filter(|own| *own == id).count();
+        match times {
+            _ if ids[..at].contains(id) => {}
+            1 => names.push(id.name().into()),
+            _ => names.push(format!("{times} × {}", id.name())),
+        }
+    }
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+fn error(finding: &Finding) -> String {
+    let (unit, values) = column(&[finding.rmse_before_n, finding.rmse_after_n], 4, "N");
+    let value = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
+    let allowed = "times what noise and the motion's errors allow";
+    match finding.effects.is_empty() {
+        true => format!(
+            "{} rms on held-out parts: {:.2} {allowed}",
+            value(0),
+            finding.ratio_before
+        ),
+        false => format!(
+            "{} before, {} after, rms on held-out parts: {:.2} and {:.2} {allowed}",
+            value(0),
+            value(1),
+            finding.ratio_before,
+            finding.ratio_after
+        ),
+    }
+}
+
+fn floor(finding: &Finding) -> String {
+    let each = finding.floors.iter().map(|own| own.why.clone());
+    let noise = quantity(finding.noise_floor_n, 3, "N");
+    format!("{noise} {}", each.collect::<Vec<_>>().join("; "))
+}
+
+/// An effect: its parameters below each other, then what it is good for.
+fn effect(text: &mut String, own: &Named) {
+    line(text, "effect", own.id.name());
+    let widest = own
+        .parameters
+        .iter()
+        .map(|known| known.name.chars().count())
+        .max()
+        .unwrap_or(0);
+    for known in &own.parameters {
+        let _ = writeln!(
+            text,
+            "{INDENT}  {:<widest$}  {}",
+            known.name,
+            measured(known)
+        );
+    }
+    let mut said = format!(
+        "without it the squared error is {} (held-out gain {:.1} %)",
+        times_larger(own.held_out_gain),
+        100.0 * own.held_out_gain
+    );
+    if !own.place.is_empty() {
+        let _ = write!(
+            said,
+            "; of that, {}",
+            own.place.replace("of the excess ", "")
+        );
+    }
+    line(text, "", &said);
+    if !own.alternatives.is_empty() {
+        let others: Vec<&str> = own.alternatives.iter().map(|id| id.name()).collect();
+        line(
+            text,
+            "",
+            &format!("could as well be {}", others.join(" or ")),
+        );
+    }
+}
+
+/// The base's parameters in a table, before and after where effects moved them.
+fn base(text: &mut String, finding: &Finding) {
+    if finding.base_after.is_empty() {
+        return;
+    }
+    let changed = !finding.effects.is_empty();
+    let mut rows = vec![["".into(), "before".to_string(), "after".to_string()]];
+    for (before, after) in finding.base_before.iter().zip(&finding.base_after) {
+        rows.push([after.name.clone(), measured(before), measured(after)]);
+    }
+    let width = |at: usize| {
+        rows.iter()
+            .map(|row: &[String; 3]| row[at].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let (name, value) = (width(0), width(1));
+    for (at, [parameter, before, after]) in rows.iter().enumerate() {
+        let label = if at == 0 { "base" } else { "" };
+        let row = match changed {
+            true => format!("  {label:<12}{parameter:<name$}  {before:<value$}  {after}"),
+            false if at == 0 => continue,
+            false => {
+                let label = if at == 1 { "base" } else { "" };
+                format!("  {label:<12}{parameter:<name$}  {after}")
+            }
+        };
+        let _ = writeln!(text, "{}", row.trim_end());
+    }
+}
+
+fn measured(known: &Known) -> String {
+    let value = Measured::new(known.value, known.std_error, known.unit);
+    match known.at_bound {
+        true => format!("{value} (at its bound)"),
+        false => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_once_and_in_a_row() {
+        use EffectId as E;
+        assert_eq!(names(&[]), "");
+        assert_eq!(names(&[E::Adhesion]), "adhesion");
+        assert_eq!(
+            names(&[
+                E::Adhesion,
+                E::StressRelaxation,
+                E::ForceLag,
+                E::StressRelaxation
+            ]),
+            "adhesion, 2 × stress_relaxation and force_lag"
+        );
+    }
+}

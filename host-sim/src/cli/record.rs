@@ -1,0 +1,71 @@
+//! `palpate record`: a board's bytes into a file as they come, and that file as a log.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::diagnostic::Diagnostic;
+use crate::link::device::Statistics;
+use crate::link::record::{convert, record};
+use crate::link::{Device, port};
+use crate::number::counted;
+use crate::output::say;
+
+/// Arguments of `palpate record`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "Example:\n  palpate record --port /dev/ttyUSB0 --seconds 60 --out run7\n  \
+    palpate record --convert run7\n\n\
+    Without --seconds it records until it is stopped (Ctrl-C); --convert then makes the log."
+)]
+pub struct RecordArgs {
+    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
+    #[arg(long, value_name = "PORT", required_unless_present = "convert")]
+    pub port: Option<String>,
+    /// How long (s); a port that falls silent for 3 s ends a recording as well.
+    #[arg(long, value_name = "S", requires = "port")]
+    pub seconds: Option<f64>,
+    /// Where recording.frames, settings.toml and log.csv go; made if missing.
+    #[arg(long, value_name = "DIR", required_unless_present = "convert")]
+    pub out: Option<PathBuf>,
+    /// Make the log of a recording that was not ended: the folder with its recording.frames.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "out"])]
+    pub convert: Option<PathBuf>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A [`Diagnostic`] for a port or a folder that is not there or has a recording already; an I/O
+/// error if the disk is full or nothing comes.
+pub fn run(args: &RecordArgs) -> Result<(), Box<dyn Error>> {
+    if let Some(folder) = &args.convert {
+        say(convert(folder)?)?;
+        return Ok(());
+    }
+    let (Some(name), Some(folder)) = (&args.port, &args.out) else {
+        return Err(Diagnostic::new("nothing to record")
+            .remedy("give --port and --out")
+            .into());
+    };
+    if let Some(seconds) = args.seconds.filter(|s| !s.is_finite() || *s <= 0.0) {
+        let diagnostic = Diagnostic::new("a recording of no length").value(seconds);
+        return Err(diagnostic.remedy("give --seconds greater than 0").into());
+    }
+    let mut device = Device::new(port::open(name)?);
+    let end = args.seconds.map(|s| (s * 1e6) as u64);
+    let statistics = record(&mut device, folder, end)?;
+    say(said(&statistics))?;
+    say(convert(folder)?)?;
+    Ok(())
+}
+
+fn said(statistics: &Statistics) -> String {
+    format!(
+        "{}, {} lost on the line, {} garbled\n",
+        counted(statistics.frames as usize, "frame"),
+        statistics.lost,
+        statistics.garbled
+    )
+}

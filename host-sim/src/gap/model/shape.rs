@@ -1,0 +1,276 @@
+//! What is fitted: the base's law with a list of effects, and which of their numbers are free.
+//!
+//! A free number is a parameter in SI units, or the logarithm of one that has no scale of its own
+//! (stiffness, rates). Bounds are physical ones and those that the log sets: no rate slower than the
+//! log is long, no pitch longer than the travel.
+
+use estimator_core::maths::scalar::Scalar;
+use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::fit_range::{FitRange, Scale};
+use estimator_core::physics::law::{Law, LawId};
+use estimator_core::physics::rig::{Environment, Rig};
+
+use crate::gap::data::scales::Scales;
+use crate::model;
+
+/// An effect in a fit: its numbers, and which of them are free.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::gap) struct Term {
+    pub(in crate::gap) id: EffectId,
+    /// Values of those that are not free, starts of those that are.
+    pub(in crate::gap) row: [f64; MOST_PARAMETERS],
+    pub(in crate::gap) free: [bool; MOST_PARAMETERS],
+    /// Whether it stands in the base model, and stays.
+    pub(in crate::gap) given: bool,
+}
+
+/// Whose number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::gap) enum Owner {
+    /// Number of a parameter of [`model::Environment::parameters`].
+    Environment(usize),
+    /// Effect and parameter.
+    Effect(usize, usize),
+}
+
+/// A free number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::gap) struct Free {
+    pub(in crate::gap) owner: Owner,
+    /// Whether the free number is the logarithm of the parameter.
+    pub(in crate::gap) logarithmic: bool,
+    pub(in crate::gap) lowest: f64,
+    pub(in crate::gap) highest: f64,
+}
+
+/// A law with effects.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::gap) struct Shape {
+    /// The base model's environment; its values are those of what is not free.
+    pub(in crate::gap) base: model::Environment,
+    pub(in crate::gap) terms: Vec<Term>,
+    pub(in crate::gap) free: Vec<Free>,
+}
+
+impl Shape {
+    /// A law with these effects: free is what the base model does not fix.
+    pub(in crate::gap) fn new(
+        base: &model::Environment,
+        terms: Vec<Term>,
+        scales: &Scales,
+    ) -> Shape {
+        let mut free = Vec::new();
+        let parameters = base.parameters();
+        let surface = parameters.iter().find(|own| own.name == "surface");
+        let depth_m = surface.map_or(0.0, |own| scales.deepest_m - own.value);
+        for (at, parameter) in parameters.iter().enumerate() {
+            if !base.fit.fixed.contains(&parameter.name) {
+                let mut own = of_environment(at, parameter, scales);
+                if base.law == LawId::Zener && parameter.name == "damping" {
+                    // It sets a rate.
+                    own = logarithmic(own.owner, 1e-6 * parameter.value, 1e6 * parameter.value);
+                }
+                free.push(own);
+            }
+        }
+        for (number, term) in terms.iter().enumerate() {
+            for at in (0..term.id.info().parameters.len()).filter(|at| term.free[*at]) {
+                free.push(of_effect(term.id, number, at, scales, depth_m));
+            }
+        }
+        Shape {
+            base: base.clone(),
+            terms,
+            free,
+        }
+    }
+
+    /// How many of the free numbers are the environment's: they come first.
+    pub(in crate::gap) fn environment_count(&self) -> usize {
+        let own = |free: &&Free| matches!(free.owner, Owner::Environment(_));
+        self.free.iter().take_while(own).count()
+    }
+
+    /// The free numbers as they stand in the base model and the terms, within their bounds.
+    pub(in crate::gap) fn start(&self) -> Vec<f64> {
+        let base = self.base.parameters();
+        let natural = |owner: Owner| match owner {
+            Owner::Environment(at) => base[at].value,
+            Owner::Effect(number, at) => self.terms[number].row[at],
+        };
+        self.free
+            .iter()
+            .map(|free| free.number(natural(free.owner)))
+            .collect()
+    }
+
+    /// The parameter (SI) that a free number means.
+    pub(in crate::gap) fn natural<S: Scalar>(&self, at: usize, number: S) -> S {
+        if self.free[at].logarithmic {
+            number.exp()
+        } else {
+            number
+        }
+    }
+
+    /// The terms with the values of free numbers.
+    pub(in crate::gap) fn terms_at(&self, numbers: &[f64]) -> Vec<Term> {
+        let mut terms = self.terms.clone();
+        for (at, free) in self.free.iter().enumerate() {
+            if let Owner::Effect(number, parameter) = free.owner {
+                terms[number].row[parameter] = self.natural(at, numbers[at]);
+            }
+        }
+        terms
+    }
+
+    /// Values of all parameters of the environment, in the order of the model.
+    pub(in crate::gap) fn environment_at(&self, numbers: &[f64]) -> Vec<f64> {
+        let mut values: Vec<f64> = self.base.parameters().iter().map(|own| own.value).collect();
+        for (at, free) in self.free.iter().enumerate() {
+            if let Owner::Environment(parameter) = free.owner {
+                values[parameter] = self.natural(at, numbers[at]);
+            }
+        }
+        values
+    }
+
+    /// The rig that free numbers mean.
+    pub(in crate::gap) fn rig<S: Scalar>(&self, numbers: &[S]) -> Rig<S> {
+        let parameters = self.base.parameters();
+        let mut values: Vec<S> = parameters
+            .iter()
+            .map(|own| S::from_f64(own.value))
+            .collect();
+        let mut rows: Vec<[S; MOST_PARAMETERS]> = self
+            .terms
+            .iter()
+            .map(|term| term.row.map(S::from_f64))
+            .collect();
+        for (at, free) in self.free.iter().enumerate() {
+            let value = self.natural(at, numbers[at]);
+            match free.owner {
+                Owner::Environment(parameter) => values[parameter] = value,
+                Owner::Effect(number, parameter) => rows[number][parameter] = value,
+            }
+        }
+        let mut rig = Rig::bare(environment(&self.base, &values));
+        for (term, row) in self.terms.iter().zip(&rows) {
+            rig = rig.with(Effect::new(term.id, row));
+        }
+        rig
+    }
+}
+
+impl Free {
+    /// The free number of a parameter, within the bounds.
+    pub(in crate::gap) fn number(&self, natural: f64) -> f64 {
+        let number = if self.logarithmic {
+            natural.max(f64::MIN_POSITIVE).ln()
+        } else {
+            natural
+        };
+        number.clamp(self.lowest, self.highest)
+    }
+
+    /// Whether a free number lies at its bound: a parameter that wants to be what it cannot be.
+    pub(in crate::gap) fn is_at_bound(&self, number: f64) -> bool {
+        // A number without a highest value has no range to be near the end of.
+        let range = self.highest - self.lowest;
+        let room = match self.logarithmic {
+            true => 1e-3,
+            false if range.is_finite() => 1e-6 * range,
+            false => 0.0,
+        };
+        (self.lowest.is_finite() && number <= self.lowest + room)
+            || (self.highest.is_finite() && number >= self.highest - room)
+    }
+}
+
+/// The environment of a model with other values, in the order of [`model::Environment::parameters`].
+fn environment<S: Scalar>(base: &model::Environment, values: &[S]) -> Environment<S> {
+    // Models with more modes than a law has are refused before anything is fitted.
+    let law = base.law_with(values).unwrap_or(Law::Free);
+    match (law, values.last()) {
+        (Law::Free, _) | (_, None) => Environment::free(),
+        (law, Some(surface_m)) => law
+            .parts(S::from_f64(base.reference_depth_m))
+            .at(*surface_m),
+    }
+}
+
+fn linear(owner: Owner, lowest: f64, highest: f64) -> Free {
+    Free {
+        owner,
+        logarithmic: false,
+        lowest,
+        highest,
+    }
+}
+
+fn logarithmic(owner: Owner, lowest: f64, highest: f64) -> Free {
+    Free {
+        owner,
+        logarithmic: true,
+        lowest: lowest.max(f64::MIN_POSITIVE).ln(),
+        highest: highest.max(f64::MIN_POSITIVE).ln(),
+    }
+}
+
+/// Slowest and fastest rate that a log can tell (1/s).
+fn rates(scales: &Scales) -> (f64, f64) {
+    (0.1 / scales.duration_s, 0.5 / scales.period_s)
+}
+
+fn of_environment(at: usize, parameter: &model::Parameter, scales: &Scales) -> Free {
+    let owner = Owner::Environment(at);
+    let name = parameter.name.as_str();
+    match name {
+        "stiffness" | "second_stiffness" => {
+            logarithmic(owner, 1e-6 * parameter.value, 1e6 * parameter.value)
+        }
+        "damping" if parameter.value > 0.0 => linear(owner, 0.0, 1e4 * parameter.value),
+        "damping" => linear(
+            owner,
+            0.0,
+            1e3 * scales.force_n / scales.speed_mps.max(1e-12),
+        ),
+        "exponent" | "damping_exponent" => linear(owner, 0.3, 5.0),
+        "stiffening_rate" => linear(owner, 0.0, 50.0 / scales.travel_m),
+        "surface" => linear(
+            owner,
+            parameter.value - scales.travel_m,
+            parameter.value + scales.travel_m,
+        ),
+        _ if name.starts_with("relaxation_fraction") => linear(owner, 0.0, 0.95),
+        _ => {
+            let (slowest, fastest) = rates(scales);
+            let own = parameter.value;
+            logarithmic(owner, slowest.min(own), fastest.max(own))
+        }
+    }
+}
+
+/// `depth_m` is the deepest press as the model file has the surface.
+fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f64) -> Free {
+    let owner = Owner::Effect(number, at);
+    let size = |scale| match scale {
+        Scale::Travel => scales.travel_m,
+        Scale::Force => scales.force_n,
+        Scale::HighestForce => scales.highest_n,
+        Scale::Stiffness => scales.force_n / scales.travel_m,
+        Scale::Speed => scales.speed_mps,
+        Scale::Duration => scales.duration_s,
+        Scale::Period => scales.period_s,
+        Scale::PositionNoise => scales.position_noise_m,
+        // A cycle and a quarter of an encoder's error in contact, or it is any law's form.
+        Scale::PitchInContact => {
+            (depth_m / 1.25).clamp(0.05 * scales.travel_m, 0.5 * scales.travel_m)
+        }
+    };
+    match id.info().fits[at].range {
+        FitRange::Linear(low, high) => linear(owner, low.value(size), high.value(size)),
+        FitRange::Logarithmic(low, high) => logarithmic(owner, low.value(size), high.value(size)),
+        FitRange::Fixed(value) => linear(owner, value, value),
+    }
+}

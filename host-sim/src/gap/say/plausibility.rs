@@ -1,0 +1,39 @@
+//! What a finding says about its input.
+
+use crate::gap::finding::Finding;
+use crate::model::Model;
+use crate::number::quantity;
+
+/// A fitted stiffness this many times larger or smaller than the model's is another unit.
+const ANOTHER_UNIT: f64 = 100.0;
+
+/// What the result says about its input: a stiffness of another order, a contact that is none.
+pub(in crate::gap) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (given, found) in model
+        .environment
+        .parameters()
+        .iter()
+        .zip(&finding.base_after)
+    {
+        let times = found.value / given.value;
+        if given.name == "stiffness" && !(1.0 / ANOTHER_UNIT..=ANOTHER_UNIT).contains(&times) {
+            notes.push(format!(
+                "the fitted stiffness is {}, the model's {}: another unit or sign of position or force, or another \
+                 rig's log? (--columns x=x_m*1e-3)",
+                quantity(found.value, 3, found.unit),
+                quantity(given.value, 3, given.unit),
+            ));
+        }
+    }
+    let depths = finding.curves.iter().flat_map(|own| &own.depth_m);
+    let touches = depths.copied().fold(f64::NEG_INFINITY, f64::max) > 0.0;
+    if !model.environment.is_free() && !touches {
+        notes.push(
+            "the fitted surface is never reached, so the base model's parameters are not observable: its \
+             law is not what this log shows"
+                .into(),
+        );
+    }
+    notes
+}

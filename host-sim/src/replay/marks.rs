@@ -1,0 +1,39 @@
+//! What a replay of a log has in it to point at: touches and events.
+
+use estimator_core::estimate::Event;
+
+/// One touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// From (s).
+    pub from_s: f64,
+    /// To (s).
+    pub to_s: f64,
+    /// Largest force (N).
+    pub peak_force_n: f64,
+    /// Largest depth (m).
+    pub peak_depth_m: f64,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventMark {
+    /// When (s).
+    pub time_s: f64,
+    /// What.
+    pub kind: EventKind,
+}
+
+/// What can happen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EventKind {
+    /// An event of the estimator.
+    Estimator(Event),
+    /// A fault, by its number and in words.
+    Fault {
+        /// The stable number.
+        code: u8,
+        /// For people.
+        description: String,
+    },
+}

@@ -1,0 +1,161 @@
+//! What the report shows: borrowed columns of one log or several.
+
+use estimator_core::estimate::Estimated;
+use estimator_core::estimate::status::Status;
+
+use crate::replay::{EventMark, Touch};
+use crate::report::{Provenance, Tone};
+
+/// Everything that the report shows. Slices of a [`Run`] may be empty, and where they should have
+/// the same length the shortest counts: a figure without data says so.
+#[derive(Clone, Debug)]
+pub struct EstimateReport<'a> {
+    /// The heading: what was estimated from what.
+    pub title: &'a str,
+    /// How good the news is.
+    pub tone: Tone,
+    /// The badge: a status in one or two words.
+    pub badge: &'a str,
+    /// The sentence to read if only one is read.
+    pub verdict: &'a str,
+    /// One log, or several to compare.
+    pub runs: &'a [Run<'a>],
+    /// What a reader should know before trusting the numbers.
+    pub notes: &'a [String],
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// One log and what was estimated from it. One entry per sample, in SI units.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Run<'a> {
+    /// What was touched, or the name of the log; may be empty for a single run.
+    pub name: &'a str,
+    /// The law, as in files: `hunt_crossley`.
+    pub law: &'a str,
+    /// Time (s).
+    pub time_s: &'a [f64],
+    /// Penetration (m).
+    pub depth_m: &'a [f64],
+    /// Rate of penetration (m/s).
+    pub speed_mps: &'a [f64],
+    /// Measured force (N).
+    pub measured_n: &'a [f64],
+    /// Force of a replay with the estimated parameters (N); NaN where there is none.
+    pub estimated_n: &'a [f64],
+    /// F − F̂ before the sample was learned from (N): the argument of (24).
+    pub innovation_n: &'a [f64],
+    /// β of (24) that was used.
+    pub forgetting: &'a [f64],
+    /// How far the estimate could be trusted.
+    pub status: &'a [Status],
+    /// Standard deviation of the force noise (N).
+    pub noise_n: Option<f64>,
+    /// The settings of (24).
+    pub forgetting_law: Option<ForgettingLaw>,
+    /// The parameters over time.
+    pub parameters: &'a [Trajectory<'a>],
+    /// The parameters at the end, in the order of the table.
+    pub finals: &'a [FinalParameter<'a>],
+    /// Between changes of material.
+    pub segments: &'a [Segment<'a>],
+    /// The touches in order.
+    pub touches: &'a [Touch],
+    /// What happened when, in order.
+    pub events: &'a [EventMark],
+    /// Force over depth at rest.
+    pub elastic: Option<Elastic<'a>>,
+    /// Raw measured force against the replay with the final parameters, in contact (N).
+    pub force_rmse_n: Option<f64>,
+    /// From first contact until every parameter stays within 5 % of its final value (s).
+    pub settled_at_s: Option<f64>,
+    /// δ₀, where stiffness and damping are reported (m).
+    pub reference_depth_m: Option<f64>,
+}
+
+/// A parameter over time.
+#[derive(Clone, Copy, Debug)]
+pub struct Trajectory<'a> {
+    /// As in files: `stiffness`.
+    pub name: &'a str,
+    /// Without prefix: `N/m`, `1`.
+    pub unit: &'a str,
+    /// One a sample; `None` where it is not observable.
+    pub values: &'a [Option<Estimated<f64>>],
+}
+
+/// A parameter at the end.
+#[derive(Clone, Copy, Debug)]
+pub struct FinalParameter<'a> {
+    /// As in files: `stiffness`.
+    pub name: &'a str,
+    /// Without prefix: `N/m`, `1`.
+    pub unit: &'a str,
+    /// `None` if it is not observable.
+    pub estimate: Option<Estimated<f64>>,
+}
+
+/// One material from a change to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<'a> {
+    /// From (s).
+    pub from_s: f64,
+    /// To (s).
+    pub to_s: f64,
+    /// The parameters at its end.
+    pub parameters: &'a [FinalParameter<'a>],
+}
+
+/// The settings of (24).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForgettingLaw {
+    /// α₁
+    pub alpha_1: f64,
+    /// α₂ (1/N)
+    pub alpha_2_per_n: f64,
+    /// α₃ (N)
+    pub alpha_3_n: f64,
+}
+
+impl ForgettingLaw {
+    /// β = 1 − α₁{(1/π)·arctan[α₂(|F − F̂| − α₃)] + ½}, (24).
+    pub fn beta(&self, error_n: f64) -> f64 {
+        let angle = (self.alpha_2_per_n * (error_n.abs() - self.alpha_3_n)).atan();
+        1.0 - self.alpha_1 * (angle / std::f64::consts::PI + 0.5)
+    }
+}
+
+/// Force over depth without damping.
+#[derive(Clone, Copy, Debug)]
+pub struct Elastic<'a> {
+    /// Depth (m).
+    pub depth_m: &'a [f64],
+    /// Estimated elastic force (N).
+    pub estimated_n: &'a [f64],
+    /// The true one (N), where it is known (a simulated rig); else empty.
+    pub true_n: &'a [f64],
+}
+
+/// Name of a parameter for people, with its symbol in the equations.
+pub(in crate::report) fn label(name: &str) -> String {
+    let symbol = match name {
+        "stiffness" => " K",
+        "damping" => " λ",
+        "exponent" => " n",
+        "damping_exponent" => " q",
+        "second_stiffness" => " κ₂",
+        "relaxation_fraction_1" => " c₁",
+        "relaxation_rate_1" => " ν₁",
+        "relaxation_fraction_2" => " c₂",
+        "relaxation_rate_2" => " ν₂",
+        _ => "",
+    };
+    let words = name.replace('_', " ");
+    let mut chars = words.chars();
+    let first: String = chars
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
+    format!("{first}{}{symbol}", chars.as_str())
+}

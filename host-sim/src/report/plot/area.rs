@@ -1,0 +1,15 @@
+//! What is drawn on, with our canvas and scales.
+
+use std::convert::Infallible;
+
+use plotters::chart::ChartContext;
+use plotters::coord::Shift;
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+
+use super::axis::Scale;
+use super::canvas::Canvas;
+
+pub(super) type Error = DrawingAreaErrorKind<Infallible>;
+pub(super) type Root<'c> = DrawingArea<Canvas<'c>, Shift>;
+pub(super) type Plot<'a, 'c> = ChartContext<'a, Canvas<'c>, Cartesian2d<Scale, Scale>>;

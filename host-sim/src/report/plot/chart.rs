@@ -1,0 +1,190 @@
+//! A chart: axes, curves and what is marked on them.
+
+use std::borrow::Cow;
+
+use super::axis::Axis;
+use super::canvas::Role;
+use super::ink::{Ink, StripTone, Stroke};
+
+/// One curve, with a band around it if it has one.
+#[derive(Clone, Debug)]
+pub struct Series<'a> {
+    pub(super) name: String,
+    pub(super) ink: Ink,
+    pub(super) stroke: Stroke,
+    pub(super) x: Cow<'a, [f64]>,
+    pub(super) y: Cow<'a, [f64]>,
+    pub(super) half_width: Option<Cow<'a, [f64]>>,
+}
+
+impl<'a> Series<'a> {
+    /// A curve through the points (x, y), as many as the shorter of the two has.
+    pub fn new(
+        name: impl Into<String>,
+        ink: Ink,
+        stroke: Stroke,
+        x: impl Into<Cow<'a, [f64]>>,
+        y: impl Into<Cow<'a, [f64]>>,
+    ) -> Self {
+        Series {
+            name: name.into(),
+            ink,
+            stroke,
+            x: x.into(),
+            y: y.into(),
+            half_width: None,
+        }
+    }
+
+    /// What was measured: dashed and neutral.
+    pub fn measured(
+        name: impl Into<String>,
+        x: impl Into<Cow<'a, [f64]>>,
+        y: impl Into<Cow<'a, [f64]>>,
+    ) -> Self {
+        Series::new(name, Ink::Measured, Stroke::Dashed, x, y)
+    }
+
+    /// What was estimated: solid, in the first colour.
+    pub fn estimated(
+        name: impl Into<String>,
+        x: impl Into<Cow<'a, [f64]>>,
+        y: impl Into<Cow<'a, [f64]>>,
+    ) -> Self {
+        Series::new(name, Ink::First, Stroke::Solid, x, y)
+    }
+
+    /// A band of y ± `half_width` around it: a standard error.
+    pub fn band(mut self, half_width: impl Into<Cow<'a, [f64]>>) -> Self {
+        self.half_width = Some(half_width.into());
+        self
+    }
+}
+
+/// Something that happened at one instant: a vertical line with a label above the plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marker {
+    /// Where, in the unit of the x axis.
+    pub at: f64,
+    /// What.
+    pub label: String,
+    /// Major markers are drawn strong, and their labels first where there is no room for all.
+    pub major: bool,
+}
+
+/// A state that holds from one instant to another, in the strip above the plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Span {
+    /// From, in the unit of the x axis.
+    pub from: f64,
+    /// To.
+    pub to: f64,
+    /// Written inside where there is room.
+    pub label: String,
+    /// Its colour.
+    pub tone: StripTone,
+}
+
+/// A horizontal band.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level {
+    pub(super) low: f64,
+    pub(super) high: f64,
+}
+
+/// How much of the page a chart takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// The whole width, for anything over time.
+    Wide,
+    /// The whole width and less high, for several above each other.
+    Slim,
+    /// Half the width, for loops and for two beside each other.
+    Half,
+}
+
+/// A chart.
+#[derive(Clone, Debug)]
+pub struct Chart<'a> {
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) size: Size,
+    pub(super) series: Vec<Series<'a>>,
+    pub(super) levels: Vec<Level>,
+    pub(super) markers: Vec<Marker>,
+    pub(super) touches: Vec<(f64, f64)>,
+    pub(super) strip: Vec<Span>,
+}
+
+impl<'a> Chart<'a> {
+    /// An empty chart with these axes, half a page wide.
+    pub fn new(x: Axis, y: Axis) -> Self {
+        Chart {
+            x,
+            y,
+            size: Size::Half,
+            series: Vec::new(),
+            levels: Vec::new(),
+            markers: Vec::new(),
+            touches: Vec::new(),
+            strip: Vec::new(),
+        }
+    }
+
+    /// How much of the page it takes.
+    pub fn size(mut self, size: Size) -> Self {
+        self.size = size;
+        self
+    }
+
+    /// Adds a curve; later ones lie on top.
+    pub fn series(mut self, series: Series<'a>) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// Adds a muted horizontal band from `low` to `high` over the whole width.
+    pub fn level_band(mut self, low: f64, high: f64) -> Self {
+        self.levels.push(Level { low, high });
+        self
+    }
+
+    /// Adds vertical lines with labels.
+    pub fn markers(mut self, markers: impl IntoIterator<Item = Marker>) -> Self {
+        self.markers.extend(markers);
+        self
+    }
+
+    /// Shades intervals of x: the touches.
+    pub fn touches(mut self, touches: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.touches.extend(touches);
+        self
+    }
+
+    /// States over x, in a strip above the plot.
+    pub fn strip(mut self, spans: impl IntoIterator<Item = Span>) -> Self {
+        self.strip.extend(spans);
+        self
+    }
+
+    /// Class and name of what a legend has to explain, in the order of drawing; curves that share a
+    /// name share an entry. Empty when a single curve needs no explanation.
+    pub(crate) fn legend(&self) -> Vec<(String, &str)> {
+        let mut entries: Vec<(String, &str)> = Vec::new();
+        for series in self.series.iter().filter(|s| !s.name.is_empty()) {
+            let class = Role::line(series.ink, series.stroke).class();
+            if !entries.iter().any(|(_, name)| *name == series.name) {
+                entries.push((class, &series.name));
+            }
+        }
+        if entries.len() < 2 {
+            Vec::new()
+        } else {
+            entries
+        }
+    }
+
+    pub(crate) fn width(&self) -> Size {
+        self.size
+    }
+}
