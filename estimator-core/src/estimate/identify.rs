@@ -136,8 +136,7 @@ pub(crate) fn validate<T: Real>(
     let info = method_info(config.method).ok_or(ConfigError {
         field: "method",
         value: f32::from(config.method.code()),
-        expected: "must be the number of a method of this build; those over a history, from 10 on, \
-                   need the feature `relaxing`",
+        expected: "must be a method of this build, below 10 without the feature `relaxing`",
     })?;
     IdentifyParams::validate(config, &info, filter, contact)
 }
@@ -189,5 +188,45 @@ impl<T: Real> Identifier<T> {
     /// See [`Identify::estimates`].
     pub fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         each!(self, estimator => estimator.estimates(at))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_no_method_is_refused_by_name_and_value() {
+        for code in [0, 14, 255] {
+            let method = Method::from_code(code);
+            let error = Config {
+                method,
+                ..Config::default()
+            }
+            .validate::<f32>()
+            .unwrap_err();
+            assert_eq!((error.field, error.value), ("method", f32::from(code)));
+        }
+    }
+
+    #[test]
+    fn every_method_starts_the_estimator_that_declares_it() {
+        for row in methods() {
+            let config = Config {
+                method: row.method,
+                ..Config::default()
+            };
+            let params = config.validate::<f32>().unwrap().identify;
+            let identifier = Identifier::new(&params);
+            assert!(
+                each!(&identifier, estimator => runs(estimator, &params)),
+                "{row:?}"
+            );
+            assert_eq!(identifier.law(&params), row.law);
+        }
+    }
+
+    fn runs<E: Identify<f32>>(_estimator: &E, params: &IdentifyParams<f32>) -> bool {
+        E::METHODS.iter().any(|row| row.method == params.method)
     }
 }

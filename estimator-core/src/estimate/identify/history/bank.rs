@@ -158,7 +158,7 @@ impl<T: Real> RelaxationBank<T> {
         if self.column >= self.columns {
             self.column = 0;
             self.next = self.next.wrapping_add(1);
-            self.best = core::mem::replace(&mut self.round, [None; 2]);
+            self.best = core::mem::take(&mut self.round);
         }
     }
 
