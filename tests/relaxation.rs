@@ -9,7 +9,8 @@ use estimator_core::physics::law::{
     Elastic, Law, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
 };
 use estimator_core::{Config, Estimate, Real, Sample, State, Status, step};
-use palpate::estimate::{Choices, Estimation, Shown, estimate};
+use palpate::cli::estimate::Shown;
+use palpate::estimate::{Choices, Estimation, estimate};
 use palpate::log::UniformLog;
 use palpate::motion::{Motion, Segment};
 use palpate::plant::{Contact, GEL, Rig, Run, Stage};
@@ -231,7 +232,7 @@ fn e6_the_estimated_elastic_response_lies_on_the_real_one() {
         let apart_n = apart.fold(0.0, f64::max);
         assert_within("elastic responses apart (N)", apart_n, tolerance::E6_N);
         // The report draws this curve.
-        let page = palpate::estimate::document(
+        let page = palpate::cli::estimate::document(
             &[Shown::new("polyurethane", &log, &estimation)
                 .with_true_elastic(|d| POLYURETHANE.elastic_n(d))],
             "E6",

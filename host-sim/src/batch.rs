@@ -13,25 +13,21 @@ mod assemble;
 mod course;
 mod error;
 mod family;
-mod files;
 mod fit;
 mod modulus;
 mod note;
-mod print;
+mod options;
 mod result;
 mod select;
-mod show;
 mod start;
 mod touch;
 
 use estimator_core::estimate::method::Method;
-use estimator_core::physics::law::LawId;
 use estimator_core::{Config, Status};
 
 pub use family::Family;
-pub use files::write;
 pub use modulus::Indenter;
-pub use print::summary;
+pub use options::{Options, all_families};
 pub use result::{Batch, Columns, Modulus, Parameter, TouchFit, Tried};
 
 use crate::kinematics::kinematics;
@@ -47,42 +43,6 @@ use crate::replay::{Replay, replay};
 
 #[cfg(test)]
 mod tests;
-
-/// A law that leaves this many times the noise does not explain the force.
-const EXPLAINED: f64 = 3.0;
-
-/// What to fit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// The laws to compare, simplest first.
-    pub families: Vec<Family>,
-    /// δ₀ (m)
-    pub reference_depth_m: Option<f64>,
-    /// Position of the surface (m), if it is known.
-    pub surface_m: Option<f64>,
-    /// What touches, if it is known.
-    pub indenter: Option<Indenter>,
-    /// ν of the material; 0.5 does not change its volume.
-    pub poisson: f64,
-}
-
-impl Default for Options {
-    fn default() -> Options {
-        Options {
-            families: all_families(),
-            reference_depth_m: None,
-            surface_m: None,
-            indenter: None,
-            poisson: 0.5,
-        }
-    }
-}
-
-/// Every law, simplest first.
-pub fn all_families() -> Vec<Family> {
-    let laws = LawId::ALL.iter().filter(|law| **law != LawId::Free);
-    laws.flat_map(|law| Family::of(*law)).collect()
-}
 
 /// Fits a whole log.
 ///

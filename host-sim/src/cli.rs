@@ -5,6 +5,7 @@ pub mod check;
 pub mod config;
 pub mod demo;
 pub mod effects;
+pub mod estimate;
 pub mod gap;
 pub mod monitor;
 mod progress;

@@ -5,9 +5,8 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use palpate::cli::{check, config, demo, effects, gap, monitor, record, simulate};
+use palpate::cli::{check, config, demo, effects, estimate, gap, monitor, record, simulate};
 use palpate::diagnostic::Diagnostic;
-use palpate::estimate;
 use palpate::wrap::wrapped;
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.

@@ -5,17 +5,19 @@
 
 mod effect;
 mod environment;
+mod fit;
 mod rig;
 mod title;
 mod write;
 
 pub use effect::Effect;
 pub use environment::{Environment, Parameter};
+pub use fit::Fit;
 pub use title::law_title;
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, listed, nearest};
+use crate::diagnostic::Diagnostic;
 use crate::plant::Sensors;
 use crate::toml_reader::{Bounds, Table, TomlFile};
 
@@ -94,47 +96,6 @@ fn read_sensors(table: &Table<'_>) -> Result<Sensors, Diagnostic> {
     };
     table.finish()?;
     Ok(sensors)
-}
-
-/// What a fit must not move and what it found, of an environment or an effect.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fit {
-    /// Parameters that a fit must not move.
-    pub fixed: Vec<String>,
-    /// Standard errors of a fit, in the parameters' units.
-    pub std_error: Vec<(String, f64)>,
-}
-
-impl Fit {
-    /// `fixed` and `std_error` of a table whose parameters are `known`.
-    fn from_table(table: &Table<'_>, known: &[String]) -> Result<Fit, Diagnostic> {
-        let fixed = table.texts("fixed")?;
-        if let Some(name) = fixed.iter().find(|name| !known.contains(*name)) {
-            return Err(unknown_parameter(table.wrong("fixed", ""), name, known));
-        }
-        let mut std_error = Vec::new();
-        if let Some(errors) = table.table("std_error")? {
-            for name in known {
-                if let Some(value) = errors.number(name, Bounds::NotNegative)? {
-                    std_error.push((name.clone(), value));
-                }
-            }
-            errors.finish()?;
-        }
-        Ok(Fit { fixed, std_error })
-    }
-}
-
-fn unknown_parameter(mut diagnostic: Diagnostic, name: &str, known: &[String]) -> Diagnostic {
-    let names = || known.iter().map(String::as_str);
-    diagnostic.what = format!("`{name}` is no parameter here");
-    diagnostic = diagnostic
-        .value(name)
-        .note(format!("the parameters are {}", listed(names())));
-    match nearest(name, names()) {
-        Some(near) => diagnostic.remedy(format!("write \"{near}\"")),
-        None => diagnostic.remedy("name one of them, or none"),
-    }
 }
 
 #[cfg(test)]

@@ -90,7 +90,7 @@ impl Family {
 
     /// Modes that are parameters themselves; the one of a Zener material follows from its springs and
     /// damper.
-    pub(super) fn listed_modes(self) -> usize {
+    pub(crate) fn listed_modes(self) -> usize {
         self.modes.min(self.law.info().most_modes)
     }
 

@@ -3,8 +3,8 @@
 use estimator_core::estimate::Event;
 
 use super::course::Course;
+use super::options::{EXPLAINED, Options};
 use super::result::Batch;
-use super::{EXPLAINED, Options};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;

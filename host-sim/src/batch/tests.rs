@@ -12,6 +12,7 @@ use super::*;
 use crate::log::{Log, ReadOptions};
 use crate::motion::Motion;
 use crate::plant::{Contact, GEL, Material, PLASTIC, Rig, Stage};
+use estimator_core::physics::law::LawId;
 
 /// Seeds of the sensors' noise.
 const SEED_RIG: u64 = 7;

@@ -8,9 +8,10 @@ use clap::Args;
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
 
+use crate::cli::estimate::{Shown, document};
 use crate::cli::gap::print::summary;
 use crate::diagnostic::Diagnostic;
-use crate::estimate::{Choices, Estimation, Shown, document, estimate};
+use crate::estimate::{Choices, Estimation, estimate};
 use crate::gap::{Options, gap};
 use crate::log::UniformLog;
 use crate::model::Model;

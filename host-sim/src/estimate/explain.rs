@@ -94,7 +94,7 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
 }
 
 /// "4.5 times", "220 times": more digits mean nothing.
-pub(super) fn times(ratio: f64) -> String {
+pub(crate) fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio.is_infinite() => "any number of times".into(),
         ratio if ratio < 10.0 => format!("{ratio:.1} times"),

@@ -2,7 +2,7 @@
 
 use estimator_core::physics::effect::{self, EffectId, MOST_PARAMETERS};
 
-use super::Fit;
+use super::fit::Fit;
 use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::toml_reader::{Bounds, Table};
 
@@ -62,7 +62,7 @@ impl Effect {
         {
             let names: Vec<String> = known.iter().map(|info| info.name.to_string()).collect();
             let here = self.wrong("").at_key(&format!("effect.{name}"));
-            return Err(super::unknown_parameter(here, name, &names));
+            return Err(super::fit::unknown_parameter(here, name, &names));
         }
         let mut row = [0.0; MOST_PARAMETERS];
         for (own, info) in row.iter_mut().zip(known) {

@@ -5,7 +5,7 @@ use estimator_core::physics::law::{
     DEFAULT_REFERENCE_DEPTH_M, Law, LawId, ParameterInfo, RELAXATION, STIFFENING_RATE, SURFACE,
 };
 
-use super::Fit;
+use super::fit::Fit;
 use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::plant::Contact;
 use crate::toml_reader::{Bounds, Table};

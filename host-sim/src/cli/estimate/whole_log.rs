@@ -6,8 +6,9 @@ use clap::Args;
 use estimator_core::Config;
 use estimator_core::physics::law::{LawId, MOST_MODES};
 
+use super::batch::{summary, write};
 use super::{EstimateArgs, MethodChoice, names};
-use crate::batch::{Family, Indenter, Options, all_families, batch, summary, write};
+use crate::batch::{Family, Indenter, Options, all_families, batch};
 use crate::diagnostic::Diagnostic;
 use crate::output::say;
 

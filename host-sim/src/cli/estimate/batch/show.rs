@@ -6,7 +6,7 @@ use std::path::Path;
 use estimator_core::Status;
 
 use super::print::name;
-use super::result::{Batch, Parameter};
+use crate::batch::{Batch, Parameter};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::fixed;

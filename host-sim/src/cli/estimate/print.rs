@@ -3,8 +3,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::explain::times;
-use super::{Estimation, MethodChoice};
+use super::MethodChoice;
+use crate::estimate::Estimation;
+use crate::estimate::explain::times;
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;

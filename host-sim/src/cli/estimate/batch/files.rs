@@ -10,8 +10,8 @@ use std::path::Path;
 use estimator_core::estimate::Estimated;
 use serde_json::{Map, Value, json};
 
-use super::result::{Batch, Modulus, Parameter};
 use super::show;
+use crate::batch::{Batch, Modulus, Parameter};
 use crate::json::{number, seconds, write_json};
 use crate::log::UniformLog;
 use crate::output::write_atomically;
@@ -21,7 +21,7 @@ use crate::replay::{EventKind, EventMark};
 ///
 /// # Errors
 /// What the file system says.
-pub fn write(
+pub(crate) fn write(
     folder: &Path,
     path: &Path,
     log: &UniformLog,
@@ -170,8 +170,8 @@ fn write_csv(path: &Path, log: &UniformLog, batch: &Batch, every: usize) -> io::
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Options, batch};
     use super::*;
+    use crate::batch::{Options, batch};
     use crate::motion::Motion;
     use crate::plant::{GEL, Rig, Stage};
     use estimator_core::Config;

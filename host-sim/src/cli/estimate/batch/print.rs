@@ -3,14 +3,14 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::result::{Batch, Tried};
-use crate::estimate::headline;
+use crate::batch::{Batch, Tried};
+use crate::cli::estimate::print::headline;
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;
 
 /// A dozen lines: the log, the parameters, the fit, the laws, the notes.
-pub fn summary(path: &Path, log: &UniformLog, batch: &Batch) -> String {
+pub(crate) fn summary(path: &Path, log: &UniformLog, batch: &Batch) -> String {
     let mut text = String::new();
     // Writing into a String cannot fail.
     let _ = write_summary(&mut text, path, log, batch);

@@ -7,9 +7,9 @@ use estimator_core::Status;
 use estimator_core::estimate::{Estimated, Parameters, Phase};
 use estimator_core::physics::law::{ParameterInfo, RelaxingLaw};
 
-use super::Estimation;
-use super::explain::times;
-use super::outcome::law_with;
+use crate::estimate::Estimation;
+use crate::estimate::explain::times;
+use crate::estimate::outcome::law_with;
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::replay::{EventMark, Touch};

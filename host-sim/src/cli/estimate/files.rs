@@ -6,7 +6,7 @@ use std::path::Path;
 use estimator_core::estimate::{Parameters, Phase};
 use serde_json::{Map, Value, json};
 
-use super::outcome::Outcome;
+use crate::estimate::Outcome;
 use crate::json::{number, seconds};
 use crate::output::write_atomically;
 use crate::replay::EventKind;
