@@ -14,7 +14,7 @@ use clap::Args;
 use crate::cli::ReadingArgs;
 use crate::cli::progress::Bar;
 use crate::diagnostic::Diagnostic;
-use crate::gap::{self, MOTION, Options, gap_watched};
+use crate::gap::{self, MOTION, Options, gap_with_progress};
 use crate::json::write_json;
 use crate::log::UniformLog;
 use crate::model::Model;
@@ -130,7 +130,7 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         ..Options::default()
     };
     let bar = Bar::new();
-    let finding = gap_watched(&model, &logs, &options, &bar)?;
+    let finding = gap_with_progress(&model, &logs, &options, &bar)?;
     drop(bar);
     let seconds = clock.elapsed().as_secs_f64();
     if let Some(folder) = &args.out {

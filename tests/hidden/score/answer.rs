@@ -1,7 +1,7 @@
 //! gap.json, as far as it is scored.
 
 use super::truth::strings;
-use palpate::gap::{Finding, Known};
+use palpate::gap::{Finding, ParameterEstimate};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -88,8 +88,9 @@ impl Answer {
 
     /// The answer of the library.
     pub(crate) fn of(finding: &Finding, seconds: f64) -> Answer {
-        let estimates = |known: &[Known]| -> Estimates {
-            let one = |own: &Known| Some((own.name.clone(), (own.value, own.std_error?)));
+        let estimates = |known: &[ParameterEstimate]| -> Estimates {
+            let one =
+                |own: &ParameterEstimate| Some((own.name.clone(), (own.value, own.std_error?)));
             known.iter().filter_map(one).collect()
         };
         let names = |ids: &[estimator_core::physics::effect::EffectId]| -> Vec<String> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use super::motion as advised_motion;
-use crate::gap::{Curves, Finding, Known, MOTION, Named, Region, Tried};
+use crate::gap::{Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region};
 use crate::json::{number, write_json};
 use crate::output::write_atomically;
 use crate::report::gap::GapReport;
@@ -144,7 +144,7 @@ pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
     })
 }
 
-fn effect(own: &Named) -> Value {
+fn effect(own: &MissingEffect) -> Value {
     json!({
         "id": own.id.name(),
         "params": parameters(&own.parameters),
@@ -154,7 +154,7 @@ fn effect(own: &Named) -> Value {
     })
 }
 
-fn parameters(known: &[Known]) -> Value {
+fn parameters(known: &[ParameterEstimate]) -> Value {
     let each = known.iter().map(|own| {
         let mut value = json!({
             "value": number(own.value),
@@ -184,7 +184,7 @@ fn region(own: &Region) -> Value {
     value
 }
 
-fn tried(own: &Tried) -> Value {
+fn tried(own: &Candidate) -> Value {
     json!({
         "effects": own.ids.iter().map(|id| id.name()).collect::<Vec<_>>(),
         "floor_ratio": number(own.ratio),

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::motion::{self as advised_motion, Note};
-use crate::gap::{Further, Plan, Planned};
+use crate::gap::{FurtherMotion, Plan, PlannedEffect};
 use crate::json::number;
 use crate::number::quantity;
 use crate::wrap::wrapped;
@@ -95,20 +95,20 @@ fn sigma(value: f64) -> String {
     }
 }
 
-fn nearest(own: &Planned) -> String {
+fn nearest(own: &PlannedEffect) -> String {
     own.rivals.first().map_or(String::new(), |(id, apart)| {
         format!("{} {}", id.name(), sigma(*apart))
     })
 }
 
 /// Whether an effect is not seen, or not told from a rival.
-fn needs(plan: &Plan, own: &Planned) -> bool {
+fn needs(plan: &Plan, own: &PlannedEffect) -> bool {
     !plan.counts(own.seen_sigma) || own.rivals.iter().any(|(_, sigma)| !plan.counts(*sigma))
 }
 
 /// Each further motion with the effects that it is for; the one that is for most comes first.
-pub(super) fn advised(plan: &Plan) -> Vec<(&Further, Vec<&Planned>)> {
-    let mut motions: Vec<(&Further, Vec<&Planned>)> = Vec::new();
+pub(super) fn advised(plan: &Plan) -> Vec<(&FurtherMotion, Vec<&PlannedEffect>)> {
+    let mut motions: Vec<(&FurtherMotion, Vec<&PlannedEffect>)> = Vec::new();
     for own in plan.effects.iter().filter(|own| needs(plan, own)) {
         let Some(further) = &own.further else {
             continue;
@@ -154,7 +154,7 @@ pub(super) fn json(plan: &Plan) -> Value {
     })
 }
 
-fn effect(plan: &Plan, own: &Planned) -> Value {
+fn effect(plan: &Plan, own: &PlannedEffect) -> Value {
     let rivals = own.rivals.iter().take(5);
     let rivals = rivals.map(|(id, sigma)| json!({ "id": id.name(), "sigma": number(*sigma) }));
     let further = own.further.as_ref().map(|further| {

@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::{Finding, Known, Named, Verdict, times_larger, words};
+use crate::gap::{
+    Finding, MissingEffect, ParameterEstimate, Verdict, regions_in_words, times_larger,
+};
 use crate::number::{Measured, column, quantity};
 use crate::wrap::wrapped;
 
@@ -20,7 +22,7 @@ pub fn summary(finding: &Finding) -> String {
     line(&mut text, "error", &error(finding));
     line(&mut text, "floor", &floor(finding));
     if !finding.disagreement.is_empty() {
-        line(&mut text, "where", &words(&finding.disagreement));
+        line(&mut text, "where", &regions_in_words(&finding.disagreement));
     }
     for own in &finding.effects {
         effect(&mut text, own);
@@ -39,7 +41,7 @@ pub fn summary(finding: &Finding) -> String {
     }
     // Without effects what remains is what was there.
     if !finding.remaining.is_empty() && !finding.effects.is_empty() {
-        line(&mut text, "remains", &words(&finding.remaining));
+        line(&mut text, "remains", &regions_in_words(&finding.remaining));
     }
     line(&mut text, "advice", &finding.advice);
     text
@@ -111,7 +113,7 @@ fn floor(finding: &Finding) -> String {
 }
 
 /// An effect: its parameters below each other, then what it is good for.
-fn effect(text: &mut String, own: &Named) {
+fn effect(text: &mut String, own: &MissingEffect) {
     line(text, "effect", own.id.name());
     let widest = own
         .parameters
@@ -181,7 +183,7 @@ fn base(text: &mut String, finding: &Finding) {
     }
 }
 
-fn measured(known: &Known) -> String {
+fn measured(known: &ParameterEstimate) -> String {
     let value = Measured::new(known.value, known.std_error, known.unit);
     match known.at_bound {
         true => format!("{value} (at its bound)"),

@@ -15,11 +15,11 @@ fn gel() -> Model {
     model("[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 10.0\n")
 }
 
-fn of(plan: &Plan, id: E) -> &Planned {
+fn of(plan: &Plan, id: E) -> &PlannedEffect {
     plan.effects.iter().find(|own| own.id == id).unwrap()
 }
 
-fn apart(plan: &Plan, id: E, rival: E) -> f64 {
+fn sigma_between(plan: &Plan, id: E, rival: E) -> f64 {
     of(plan, id)
         .rivals
         .iter()
@@ -62,7 +62,7 @@ fn a_palpation_shows_friction_and_a_slow_sine_in_contact_does_not_tell_drag_from
     for id in [E::ViscousDrag, E::ForceOffset, E::CableStiffness] {
         let own = of(&slow, id);
         assert!(!slow.counts(own.seen_sigma), "{id:?}: {} σ", own.seen_sigma);
-        // and the menu has a motion that does.
+        // and one of the excitations does.
         assert!(own.further.is_some(), "{id:?}");
     }
 }
@@ -117,5 +117,5 @@ fn a_plan_is_the_same_at_any_scale() {
             b.seen_sigma
         );
     }
-    assert!(apart(&large, E::ForceOffset, E::ViscousDrag) > large.least_sigma);
+    assert!(sigma_between(&large, E::ForceOffset, E::ViscousDrag) > large.least_sigma);
 }

@@ -1,7 +1,7 @@
 //! Where the base model is off, and what remains.
 
 use super::tables::spaced;
-use crate::gap::{Finding, Region, Verdict, words};
+use crate::gap::{Finding, Region, Verdict, regions_in_words};
 use crate::number::{column, fixed, quantity};
 use crate::report::{Cell, Section, Table};
 
@@ -14,7 +14,10 @@ pub(super) fn place(finding: &Finding) -> Section {
              larger than noise and the errors of the motion allow (false discoveries below 1 %).",
         );
     }
-    let section = section.text(spaced(&format!("{}.", words(&finding.disagreement))));
+    let section = section.text(spaced(&format!(
+        "{}.",
+        regions_in_words(&finding.disagreement)
+    )));
     let section = match (
         finding.verdict,
         finding.effects.is_empty(),
@@ -28,7 +31,7 @@ pub(super) fn place(finding: &Finding) -> Section {
         _ => section.text(spaced(&format!(
             "With the effects {} of the excess remains: {}.",
             remaining_share(finding),
-            words(&finding.remaining).replace("of the excess is", "of it")
+            regions_in_words(&finding.remaining).replace("of the excess is", "of it")
         ))),
     };
     section.table(table(finding))

@@ -2,7 +2,7 @@
 
 use super::label;
 use super::verdict::{heading, title};
-use crate::gap::{Finding, Known, Named, Tried, times_larger};
+use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, times_larger};
 use crate::number::Measured;
 use crate::report::{Cell, Section, Table};
 
@@ -74,7 +74,7 @@ pub(super) fn effects(finding: &Finding) -> Section {
 }
 
 /// Parameters with their intervals.
-fn table(caption: &str, parameters: &[Known]) -> Table {
+fn table(caption: &str, parameters: &[ParameterEstimate]) -> Table {
     let rows = parameters.iter().map(|known| {
         [
             Cell::from(label(&known.name)),
@@ -87,7 +87,7 @@ fn table(caption: &str, parameters: &[Known]) -> Table {
         .rows(rows)
 }
 
-fn told(own: &Named, finding: &Finding) -> String {
+fn told(own: &MissingEffect, finding: &Finding) -> String {
     let mut text = format!(
         "{}: {}. Without it, all else refitted, the squared error on held-out parts is {}. {}.",
         heading(own.id),
@@ -128,12 +128,12 @@ fn where_it_shows(place: &str) -> String {
     }
 }
 
-fn measured(known: &Known) -> Cell {
+fn measured(known: &ParameterEstimate) -> Cell {
     Cell::measured(known.value, known.std_error, known.unit)
 }
 
 /// Both ends in the digits and the unit of the value.
-fn interval(known: &Known) -> Cell {
+fn interval(known: &ParameterEstimate) -> Cell {
     let Some(error) = known.std_error.filter(|own| *own > 0.0 && own.is_finite()) else {
         return Cell::Missing(
             if known.at_bound {
@@ -214,7 +214,7 @@ fn environment(finding: &Finding) -> Section {
         .table(Table::new(columns).rows(rows))
 }
 
-fn change(before: &Known, after: &Known) -> String {
+fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> String {
     let change = (after.value - before.value) / before.value.abs();
     match change {
         // Of what may lie at 0, such as the surface, no share says anything.
@@ -232,7 +232,7 @@ fn change(before: &Known, after: &Known) -> String {
     .replacen('-', "\u{2212}", 1)
 }
 
-fn moved(before: &Known, after: &Known) -> Cell {
+fn moved(before: &ParameterEstimate, after: &ParameterEstimate) -> Cell {
     match (before.std_error, after.std_error) {
         (Some(a), Some(b)) if a.hypot(b) > 0.0 => {
             let errors = (after.value - before.value).abs() / a.hypot(b);
@@ -270,7 +270,7 @@ pub(super) fn ladder(finding: &Finding) -> Section {
     Section::new("What was tried").table(table)
 }
 
-fn set(tried: &Tried) -> String {
+fn set(tried: &Candidate) -> String {
     match tried.ids.is_empty() {
         true => "nothing".into(),
         false => tried
@@ -285,7 +285,7 @@ fn set(tried: &Tried) -> String {
 /// Whether it is the answer, cannot be told from it, or neither.
 fn role(
     finding: &Finding,
-    tried: &Tried,
+    tried: &Candidate,
     chosen: &[estimator_core::physics::effect::EffectId],
 ) -> &'static str {
     let same = |one: &[_], other: &[_]| {

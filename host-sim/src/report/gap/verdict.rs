@@ -2,7 +2,7 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::{Finding, Named, Verdict};
+use crate::gap::{Finding, MissingEffect, Verdict};
 use crate::number::{Measured, column};
 use crate::report::Tone;
 
@@ -63,7 +63,7 @@ pub(super) fn errors(finding: &Finding) -> (String, String) {
 }
 
 /// An effect with its leading parameter.
-fn named(own: &Named) -> String {
+fn named(own: &MissingEffect) -> String {
     let title = title(own.id);
     match own.parameters.first() {
         Some(first) => {
