@@ -1,6 +1,6 @@
 //! Where on the plane of depth and speed the residuals exceed what is allowed.
 
-use super::bins::Course;
+use super::bins::LogCurves;
 use crate::number::quantity;
 use crate::report::{HeatMap, Shaded};
 
@@ -21,11 +21,8 @@ struct Tally {
 }
 
 /// The map of the base model, and that with the effects.
-pub(super) fn maps(course: &Course<'_>) -> Vec<HeatMap> {
-    let (before, after) = (
-        tally(course, &course.before_n),
-        tally(course, &course.after_n),
-    );
+pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
+    let (before, after) = (tally(log, &log.before_n), tally(log, &log.after_n));
     let all: f64 = before
         .iter()
         .flatten()
@@ -33,32 +30,28 @@ pub(super) fn maps(course: &Course<'_>) -> Vec<HeatMap> {
         .sum();
     let what = format!(
         "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
-        quantity(course.typical_mps, 2, "m/s")
+        quantity(log.typical_mps, 2, "m/s")
     );
-    let first = if course.changed {
-        "Before"
-    } else {
-        "Base model"
-    };
-    let mut maps = vec![map(course, &before, all).caption(format!("{first}: {what}"))];
-    if course.changed {
+    let first = if log.changed { "Before" } else { "Base model" };
+    let mut maps = vec![map(log, &before, all).caption(format!("{first}: {what}"))];
+    if log.changed {
         let caption = "After: the same, on the same scale, as shares of the excess before";
-        maps.push(map(course, &after, all).caption(caption));
+        maps.push(map(log, &after, all).caption(caption));
     }
     maps
 }
 
-fn tally(course: &Course<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {
-    let curves = course.curves;
+fn tally(log: &LogCurves<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {
+    let curves = log.curves;
     let mut tallies = vec![[Tally::default(); COLUMNS.len()]; DEPTHS + 1];
     for (at, residual) in residuals.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-        let deep = DEPTHS as f64 * curves.depth_m[at] / course.deepest_m.max(f64::MIN_POSITIVE);
+        let deep = DEPTHS as f64 * curves.depth_m[at] / log.deepest_m.max(f64::MIN_POSITIVE);
         let row = match curves.depth_m[at] > 0.0 {
             true => 1 + (deep as usize).min(DEPTHS - 1),
             false => 0,
         };
-        let fast = curves.speed_mps[at].abs() > course.typical_mps;
-        let column = match (course.direction(at), fast) {
+        let fast = curves.speed_mps[at].abs() > log.typical_mps;
+        let column = match (log.direction(at), fast) {
             (-1, true) => 0,
             (-1, false) => 1,
             (0, _) => 2,
@@ -73,7 +66,7 @@ fn tally(course: &Course<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> 
     tallies
 }
 
-fn map(course: &Course<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> HeatMap {
+fn map(log: &LogCurves<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> HeatMap {
     let filled = tallies
         .iter()
         .enumerate()
@@ -82,7 +75,7 @@ fn map(course: &Course<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> 
         HeatMap::new("depth \\ motion", COLUMNS),
         |map, (at, row)| {
             let cells = row.iter().map(|own| cell(own, all_n2)).collect();
-            map.row(depth(at, course.deepest_m), cells)
+            map.row(depth(at, log.deepest_m), cells)
         },
     )
 }

@@ -3,7 +3,7 @@
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::bins::Course;
+use super::bins::LogCurves;
 use crate::gap::Finding;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Stroke};
@@ -14,8 +14,8 @@ const LONGEST: usize = 4096;
 const POINTS: f64 = 160.0;
 
 /// The residuals' densities before and after against that of the floor.
-pub(super) fn figure(course: &Course<'_>, finding: &Finding) -> Figure {
-    let time = &course.curves.time_s;
+pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
+    let time = &log.curves.time_s;
     let period_s = match time.len() {
         0 | 1 => 1.0,
         count => (time[count - 1] - time[0]) / (count - 1) as f64,
@@ -29,8 +29,8 @@ pub(super) fn figure(course: &Course<'_>, finding: &Finding) -> Figure {
         Series::new(name, ink, Stroke::Solid, hz, density)
     };
     let (before, after) = (
-        curve("before", Ink::Second, &course.before_n),
-        curve("after", Ink::First, &course.after_n),
+        curve("before", Ink::Second, &log.before_n),
+        curve("after", Ink::First, &log.after_n),
     );
     // White noise of this standard deviation, all of it below the highest frequency.
     let floor = finding.noise_floor_n / most_hz.sqrt();

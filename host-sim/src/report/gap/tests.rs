@@ -202,8 +202,8 @@ fn the_page_shows_what_moved_what_was_tried_and_every_picture() {
 #[test]
 fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() {
     let curves = curves();
-    let course = bins::Course::of(&curves);
-    let maps: Vec<String> = map::maps(&course)
+    let log = bins::LogCurves::of(&curves);
+    let maps: Vec<String> = map::maps(&log)
         .iter()
         .map(|map| format!("{map:?}"))
         .collect();
