@@ -44,9 +44,9 @@ use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, input};
-use decide::decide::decide;
+use decide::selection::decide;
 use say::{builder, plausibility};
-use search::search::Search;
+use search::run::Search;
 
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;

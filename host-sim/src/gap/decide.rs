@@ -2,8 +2,8 @@
 //! rivals.
 
 pub(crate) mod acceptance;
-pub(crate) mod decide;
 pub(crate) mod decision;
 mod evaluate;
 mod held_out;
 pub(crate) mod rivals;
+pub(crate) mod selection;

@@ -7,7 +7,7 @@ pub(crate) mod forms;
 pub(crate) mod periodic;
 pub(crate) mod physical;
 pub(crate) mod proposals;
-pub(crate) mod search;
+pub(crate) mod run;
 pub(crate) mod sets;
 pub(crate) mod significance;
 pub(crate) mod swap;

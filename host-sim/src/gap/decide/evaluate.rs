@@ -11,7 +11,7 @@ use crate::gap::model::fit::Fit;
 use crate::gap::model::problem::Problem;
 use crate::gap::model::weights::weights;
 use crate::gap::noise::floor::{FLOOR_ERRORS, NoiseFloor};
-use crate::gap::search::search::SearchResult;
+use crate::gap::search::run::SearchResult;
 use crate::stats::correlation;
 
 /// Residuals of a base model within this explain a log in which nothing more is found.

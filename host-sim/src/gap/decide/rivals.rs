@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::gap::model::fit::Fit;
 use crate::gap::model::problem::Problem;
-use crate::gap::search::search::SearchResult;
+use crate::gap::search::run::SearchResult;
 use crate::gap::search::sets::added_effects;
 
 /// Rivals whose Σ w r² is within this many squared standard errors of independent samples are not discriminated.

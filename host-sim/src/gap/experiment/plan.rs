@@ -9,7 +9,6 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::diagnostic::Diagnostic;
-use crate::gap::data::fit_data::FitData;
 use crate::gap::data::scales::Scales;
 use crate::gap::decide::rivals::related;
 use crate::gap::experiment::discriminability::{Discriminability, EffectSignature};
@@ -138,12 +137,7 @@ pub fn plan(
         Some(motion) => ("the motion given".to_string(), motion.clone()),
         None => (excitations[0].words.clone(), excitations[0].motion.clone()),
     };
-    let nothing = Recordings {
-        logs: Vec::new(),
-        floors: Vec::new(),
-        repeats: Vec::new(),
-    };
-    let mut recordings = nothing.and(&motion, sensor);
+    let mut recordings = Recordings::default().and(&motion, sensor);
     let terms = given(model)?;
     let scales = predict_base(&mut recordings, model, &terms, sensor);
     let shape = Shape::new(&model.environment, terms, &scales);
@@ -210,7 +204,7 @@ fn predict_base(
     let all = forces(&shape, &shape.start(), &recordings.logs);
     let mut from = 0;
     for log in &mut recordings.logs {
-        let to = from + FitData::len(log);
+        let to = from + log.len();
         log.force_n.copy_from_slice(&all[from..to]);
         from = to;
     }

@@ -16,14 +16,14 @@ fn gel() -> Model {
 }
 
 fn of(plan: &Plan, id: E) -> &PlannedEffect {
-    plan.effects.iter().find(|own| own.id == id).unwrap()
+    plan.effects.iter().find(|effect| effect.id == id).unwrap()
 }
 
 fn sigma_between(plan: &Plan, id: E, rival: E) -> f64 {
     of(plan, id)
         .rivals
         .iter()
-        .find(|(own, _)| *own == rival)
+        .find(|(other, _)| *other == rival)
         .unwrap()
         .1
 }
@@ -60,10 +60,14 @@ fn a_palpation_shows_friction_and_a_slow_sine_in_contact_does_not_tell_drag_from
     );
     // the second does not show drag (the damper does the same), nor an offset (the surface does),
     for id in [E::ViscousDrag, E::ForceOffset, E::CableStiffness] {
-        let own = of(&slow, id);
-        assert!(!slow.counts(own.seen_sigma), "{id:?}: {} σ", own.seen_sigma);
+        let effect = of(&slow, id);
+        assert!(
+            !slow.counts(effect.seen_sigma),
+            "{id:?}: {} σ",
+            effect.seen_sigma
+        );
         // and one of the excitations does.
-        assert!(own.further.is_some(), "{id:?}");
+        assert!(effect.further.is_some(), "{id:?}");
     }
 }
 

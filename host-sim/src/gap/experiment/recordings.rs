@@ -15,7 +15,7 @@ const SAMPLES: usize = 1_500;
 const MOST_SMOOTHED: usize = 60_000;
 
 /// Logs, or motions that have no log yet, with their noise.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct Recordings {
     pub(super) logs: Vec<FitData>,
     pub(super) floors: Vec<NoiseFloor>,

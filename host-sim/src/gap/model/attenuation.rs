@@ -123,7 +123,7 @@ mod tests {
         // GIVEN an error of 0.3 m/s² on 2.1 m/s² rms: 2 % of its square
         let each: Vec<(f64, f64)> = (1..=10).map(|seed| found(0.3, 7919 * seed)).collect();
         let mean = |of: fn(&(f64, f64)) -> f64| each.iter().map(of).sum::<f64>() / 10.0;
-        let (fitted, corrected) = (mean(|own| own.0), mean(|own| own.1));
+        let (fitted, corrected) = (mean(|masses| masses.0), mean(|masses| masses.1));
         // THEN the fit is 2 % too small, and the correction leaves a tenth of that: 0.07 % is the scatter
         // of the mean of ten.
         assert!((fitted / 0.49 - 1.0).abs() < 2.5e-3, "{fitted}");

@@ -113,18 +113,18 @@ mod tests {
         let mut columns = Vec::new();
         add_column(&mut columns, vec![1.0; count], &[]);
         add_column(&mut columns, (0..count).map(|at| at as f64).collect(), &[]);
-        let (mut true_square, mut said) = (0.0, 0.0);
+        let (mut true_square, mut found) = (0.0, 0.0);
         for seed in 1..=200 {
             let mut noise = coloured(keep, seed * 7919, count);
             let mean: f64 = noise.iter().zip(&columns[0]).map(|(a, b)| a * b).sum();
             true_square += mean * mean / 200.0;
             crate::gap::model::basis::project_out(&mut noise, &columns);
-            said += ResidualSpectrum::of(&noise, &columns).variance(&columns[0]) / 200.0;
+            found += ResidualSpectrum::of(&noise, &columns).variance(&columns[0]) / 200.0;
         }
-        // THEN the variance that it says of the mean is the one it has, 99 times that of white noise.
+        // THEN the variance found for the mean is the true one, 99 times that of white noise.
         let theory = (1.0 + keep) / (1.0 - keep);
         assert!((true_square / theory - 1.0).abs() < 0.25, "{true_square}");
-        assert!((said / theory - 1.0).abs() < 0.15, "{said} of {theory}");
+        assert!((found / theory - 1.0).abs() < 0.15, "{found} of {theory}");
     }
 
     #[test]

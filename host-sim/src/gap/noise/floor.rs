@@ -269,8 +269,8 @@ mod tests {
         let keep = (-TAU * corner_hz * 1e-3).exp();
         let mut state = 0.0;
         let each = normals(count, stream).into_iter();
-        each.map(|own| {
-            state = keep * state + (1.0 - keep * keep).sqrt() * own;
+        each.map(|normal| {
+            state = keep * state + (1.0 - keep * keep).sqrt() * normal;
             state
         })
         .collect()
@@ -280,17 +280,17 @@ mod tests {
     /// it, with a noise (N) and what else there is at a time (s) and a speed (mm a sample).
     fn log(noise_n: &[f64], else_n: impl Fn(f64, f64) -> f64, code_n: f64) -> UniformLog {
         let place = |at: usize| match at % 2500 {
-            own @ 500..1000 => -(TAU * (own - 500) as f64 / 1000.0).cos(),
+            phase @ 500..1000 => -(TAU * (phase - 500) as f64 / 1000.0).cos(),
             1000..2000 => 1.0,
-            own @ 2000.. => (TAU * (own - 2000) as f64 / 1000.0).cos(),
+            phase @ 2000.. => (TAU * (phase - 2000) as f64 / 1000.0).cos(),
             _ => -1.0,
         };
         let count = noise_n.len();
         let x: Vec<f64> = (0..count).map(place).collect();
         let force = |at: usize| {
             let more = else_n(1e-3 * at as f64, x[at] - x[at.saturating_sub(1)]);
-            let own = 2.0 * x[at].max(0.0) + noise_n[at] + more;
-            (own / code_n).round() * code_n
+            let force_n = 2.0 * x[at].max(0.0) + noise_n[at] + more;
+            (force_n / code_n).round() * code_n
         };
         UniformLog {
             rate_hz: 1000.0,
@@ -306,7 +306,7 @@ mod tests {
 
     fn white() -> Vec<f64> {
         let each = normals(SAMPLES, 0).into_iter();
-        each.map(|own| SIGMA_N * own).collect()
+        each.map(|normal| SIGMA_N * normal).collect()
     }
 
     fn assert_near(floor: &NoiseFloor, sigma_n: f64, most: f64) {
@@ -356,7 +356,7 @@ mod tests {
         // AND a noise of as much power below 6 Hz
         let wander: Vec<f64> = slow(6.0, SAMPLES, 3)
             .iter()
-            .map(|own| 5.0 * SIGMA_N * own)
+            .map(|wander| 5.0 * SIGMA_N * wander)
             .collect();
         let floor = NoiseFloor::of(&log(&wander, |_, _| 0.0, 1e-5));
         // THEN the one is taken out and the other is the floor, and known to be a rough one.

@@ -18,11 +18,11 @@ const MOST_SAMPLES: usize = 3000;
 const FIRST_HALVES: usize = 6;
 
 /// The lines of a log that hold a tenth of the energy of its residuals.
-pub(crate) fn lines(own: &LogResiduals<'_>) -> Vec<Region> {
-    let residuals: Vec<f64> = own
+pub(crate) fn lines(of_log: &LogResiduals<'_>) -> Vec<Region> {
+    let residuals: Vec<f64> = of_log
         .residuals
         .iter()
-        .zip(own.variances)
+        .zip(of_log.variances)
         .map(|(residual, v)| if *v > 0.0 { *residual } else { 0.0 })
         .collect();
     let energy: f64 = residuals.iter().map(|r| r * r).sum();
@@ -35,9 +35,9 @@ pub(crate) fn lines(own: &LogResiduals<'_>) -> Vec<Region> {
         hz,
         pitch_m,
     };
-    let in_time = line_in_time(own.log, &residuals, energy)
+    let in_time = line_in_time(of_log.log, &residuals, energy)
         .map(|(share, hz)| region("line", share, Some(hz), None));
-    let along_travel = line_along_travel(own.log, &residuals)
+    let along_travel = line_along_travel(of_log.log, &residuals)
         .map(|(share, pitch_m)| region("pitch", share, None, Some(pitch_m)));
     in_time.into_iter().chain(along_travel).collect()
 }

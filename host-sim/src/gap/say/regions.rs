@@ -71,7 +71,7 @@ fn discoveries(tested: Vec<(f64, Region)>) -> Vec<Region> {
     let is_below = |(rank, (p_value, _)): &(usize, &(f64, Region))| {
         *p_value <= FALSE_DISCOVERIES * (*rank as f64 + 1.0) / count
     };
-    let last = tested.iter().enumerate().filter(is_below).next_back();
+    let last = tested.iter().enumerate().rfind(is_below);
     let named = last.map_or(0, |(rank, _)| rank + 1);
     let named = tested.into_iter().take(named);
     named.map(|(_, region)| region).collect()
@@ -85,17 +85,22 @@ struct Tallies {
 }
 
 impl Tallies {
-    fn add_log(&mut self, own: &LogResiduals<'_>) {
-        let log = own.log;
-        let deepest_m = own.depth_m.iter().copied().fold(0.0, f64::max);
+    fn add_log(&mut self, residuals: &LogResiduals<'_>) {
+        let LogResiduals {
+            log,
+            depth_m,
+            residuals,
+            variances,
+        } = residuals;
+        let deepest_m = depth_m.iter().copied().fold(0.0, f64::max);
         let mut speeds: Vec<f64> = log.speed_mps.iter().map(|v| v.abs()).collect();
         speeds.sort_unstable_by(f64::total_cmp);
         let fast_mps = quantile(&speeds, FAST);
         let moving = &speeds[speeds.partition_point(|v| *v <= STILL * fast_mps)..];
         let median_mps = quantile(moving, 0.5);
-        for at in (0..log.len()).filter(|at| own.variances[*at] > 0.0) {
-            let (depth, speed) = (own.depth_m[at], log.speed_mps[at]);
-            let (square, variance) = (own.residuals[at].powi(2), own.variances[at]);
+        for at in (0..log.len()).filter(|at| variances[*at] > 0.0) {
+            let (depth, speed) = (depth_m[at], log.speed_mps[at]);
+            let (square, variance) = (residuals[at].powi(2), variances[at]);
             let mut add = |id: &'static str| self.add(id, square, variance);
             add(phase(depth, speed, deepest_m, fast_mps));
             if depth > 0.0 && deepest_m > 0.0 {

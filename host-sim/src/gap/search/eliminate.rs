@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::gap::model::fit::Fit;
 use crate::gap::model::shape::Term;
-use crate::gap::search::search::{Search, SearchResult};
+use crate::gap::search::run::{Search, SearchResult};
 
 impl Search<'_> {
     /// Leaves effects out, the least needed first, until all that are left are significant.

@@ -8,7 +8,7 @@ use crate::gap::model::shape::{Shape, Term};
 use crate::gap::model::start::starts as starts_of;
 use crate::gap::search::physical::is_physical;
 use crate::gap::search::proposals::{LinearizedModel, Proposal};
-use crate::gap::search::search::{RAN_AWAY, Search};
+use crate::gap::search::run::{RAN_AWAY, Search};
 use crate::gap::search::sets::{added_effects, is_last_repeated, truncate};
 
 /// Effects that are refitted jointly in a forward step.

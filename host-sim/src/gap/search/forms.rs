@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::gap::data::scales::Scales;
 use crate::gap::model::fit::Fit;
 use crate::gap::model::shape::Term;
-use crate::gap::search::search::Search;
+use crate::gap::search::run::Search;
 
 /// An optional number of an effect: the effect, and the place in its row.
 type Form = (EffectId, usize);

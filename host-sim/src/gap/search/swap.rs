@@ -1,7 +1,7 @@
 //! Swaps: every other effect is tried in the place of each that was added.
 
 use crate::gap::model::fit::Fit;
-use crate::gap::search::search::{Search, SearchResult};
+use crate::gap::search::run::{Search, SearchResult};
 use crate::gap::search::sets::added_effects;
 
 /// Most rounds of swaps.

@@ -26,7 +26,7 @@ pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
     let all: f64 = before
         .iter()
         .flatten()
-        .map(|own| own.excess_n2.max(0.0))
+        .map(|tally| tally.excess_n2.max(0.0))
         .sum();
     let what = format!(
         "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
@@ -70,11 +70,11 @@ fn map(log: &LogCurves<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> 
     let filled = tallies
         .iter()
         .enumerate()
-        .filter(|(_, row)| row.iter().any(|own| own.count >= FEWEST));
+        .filter(|(_, row)| row.iter().any(|tally| tally.count >= FEWEST));
     filled.fold(
         HeatMap::new("depth \\ motion", COLUMNS),
         |map, (at, row)| {
-            let cells = row.iter().map(|own| cell(own, all_n2)).collect();
+            let cells = row.iter().map(|tally| cell(tally, all_n2)).collect();
             map.row(depth(at, log.deepest_m), cells)
         },
     )
@@ -90,12 +90,12 @@ fn depth(row: usize, deepest_m: f64) -> String {
     }
 }
 
-fn cell(own: &Tally, all_n2: f64) -> Option<Shaded> {
-    if own.count < FEWEST {
+fn cell(tally: &Tally, all_n2: f64) -> Option<Shaded> {
+    if tally.count < FEWEST {
         return None;
     }
-    let times = (own.ratio / own.count).sqrt();
-    let share = own.excess_n2 / all_n2.max(f64::MIN_POSITIVE);
+    let times = (tally.ratio / tally.count).sqrt();
+    let share = tally.excess_n2 / all_n2.max(f64::MIN_POSITIVE);
     Some(Shaded {
         text: if times < 10.0 {
             format!("{times:.2} ×")

@@ -71,7 +71,7 @@ const ORDER: [&str; 15] = [
 fn table(finding: &Finding) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);
-    let of = |regions: &[Region], id: &str| regions.iter().find(|own| own.id == id).cloned();
+    let of = |regions: &[Region], id: &str| regions.iter().find(|region| region.id == id).cloned();
     let mut rows: Vec<(Option<Region>, Option<Region>)> = ORDER
         .iter()
         .map(|id| (of(before, id), of(after, id).filter(|_| !only_base)))
@@ -81,15 +81,16 @@ fn table(finding: &Finding) -> Table {
         .iter()
         .flat_map(|(before, after)| [before, after])
         .flatten();
-    let (unit, errors) = column(&all.map(|own| own.rms_n).collect::<Vec<_>>(), 3, "N");
+    let (unit, errors) = column(&all.map(|region| region.rms_n).collect::<Vec<_>>(), 3, "N");
     let mut errors = errors.into_iter().map(Cell::Number);
     let percent = |share: f64| Cell::Number(format!("{} %", fixed(100.0 * share, 0)));
     let none = || Cell::Missing("–".into());
     let cells = rows.iter().map(|(before, after)| {
         let named = before.as_ref().or(after.as_ref());
-        let is_line = named.is_some_and(|own| own.hz.is_some() || own.pitch_m.is_some());
-        let mut rms = |own: &Option<Region>| {
-            own.as_ref()
+        let is_line = named.is_some_and(|region| region.hz.is_some() || region.pitch_m.is_some());
+        let mut rms = |region: &Option<Region>| {
+            region
+                .as_ref()
                 .and_then(|_| errors.next())
                 .unwrap_or_else(none)
         };
@@ -98,8 +99,10 @@ fn table(finding: &Finding) -> Table {
             Cell::from(named.map_or(String::new(), name)),
             named
                 .filter(|_| !is_line)
-                .map_or_else(none, |own| percent(own.samples)),
-            before.as_ref().map_or_else(none, |own| percent(own.share)),
+                .map_or_else(none, |region| percent(region.samples)),
+            before
+                .as_ref()
+                .map_or_else(none, |region| percent(region.share)),
             rms_before,
         ];
         row.into_iter()

@@ -86,7 +86,7 @@ fn density(residuals: &[f64], period_s: f64, most_hz: f64) -> (Vec<f64>, Vec<f64
 }
 
 /// Mean power of the bins of half-overlapping segments under Hann's window: 1 for white noise of unit
-/// variance. What is not told counts as 0.
+/// variance. A sample that says nothing counts as 0.
 fn welch(residuals: &[f64], length: usize) -> Vec<f64> {
     let window: Vec<f64> = (0..length)
         .map(|at| {
@@ -98,10 +98,10 @@ fn welch(residuals: &[f64], length: usize) -> Vec<f64> {
     let mut power = vec![0.0; length / 2];
     let mut segments = 0.0;
     for from in (0..=residuals.len() - length).step_by((length / 2).max(1)) {
-        let own = &residuals[from..from + length];
-        let told = own.iter().filter(|r| r.is_finite());
-        let mean = told.clone().sum::<f64>() / (told.count() as f64).max(1.0);
-        let mut bins: Vec<Complex<f64>> = own
+        let segment = &residuals[from..from + length];
+        let finite = segment.iter().filter(|r| r.is_finite());
+        let mean = finite.clone().sum::<f64>() / (finite.count() as f64).max(1.0);
+        let mut bins: Vec<Complex<f64>> = segment
             .iter()
             .zip(&window)
             .map(|(r, w)| Complex::new(if r.is_finite() { (r - mean) * w } else { 0.0 }, 0.0))

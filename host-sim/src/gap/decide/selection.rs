@@ -10,7 +10,7 @@ use crate::gap::model::dataset::Dataset;
 use crate::gap::model::error::std_errors;
 use crate::gap::model::fit::Fit;
 use crate::gap::model::weights::weights;
-use crate::gap::search::search::SearchResult;
+use crate::gap::search::run::SearchResult;
 
 /// Decides on the result of a search; `tried` are the sets of effects that were fitted.
 pub(crate) fn decide(
