@@ -60,8 +60,8 @@ const FITTED_SAMPLES: usize = 30_000;
 /// Finds what a base model lacks to explain the logs of one rig.
 ///
 /// # Errors
-/// A model that does not describe a rig, or a log that nothing can be fitted to: it is too short, it has no motion or
-/// no contact, or its columns are exchanged.
+/// A model that does not describe a rig, or a log that nothing can be fitted to: it is too short, it has
+/// no motion or no contact, or its columns are exchanged.
 pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Finding, Diagnostic> {
     gap_with_progress(model, logs, options, &Silent)
 }
@@ -133,8 +133,8 @@ fn input_notes(model: &Model, logs: &[UniformLog]) -> Result<Vec<String>, Diagno
     Ok(notes)
 }
 
-/// The logs with speeds and accelerations and through the low-pass, and a note if rests were thinned. With a low-pass
-/// none are, since it needs equally spaced samples.
+/// The logs with speeds and accelerations and through the low-pass, and a note if rests were thinned.
+/// With a low-pass none are, since it needs equally spaced samples.
 fn fit_data(
     logs: &[Cow<'_, UniformLog>],
     low_pass: Option<LowPass>,

@@ -24,8 +24,8 @@ const MOSTLY_REST: f64 = 0.75;
 /// The step between samples within a rest, as a share of the time since it began.
 const STEP_GROWTH: f64 = 3e-3;
 /// A sample stands still if, within this many samples on either side, the position changes by less than
-/// `STILL_SIGMAS` standard deviations of its noise or by less than `STILL_SHARE` of the travel. A speed would
-/// not do: a position that is held by a loop trembles.
+/// `STILL_SIGMAS` standard deviations of its noise or by less than `STILL_SHARE` of the travel. A speed
+/// would not do: a position that is held by a loop trembles.
 const NEAR_SAMPLES: usize = 25;
 const STILL_SIGMAS: f64 = 6.0;
 const STILL_SHARE: f64 = 2e-3;

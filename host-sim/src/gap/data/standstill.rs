@@ -69,7 +69,8 @@ mod tests {
         // WHEN the speeds near the rests are shrunk
         shrink_speeds(&mut motion);
         let (after, _) = excess(&motion.speed_mps, |at| speed[at]);
-        // THEN a third of what was too much is gone (38 %): a shrinkage that took all would take from motion.
+        // THEN a third of what was too much is gone (38 %): a shrinkage that took all would take from
+        // motion.
         assert!(count > 200 && before > 1.5e-5, "{count} {before:e}");
         assert!(
             after > 0.0 && after < 0.7 * before,

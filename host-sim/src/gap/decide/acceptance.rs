@@ -11,9 +11,9 @@ use crate::gap::search::sets::{added_effects, is_repeated};
 
 /// The share of the base's excess that effects must explain together to be accepted where something is left.
 const EXPLAINED: f64 = 0.95;
-/// Or they are accepted if they leave at most this share of the excess, and any other set as large leaves at least
-/// `LEAST_LEAD` times as much: 3.1 times for the nearest effect to a crackling that is in no catalogue, 4.7 times for
-/// a soft limit.
+/// Or they are accepted if they leave at most this share of the excess, and any other set as large
+/// leaves at least `LEAST_LEAD` times as much: 3.1 times for the nearest effect to a crackling that is
+/// in no catalogue, 4.7 times for a soft limit.
 const LARGEST_REMAINDER: f64 = 0.25;
 const LEAST_LEAD: f64 = 4.0;
 /// The share of what is left that an effect must take off at least where much is left.
@@ -35,8 +35,9 @@ pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
         .filter(|fit| fit.cost < most)
 }
 
-/// The place of an added effect whose size may as well be 0, if nothing else could stand in its place or the held-out
-/// part hardly misses it. Of 810 effects that were right one was that badly known, of 36 wrong ones ten.
+/// The place of an added effect whose size may as well be 0, if nothing else could stand in its place or
+/// the held-out part hardly misses it. Of 810 effects that were right one was that badly known, of 36
+/// wrong ones ten.
 pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
     let Decision {
         best, std_errors, ..
@@ -68,8 +69,9 @@ pub(crate) fn is_accepted(decision: &Decision, tried: &[Candidate]) -> bool {
     explained >= EXPLAINED || is_far_ahead(&added_effects(&decision.best), tried)
 }
 
-/// Whether a set of effects that leaves something explains most of the excess, and every other set as large leaves
-/// several times as much: the form of one of the effects differs from that of the catalogue.
+/// Whether a set of effects that leaves something explains most of the excess, and every other set as
+/// large leaves several times as much: the form of one of the effects differs from that of the
+/// catalogue.
 fn is_far_ahead(ids: &[EffectId], tried: &[Candidate]) -> bool {
     let left_by = |candidate: &Candidate| excess(candidate.ratio);
     let of = |ids: &[EffectId]| {

@@ -5,8 +5,8 @@ use estimator_core::physics::effect::EffectId;
 use crate::gap::finding::Verdict;
 use crate::gap::model::fit::Fit;
 
-/// Held-out residuals within this many times what is allowed are explained. Errors of form, of the motion between
-/// samples, and of the noise floor itself are below.
+/// Held-out residuals within this many times what is allowed are explained. Errors of form, of the
+/// motion between samples, and of the noise floor itself are below.
 pub(crate) const ADEQUATE: f64 = 1.12;
 
 /// The decision on the effects of a search.

@@ -16,9 +16,9 @@ use crate::stats::correlation;
 
 /// Residuals of a base model within this explain a log in which nothing more is found.
 const NOTHING_LEFT: f64 = 1.08;
-/// How much further both bounds go where the noise is coloured, since a rest of a second does not say what the
-/// noise does in ten: of 64 floors of pink noise the lowest was 0.82 of the truth. `FLOOR_ERRORS` standard errors
-/// of the floor count instead where they are more.
+/// How much further both bounds go where the noise is coloured, since a rest of a second does not say
+/// what the noise does in ten: of 64 floors of pink noise the lowest was 0.82 of the truth.
+/// `FLOOR_ERRORS` standard errors of the floor count instead where they are more.
 const COLOURED: f64 = 1.25;
 /// Most steps of the fit without an effect, and of a fit to the part that is not held out.
 const STEPS_WITHOUT: usize = 12;
@@ -118,8 +118,8 @@ fn verdict(dataset: &Dataset<'_>, ratio: f64, has_effects: bool, is_ambiguous: b
 
 /// The factor by which residuals may be larger because of what the noise floors do not know.
 fn allowance(floors: &[NoiseFloor]) -> f64 {
-    // Hum in a band is no effect of the catalogue, and no line either: the lines that rest shows may stay, once a
-    // periodic disturbance has not taken them.
+    // Hum in a band is no effect of the catalogue, and no line either: the lines that rest shows may
+    // stay, once a periodic disturbance has not taken them.
     let with_lines = |floor: &NoiseFloor| {
         let share = floor.lines_n / floor.used_n.max(f64::MIN_POSITIVE);
         1.0 + share.powi(2).min(1.0)

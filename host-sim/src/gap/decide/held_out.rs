@@ -1,5 +1,6 @@
-//! Held-out parts: the log is cut into twelve windows, and every third is held out. A fit to the others predicts
-//! them. The states (relaxation, play) run through all windows; only the residuals are left out.
+//! Held-out parts: the log is cut into twelve windows, and every third is held out. A fit to the others
+//! predicts them. The states (relaxation, play) run through all windows; only the residuals are left
+//! out.
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::model::fit::Fit;

@@ -1,4 +1,5 @@
-//! Effects that an accepted one could be as well: fits with another effect in its place that explain the logs as well.
+//! Effects that an accepted one could be as well: fits with another effect in its place that explain the
+//! logs as well.
 
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
@@ -8,18 +9,20 @@ use crate::gap::model::problem::Problem;
 use crate::gap::search::run::SearchResult;
 use crate::gap::search::sets::added_effects;
 
-/// Rivals whose Σ w r² is within this many squared standard errors of independent samples are not discriminated.
+/// Rivals whose Σ w r² is within this many squared standard errors of independent samples are not
+/// discriminated.
 const DISCRIMINABILITY_MARGIN: f64 = 12.0;
-/// A rival is followed if its Σ w r² at the search's resolution is within this factor of the best. Its distance may
-/// shrink at the log's own rate: a compliance that follows in 2 ms, seen every 4 ms, was off by 14 %.
+/// A rival is followed if its Σ w r² at the search's resolution is within this factor of the best. Its
+/// distance may shrink at the log's own rate: a compliance that follows in 2 ms, seen every 4 ms, was
+/// off by 14 %.
 const FOLLOWED: f64 = 1.20;
 /// Most steps of the refit of a rival.
 const STEPS: usize = 30;
 /// Stretches of the logs for [`is_worse_throughout`], and the standard errors that it asks for.
 const STRETCHES: usize = 48;
 const SURE: f64 = 2.0;
-/// A share of Σ w r² that errors which make the force late do not reach: it was 6.6 % and more for a lag that was one,
-/// mostly in the fastest of 48 stretches.
+/// A share of Σ w r² that errors which make the force late do not reach: it was 6.6 % and more for a lag
+/// that was one, mostly in the fastest of 48 stretches.
 const LATE: f64 = 0.05;
 
 /// The difference in Σ w r² within which two fits are not discriminated; `count` is the number of samples.
@@ -31,7 +34,8 @@ pub(crate) fn discriminability_margin(best: &Fit, count: f64, correlation: f64) 
 pub(super) struct Rivals {
     /// For every added effect, the ids that fit as well in its place.
     pub(super) alternatives: Vec<Vec<EffectId>>,
-    /// The fit of the search that, at the log's own rate, explains the logs better than the one it preferred.
+    /// The fit of the search that, at the log's own rate, explains the logs better than the one it
+    /// preferred.
     pub(super) better: Option<Fit>,
 }
 
@@ -116,10 +120,10 @@ fn better(best: &Fit, rivals: &[Rival<'_>], margin: f64, per_number: f64) -> Opt
         .map(|(found, _)| (*found).clone())
 }
 
-/// Whether a rival is worse in most of the log and not by a few stretches of it. This is Vuong's test of two models of
-/// which none contains the other, on sums over stretches, so that errors which last (steps of the force channel, a
-/// touch) count once each. A delay of 4.5 ms under a sine of 0.2 Hz was worse than a lag by 80, 0.7 standard errors of
-/// that sum.
+/// Whether a rival is worse in most of the log and not by a few stretches of it. This is Vuong's test of
+/// two models of which none contains the other, on sums over stretches, so that errors which last (steps
+/// of the force channel, a touch) count once each. A delay of 4.5 ms under a sine of 0.2 Hz was worse
+/// than a lag by 80, 0.7 standard errors of that sum.
 fn is_worse_throughout(all: &Problem<'_>, best: &Fit, rival: &Fit) -> bool {
     let squares = |fit: &Fit| -> Vec<f64> {
         let residuals = all.residuals(&fit.shape, &fit.numbers);
@@ -134,7 +138,8 @@ fn is_worse_throughout(all: &Problem<'_>, best: &Fit, rival: &Fit) -> bool {
     sums.iter().sum::<f64>() > SURE * error
 }
 
-/// Whether both effects only make the force late: in slow motion they differ by less than the errors of a rig.
+/// Whether both effects only make the force late: in slow motion they differ by less than the errors of
+/// a rig.
 pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
     use EffectId as E;
     matches!(
@@ -156,8 +161,8 @@ fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<Ef
     }
 }
 
-/// Whether one effect is a special case of the other: that is no ambiguity, and the simpler one wins where it is
-/// adequate.
+/// Whether one effect is a special case of the other: that is no ambiguity, and the simpler one wins
+/// where it is adequate.
 pub(crate) fn related(one: EffectId, other: EffectId) -> bool {
     use EffectId as E;
     let family = |id: EffectId| match id {

@@ -1,5 +1,5 @@
-//! From the result of a search to a decision: rivals that explain more take over, and effects that do not stand
-//! up to the evaluation are dropped, until what is left does.
+//! From the result of a search to a decision: rivals that explain more take over, and effects that do
+//! not stand up to the evaluation are dropped, until what is left does.
 
 use super::acceptance::{effect_without_size, fit_without_idle_effect, is_accepted};
 use super::decision::Decision;
@@ -51,16 +51,16 @@ fn accepted_decision(
     let mut swapped = false;
     loop {
         let mut decision = evaluate(dataset, base, &result);
-        // At one sample of four a compliance seemed worse than the delay that it is not. There is one swap, so
-        // that two fits that get stuck in turn do not swap for ever.
+        // At one sample of four a compliance seemed worse than the delay that it is not. There is one
+        // swap, so that two fits that get stuck in turn do not swap for ever.
         if let Some(better) = decision.better.take().filter(|_| !swapped) {
             result.rivals.push(vec![result.best]);
             result.best = better;
             swapped = true;
             continue;
         }
-        // An effect that seemed significant on the search's samples may take nothing off at the log's own rate: a
-        // delay of 2 µs moved the turn of a play by a sample.
+        // An effect that seemed significant on the search's samples may take nothing off at the log's
+        // own rate: a delay of 2 µs moved the turn of a play by a sample.
         if let Some(best) = fit_without_idle_effect(&decision) {
             result.best = best.clone();
             continue;
@@ -73,8 +73,8 @@ fn accepted_decision(
         if is_accepted && is_unambiguous {
             return decision;
         }
-        // Effects that leave much unexplained are not named; of those that explain most, the ones that another
-        // effect could replace are not.
+        // Effects that leave much unexplained are not named; of those that explain most, the ones that
+        // another effect could replace are not.
         result = SearchResult::alone(if is_accepted {
             without_ambiguous(dataset, &decision)
         } else {

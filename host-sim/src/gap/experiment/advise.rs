@@ -24,8 +24,8 @@ const FASTER: f64 = 1.5;
 /// To be advised, a further motion must bring a standard error below this share of what it was, and below
 /// `UNOBSERVED`.
 const BETTER: f64 = 0.5;
-/// How many times the standard deviations that count a motion must promise between a lag and a delay, which lasting
-/// errors of a rig imitate.
+/// How many times the standard deviations that count a motion must promise between a lag and a delay,
+/// which lasting errors of a rig imitate.
 const SURE: f64 = 3.0;
 
 /// What to do next, in a sentence or two, and the motion to do it with.
@@ -126,8 +126,8 @@ fn discriminating_motion(dataset: &Dataset<'_>, decision: &Decision) -> Option<A
         let analysis = both.discriminability(&base.shape, &base.numbers, dataset.scales);
         nearest_rival_sigma(&analysis, &target, rivals)
     };
-    // The run with both logs asks that one is better throughout. Where no motion promises that, the best of those that
-    // promise a difference is taken.
+    // The run with both logs asks that one is better throughout. Where no motion promises that, the best
+    // of those that promise a difference is taken.
     let enough = chi2_threshold(rivals.len()).sqrt();
     let sure = match rivals.iter().any(|id| are_late(target.id, *id)) {
         true => SURE,
@@ -171,7 +171,8 @@ fn nearest_rival_sigma(
     Some(chi2.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
 }
 
-/// The motion for the first number of a fit whose standard error is more than 70 % of it, if a motion would help.
+/// The motion for the first number of a fit whose standard error is more than 70 % of it, if a motion
+/// would help.
 fn observing_motion(
     dataset: &Dataset<'_>,
     fit: &Fit,

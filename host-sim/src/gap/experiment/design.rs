@@ -1,4 +1,5 @@
-//! The motion to record next, predicted on the log and the further motion together, with the numbers of the fit.
+//! The motion to record next, predicted on the log and the further motion together, with the numbers of
+//! the fit.
 
 use rayon::prelude::*;
 
@@ -13,8 +14,8 @@ use crate::model::EnvironmentLaw;
 
 /// Samples of the log that are kept.
 const SAMPLES: usize = 2_000;
-/// Paces of the motions, in that of the log: a lag of 5 ms and a delay of 5 ms are the same at 0.2 Hz and at three times
-/// that, whatever the motion. The slowest pace that suffices is advised.
+/// Paces of the motions, in that of the log: a lag of 5 ms and a delay of 5 ms are the same at 0.2 Hz
+/// and at three times that, whatever the motion. The slowest pace that suffices is advised.
 const PACES: [f64; 3] = [1.0, 4.0, 16.0];
 
 /// The thinned log, and the motions that its rig could do next.

@@ -1,10 +1,10 @@
 //! Which effects a motion shows, and which of them it tells apart, before or without another log.
 //!
-//! An effect changes the force by d(t). What base and noise leave of it is detected: |W^½ d|² after the projection off
-//! the Jacobian of the base is the χ² that the effect adds. A rival imitates it with its own force and its own
-//! Jacobian, beside that of the base: what is left after that projection is the χ² by which the two differ. All of it
-//! is linear, at the best of the rival's starts. A rival that could imitate only beyond its bounds counts as one all
-//! the same, so that the answer is on the careful side.
+//! An effect changes the force by d(t). What base and noise leave of it is detected: |W^½ d|² after the
+//! projection off the Jacobian of the base is the χ² that the effect adds. A rival imitates it with its
+//! own force and its own Jacobian, beside that of the base: what is left after that projection is the χ²
+//! by which the two differ. All of it is linear, at the best of the rival's starts. A rival that could
+//! imitate only beyond its bounds counts as one all the same, so that the answer is on the careful side.
 
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 use rayon::prelude::*;
@@ -18,7 +18,8 @@ use crate::gap::model::start::{is_possible, starts, whole};
 
 /// Samples on either side of a touch that a thinned motion says nothing of.
 const UNRESOLVED: usize = 3;
-/// The share of a change that must be left beyond the base for the effect to be detected at all: the rest is rounding.
+/// The share of a change that must be left beyond the base for the effect to be detected at all: the
+/// rest is rounding.
 const LEAST_REMAINDER: f64 = 1e-9;
 
 /// A base with fixed numbers, motions, and the noise on them.
@@ -184,8 +185,8 @@ impl<'a> Discriminability<'a> {
         each.fold(self.detection_chi2(target, times), f64::min)
     }
 
-    /// The root mean square of the change that an effect makes to the force before anything is refitted, in units of
-    /// the noise.
+    /// The root mean square of the change that an effect makes to the force before anything is refitted,
+    /// in units of the noise.
     pub(super) fn rms_change(&self, target: &EffectSignature) -> f64 {
         let mut terms = self.shape.terms_at(self.numbers);
         terms.push(target.term.clone());
@@ -199,9 +200,9 @@ impl<'a> Discriminability<'a> {
     }
 }
 
-/// Leaves out the samples around the touches of a thinned motion. Between two of its samples it has no touch where the
-/// rig's motion has one, and what follows at once (the answer of a lag to it, or of a delay) would count for all the
-/// samples that were left out.
+/// Leaves out the samples around the touches of a thinned motion. Between two of its samples it has no
+/// touch where the rig's motion has one, and what follows at once (the answer of a lag to it, or of a
+/// delay) would count for all the samples that were left out.
 fn leave_out_touches(weights: &mut [f64], depths: &[Vec<f64>], repeats: &[f64]) {
     let mut from = 0;
     for (depths, repeats) in depths.iter().zip(repeats) {

@@ -69,8 +69,8 @@ impl ExcitationRange {
         quantity(strokes * self.stroke_s, 2, "s")
     }
 
-    /// Words that only mean something where there is a surface: without one nothing is in contact, and all air is
-    /// free.
+    /// Words that only mean something where there is a surface: without one nothing is in contact, and
+    /// all air is free.
     fn with_surface(self, words: &'static str) -> &'static str {
         if self.touches { words } else { "" }
     }

@@ -1,9 +1,10 @@
-//! `palpate gap --plan`: before any log, which effects of the catalogue a motion will show, which of them it will not
-//! tell apart, and what to record as well.
+//! `palpate gap --plan`: before any log, which effects of the catalogue a motion will show, which of
+//! them it will not tell apart, and what to record as well.
 //!
-//! Every effect is as strong as the search would first try it (5 % of the force's range, an exponent of 1.4, …), or
-//! weaker, so that it changes the force by at most three times the noise, root mean square. An effect is seen, or told
-//! from a rival, if that means a χ² beyond the significance threshold of the search.
+//! Every effect is as strong as the search would first try it (5 % of the force's range, an exponent of
+//! 1.4, …), or weaker, so that it changes the force by at most three times the noise, root mean square.
+//! An effect is seen, or told from a rival, if that means a χ² beyond the significance threshold of the
+//! search.
 
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
@@ -55,7 +56,8 @@ pub struct PlannedEffect {
     pub change_n: f64,
     /// By how many standard deviations it shows once the base is refitted.
     pub seen_sigma: f64,
-    /// By how many standard deviations it differs from each rival, the nearest first; relatives are left out.
+    /// By how many standard deviations it differs from each rival, the nearest first; relatives are left
+    /// out.
     pub rivals: Vec<(EffectId, f64)>,
     /// What to record as well, where the effect is not seen or not told from a rival.
     pub further: Option<FurtherMotion>,
@@ -259,7 +261,8 @@ fn typical(starts: &[EffectSignature]) -> &EffectSignature {
     &starts[starts.len() / 3]
 }
 
-/// By how many standard deviations each effect that needs a further motion differs from base and rivals with it.
+/// By how many standard deviations each effect that needs a further motion differs from base and rivals
+/// with it.
 fn sigmas_where_needed(
     analysis: &Discriminability<'_>,
     targets: &[Target],

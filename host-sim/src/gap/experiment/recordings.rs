@@ -72,8 +72,8 @@ impl Recordings {
 }
 
 impl Sensor {
-    /// A motion as a log would show it, without its force, and how many samples of the rig each of its samples stands
-    /// for.
+    /// A motion as a log would show it, without its force, and how many samples of the rig each of its
+    /// samples stands for.
     fn record(self, motion: &Motion) -> (FitData, f64) {
         let samples = (motion.duration_s() * self.rate_hz).ceil().max(50.0);
         let slower = (samples / MOST_SMOOTHED as f64).max(1.0);

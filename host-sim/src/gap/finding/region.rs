@@ -3,8 +3,8 @@
 /// A region and its share of the excess.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// `free`, `touch`, `loading`, `hold`, `unloading`, `lift_off`, `depth_low`, `depth_mid`, `depth_high`, `slow`,
-    /// `fast`, `early`, `late`, `line` or `pitch`.
+    /// `free`, `touch`, `loading`, `hold`, `unloading`, `lift_off`, `depth_low`, `depth_mid`,
+    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line` or `pitch`.
     pub id: &'static str,
     /// The region's share of the energy above the noise; a line's share of the whole residual.
     pub share: f64,
@@ -20,7 +20,8 @@ pub struct Region {
 
 /// The phases of the contact; every sample is in one.
 const PHASES: [&str; 6] = ["free", "touch", "loading", "hold", "unloading", "lift_off"];
-/// A region is mentioned beside the phase if its share of the excess is this many times its share of the samples.
+/// A region is mentioned beside the phase if its share of the excess is this many times its share of the
+/// samples.
 const TELLING: f64 = 1.3;
 /// Most regions that are mentioned beside the phase.
 const MOST_TELLING: usize = 2;

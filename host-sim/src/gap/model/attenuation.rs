@@ -1,17 +1,18 @@
 //! The bias that the errors of speed and acceleration give the numbers, and the numbers without it.
 //!
-//! Errors in the variables bias least squares: a mass reads too small by σ_a²/⟨a²⟩, a friction turns round over
-//! too wide a range of speeds. The bias grows with the variance, so that one more dose of the error shows what
-//! the first has done: the first step of Cook and Stefanski's simulation–extrapolation (JASA 89, 1994), with two
-//! points instead of random numbers. The gradient JᵀWr, averaged over the motion moved by +σ and by −σ, is no
-//! longer zero, and the inverse curvature turns it into the bias.
+//! Errors in the variables bias least squares: a mass reads too small by σ_a²/⟨a²⟩, a friction turns
+//! round over too wide a range of speeds. The bias grows with the variance, so that one more dose of the
+//! error shows what the first has done: the first step of Cook and Stefanski's simulation–extrapolation
+//! (JASA 89, 1994), with two points instead of random numbers. The gradient JᵀWr, averaged over the
+//! motion moved by +σ and by −σ, is no longer zero, and the inverse curvature turns it into the bias.
 
 use crate::gap::model::covariance::{at_bound, inverse};
 use crate::gap::model::fit::Fit;
 use crate::gap::model::problem::Problem;
 use crate::gap::model::weights::{with_acceleration_error, with_speed_error};
 
-/// The share of Σ w r² that a correction may cost. One that costs more is no small correction, and is not made.
+/// The share of Σ w r² that a correction may cost. One that costs more is no small correction, and is
+/// not made.
 const LARGEST_COST: f64 = 0.02;
 
 /// How much too large the errors of the motion make the free numbers of a fit.

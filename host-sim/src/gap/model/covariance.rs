@@ -10,8 +10,9 @@ pub(crate) fn at_bound(fit: &Fit) -> Vec<bool> {
         .collect()
 }
 
-/// The inverse of a curvature without the numbers at a bound. It is taken in units of the columns' magnitudes,
-/// with a ridge where they are linearly dependent to rounding; `None` if a ridge of 1e-3 does not suffice.
+/// The inverse of a curvature without the numbers at a bound. It is taken in units of the columns'
+/// magnitudes, with a ridge where they are linearly dependent to rounding; `None` if a ridge of 1e-3
+/// does not suffice.
 pub(crate) fn inverse(curvature: &[f64], at_bound: &[bool]) -> Option<Vec<f64>> {
     let n = at_bound.len();
     let is_out = |at: usize| at_bound[at] || curvature[at * n + at] <= 0.0;

@@ -1,11 +1,12 @@
 //! Standard errors of the numbers of a fit.
 //!
-//! The noise contributes the largest of three variances: C = H⁻¹·max(1, misfit²) with H = JᵀWJ; the sandwich
-//! H⁻¹MH⁻¹ with Newey and West's M, which counts what neighbours repeat; and what noise with the spectrum of the
-//! residuals makes of each number (`coloured`). Two contributions are added. One is half of the bias that the
-//! errors of speed and acceleration give the number (see `attenuation`; their variance is known to a factor of
-//! about two). The other comes from the positions at rest: while the probe holds still the encoder's error is one
-//! number, and no hold averages it (0.3 µm at 10⁴ N/m are 3 mN, against 0.2 mN of white noise after 2 s).
+//! The noise contributes the largest of three variances: C = H⁻¹·max(1, misfit²) with H = JᵀWJ; the
+//! sandwich H⁻¹MH⁻¹ with Newey and West's M, which counts what neighbours repeat; and what noise with
+//! the spectrum of the residuals makes of each number (`coloured`). Two contributions are added. One is
+//! half of the bias that the errors of speed and acceleration give the number (see `attenuation`; their
+//! variance is known to a factor of about two). The other comes from the positions at rest: while the
+//! probe holds still the encoder's error is one number, and no hold averages it (0.3 µm at 10⁴ N/m are 3
+//! mN, against 0.2 mN of white noise after 2 s).
 
 use std::ops::Range;
 
@@ -61,8 +62,9 @@ pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// The standard error that smoothing the positions gives the amplitude of an encoder's ripple; 0 for another
-/// number. Windows that stay within a count of 1 µm (0.29 µm, one standard deviation) took 0.15 to 0.4 µm off it.
+/// The standard error that smoothing the positions gives the amplitude of an encoder's ripple; 0 for
+/// another number. Windows that stay within a count of 1 µm (0.29 µm, one standard deviation) took 0.15
+/// to 0.4 µm off it.
 fn smoothing_error(problem: &Problem<'_>, fit: &Fit, at: usize) -> f64 {
     let is_ripple = |number: usize| fit.shape.terms[number].id == EffectId::EncoderPeriodicError;
     match fit.shape.free[at].owner {
@@ -164,7 +166,8 @@ impl ResidualStatistics {
     }
 }
 
-/// The rests, as places in `used`, and the force (N) that one standard deviation of the position makes there.
+/// The rests, as places in `used`, and the force (N) that one standard deviation of the position makes
+/// there.
 pub(crate) fn rests(
     problem: &Problem<'_>,
     fit: &Fit,

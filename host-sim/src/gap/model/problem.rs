@@ -97,7 +97,8 @@ impl Problem<'_> {
             from += LANES;
         }
         if self.low_pass.is_some() {
-            // The force of the logs has been filtered already, so that the prediction alone is filtered here.
+            // The force of the logs has been filtered already, so that the prediction alone is filtered
+            // here.
             linear.residuals = self.residuals(shape, numbers);
             linear
                 .columns

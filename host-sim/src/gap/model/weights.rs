@@ -1,5 +1,5 @@
-//! The variances that residuals should have: the noise of the force, and what the errors of the motion make of
-//! it.
+//! The variances that residuals should have: the noise of the force, and what the errors of the motion
+//! make of it.
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::data::low_pass::LowPass;
@@ -9,8 +9,8 @@ use crate::gap::model::simulate::{forces_of_changed, run_rig};
 use crate::gap::noise::floor::NoiseFloor;
 use crate::model::EnvironmentLaw;
 
-/// The variances (N²) that the residuals of a fit should have. A sample that says nothing has 0: one in a gap,
-/// or at the instant of a touch, which no sampling resolves.
+/// The variances (N²) that the residuals of a fit should have. A sample that says nothing has 0: one in
+/// a gap, or at the instant of a touch, which no sampling resolves.
 pub(crate) fn variances(
     fit: &Fit,
     logs: &[FitData],
@@ -43,8 +43,8 @@ pub(crate) fn variances(
     variances
 }
 
-/// The variances (N²) that an error of the motion gives the predicted forces: the square of half the difference
-/// between the forces with the error added and taken off.
+/// The variances (N²) that an error of the motion gives the predicted forces: the square of half the
+/// difference between the forces with the error added and taken off.
 fn effect_of_errors(fit: &Fit, logs: &[FitData], change: impl Fn(&mut FitData, f64)) -> Vec<f64> {
     let changed =
         |sign: f64| forces_of_changed(&fit.shape, &fit.numbers, logs, |log| change(log, sign));

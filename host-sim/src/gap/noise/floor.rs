@@ -1,10 +1,10 @@
 //! The noise floor of the force, without a model.
 //!
-//! Two estimates are compared. Second differences are a high-pass and see white noise only. Rests in free air
-//! show the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a disturbance) are
-//! not noise and are cut to the level of their neighbours, and a line that runs through all free air is taken
-//! out first. Where the two differ the noise is coloured, and the estimate at rest is right; its fast part is
-//! better known from the whole log.
+//! Two estimates are compared. Second differences are a high-pass and see white noise only. Rests in
+//! free air show the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
+//! disturbance) are not noise and are cut to the level of their neighbours, and a line that runs through
+//! all free air is taken out first. Where the two differ the noise is coloured, and the estimate at rest
+//! is right; its fast part is better known from the whole log.
 
 use std::ops::Range;
 
@@ -29,8 +29,8 @@ const FAST: f64 = 1.0 / 16.0;
 const CERTAIN: f64 = 3.0;
 /// Noise is coloured from this ratio of the two estimates on.
 const COLOURED: f64 = 1.06;
-/// A disturbance holds at least this share of the power at rest. One that holds less is left in: the floor is
-/// then at most 1.4 times too high.
+/// A disturbance holds at least this share of the power at rest. One that holds less is left in: the
+/// floor is then at most 1.4 times too high.
 const DISTURBED: f64 = 0.5;
 /// Most lines that are looked for; some of them repeat with the motion.
 const MOST_LINES: usize = 4;

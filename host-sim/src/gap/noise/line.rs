@@ -6,7 +6,8 @@ use std::f64::consts::TAU;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-/// Least power of a line over the mean of what is left around it. Noise alone reaches it in e⁻³⁰ of the bins.
+/// Least power of a line over the mean of what is left around it. Noise alone reaches it in e⁻³⁰ of the
+/// bins.
 const LEAST_PROMINENCE: f64 = 30.0;
 /// Bins of the padded spectrum for each bin of the log.
 const PADDING: usize = 4;

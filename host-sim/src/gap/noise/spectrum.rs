@@ -1,13 +1,13 @@
-//! The power of a force at rest, bin by bin: what of it is noise, what is lines, and how much of a noise that
-//! rises towards low frequencies a window is too short to see.
+//! The power of a force at rest, bin by bin: what of it is noise, what is lines, and how much of a noise
+//! that rises towards low frequencies a window is too short to see.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use crate::signal;
 
-/// A bin this many times the median of its neighbours is a line; noise alone reaches it in e⁻⁸ of the bins of
-/// one window.
+/// A bin this many times the median of its neighbours is a line; noise alone reaches it in e⁻⁸ of the
+/// bins of one window.
 const LINE: f64 = 8.0;
 /// The least exponent a of a density f^−a that is more than scatter.
 const LEAST_EXPONENT: f64 = 0.3;
@@ -71,9 +71,10 @@ fn without_line(power: &[f64], at: usize) -> f64 {
     }
 }
 
-/// The straight line through the logarithms of density and frequency over the lowest sixteenth of the spectra
-/// of all windows: noise that rises towards low frequencies as f^−a. All windows share one line, because the
-/// slope of one short window scatters by 0.4, and the mean of what that adds would be too much.
+/// The straight line through the logarithms of density and frequency over the lowest sixteenth of the
+/// spectra of all windows: noise that rises towards low frequencies as f^−a. All windows share one line,
+/// because the slope of one short window scatters by 0.4, and the mean of what that adds would be too
+/// much.
 #[derive(Default)]
 pub(crate) struct LowFrequencySlope {
     sums: [f64; 5],
@@ -119,8 +120,9 @@ impl LowFrequencySlope {
     }
 }
 
-/// Power (N²) of a whole log above a frequency (cycles per sample), motion or not: the median over windows in
-/// each bin, since touches and reversals are in few windows. `None` with fewer than eight windows.
+/// Power (N²) of a whole log above a frequency (cycles per sample), motion or not: the median over
+/// windows in each bin, since touches and reversals are in few windows. `None` with fewer than eight
+/// windows.
 pub(crate) fn median_power(
     force: &[f64],
     in_gap: &[bool],

@@ -33,8 +33,8 @@ pub(crate) fn finding(
     let estimates = Estimates::of(&decision.best, &decision.std_errors);
     let remaining = builder.remaining();
     let effects = builder.effects(&estimates);
-    // If no part of the log stands out, held-out parts that are a little off show how well the other parts determine
-    // the numbers, and nothing that is missing.
+    // If no part of the log stands out, held-out parts that are a little off show how well the other
+    // parts determine the numbers, and nothing that is missing.
     let is_nowhere = remaining.is_empty() && effects.is_empty() && decision.ratio.1 <= ADEQUATE;
     let mut finding = Finding {
         verdict: match decision.verdict {
@@ -155,7 +155,8 @@ impl<'a> FindingBuilder<'a> {
             .collect()
     }
 
-    /// Where the model with the effects and the log disagree. What is left within the noise is not in any region.
+    /// Where the model with the effects and the log disagree. What is left within the noise is not in
+    /// any region.
     fn remaining(&self) -> Vec<Region> {
         match self.decision.verdict {
             Verdict::Unexplained => self.regions(&self.after_n),

@@ -7,7 +7,8 @@ use crate::number::quantity;
 /// A fitted stiffness this many times larger or smaller than that of the model is in another unit.
 const ANOTHER_UNIT: f64 = 100.0;
 
-/// Notes on what the result says about the input: a stiffness of another order, a surface that is never reached.
+/// Notes on what the result says about the input: a stiffness of another order, a surface that is never
+/// reached.
 pub(crate) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
     let mut notes = Vec::new();
     for (given, found) in model

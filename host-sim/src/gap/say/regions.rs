@@ -1,8 +1,8 @@
-//! Where a model and the logs disagree: the energy of the residuals above the noise, by the phase of the contact, by
-//! depth, by speed and by time.
+//! Where a model and the logs disagree: the energy of the residuals above the noise, by the phase of the
+//! contact, by depth, by speed and by time.
 //!
-//! A region is named when its excess is significant against the noise. Benjamini and Hochberg's procedure keeps the
-//! share of false names among them at 1 %.
+//! A region is named when its excess is significant against the noise. Benjamini and Hochberg's
+//! procedure keeps the share of false names among them at 1 %.
 
 use crate::gap::data::scales::quantile;
 use crate::gap::finding::Region;

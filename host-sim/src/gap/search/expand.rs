@@ -80,9 +80,9 @@ impl Search<'_> {
         starts
     }
 
-    /// A start of an exponential from the values of the model file. A power of the depth imitates an exponential,
-    /// and its residuals show nothing of one: an exponent of 4.4 for 1.5 and e^{1.2}. The way from the file is
-    /// longer and has more steps.
+    /// A start of an exponential from the values of the model file. A power of the depth imitates an
+    /// exponential, and its residuals show nothing of one: an exponent of 4.4 for 1.5 and e^{1.2}. The
+    /// way from the file is longer and has more steps.
     fn exponential_start(&self, from: &Fit) -> Option<Start> {
         if !self.ids.contains(&EXPONENTIAL) {
             return None;
@@ -99,8 +99,8 @@ impl Search<'_> {
         let mut proposals = model.proposals(self.ids);
         let least = LEAST_GAIN * (from.cost - self.noise_cost).max(0.0);
         proposals.retain(|starts| starts[0].gain > least);
-        // One more mode of a spectrum needs the others to make room. Neither a first order nor a few steps show
-        // what it is worth, so that it always gets its refit.
+        // One more mode of a spectrum needs the others to make room. Neither a first order nor a few
+        // steps show what it is worth, so that it always gets its refit.
         let has = |id: EffectId| from.shape.terms.iter().any(|term| term.id == id);
         truncate(&mut proposals, most, |starts| has(starts[0].term.id));
         proposals

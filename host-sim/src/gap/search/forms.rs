@@ -31,8 +31,8 @@ fn start(form: Form, s: &Scales) -> f64 {
     }
 }
 
-/// The factor on the first number of an effect that takes its form on: half of a growth of e^{1.5} is then the
-/// form's.
+/// The factor on the first number of an effect that takes its form on: half of a growth of e^{1.5} is
+/// then the form's.
 fn size_factor(id: EffectId) -> f64 {
     match id {
         EffectId::ExponentialStiffening => 0.5,

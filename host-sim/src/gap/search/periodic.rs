@@ -15,8 +15,9 @@ use crate::gap::search::proposals::LinearizedModel;
 /// Peaks of a spectrum that become starts.
 const PEAKS: usize = 3;
 
-/// A wave that a carrier modulates. In time it is carrier·A sin(2πft + φ), and `frequency_or_pitch` is the frequency f (Hz);
-/// along the travel it is carrier·A sin(2πx/p + φ), and `frequency_or_pitch` is the pitch p (m).
+/// A wave that a carrier modulates. In time it is carrier·A sin(2πft + φ), and `frequency_or_pitch` is
+/// the frequency f (Hz); along the travel it is carrier·A sin(2πx/p + φ), and `frequency_or_pitch` is
+/// the pitch p (m).
 struct Wave {
     amplitude: f64,
     frequency_or_pitch: f64,
@@ -133,7 +134,8 @@ impl LinearizedModel<'_> {
         peaks(&power, 8, 4).into_iter().filter_map(wave).collect()
     }
 
-    /// Amplitude A and phase φ of carrier·A sin(angle + φ) that fit the residuals best, projected off the basis.
+    /// Amplitude A and phase φ of carrier·A sin(angle + φ) that fit the residuals best, projected off
+    /// the basis.
     fn fitted_wave(
         &self,
         carrier: &[f64],

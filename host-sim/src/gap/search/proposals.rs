@@ -1,5 +1,5 @@
-//! Where a candidate effect starts, and what it promises: the change it makes to the force, projected off what
-//! the model can do already, compared with the residuals.
+//! Where a candidate effect starts, and what it promises: the change it makes to the force, projected
+//! off what the model can do already, compared with the residuals.
 
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
@@ -48,7 +48,8 @@ impl<'a> LinearizedModel<'a> {
         let normal = problem.normal_equations(&linear);
         let blocked = blocked(&fit.shape, &fit.numbers, &normal.downhill);
         let mut basis: Vec<Vec<f64>> = Vec::new();
-        // A number that its bound keeps from moving can do nothing: a damping of 0 that a lag would have negative.
+        // A number that its bound keeps from moving can do nothing: a damping of 0 that a lag would have
+        // negative.
         let columns = linear.columns.iter().zip(&blocked);
         for (column, _) in columns.filter(|(_, blocked)| !**blocked) {
             add_column(&mut basis, weighted(column), &[]);

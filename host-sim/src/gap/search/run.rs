@@ -1,5 +1,5 @@
-//! The search: forward steps from a beam of fits, then elimination and swaps. Every fit is a joint refit of the
-//! law and all effects.
+//! The search: forward steps from a beam of fits, then elimination and swaps. Every fit is a joint refit
+//! of the law and all effects.
 
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
@@ -24,9 +24,9 @@ const LARGEST_BEHIND: f64 = 4.0;
 const MOST_ADDED: usize = 5;
 /// A fit within this factor of the Σ w r² of noise is adequate.
 const ADEQUATE: f64 = 1.02;
-/// The share of the base's excess that may be left after two effects, and after three, before the search ends
-/// with nothing named. True sets of three leave 4 % at most, what is in no catalogue 5 to 50 %, and three of the
-/// five effects of cells under a cantilever 17 %.
+/// The share of the base's excess that may be left after two effects, and after three, before the search
+/// ends with nothing named. True sets of three leave 4 % at most, what is in no catalogue 5 to 50 %, and
+/// three of the five effects of cells under a cantilever 17 %.
 const HOPELESS: [f64; 2] = [0.5, 0.25];
 
 /// A search over the catalogue on one resolution of the logs.

@@ -16,15 +16,17 @@ const CERTAIN_OF_NEW: f64 = 0.5;
 /// The same share if one more term of an effect takes it that the fit has already.
 const CERTAIN_OF_REPEATED: f64 = 0.2;
 
-/// The χ² by which a difference counts, for the best of a catalogue's effects: 5 σ, and twice the logarithm of its size.
+/// The χ² by which a difference counts, for the best of a catalogue's effects: 5 σ, and twice the
+/// logarithm of its size.
 pub(crate) fn chi2_threshold(catalogue: usize) -> f64 {
     25.0 + 2.0 * (catalogue as f64).ln()
 }
 
 impl Search<'_> {
-    /// Whether an effect takes off what it must, and is significant even if every rest is off by what the error of
-    /// the encoder makes there. With 0.3 µm at 5 kN/m a hold of a thousand samples under 3.4 mN is off by 13 of its
-    /// own standard errors, and a cogging of 35 µm fitted eight of them (one of 260 logs with white noise).
+    /// Whether an effect takes off what it must, and is significant even if every rest is off by what
+    /// the error of the encoder makes there. With 0.3 µm at 5 kN/m a hold of a thousand samples under
+    /// 3.4 mN is off by 13 of its own standard errors, and a cogging of 35 µm fitted eight of them (one
+    /// of 260 logs with white noise).
     pub(crate) fn is_significant(
         &self,
         id: EffectId,
@@ -62,7 +64,8 @@ impl Search<'_> {
             .sum()
     }
 
-    /// What an effect must take off Σ w r² to be added to a fit with the cost `without`. `fit` has the effect.
+    /// What an effect must take off Σ w r² to be added to a fit with the cost `without`. `fit` has the
+    /// effect.
     pub(crate) fn effect_threshold(
         &self,
         id: EffectId,
@@ -70,15 +73,15 @@ impl Search<'_> {
         fit: &Fit,
         base_cost: f64,
     ) -> f64 {
-        // 4 % of what is left, for the errors of the noise's own model; 10 % where that is coloured, and more
-        // where its slowest part is extrapolated: rests of a second do not show a wander.
+        // 4 % of what is left, for the errors of the noise's own model; 10 % where that is coloured, and
+        // more where its slowest part is extrapolated: rests of a second do not show a wander.
         let floors = self.dataset.floors.iter();
         let coloured = floors
             .filter(|floor| floor.coloured || floor.lines_n > 0.3 * floor.used_n)
             .map(|floor| f64::max(0.10, FLOOR_ERRORS * floor.uncertainty))
             .fold(0.04, f64::max);
-        // Beside effects that suffice another one has to take more: what is left then is mostly the form of the
-        // first (a Stribeck friction where the catalogue says Coulomb).
+        // Beside effects that suffice another one has to take more: what is left then is mostly the form
+        // of the first (a Stribeck friction where the catalogue says Coulomb).
         let suffices = without < SUFFICIENT * self.noise_cost && without < 0.5 * base_cost;
         let least = if suffices {
             coloured.max(0.15)
@@ -208,8 +211,8 @@ mod tests {
 
     #[test]
     fn a_cogging_that_the_encoders_error_in_ten_holds_imitates_is_not_significant() {
-        // GIVEN holds that are off by up to half a count at 5 kN/m, and no cogging, THEN a cogging takes off what
-        // the threshold asks, and still is not significant.
+        // GIVEN holds that are off by up to half a count at 5 kN/m, and no cogging, THEN a cogging takes
+        // off what the threshold asks, and still is not significant.
         let (taken, significant) = taken(0.0);
         assert!(taken > 1.0 && !significant, "{taken} {significant}");
         // AND a cogging of four counts is significant.

@@ -10,8 +10,8 @@ const ROUNDS: usize = 3;
 const LEAST_GAIN: f64 = 6.0;
 
 impl Search<'_> {
-    /// Tries every other effect in the place of each, and takes what is better. The rivals are the fits of the
-    /// last round, in which nothing was better.
+    /// Tries every other effect in the place of each, and takes what is better. The rivals are the fits
+    /// of the last round, in which nothing was better.
     pub(crate) fn with_swaps(&self, mut best: Fit, base_cost: f64) -> SearchResult {
         for _ in 0..ROUNDS {
             let rivals: Vec<Vec<Fit>> = best

@@ -46,8 +46,8 @@ impl<'a> LogCurves<'a> {
         }
     }
 
-    /// The phases of the contact one after another, each with its first and last time (s). Touch and lift-off
-    /// are instants at the scale of a picture and count as loading and unloading.
+    /// The phases of the contact one after another, each with its first and last time (s). Touch and
+    /// lift-off are instants at the scale of a picture and count as loading and unloading.
     pub(super) fn phases(&self) -> Vec<(&'static str, f64, f64)> {
         let mut runs: Vec<(&'static str, f64, f64)> = Vec::new();
         let samples = self.curves.depth_m.iter().zip(&self.curves.speed_mps);

@@ -11,7 +11,7 @@ const BINS: usize = 40;
 const BEFORE: Ink = Ink::Second;
 const AFTER: Ink = Ink::First;
 
-/// Residuals before and after, the phases above; and those after against what is allowed.
+/// Residuals before and after under a band of the phases, and those after compared with what is allowed.
 pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     let time = &log.curves.time_s;
     let drawn = |shown: &[&'a [f64]]| {
@@ -48,13 +48,13 @@ pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
             &log.before_n,
         ))
         .series(after("after"));
-    let own = allowed(drawn(&[&log.after_n]).size(Size::Slim)).series(after("after"));
+    let with_effects = allowed(drawn(&[&log.after_n]).size(Size::Slim)).series(after("after"));
     vec![
         Figure::new("Residual over time", &both).caption(format!(
             "Measured less modelled force: the base model (before) and with the effects (after), each \
              fitted to the whole log. {SHADED}"
         )),
-        Figure::new("Residual with the effects", &own).caption(format!("What is left, larger. {ALLOWED}")),
+        Figure::new("Residual with the effects", &with_effects).caption(format!("What is left, larger. {ALLOWED}")),
     ]
 }
 
@@ -85,7 +85,7 @@ fn span((phase, from, to): (&str, f64, f64)) -> Span {
     }
 }
 
-/// Measured force and both models'.
+/// The measured force and the forces of both models.
 pub(super) fn force_over_time<'a>(log: &'a LogCurves<'a>) -> Figure {
     let curves = log.curves;
     let time = &curves.time_s;
@@ -97,7 +97,7 @@ pub(super) fn force_over_time<'a>(log: &'a LogCurves<'a>) -> Figure {
         .caption("What was measured, and what the models say. Shaded: held out.")
 }
 
-/// The models' forces and the measured one over `x`, of a part of the log.
+/// The forces of the models and the measured force over `x`, in a part of the log.
 fn models<'a>(
     log: &'a LogCurves<'a>,
     chart: Chart<'a>,
@@ -138,7 +138,7 @@ pub(super) fn by_depth_and_speed<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     figures
 }
 
-/// Force over depth in the touch where the base model is furthest off; over speed without contact.
+/// Force over depth in the touch where the base model is furthest off, or over speed without contact.
 fn hysteresis<'a>(log: &'a LogCurves<'a>) -> Figure {
     let curves = log.curves;
     let worst = worst_touch(log);

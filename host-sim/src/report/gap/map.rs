@@ -7,20 +7,22 @@ use crate::report::{HeatMap, Shaded};
 /// Rows of equal depth in contact.
 const DEPTHS: usize = 5;
 const COLUMNS: [&str; 5] = ["out, fast", "out, slow", "still", "in, slow", "in, fast"];
-/// Fewest samples that make a cell.
+/// Fewest samples of a cell.
 const FEWEST: f64 = 20.0;
-/// From here on a cell is a shade darker, each.
+/// Ratios from which on a cell is one shade darker.
 const SHADES: [f64; 6] = [1.15, 1.5, 2.5, 5.0, 10.0, 25.0];
 
 #[derive(Clone, Copy, Default)]
 struct Tally {
-    /// Σ r²/σ², Σ (r² − σ²) (N²), samples.
+    /// Σ r²/σ².
     ratio: f64,
+    /// Σ (r² − σ²) (N²).
     excess_n2: f64,
+    /// Samples.
     count: f64,
 }
 
-/// The map of the base model, and that with the effects.
+/// The maps of the base model and of the model with the effects.
 pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
     let (before, after) = (tally(log, &log.before_n), tally(log, &log.after_n));
     let all: f64 = before
@@ -80,7 +82,7 @@ fn map(log: &LogCurves<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> 
     )
 }
 
-/// The depths of a row, both ends in the unit of the deepest.
+/// The depths of a row, with both ends in the unit of the deepest.
 fn depth(row: usize, deepest_m: f64) -> String {
     let end = |at: usize| at as f64 / DEPTHS as f64 * deepest_m;
     match row {

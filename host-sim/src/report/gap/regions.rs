@@ -1,11 +1,11 @@
-//! Where the base model is off, and what remains.
+//! Where the base model and the log disagree, and what remains.
 
 use super::tables::spaced;
 use crate::gap::{Finding, Region, Verdict, regions_in_words};
 use crate::number::{column, fixed, quantity};
 use crate::report::{Cell, Section, Table};
 
-/// Where it was, and where it still is.
+/// The section on where the models and the log disagree.
 pub(super) fn place(finding: &Finding) -> Section {
     let section = Section::new("Where the base model and the measurement disagree");
     if finding.disagreement.is_empty() {
@@ -37,7 +37,7 @@ pub(super) fn place(finding: &Finding) -> Section {
     section.table(table(finding))
 }
 
-/// Of the excess on held-out parts.
+/// The share of the excess on held-out parts that remains.
 fn remaining_share(finding: &Finding) -> String {
     let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
     let share = 100.0 * excess(finding.ratio_after) / excess(finding.ratio_before);
@@ -48,7 +48,7 @@ fn remaining_share(finding: &Finding) -> String {
     }
 }
 
-/// The order of a reader: what the probe does, depth, speed, time, lines.
+/// The order for readers: phase of the contact, depth, speed, time, lines.
 const ORDER: [&str; 15] = [
     "free",
     "touch",
@@ -67,7 +67,7 @@ const ORDER: [&str; 15] = [
     "pitch",
 ];
 
-/// Every region in which either model is off.
+/// A table of every region in which either model and the log disagree.
 fn table(finding: &Finding) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);

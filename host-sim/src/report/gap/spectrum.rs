@@ -10,10 +10,10 @@ use crate::report::plot::{Axis, Chart, Ink, Series, Stroke};
 
 /// Longest segment: eight bins below 1 Hz at 500 Hz.
 const LONGEST: usize = 4096;
-/// Points of a curve, equally far apart on the logarithmic axis.
+/// Points of a curve, equally spaced on the logarithmic axis.
 const POINTS: f64 = 160.0;
 
-/// The residuals' densities before and after against that of the floor.
+/// The densities of the residuals before and after, compared with that of the noise floor.
 pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
     let time = &log.curves.time_s;
     let period_s = match time.len() {
