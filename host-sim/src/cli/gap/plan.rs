@@ -11,7 +11,7 @@ use crate::json::number;
 use crate::number::{quantity, setting};
 use crate::wrap::wrapped;
 
-/// The table, the groups that are not told apart, and what to record as well.
+/// The table, the groups that are not discriminated, and what to record as well.
 pub(super) fn summary(plan: &Plan) -> String {
     let lead = format!(
         "{} s at {} Hz, noise {}",
@@ -100,7 +100,7 @@ fn nearest(effect: &PlannedEffect) -> String {
     })
 }
 
-/// Whether an effect is not seen, or not told from a rival.
+/// Whether an effect is not seen, or not distinguished from a rival.
 fn needs(plan: &Plan, effect: &PlannedEffect) -> bool {
     !plan.counts(effect.seen_sigma) || effect.rivals.iter().any(|(_, sigma)| !plan.counts(*sigma))
 }

@@ -1,4 +1,4 @@
-//! Which effects a motion shows, and which of them it tells apart, before or without another log.
+//! Which effects a motion shows, and which of them it discriminates, before or without another log.
 //!
 //! An effect changes the force by d(t). What base and noise leave of it is detected: |W^½ d|² after the
 //! projection off the Jacobian of the base is the χ² that the effect adds. A rival imitates it with its

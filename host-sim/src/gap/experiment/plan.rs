@@ -3,7 +3,7 @@
 //!
 //! Every effect is as strong as the search would first try it (5 % of the force's range, an exponent of
 //! 1.4, …), or weaker, so that it changes the force by at most three times the noise, root mean square.
-//! An effect is seen, or told from a rival, if that means a χ² beyond the significance threshold of the
+//! An effect is seen, or distinguished from a rival, if that means a χ² beyond the significance threshold of the
 //! search.
 
 use estimator_core::physics::effect::EffectId;
@@ -59,7 +59,7 @@ pub struct PlannedEffect {
     /// By how many standard deviations it differs from each rival, the nearest first; relatives are left
     /// out.
     pub rivals: Vec<(EffectId, f64)>,
-    /// What to record as well, where the effect is not seen or not told from a rival.
+    /// What to record as well, where the effect is not seen or not distinguished from a rival.
     pub further: Option<FurtherMotion>,
 }
 
@@ -82,7 +82,7 @@ impl Plan {
         sigma >= self.least_sigma
     }
 
-    /// Effects that the motion shows but does not tell apart, directly or through others.
+    /// Effects that the motion shows but does not discriminate, directly or through others.
     pub fn groups(&self) -> Vec<Vec<EffectId>> {
         let mut groups: Vec<Vec<EffectId>> = Vec::new();
         for effect in &self.effects {
