@@ -1,15 +1,17 @@
-//! `palpate gap`: where simulation and measurement disagree, what is missing, and the proof.
+//! `palpate gap`: where simulation and measurement disagree, which effects are missing, and the proof.
 //!
-//! The steps, a file a word: `floor` says what noise leaves without any model, by the rests' `spectrum`
-//! and without a disturbance's `line`; `course` is a log as the fits see it, `standstill` what is done to
-//! its speeds near rests; `shape` says which numbers a law with effects has, `fit` finds them; `weights`
-//! says what a residual may be; `start` says where a candidate may start, `propose` what it promises there;
-//! `search` adds, swaps and drops effects, each time refitting everything, for a `price`; `decide` judges
-//! on held-out parts; `attenuation` takes off what the errors of the motion do to the numbers; `regions` says
-//! where, `error` how well, also where noise is `coloured`; `files` writes it down. `plan` says before
-//! any log what a motion will show: `menu` has the motions, `apart` what tells effects apart, `record` writes the one to
-//! record next. Before all that
-//! `input` refuses what cannot be fitted.
+//! The rooms, from the ground up:
+//!
+//! - `data` checks the logs, brings them within a budget, and gives them speed, acceleration and scales.
+//! - `noise` says without any model what the noise of the force is: from second differences and from the spectrum at
+//!   rest, without disturbances that are lines.
+//! - `model` holds the law with effects and its free numbers, where their fits start, the least squares, the
+//!   weights of the residuals, standard errors, and the bias that errors of the motion cause.
+//! - `search` proposes effects from a linearized fit, then adds, swaps and drops them. Each time everything is
+//!   refitted, and an effect must be significant.
+//! - `decide` refits at the log's own rate, checks on held-out parts, and compares with rivals.
+//! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
+//! - `say` makes the `finding` of it: regions, estimates, advice.
 
 mod data;
 mod decide;
@@ -22,47 +24,53 @@ mod progress;
 mod say;
 mod search;
 
-pub use experiment::plan::{Further, Plan, Planned, plan};
+pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
-    Advised, Curves, Finding, Known, MOTION, Named, Region, Tried, Verdict, times_larger, words,
+    AdvisedMotion, Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region,
+    Verdict, regions_in_words, times_larger,
 };
-pub use noise::floor::Floor;
+pub use noise::floor::NoiseFloor;
 pub use options::Options;
 pub use progress::{Progress, Silent};
 pub(crate) use say::regions::phase;
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
-use data::fit_data::Course;
+use self::model::dataset::Dataset;
+use self::model::given::given;
+use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, input};
-use decide::evidence::Evidence;
-use model::given::given;
+use decide::selection::decide;
 use say::{builder, plausibility};
-use search::search::Search;
+use search::run::Search;
 
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 use crate::model::Model;
 
-/// Samples of a search, and of the last fits.
-const SEARCHED: usize = 5_000;
-const FITTED: usize = 30_000;
+/// Most samples that the search uses.
+const SEARCHED_SAMPLES: usize = 5_000;
+/// Most samples that the last fits use.
+const FITTED_SAMPLES: usize = 30_000;
 
-/// Finds what a base model lacks to explain logs of one rig.
+/// Finds what a base model lacks to explain the logs of one rig.
 ///
 /// # Errors
-/// A model that is no rig, or a log that nothing can be fitted to: see `input`.
+/// A model that does not describe a rig, or a log that nothing can be fitted to: it is too short, it has
+/// no motion or no contact, or its columns are exchanged.
 pub fn gap(model: &Model, logs: &[UniformLog], options: &Options) -> Result<Finding, Diagnostic> {
-    gap_watched(model, logs, options, &Silent)
+    gap_with_progress(model, logs, options, &Silent)
 }
 
-/// The same, with somebody to tell how far it is.
+/// The same, and tells `progress` how far it is.
 ///
 /// # Errors
 /// As [`gap`].
-pub fn gap_watched(
+pub fn gap_with_progress(
     model: &Model,
     logs: &[UniformLog],
     options: &Options,
@@ -71,61 +79,85 @@ pub fn gap_watched(
     model.rig()?;
     progress.at(0.0, "noise floor and motion");
     let given = given(model)?;
-    let mut said = Vec::new();
-    for log in logs {
-        said.extend(input::suspected(model, log)?);
-        said.extend(log.notes.iter().cloned());
-    }
+    let mut notes = input_notes(model, logs)?;
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
-    let (logs, mut notes) = budget::within(logs);
-    let floors: Vec<Floor> = logs.par_iter().map(|log| Floor::of(log)).collect();
-    let mut raw: Vec<Course> = logs.par_iter().map(|log| Course::of(log)).collect();
-    if low_pass.is_none() {
-        notes.extend(budget::shorten(&mut raw, FITTED));
-    }
-    let samples: usize = raw.iter().map(Course::len).sum();
-    let filtered: Vec<Course> = raw.iter().map(|course| course.filtered(low_pass)).collect();
-    let thinned = |most: usize| -> Vec<Course> {
-        let step = samples.div_ceil(most);
-        filtered.iter().map(|course| course.thinned(step)).collect()
-    };
-    let (coarse, fine) = (thinned(SEARCHED), thinned(FITTED));
+    let (logs, shortened) = budget::within(logs);
+    notes.extend(shortened);
+    let floors: Vec<NoiseFloor> = logs.par_iter().map(|log| NoiseFloor::of(log)).collect();
+    let (filtered, thinned) = fit_data(&logs, low_pass);
+    notes.extend(thinned);
+    let samples: usize = filtered.iter().map(FitData::len).sum();
+    let coarse = at_most(&filtered, samples, SEARCHED_SAMPLES);
+    let fine = at_most(&filtered, samples, FITTED_SAMPLES);
     let scales = Scales::of(&coarse);
-    let mut search = Search {
-        courses: &coarse,
+    let dataset = |logs| Dataset {
+        logs,
         floors: &floors,
         low_pass,
-        weights: vec![1.0; coarse.iter().map(Course::len).sum()],
+        scales: &scales,
+    };
+    let step = samples.div_ceil(SEARCHED_SAMPLES);
+    let mut search = Search {
+        dataset: dataset(&coarse),
+        weights: vec![1.0; coarse.iter().map(FitData::len).sum()],
         base: &model.environment,
         given: &given,
-        scales: &scales,
         ids: &options.catalogue,
         progress,
-        floor: 0.0,
+        noise_cost: 0.0,
         tried: Vec::new(),
-        correlation: floors
-            .iter()
-            .map(|own| own.correlation / samples.div_ceil(SEARCHED) as f64)
-            .fold(1.0, f64::max),
+        correlation: largest_correlation(&floors, step),
     };
     progress.at(0.05, "fitting the base");
     let base = search.base_fit();
     search.weigh(&base);
     let base = search.refitted(&base);
-    let found = search.run(base.clone());
-    let evidence = Evidence {
-        courses: &fine,
-        floors: &floors,
-        low_pass,
-        scales: &scales,
-    };
-    let ladder = search.ladder(&base, &found);
+    let result = search.run(base.clone());
+    let ladder = search.ladder(&base, &result);
     progress.at(0.8, "held-out part and rivals");
-    let decision = evidence.decide(&base, found, &ladder);
+    let decision = decide(&dataset(&fine), &base, result, &ladder);
     progress.at(0.95, "regions and errors");
-    let mut finding = builder::finding(model, &evidence, decision, ladder, options);
-    said.extend(notes);
-    said.extend(plausibility::implausible(model, &finding));
-    finding.notes.splice(0..0, said);
+    let mut finding = builder::finding(model, &dataset(&fine), &decision, ladder, options);
+    notes.extend(plausibility::implausible(model, &finding));
+    finding.notes.splice(0..0, notes);
     Ok(finding)
+}
+
+/// What looks wrong in the logs, and what their reader noted.
+fn input_notes(model: &Model, logs: &[UniformLog]) -> Result<Vec<String>, Diagnostic> {
+    let mut notes = Vec::new();
+    for log in logs {
+        notes.extend(input::suspected(model, log)?);
+        notes.extend(log.notes.iter().cloned());
+    }
+    Ok(notes)
+}
+
+/// The logs with speeds and accelerations and through the low-pass, and a note if rests were thinned.
+/// With a low-pass none are, since it needs equally spaced samples.
+fn fit_data(
+    logs: &[Cow<'_, UniformLog>],
+    low_pass: Option<LowPass>,
+) -> (Vec<FitData>, Option<String>) {
+    let mut data: Vec<FitData> = logs.par_iter().map(|log| FitData::of(log)).collect();
+    let note = match low_pass {
+        None => budget::thin_rests(&mut data, FITTED_SAMPLES),
+        Some(_) => None,
+    };
+    let filtered = data.iter().map(|log| log.filtered(low_pass)).collect();
+    (filtered, note)
+}
+
+/// The logs thinned to at most `most` samples together.
+fn at_most(logs: &[FitData], samples: usize, most: usize) -> Vec<FitData> {
+    let step = samples.div_ceil(most);
+    logs.iter().map(|log| log.thinned(step)).collect()
+}
+
+/// The most samples for each independent one of all logs, of which every `step`-th sample is taken.
+fn largest_correlation(floors: &[NoiseFloor], step: usize) -> f64 {
+    floors
+        .iter()
+        .map(|floor| floor.correlation / step as f64)
+        .fold(1.0, f64::max)
 }

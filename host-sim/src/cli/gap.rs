@@ -14,7 +14,7 @@ use clap::Args;
 use crate::cli::ReadingArgs;
 use crate::cli::progress::Bar;
 use crate::diagnostic::Diagnostic;
-use crate::gap::{self, MOTION, Options, gap_watched};
+use crate::gap::{self, MOTION, Options, gap_with_progress};
 use crate::json::write_json;
 use crate::log::UniformLog;
 use crate::model::Model;
@@ -77,8 +77,8 @@ fn positive_n(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What a motion will show, before any log.
-fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
+/// Says what a motion will show, before any log.
+fn plan_motion(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     let model = Model::read(&args.model)?;
     let named = args
         .motion
@@ -109,14 +109,14 @@ fn planned(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Reads, finds, writes, says.
+/// Reads the inputs, finds what is missing, writes the files and prints a summary.
 ///
 /// # Errors
 /// A [`Diagnostic`] for a model or a log that cannot be used; an I/O error if a file cannot be
 /// written.
 pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     if args.plan {
-        return planned(args);
+        return plan_motion(args);
     }
     let clock = Instant::now();
     let model = Model::read(&args.model)?;
@@ -130,15 +130,15 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         ..Options::default()
     };
     let bar = Bar::new();
-    let finding = gap_watched(&model, &logs, &options, &bar)?;
+    let finding = gap_with_progress(&model, &logs, &options, &bar)?;
     drop(bar);
     let seconds = clock.elapsed().as_secs_f64();
     if let Some(folder) = &args.out {
-        let read = files::Read {
+        let inputs = files::Inputs {
             model: &args.model,
             logs: &args.logs,
         };
-        files::write(folder, &finding, &read, seconds)?;
+        files::write(folder, &finding, &inputs, seconds)?;
     }
     say(print::summary(&finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;

@@ -1,9 +1,10 @@
-//! What a fit sees of the logs.
+//! The logs as the fits see them: checked, within a budget, with speed and acceleration, and their scales.
 
-pub(in crate::gap) mod budget;
-pub(in crate::gap) mod fit_data;
-pub(in crate::gap) mod input;
-pub(in crate::gap) mod low_pass;
-pub(in crate::gap) mod motion_errors;
-pub(in crate::gap) mod scales;
-pub(in crate::gap) mod standstill;
+pub(crate) mod budget;
+pub(crate) mod fit_data;
+pub(crate) mod input;
+pub(crate) mod low_pass;
+pub(crate) mod motion;
+pub(crate) mod motion_errors;
+pub(crate) mod scales;
+pub(crate) mod standstill;

@@ -1,6 +1,9 @@
-//! Which names stand: held-out parts, rivals, sizes.
+//! The decision: everything is refitted at the log's own rate, checked on held-out parts, and compared with
+//! rivals.
 
-pub(in crate::gap) mod acceptance;
-pub(in crate::gap) mod decide;
-pub(in crate::gap) mod evidence;
-pub(in crate::gap) mod rivals;
+pub(crate) mod acceptance;
+pub(crate) mod decision;
+mod evaluate;
+mod held_out;
+pub(crate) mod rivals;
+pub(crate) mod selection;

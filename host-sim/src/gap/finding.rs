@@ -1,10 +1,13 @@
-//! What the workflow comes to: verdict, effects, regions, curves.
+//! The finding of the workflow: verdict, effects, regions, curves.
 
 mod region;
 mod result;
 
-pub use region::{Region, words};
-pub use result::{Advised, Curves, Finding, Known, Named, Tried, Verdict, times_larger};
+pub use region::{Region, regions_in_words};
+pub use result::{
+    AdvisedMotion, Candidate, Curves, Finding, MissingEffect, ParameterEstimate, Verdict,
+    times_larger,
+};
 
 /// Name of the file that an advised motion is written to.
 pub const MOTION: &str = "motion.toml";

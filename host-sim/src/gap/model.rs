@@ -1,11 +1,15 @@
-//! What is fitted: the law with its effects, its starts, the fit itself and how well it knows its numbers.
+//! The model that is fitted: a law with effects, where its fits start, the least squares, and the standard
+//! errors.
 
-pub(in crate::gap) mod attenuation;
-pub(in crate::gap) mod basis;
-pub(in crate::gap) mod covariance;
-pub(in crate::gap) mod error;
-pub(in crate::gap) mod fit;
-pub(in crate::gap) mod given;
-pub(in crate::gap) mod shape;
-pub(in crate::gap) mod start;
-pub(in crate::gap) mod weights;
+pub(crate) mod attenuation;
+pub(crate) mod basis;
+pub(crate) mod covariance;
+pub(crate) mod dataset;
+pub(crate) mod error;
+pub(crate) mod fit;
+pub(crate) mod given;
+pub(crate) mod problem;
+pub(crate) mod shape;
+pub(crate) mod simulate;
+pub(crate) mod start;
+pub(crate) mod weights;

@@ -1,6 +1,6 @@
-//! How much of a log is noise, without any model.
+//! How much of a measured force is noise, found without any model.
 
-pub(in crate::gap) mod coloured;
-pub(in crate::gap) mod floor;
-pub(in crate::gap) mod line;
-pub(in crate::gap) mod spectrum;
+pub(crate) mod coloured;
+pub(crate) mod floor;
+pub(crate) mod line;
+pub(crate) mod spectrum;

@@ -1,11 +1,11 @@
-//! What to look for.
+//! The options of the workflow.
 
 use estimator_core::physics::effect::EffectId;
 
-/// What to look for, and how.
+/// Options of [`gap`](fn@crate::gap::gap).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Corner of the zero-phase low-pass that measured and predicted force go through (Hz).
+    /// Corner (Hz) of the zero-phase low-pass that measured and predicted force go through.
     pub bandwidth_hz: Option<f64>,
     /// The effects that may be named.
     pub catalogue: Vec<EffectId>,

@@ -1,12 +1,12 @@
-//! How far it is.
+//! How far the workflow is.
 
-/// Whoever is told.
+/// Receives how far the workflow is.
 pub trait Progress: Sync {
-    /// `share` of the work is done (0 to 1); `what` is done next.
+    /// `share` of the work is done (0 to 1), and `what` is done next.
     fn at(&self, share: f64, what: &str);
 }
 
-/// Nobody.
+/// Ignores how far the workflow is.
 #[derive(Clone, Copy, Debug)]
 pub struct Silent;
 

@@ -1,5 +1,8 @@
 //! A decision as a finding for people and files.
 
-pub(in crate::gap) mod builder;
-pub(in crate::gap) mod plausibility;
-pub(in crate::gap) mod regions;
+pub(crate) mod builder;
+mod estimates;
+mod lines;
+mod log_residuals;
+pub(crate) mod plausibility;
+pub(crate) mod regions;

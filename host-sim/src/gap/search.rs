@@ -1,6 +1,13 @@
-//! Which effects are added, swapped and dropped, and what one must take off to stay.
+//! The search over the catalogue: which effects are added, swapped and dropped, and what an effect must take
+//! off Σ w r² to stay.
 
-pub(in crate::gap) mod forms;
-pub(in crate::gap) mod proposals;
-pub(in crate::gap) mod search;
-pub(in crate::gap) mod significance;
+pub(crate) mod eliminate;
+pub(crate) mod expand;
+pub(crate) mod forms;
+pub(crate) mod periodic;
+pub(crate) mod physical;
+pub(crate) mod proposals;
+pub(crate) mod run;
+pub(crate) mod sets;
+pub(crate) mod significance;
+pub(crate) mod swap;

@@ -64,14 +64,14 @@ impl GapReport<'_> {
     }
 
     fn log(&self, name: &str, curves: &Curves) -> [Section; 2] {
-        let course = bins::Course::of(curves);
+        let log = bins::LogCurves::of(curves);
         let heading = |what: &str| match name {
             "" => what.to_string(),
             name => format!("{what}: {name}"),
         };
-        let mut over_time = figures::residuals_over_time(&course)
+        let mut over_time = figures::residuals_over_time(&log)
             .into_iter()
-            .chain([figures::force_over_time(&course)])
+            .chain([figures::force_over_time(&log)])
             .fold(Section::new(heading("Over time")), Section::figure);
         if self.finding.curves.len() > MOST_LOGS && !name.is_empty() {
             over_time = over_time.text(format!(
@@ -80,11 +80,11 @@ impl GapReport<'_> {
             ));
         }
         let mut by = Section::new(heading("By depth, speed and frequency"));
-        for map in map::maps(&course) {
+        for map in map::maps(&log) {
             by = by.heat_map(map);
         }
-        let spectrum = spectrum::figure(&course, self.finding);
-        by = figures::by_depth_and_speed(&course)
+        let spectrum = spectrum::figure(&log, self.finding);
+        by = figures::by_depth_and_speed(&log)
             .into_iter()
             .chain([spectrum])
             .fold(by, Section::figure);

@@ -6,21 +6,21 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use super::motion as advised_motion;
-use crate::gap::{Curves, Finding, Known, MOTION, Named, Region, Tried};
+use crate::gap::{Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region};
 use crate::json::{number, write_json};
 use crate::output::write_atomically;
 use crate::report::gap::GapReport;
 use crate::report::{Document, Input, Provenance};
 
-/// Writes all of them into a folder.
+/// Writes the files into a folder.
 pub(super) fn write(
     folder: &Path,
     finding: &Finding,
-    read: &Read<'_>,
+    inputs: &Inputs<'_>,
     seconds: f64,
 ) -> io::Result<()> {
-    // First: it may refuse, and then nothing is written.
-    advised_motion::put(folder, motion(finding, read).as_deref())?;
+    // The motion comes first: if that is refused, nothing is written.
+    advised_motion::put(folder, motion(finding, inputs).as_deref())?;
     write_json(&folder.join("gap.json"), &json(finding, seconds))?;
     write_atomically(&folder.join("model.toml"), |writer| {
         writer.write_all(finding.model.to_toml().as_bytes())
@@ -32,22 +32,22 @@ pub(super) fn write(
         };
         write_atomically(&folder.join(name), |writer| csv(writer, curves))?;
     }
-    report(finding, read)?.write(&folder.join("report.html"))
+    report(finding, inputs)?.write(&folder.join("report.html"))
 }
 
-/// The files that a finding comes from.
-pub(super) struct Read<'a> {
+/// The files that a finding was made from.
+pub(super) struct Inputs<'a> {
     pub(super) model: &'a Path,
     pub(super) logs: &'a [PathBuf],
 }
 
 /// The motion file, where a motion is advised.
-fn motion(finding: &Finding, read: &Read<'_>) -> Option<String> {
+fn motion(finding: &Finding, inputs: &Inputs<'_>) -> Option<String> {
     let advised = finding.advised.as_ref()?;
-    let logs: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
+    let logs: Vec<String> = inputs.logs.iter().map(|path| name(path)).collect();
     let command = format!(
         "palpate gap --model {} --log {} --log NEW.csv --out DIR",
-        name(read.model),
+        name(inputs.model),
         logs.join(" --log ")
     );
     let limits = Some(finding.limits());
@@ -65,17 +65,21 @@ fn name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-fn report(finding: &Finding, read: &Read<'_>) -> io::Result<Document> {
-    let names: Vec<String> = read.logs.iter().map(|path| name(path)).collect();
+fn report(finding: &Finding, inputs: &Inputs<'_>) -> io::Result<Document> {
+    let names: Vec<String> = inputs.logs.iter().map(|path| name(path)).collect();
     let command: Vec<String> = std::env::args().skip(1).collect();
     let mut provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
-    for path in std::iter::once(read.model).chain(read.logs.iter().map(PathBuf::as_path)) {
+    for path in std::iter::once(inputs.model).chain(inputs.logs.iter().map(PathBuf::as_path)) {
         provenance = provenance.input(Input::of_file(path)?);
     }
     if let Some(hz) = finding.bandwidth_hz {
         provenance = provenance.setting("Bandwidth", format!("{hz} Hz"));
     }
-    let title = format!("Gap between {} and {}", name(read.model), names.join(", "));
+    let title = format!(
+        "Gap between {} and {}",
+        name(inputs.model),
+        names.join(", ")
+    );
     let report = GapReport {
         title: &title,
         finding,
@@ -136,7 +140,7 @@ pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
         },
         "disagreement": finding.disagreement.iter().map(region).collect::<Vec<_>>(),
         "remaining": finding.remaining.iter().map(region).collect::<Vec<_>>(),
-        "candidates": finding.ladder.iter().map(tried).collect::<Vec<_>>(),
+        "candidates": finding.ladder.iter().map(candidate).collect::<Vec<_>>(),
         "advice": finding.advice,
         "motion": finding.advised.as_ref().map(|_| MOTION),
         "notes": finding.notes,
@@ -144,49 +148,49 @@ pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
     })
 }
 
-fn effect(own: &Named) -> Value {
+fn effect(missing: &MissingEffect) -> Value {
     json!({
-        "id": own.id.name(),
-        "params": parameters(&own.parameters),
-        "alternatives": own.alternatives.iter().map(|id| id.name()).collect::<Vec<_>>(),
-        "where": own.place,
-        "held_out_gain": number(own.held_out_gain),
+        "id": missing.id.name(),
+        "params": parameters(&missing.parameters),
+        "alternatives": missing.alternatives.iter().map(|id| id.name()).collect::<Vec<_>>(),
+        "where": missing.place,
+        "held_out_gain": number(missing.held_out_gain),
     })
 }
 
-fn parameters(known: &[Known]) -> Value {
-    let each = known.iter().map(|own| {
+fn parameters(estimates: &[ParameterEstimate]) -> Value {
+    let each = estimates.iter().map(|estimate| {
         let mut value = json!({
-            "value": number(own.value),
-            "std_error": own.std_error.map(number),
-            "unit": own.unit,
+            "value": number(estimate.value),
+            "std_error": estimate.std_error.map(number),
+            "unit": estimate.unit,
         });
-        if own.at_bound {
+        if estimate.at_bound {
             value["at_bound"] = true.into();
         }
-        (own.name.clone(), value)
+        (estimate.name.clone(), value)
     });
     Value::Object(each.collect::<Map<_, _>>())
 }
 
-fn region(own: &Region) -> Value {
+fn region(region: &Region) -> Value {
     let mut value = json!({
-        "region": own.id,
-        "share": number(own.share),
-        "rms_n": number(own.rms_n),
+        "region": region.id,
+        "share": number(region.share),
+        "rms_n": number(region.rms_n),
     });
-    if let Some(hz) = own.hz {
+    if let Some(hz) = region.hz {
         value["hz"] = number(hz);
     }
-    if let Some(pitch) = own.pitch_m {
+    if let Some(pitch) = region.pitch_m {
         value["m"] = number(pitch);
     }
     value
 }
 
-fn tried(own: &Tried) -> Value {
+fn candidate(candidate: &Candidate) -> Value {
     json!({
-        "effects": own.ids.iter().map(|id| id.name()).collect::<Vec<_>>(),
-        "floor_ratio": number(own.ratio),
+        "effects": candidate.ids.iter().map(|id| id.name()).collect::<Vec<_>>(),
+        "floor_ratio": number(candidate.ratio),
     })
 }

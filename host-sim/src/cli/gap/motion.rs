@@ -11,25 +11,25 @@ use crate::number::quantity;
 use crate::output::write_atomically;
 use crate::wrap::wrapped;
 
-/// Its first line: only a file that begins so is `gap`'s to replace or to remove.
-const OURS: &str = "# A motion to record, advised by palpate gap.";
+/// The first line of the file. Only a file that begins with it may be replaced or removed.
+const FIRST_LINE: &str = "# A motion to record, advised by palpate gap.";
 
-/// What is said above a motion.
+/// What the comment above a motion says.
 pub(super) struct Note<'a> {
     /// The motion in words.
     pub(super) words: &'a str,
-    /// What it is for.
+    /// What the motion is for.
     pub(super) purpose: &'a str,
-    /// What to run with its log.
+    /// The command to run with its log.
     pub(super) command: &'a str,
-    /// Where the logs so far went, if there are any.
+    /// How far and how fast the logs so far went, if there are any.
     pub(super) limits: Option<Limits>,
 }
 
 /// The file: what it is for, what to check against the rig, the motion.
 pub(super) fn text(motion: &Motion, note: &Note<'_>) -> String {
     let so_far = note.limits.map_or(String::new(), |limits| {
-        format!(" The log so far: {}.", said(limits))
+        format!(" The log so far: {}.", in_words(limits))
     });
     let paragraphs = [
         format!("It is: {}.", note.words),
@@ -37,14 +37,14 @@ pub(super) fn text(motion: &Motion, note: &Note<'_>) -> String {
         format!("With its log: `{}`", note.command),
         format!(
             "Check it against the rig before it runs: {}, in {}.{so_far}",
-            said(motion.limits()),
+            in_words(motion.limits()),
             plain(&quantity(motion.duration_s(), 3, "s")),
         ),
         "Positions and lengths are in m, at the positions of log and model, growing into the material; \
          speeds in m/s, frequencies in Hz, times in s. Sines begin at their lowest point."
             .to_string(),
     ];
-    let mut text = format!("{OURS}\n");
+    let mut text = format!("{FIRST_LINE}\n");
     for paragraph in paragraphs {
         for line in wrapped("", &plain(&paragraph)).lines() {
             text += &format!("# {line}\n");
@@ -53,7 +53,7 @@ pub(super) fn text(motion: &Motion, note: &Note<'_>) -> String {
     text + &motion.to_toml()
 }
 
-fn said(limits: Limits) -> String {
+fn in_words(limits: Limits) -> String {
     format!(
         "deepest {}, farthest out {}, fastest {}",
         quantity(limits.highest_m, 3, "m"),
@@ -62,23 +62,24 @@ fn said(limits: Limits) -> String {
     )
 }
 
-/// With the blanks and the minus of a keyboard: terminals and editors of rigs are old.
+/// The text with the blanks and the minus of a keyboard: terminals and editors of rigs are old.
 fn plain(text: &str) -> String {
     text.replace(['\u{a0}', '\u{202f}'], " ")
         .replace('\u{2212}', "-")
 }
 
-/// Writes the motion into a folder; without one removes that of an earlier run, since nothing there
-/// is to contradict the answer. Somebody else's `motion.toml` is left alone.
+/// Writes the motion into a folder. Without a motion it removes that of an earlier run, since nothing there
+/// may contradict the answer. A `motion.toml` that somebody else wrote is left alone.
 ///
 /// # Errors
-/// What the file system says, or that the file is somebody else's.
+/// An error of the file system, or a file that somebody else wrote.
 pub(super) fn put(folder: &Path, text: Option<&str>) -> io::Result<()> {
     let path = folder.join(MOTION);
-    // A file that cannot be read is not known to be ours.
-    let ours = || fs::read(&path).is_ok_and(|own| own.starts_with(OURS.as_bytes()));
+    // A file that cannot be read is not known to be of an earlier run.
+    let is_replaceable =
+        || fs::read(&path).is_ok_and(|bytes| bytes.starts_with(FIRST_LINE.as_bytes()));
     match text {
-        Some(_) if path.exists() && !ours() => Err(io::Error::new(
+        Some(_) if path.exists() && !is_replaceable() => Err(io::Error::new(
             io::ErrorKind::AlreadyExists,
             format!(
                 "{} is not gap's own, and a motion is to be written there: move it, or give another --out",
@@ -86,7 +87,7 @@ pub(super) fn put(folder: &Path, text: Option<&str>) -> io::Result<()> {
             ),
         )),
         Some(text) => write_atomically(&path, |writer| writer.write_all(text.as_bytes())),
-        None if ours() => fs::remove_file(&path),
+        None if is_replaceable() => fs::remove_file(&path),
         None => Ok(()),
     }
 }

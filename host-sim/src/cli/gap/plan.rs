@@ -2,89 +2,87 @@
 
 use std::fmt::Write;
 
+use estimator_core::physics::effect::EffectId;
 use serde_json::{Value, json};
 
 use super::motion::{self as advised_motion, Note};
-use crate::gap::{Further, Plan, Planned};
+use crate::gap::{FurtherMotion, Plan, PlannedEffect};
 use crate::json::number;
-use crate::number::quantity;
+use crate::number::{quantity, setting};
 use crate::wrap::wrapped;
 
-/// The table, the groups, and what to record as well.
+/// The table, the groups that are not discriminated, and what to record as well.
 pub(super) fn summary(plan: &Plan) -> String {
     let lead = format!(
         "{} s at {} Hz, noise {}",
-        crate::number::setting(plan.duration_s, ""),
-        crate::number::setting(plan.rate_hz, ""),
+        setting(plan.duration_s, ""),
+        setting(plan.rate_hz, ""),
         quantity(plan.noise_n, 2, "N")
     );
     let mut text = wrapped("plan for ", &format!("{} ({lead})", plan.motion));
+    table(&mut text, plan);
+    for group in plan.groups() {
+        line(&mut text, "not told apart", &ids(&group));
+    }
+    further_motions(&mut text, plan);
+    let change = format!(
+        "is the root mean square of what an effect does to the force; seen and rival are standard \
+         deviations of what no refit takes back, at least {:.1} to count",
+        plan.least_sigma
+    );
+    line(&mut text, "change", &change);
+    text
+}
+
+fn line(text: &mut String, label: &str, value: &str) {
+    // Writing into a String cannot fail.
+    let _ = writeln!(text, "{}", wrapped(&format!("  {label:<16}"), value));
+}
+
+/// What the motion shows of each effect.
+fn table(text: &mut String, plan: &Plan) {
     let _ = writeln!(
         text,
         "\n\n  {:<25} {:>10} {:>9}  nearest rival",
         "effect", "change", "seen"
     );
-    for own in &plan.effects {
+    for effect in &plan.effects {
+        let seen = match plan.counts(effect.seen_sigma) {
+            true => sigma(effect.seen_sigma),
+            false => "not seen".into(),
+        };
         let _ = writeln!(
             text,
-            "  {:<25} {:>10} {:>9}  {}",
-            own.id.name(),
-            quantity(own.change_n, 2, "N"),
-            if plan.counts(own.seen_sigma) {
-                sigma(own.seen_sigma)
-            } else {
-                "not seen".into()
-            },
-            nearest(own),
+            "  {:<25} {:>10} {seen:>9}  {}",
+            effect.id.name(),
+            quantity(effect.change_n, 2, "N"),
+            nearest(effect),
         );
     }
     text.push('\n');
-    for group in plan.groups() {
-        let names: Vec<&str> = group.iter().map(|id| id.name()).collect();
-        let _ = writeln!(text, "{}", wrapped("  not told apart  ", &names.join(", ")));
-    }
+}
+
+/// What to record for the effects that the motion does not show, or not apart from others.
+fn further_motions(text: &mut String, plan: &Plan) {
     for (further, effects) in advised(plan) {
-        let names = effects.iter().map(|own| {
-            let sigma_with = own.further.as_ref().map_or(0.0, |own| own.sigma);
-            format!("{} ({})", own.id.name(), sigma(sigma_with))
+        let names = effects.iter().map(|effect| {
+            let sigma_with = effect.further.as_ref().map_or(0.0, |further| further.sigma);
+            format!("{} ({})", effect.id.name(), sigma(sigma_with))
         });
         let names = names.collect::<Vec<_>>().join(", ");
-        let _ = writeln!(
-            text,
-            "{}",
-            wrapped(
-                "  record as well  ",
-                &format!("{}: for {names}", further.words)
-            )
-        );
+        let value = format!("{}: for {names}", further.words);
+        line(text, "record as well", &value);
     }
-    for own in plan
-        .effects
-        .iter()
-        .filter(|own| needs(plan, own) && own.further.is_none())
-    {
-        let _ = writeln!(
-            text,
-            "{}",
-            wrapped(
-                "  no motion here  ",
-                &format!("{}: {}", own.id.name(), own.id.info().motion)
-            )
-        );
+    let needy = plan.effects.iter().filter(|effect| needs(plan, effect));
+    for effect in needy.filter(|effect| effect.further.is_none()) {
+        let value = format!("{}: {}", effect.id.name(), effect.id.info().motion);
+        line(text, "no motion here", &value);
     }
-    let _ = writeln!(
-        text,
-        "{}",
-        wrapped(
-            "  change          ",
-            &format!(
-                "is the root mean square of what an effect does to the force; seen and rival are standard \
-                 deviations of what no refit takes back, at least {:.1} to count",
-                plan.least_sigma
-            )
-        )
-    );
-    text
+}
+
+fn ids(effects: &[EffectId]) -> String {
+    let names: Vec<&str> = effects.iter().map(|id| id.name()).collect();
+    names.join(", ")
 }
 
 fn sigma(value: f64) -> String {
@@ -95,27 +93,28 @@ fn sigma(value: f64) -> String {
     }
 }
 
-fn nearest(own: &Planned) -> String {
-    own.rivals.first().map_or(String::new(), |(id, apart)| {
-        format!("{} {}", id.name(), sigma(*apart))
+fn nearest(effect: &PlannedEffect) -> String {
+    let nearest = effect.rivals.first();
+    nearest.map_or(String::new(), |(id, of_rival)| {
+        format!("{} {}", id.name(), sigma(*of_rival))
     })
 }
 
-/// Whether an effect is not seen, or not told from a rival.
-fn needs(plan: &Plan, own: &Planned) -> bool {
-    !plan.counts(own.seen_sigma) || own.rivals.iter().any(|(_, sigma)| !plan.counts(*sigma))
+/// Whether an effect is not seen, or not distinguished from a rival.
+fn needs(plan: &Plan, effect: &PlannedEffect) -> bool {
+    !plan.counts(effect.seen_sigma) || effect.rivals.iter().any(|(_, sigma)| !plan.counts(*sigma))
 }
 
-/// Each further motion with the effects that it is for; the one that is for most comes first.
-pub(super) fn advised(plan: &Plan) -> Vec<(&Further, Vec<&Planned>)> {
-    let mut motions: Vec<(&Further, Vec<&Planned>)> = Vec::new();
-    for own in plan.effects.iter().filter(|own| needs(plan, own)) {
-        let Some(further) = &own.further else {
+/// Each further motion with the effects that it is for. The one for most effects comes first.
+pub(super) fn advised(plan: &Plan) -> Vec<(&FurtherMotion, Vec<&PlannedEffect>)> {
+    let mut motions: Vec<(&FurtherMotion, Vec<&PlannedEffect>)> = Vec::new();
+    for effect in plan.effects.iter().filter(|effect| needs(plan, effect)) {
+        let Some(further) = &effect.further else {
             continue;
         };
         match motions.iter_mut().find(|(of, _)| of.name == further.name) {
-            Some((_, effects)) => effects.push(own),
-            None => motions.push((further, vec![own])),
+            Some((_, effects)) => effects.push(effect),
+            None => motions.push((further, vec![effect])),
         }
     }
     motions.sort_by_key(|(_, effects)| std::cmp::Reverse(effects.len()));
@@ -125,7 +124,7 @@ pub(super) fn advised(plan: &Plan) -> Vec<(&Further, Vec<&Planned>)> {
 /// The file of the motion that helps most effects, if any does.
 pub(super) fn motion(plan: &Plan) -> Option<String> {
     let (further, effects) = advised(plan).into_iter().next()?;
-    let names: Vec<&str> = effects.iter().map(|own| own.id.name()).collect();
+    let names: Vec<&str> = effects.iter().map(|effect| effect.id.name()).collect();
     let note = Note {
         words: &further.words,
         purpose: &format!(
@@ -147,17 +146,17 @@ pub(super) fn json(plan: &Plan) -> Value {
         "rate_hz": number(plan.rate_hz),
         "noise_n": number(plan.noise_n),
         "least_sigma": number(plan.least_sigma),
-        "effects": plan.effects.iter().map(|own| effect(plan, own)).collect::<Vec<_>>(),
+        "effects": plan.effects.iter().map(|planned| effect(plan, planned)).collect::<Vec<_>>(),
         "groups": plan.groups().iter()
             .map(|ids| ids.iter().map(|id| id.name()).collect::<Vec<_>>())
             .collect::<Vec<_>>(),
     })
 }
 
-fn effect(plan: &Plan, own: &Planned) -> Value {
-    let rivals = own.rivals.iter().take(5);
+fn effect(plan: &Plan, planned: &PlannedEffect) -> Value {
+    let rivals = planned.rivals.iter().take(5);
     let rivals = rivals.map(|(id, sigma)| json!({ "id": id.name(), "sigma": number(*sigma) }));
-    let further = own.further.as_ref().map(|further| {
+    let further = planned.further.as_ref().map(|further| {
         json!({
             "motion": further.name,
             "words": further.words,
@@ -165,10 +164,10 @@ fn effect(plan: &Plan, own: &Planned) -> Value {
         })
     });
     json!({
-        "id": own.id.name(),
-        "change_n": number(own.change_n),
-        "seen": plan.counts(own.seen_sigma),
-        "sigma": number(own.seen_sigma),
+        "id": planned.id.name(),
+        "change_n": number(planned.change_n),
+        "seen": plan.counts(planned.seen_sigma),
+        "sigma": number(planned.seen_sigma),
         "rivals": rivals.collect::<Vec<_>>(),
         "further": further,
     })

@@ -4,14 +4,16 @@ use std::fmt::Write;
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::{Finding, Known, Named, Verdict, times_larger, words};
+use crate::gap::{
+    Finding, MissingEffect, ParameterEstimate, Verdict, regions_in_words, times_larger,
+};
 use crate::number::{Measured, column, quantity};
 use crate::wrap::wrapped;
 
-/// Where the text of a line begins.
+/// The column at which the text of a line begins, as blanks.
 const INDENT: &str = "              ";
 
-/// The verdict first, then what stands behind it.
+/// The verdict first, then what it rests on.
 pub fn summary(finding: &Finding) -> String {
     let mut text = format!("{}\n", verdict(finding));
     for note in &finding.notes {
@@ -20,16 +22,16 @@ pub fn summary(finding: &Finding) -> String {
     line(&mut text, "error", &error(finding));
     line(&mut text, "floor", &floor(finding));
     if !finding.disagreement.is_empty() {
-        line(&mut text, "where", &words(&finding.disagreement));
+        line(&mut text, "where", &regions_in_words(&finding.disagreement));
     }
-    for own in &finding.effects {
-        effect(&mut text, own);
+    for missing in &finding.effects {
+        effect(&mut text, missing);
     }
     base(&mut text, finding);
     for (id, parameters) in finding.given() {
         let numbers = parameters
             .iter()
-            .map(|own| format!("{} {}", own.name, measured(own)));
+            .map(|parameter| format!("{} {}", parameter.name, measured(parameter)));
         let numbers: Vec<String> = numbers.collect();
         line(
             &mut text,
@@ -37,25 +39,25 @@ pub fn summary(finding: &Finding) -> String {
             &format!("{}: {}", id.name(), numbers.join(", ")),
         );
     }
-    // Without effects what remains is what was there.
+    // Without effects the remaining regions are those above.
     if !finding.remaining.is_empty() && !finding.effects.is_empty() {
-        line(&mut text, "remains", &words(&finding.remaining));
+        line(&mut text, "remains", &regions_in_words(&finding.remaining));
     }
     line(&mut text, "advice", &finding.advice);
     text
 }
 
 fn line(text: &mut String, label: &str, value: &str) {
-    // Writing into a String cannot fail.
-    // A number stays with its percent sign.
+    // A number is not separated from its percent sign.
     let value = value.replace(" %", "\u{a0}%");
+    // Writing into a String cannot fail.
     let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), &value));
 }
 
 /// The verdict in a sentence.
 pub(super) fn verdict(finding: &Finding) -> String {
-    let ids: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
-    let names = names(&ids);
+    let ids: Vec<EffectId> = finding.effects.iter().map(|effect| effect.id).collect();
+    let names = listed(&ids);
     match finding.verdict {
         Verdict::NoMissingEffect => "nothing is missing: the base model explains the log".into(),
         Verdict::MissingEffects => format!("missing: {names}"),
@@ -67,11 +69,11 @@ pub(super) fn verdict(finding: &Finding) -> String {
     }
 }
 
-/// Each name once: a spectrum has its effect several times.
-fn names(ids: &[EffectId]) -> String {
+/// The names of effects, each once: a spectrum has its effect several times.
+fn listed(ids: &[EffectId]) -> String {
     let mut names: Vec<String> = Vec::new();
     for (at, id) in ids.iter().enumerate() {
-        let times = ids.iter().filter(|own| *own == id).count();
+        let times = ids.iter().filter(|other| *other == id).count();
         match times {
             _ if ids[..at].contains(id) => {}
             1 => names.push(id.name().into()),
@@ -105,43 +107,43 @@ fn error(finding: &Finding) -> String {
 }
 
 fn floor(finding: &Finding) -> String {
-    let each = finding.floors.iter().map(|own| own.why.clone());
+    let each = finding.floors.iter().map(|floor| floor.why.clone());
     let noise = quantity(finding.noise_floor_n, 3, "N");
     format!("{noise} {}", each.collect::<Vec<_>>().join("; "))
 }
 
-/// An effect: its parameters below each other, then what it is good for.
-fn effect(text: &mut String, own: &Named) {
-    line(text, "effect", own.id.name());
-    let widest = own
+/// An effect: its parameters below each other, then what it explains.
+fn effect(text: &mut String, missing: &MissingEffect) {
+    line(text, "effect", missing.id.name());
+    let widest = missing
         .parameters
         .iter()
-        .map(|known| known.name.chars().count())
+        .map(|parameter| parameter.name.chars().count())
         .max()
         .unwrap_or(0);
-    for known in &own.parameters {
+    for parameter in &missing.parameters {
         let _ = writeln!(
             text,
             "{INDENT}  {:<widest$}  {}",
-            known.name,
-            measured(known)
+            parameter.name,
+            measured(parameter)
         );
     }
     let mut said = format!(
         "without it the squared error is {} (held-out gain {:.1} %)",
-        times_larger(own.held_out_gain),
-        100.0 * own.held_out_gain
+        times_larger(missing.held_out_gain),
+        100.0 * missing.held_out_gain
     );
-    if !own.place.is_empty() {
+    if !missing.place.is_empty() {
         let _ = write!(
             said,
             "; of that, {}",
-            own.place.replace("of the excess ", "")
+            missing.place.replace("of the excess ", "")
         );
     }
     line(text, "", &said);
-    if !own.alternatives.is_empty() {
-        let others: Vec<&str> = own.alternatives.iter().map(|id| id.name()).collect();
+    if !missing.alternatives.is_empty() {
+        let others: Vec<&str> = missing.alternatives.iter().map(|id| id.name()).collect();
         line(
             text,
             "",
@@ -150,7 +152,7 @@ fn effect(text: &mut String, own: &Named) {
     }
 }
 
-/// The base's parameters in a table, before and after where effects moved them.
+/// The parameters of the base in a table: before and after where effects changed them.
 fn base(text: &mut String, finding: &Finding) {
     if finding.base_after.is_empty() {
         return;
@@ -181,9 +183,9 @@ fn base(text: &mut String, finding: &Finding) {
     }
 }
 
-fn measured(known: &Known) -> String {
-    let value = Measured::new(known.value, known.std_error, known.unit);
-    match known.at_bound {
+fn measured(estimate: &ParameterEstimate) -> String {
+    let value = Measured::new(estimate.value, estimate.std_error, estimate.unit);
+    match estimate.at_bound {
         true => format!("{value} (at its bound)"),
         false => value.to_string(),
     }
@@ -196,10 +198,10 @@ mod tests {
     #[test]
     fn names_stand_once_and_in_a_row() {
         use EffectId as E;
-        assert_eq!(names(&[]), "");
-        assert_eq!(names(&[E::Adhesion]), "adhesion");
+        assert_eq!(listed(&[]), "");
+        assert_eq!(listed(&[E::Adhesion]), "adhesion");
         assert_eq!(
-            names(&[
+            listed(&[
                 E::Adhesion,
                 E::StressRelaxation,
                 E::ForceLag,

@@ -5,33 +5,39 @@ use crate::gap::data::standstill;
 use crate::kinematics::kinematics;
 use crate::log::UniformLog;
 
-/// One log at one resolution, a value per sample.
+/// The data of one log that a fit uses, one value for each sample.
 #[derive(Clone, Debug)]
-pub(in crate::gap) struct Course {
-    /// Time between samples (s); between moving ones where `even` is false.
-    pub(in crate::gap) period_s: f64,
-    /// Whether all samples are as far apart; if not, rests were thinned more than motion.
-    pub(in crate::gap) even: bool,
-    /// Time (s) on the log's own clock.
-    pub(in crate::gap) time_s: Vec<f64>,
-    pub(in crate::gap) position_m: Vec<f64>,
-    pub(in crate::gap) speed_mps: Vec<f64>,
-    pub(in crate::gap) acceleration_mps2: Vec<f64>,
-    pub(in crate::gap) force_n: Vec<f64>,
-    /// Standard deviations of the position (m), the speed (m/s) and the acceleration (m/s²).
-    pub(in crate::gap) position_noise_m: f64,
-    pub(in crate::gap) speed_noise_mps: Vec<f64>,
-    pub(in crate::gap) acceleration_noise_mps2: Vec<f64>,
-    /// 1 for a measurement, 0 in a gap.
-    pub(in crate::gap) count: Vec<f64>,
+pub(crate) struct FitData {
+    /// Time between samples (s); where `even` is false, between samples of a motion.
+    pub(crate) period_s: f64,
+    /// Whether the samples are equally spaced. They are not where rests were thinned more than motions.
+    pub(crate) even: bool,
+    /// Time (s) on the clock of the log.
+    pub(crate) time_s: Vec<f64>,
+    /// Smoothed position (m).
+    pub(crate) position_m: Vec<f64>,
+    /// Speed (m/s).
+    pub(crate) speed_mps: Vec<f64>,
+    /// Acceleration (m/s²).
+    pub(crate) acceleration_mps2: Vec<f64>,
+    /// Measured force (N).
+    pub(crate) force_n: Vec<f64>,
+    /// Standard deviation of the position (m).
+    pub(crate) position_noise_m: f64,
+    /// Standard deviation of the speed (m/s).
+    pub(crate) speed_noise_mps: Vec<f64>,
+    /// Standard deviation of the acceleration (m/s²).
+    pub(crate) acceleration_noise_mps2: Vec<f64>,
+    /// 1 for a measured sample, 0 for one in a gap.
+    pub(crate) count: Vec<f64>,
 }
 
-impl Course {
-    /// A log sample by sample.
-    pub(in crate::gap) fn of(log: &UniformLog) -> Course {
+impl FitData {
+    /// Takes every sample of a log.
+    pub(crate) fn of(log: &UniformLog) -> FitData {
         let mut motion = kinematics(log);
-        standstill::settle(&mut motion);
-        Course {
+        standstill::shrink_speeds(&mut motion);
+        FitData {
             period_s: log.period_s(),
             even: true,
             time_s: log.time_s.clone(),
@@ -50,44 +56,44 @@ impl Course {
         }
     }
 
-    /// Every `step`-th sample of it. Not a mean: where a force jumps (a reversal under friction, a
-    /// touch) the mean over a block is no force of the mean motion.
-    pub(in crate::gap) fn thinned(&self, step: usize) -> Course {
-        Course {
+    /// Keeps every `step`-th sample. Means over blocks would be wrong where a force jumps (at a reversal
+    /// under friction, at a touch): the mean force is not the force of the mean motion.
+    pub(crate) fn thinned(&self, step: usize) -> FitData {
+        FitData {
             period_s: self.period_s * step as f64,
             ..self.picked((step / 2..self.len()).step_by(step))
         }
     }
 
-    /// The samples at some places of it.
-    pub(in crate::gap) fn picked(&self, places: impl Iterator<Item = usize> + Clone) -> Course {
-        let every =
-            |channel: &[f64]| -> Vec<f64> { places.clone().map(|at| channel[at]).collect() };
-        Course {
+    /// Keeps the samples at some indices.
+    pub(crate) fn picked(&self, indices: impl Iterator<Item = usize> + Clone) -> FitData {
+        let picked =
+            |channel: &[f64]| -> Vec<f64> { indices.clone().map(|at| channel[at]).collect() };
+        FitData {
             period_s: self.period_s,
             even: self.even,
-            time_s: every(&self.time_s),
-            position_m: every(&self.position_m),
-            speed_mps: every(&self.speed_mps),
-            acceleration_mps2: every(&self.acceleration_mps2),
-            force_n: every(&self.force_n),
+            time_s: picked(&self.time_s),
+            position_m: picked(&self.position_m),
+            speed_mps: picked(&self.speed_mps),
+            acceleration_mps2: picked(&self.acceleration_mps2),
+            force_n: picked(&self.force_n),
             position_noise_m: self.position_noise_m,
-            speed_noise_mps: every(&self.speed_noise_mps),
-            acceleration_noise_mps2: every(&self.acceleration_noise_mps2),
-            count: every(&self.count),
+            speed_noise_mps: picked(&self.speed_noise_mps),
+            acceleration_noise_mps2: picked(&self.acceleration_noise_mps2),
+            count: picked(&self.count),
         }
     }
 
-    /// Time (s) from the sample before to this one.
-    pub(in crate::gap) fn step_s(&self, at: usize) -> f64 {
+    /// The time (s) from the sample before to this one.
+    pub(crate) fn step_s(&self, at: usize) -> f64 {
         match at.checked_sub(1) {
             Some(before) if !self.even => self.time_s[at] - self.time_s[before],
             _ => self.period_s,
         }
     }
 
-    /// The same with its force through a low-pass.
-    pub(in crate::gap) fn filtered(&self, low_pass: Option<LowPass>) -> Course {
+    /// Passes the force through a low-pass.
+    pub(crate) fn filtered(&self, low_pass: Option<LowPass>) -> FitData {
         let mut filtered = self.clone();
         if let Some(low_pass) = low_pass {
             low_pass.apply(&mut filtered.force_n, self.period_s);
@@ -95,7 +101,8 @@ impl Course {
         filtered
     }
 
-    pub(in crate::gap) fn len(&self) -> usize {
+    /// The number of samples.
+    pub(crate) fn len(&self) -> usize {
         self.time_s.len()
     }
 }

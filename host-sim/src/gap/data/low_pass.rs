@@ -1,15 +1,16 @@
-//! The zero-phase low-pass of `--bandwidth`: what is above it is nobody's business, in the measured
-//! force and in the predicted one alike.
+//! The zero-phase low-pass of `--bandwidth`. Measured and predicted force go through it alike, so that
+//! what is above its corner does not count.
 
-/// Butterworth's low-pass of second order, forwards and backwards: −6 dB at the corner, no delay.
+/// Butterworth's low-pass of second order, run forwards and backwards: −6 dB at the corner, no delay.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::gap) struct LowPass {
-    pub(in crate::gap) corner_hz: f64,
+pub(crate) struct LowPass {
+    /// Corner frequency (Hz).
+    pub(crate) corner_hz: f64,
 }
 
 impl LowPass {
     /// Filters a channel in place; `period_s` is the time between its samples.
-    pub(in crate::gap) fn apply(self, channel: &mut [f64], period_s: f64) {
+    pub(crate) fn apply(self, channel: &mut [f64], period_s: f64) {
         let w = (std::f64::consts::PI * self.corner_hz * period_s)
             .min(1.5)
             .tan();
@@ -25,9 +26,9 @@ impl LowPass {
         channel.reverse();
     }
 
-    /// Share of a white noise's variance that is left.
-    pub(in crate::gap) fn share(self, period_s: f64) -> f64 {
-        // ∫ of the squared magnitude: the impulse response says it without an integral.
+    /// The share of the variance of white noise that is left behind the filter.
+    pub(crate) fn variance_share(self, period_s: f64) -> f64 {
+        // The energy of the impulse response is the integral of the squared magnitude.
         let mut response =
             vec![0.0; (40.0 / (self.corner_hz * period_s)).clamp(64.0, 1e6) as usize];
         let middle = response.len() / 2;
@@ -37,15 +38,15 @@ impl LowPass {
     }
 }
 
-/// One pass, started in the steady state of the first sample.
+/// Runs the filter once over a channel, from the steady state of the first sample on.
 fn pass(channel: &mut [f64], b: f64, a: [f64; 2]) {
     let first = channel.first().copied().unwrap_or(0.0);
     let (mut x, mut y) = ([first; 2], [first; 2]);
-    for own in channel {
-        let now = *own;
+    for sample in channel {
+        let now = *sample;
         let out = b * (now + 2.0 * x[0] + x[1]) - a[0] * y[0] - a[1] * y[1];
         (x, y) = ([now, x[0]], [out, y[0]]);
-        *own = out;
+        *sample = out;
     }
 }
 
@@ -76,7 +77,7 @@ mod tests {
     #[test]
     fn the_share_of_white_noise_is_that_of_the_band() {
         // Butterworth's fourth power has an equivalent bandwidth of 0.83 corners on either side.
-        let share = LowPass { corner_hz: 20.0 }.share(1e-3);
+        let share = LowPass { corner_hz: 20.0 }.variance_share(1e-3);
         assert!((share / (2.0 * 20.0 * 1e-3) - 0.83).abs() < 0.03, "{share}");
     }
 }

@@ -1,8 +1,8 @@
-//! How much larger the errors of a motion are than those of white noise.
+//! How much larger the errors of speed and acceleration are than white noise would make them.
 
-/// Errors of the speed in units of what white noise would leave: the steps of an encoder in slow
-/// motion are not white (measured at reversals under dry friction: 1.7).
-pub(in crate::gap) const SPEED_ERRORS: f64 = 2.0;
-/// The same of the acceleration: what a corner of the set point leaves in the windows about it
-/// (measured on a simulated servo: 2.0 to 3.1).
-pub(in crate::gap) const ACCELERATION_ERRORS: f64 = 3.0;
+/// The error of the speed in standard deviations that white noise would give it: the steps of an encoder in
+/// slow motion are not white (1.7 was measured at reversals under dry friction).
+pub(crate) const SPEED_ERROR_FACTOR: f64 = 2.0;
+/// The same factor for the acceleration: a corner of the set point leaves errors in the windows around it
+/// (2.0 to 3.1 were measured on a simulated servo).
+pub(crate) const ACCELERATION_ERROR_FACTOR: f64 = 3.0;

@@ -1,29 +1,29 @@
 //! Speeds next to a standstill.
 //!
 //! The last count before a rest comes late, and the slope of the cubic over it is a speed where there is
-//! none. Among speeds near a rest the small ones are mostly the rest itself: on a simulated servo (1 µm, 1 kHz)
-//! those that were found to be 30 to 100 µm/s were 26 µm/s too large in the mean. Far from a rest small
-//! speeds are passed through as often as any other, and nothing is to be taken off.
+//! none. Small speeds near a rest are mostly the rest itself: on a simulated servo (1 µm, 1 kHz) speeds
+//! that were found to be 30 to 100 µm/s were 26 µm/s too large in the mean. Far from a rest a small speed is
+//! as likely as any other and stays as it is.
 
-use super::motion_errors::SPEED_ERRORS;
+use super::motion_errors::SPEED_ERROR_FACTOR;
 use crate::kinematics::Kinematics;
 
-/// A position that reads the same for so many samples stands: the widest window of `kinematics`.
-const STANDS: f64 = 31.0;
-/// So many samples before and after are near.
-const NEAR: usize = 31;
+/// A position that reads the same for this many samples rests: the widest window of `kinematics`.
+const RESTING_SAMPLES: f64 = 31.0;
+/// A sample is near a rest if it is at most this many samples before or after it.
+const NEAR_SAMPLES: usize = 31;
 
-/// Takes from the speeds near a rest what the rest itself puts into them: v → v·v²/(v² + σ²), the mean of
-/// what a speed can be that is either 0 or anything.
-pub(in crate::gap) fn settle(motion: &mut Kinematics) {
+/// Takes from the speeds near a rest what the rest puts into them: v → v·v²/(v² + σ²), the mean of what a
+/// speed can be that is either 0 or anything.
+pub(crate) fn shrink_speeds(motion: &mut Kinematics) {
     let count = motion.held.len();
-    let mut near = vec![false; count];
-    for at in (0..count).filter(|at| motion.held[*at] >= STANDS) {
-        near[at.saturating_sub(NEAR)..(at + NEAR + 1).min(count)].fill(true);
+    let mut near_rest = vec![false; count];
+    for at in (0..count).filter(|at| motion.held[*at] >= RESTING_SAMPLES) {
+        near_rest[at.saturating_sub(NEAR_SAMPLES)..(at + NEAR_SAMPLES + 1).min(count)].fill(true);
     }
     let speeds = motion.speed_mps.iter_mut().zip(&motion.speed_noise_mps);
-    for ((speed, noise), _) in speeds.zip(near).filter(|own| own.1) {
-        let (square, error) = (*speed * *speed, SPEED_ERRORS * noise);
+    for ((speed, noise), _) in speeds.zip(near_rest).filter(|(_, near)| *near) {
+        let (square, error) = (*speed * *speed, SPEED_ERROR_FACTOR * noise);
         if square > 0.0 {
             *speed *= square / (square + error * error);
         }
@@ -66,10 +66,11 @@ mod tests {
         let log = Log::from_channels(time, position, force);
         let mut motion = kinematics(&log.uniform().unwrap());
         let (before, count) = excess(&motion.speed_mps, |at| speed[at]);
-        // WHEN the speeds near the rests are settled
-        settle(&mut motion);
+        // WHEN the speeds near the rests are shrunk
+        shrink_speeds(&mut motion);
         let (after, _) = excess(&motion.speed_mps, |at| speed[at]);
-        // THEN a third of what was too much is gone (38 %): a shrinkage that took all would take from motion.
+        // THEN a third of what was too much is gone (38 %): a shrinkage that took all would take from
+        // motion.
         assert!(count > 200 && before > 1.5e-5, "{count} {before:e}");
         assert!(
             after > 0.0 && after < 0.7 * before,
@@ -84,7 +85,7 @@ mod tests {
         let log = Log::from_channels(time, position, vec![0.0; 4000]);
         let mut motion = kinematics(&log.uniform().unwrap());
         let before = motion.speed_mps.clone();
-        settle(&mut motion);
+        shrink_speeds(&mut motion);
         assert_eq!(motion.speed_mps, before);
     }
 }

@@ -1,181 +1,153 @@
-//! What a motion can tell apart, before or without another log.
+//! Which effects a motion shows, and which of them it discriminates, before or without another log.
 //!
-//! An effect changes the force by d(t). What base and noise leave of it is seen: |W^½ d|² after the
-//! projection off the base's Jacobian is the χ² that it adds. A rival imitates it with its own force
-//! and its own Jacobian, next to the base's: what is left after that projection is the χ² by which
-//! the two differ. Linear, at the best of the rival's starts; a rival that could imitate only beyond
-//! its bounds counts as one all the same, so that the answer is on the careful side.
+//! An effect changes the force by d(t). What base and noise leave of it is detected: |W^½ d|² after the
+//! projection off the Jacobian of the base is the χ² that the effect adds. A rival imitates it with its
+//! own force and its own Jacobian, beside that of the base: what is left after that projection is the χ²
+//! by which the two differ. All of it is linear, at the best of the rival's starts. A rival that could
+//! imitate only beyond its bounds counts as one all the same, so that the answer is on the careful side.
 
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 use rayon::prelude::*;
 
-use crate::gap::data::fit_data::Course;
-use crate::gap::data::scales::Scales;
-use crate::gap::decide::evidence::depths;
-use crate::gap::model::basis::{extend, remove};
-use crate::gap::model::fit::{Fit, Problem, dot, forces};
+use crate::gap::model::basis::{add_column, dot, project_out};
+use crate::gap::model::dataset::Dataset;
+use crate::gap::model::fit::Fit;
 use crate::gap::model::shape::{Shape, Term};
+use crate::gap::model::simulate::{depths, forces};
 use crate::gap::model::start::{is_possible, starts, whole};
-use crate::gap::model::weights::{variances, weights};
-use crate::gap::noise::floor::Floor;
-
-/// A difference of χ² that counts, like the search's price: 5 σ, and the catalogue's size.
-pub(in crate::gap) fn least(catalogue: usize) -> f64 {
-    25.0 + 2.0 * (catalogue as f64).ln()
-}
-
-/// A base at its numbers, with motions and the noise on them.
-pub(in crate::gap) struct Bench<'a> {
-    pub(in crate::gap) shape: &'a Shape,
-    pub(in crate::gap) numbers: &'a [f64],
-    pub(in crate::gap) courses: &'a [Course],
-    pub(in crate::gap) scales: &'a Scales,
-    /// Samples of the rig that count, all repeats counted.
-    samples: f64,
-    /// √(repeats)/σ per sample.
-    roots: Vec<f64>,
-    forces: Vec<f64>,
-    /// What the base's own numbers can do, orthonormal.
-    basis: Vec<Vec<f64>>,
-}
-
-/// An effect, somewhere in its range of numbers.
-pub(in crate::gap) struct Presence {
-    pub(in crate::gap) term: Term,
-    /// What it does to the force in units of the noise, beyond what the base can do.
-    change: Vec<f64>,
-    /// The same for its numbers, and the change itself, orthonormal.
-    span: Vec<Vec<f64>>,
-}
 
 /// Samples on either side of a touch that a thinned motion says nothing of.
 const UNRESOLVED: usize = 3;
+/// The share of a change that must be left beyond the base for the effect to be detected at all: the
+/// rest is rounding.
+const LEAST_REMAINDER: f64 = 1e-9;
 
-/// Between two of its samples a thinned motion has no touch where the rig's has one, and what follows
-/// at once (a lag's answer to it, a delay's) would count for all the samples that were left out.
-fn leave_out_touches(weights: &mut [f64], fit: &Fit, courses: &[Course], repeats: &[f64]) {
-    let mut from = 0;
-    for (depths, repeats) in depths(fit, courses).iter().zip(repeats) {
-        let own = &mut weights[from..from + depths.len()];
-        from += depths.len();
-        let touches = (1..depths.len()).filter(|at| (depths[*at] > 0.0) != (depths[at - 1] > 0.0));
-        for at in touches.filter(|_| *repeats > 1.0) {
-            let last = (at + UNRESOLVED).min(own.len());
-            own[at.saturating_sub(UNRESOLVED)..last].fill(0.0);
-        }
-    }
+/// A base with fixed numbers, motions, and the noise on them.
+pub(super) struct Discriminability<'a> {
+    shape: &'a Shape,
+    numbers: &'a [f64],
+    dataset: Dataset<'a>,
+    /// Samples of the rig with a weight, all repeats counted.
+    samples: f64,
+    /// √(repeats)/σ (1/N) for each sample.
+    roots: Vec<f64>,
+    /// The forces (N) of the base.
+    forces: Vec<f64>,
+    /// Orthonormal columns: the changes that the numbers of the base can make.
+    basis: Vec<Vec<f64>>,
 }
 
-impl<'a> Bench<'a> {
-    /// `floors` are the courses' noises; `repeats` says how many samples of the rig each of theirs
-    /// stands for.
-    pub(in crate::gap) fn new(
+/// What an effect with its numbers does to the force.
+pub(super) struct EffectSignature {
+    pub(super) term: Term,
+    /// The change of the force in units of the noise, beyond what the base can do.
+    change: Vec<f64>,
+    /// Orthonormal columns: the changes by the effect's numbers, and `change` itself.
+    span: Vec<Vec<f64>>,
+}
+
+impl<'a> Discriminability<'a> {
+    /// `repeats` says how many samples of the rig each sample of a log stands for.
+    pub(super) fn new(
         shape: &'a Shape,
         numbers: &'a [f64],
-        courses: &'a [Course],
-        scales: &'a Scales,
-        floors: &[Floor],
+        dataset: Dataset<'a>,
         repeats: &[f64],
-    ) -> Bench<'a> {
+    ) -> Discriminability<'a> {
         let fit = Fit {
             shape: shape.clone(),
             numbers: numbers.to_vec(),
             cost: 0.0,
         };
-        let mut roots = weights(&variances(&fit, courses, floors, None));
-        leave_out_touches(&mut roots, &fit, courses, repeats);
-        let of_course = courses.iter().zip(repeats);
-        let each =
-            of_course.flat_map(|(course, repeats)| std::iter::repeat_n(repeats, course.len()));
+        let mut roots = dataset.weights(&fit);
+        let depths = depths(shape, numbers, dataset.logs);
+        leave_out_touches(&mut roots, &depths, repeats);
+        let of_log = dataset.logs.iter().zip(repeats);
+        let each = of_log.flat_map(|(log, repeats)| std::iter::repeat_n(repeats, log.len()));
         let mut samples = 0.0;
         for (weight, repeats) in roots.iter_mut().zip(each) {
             samples += if *weight > 0.0 { *repeats } else { 0.0 };
             *weight = (*weight * repeats).sqrt();
         }
-        let mut bench = Bench {
+        let mut analysis = Discriminability {
             shape,
             numbers,
-            courses,
-            scales,
             samples,
-            forces: forces(shape, numbers, courses),
+            forces: forces(shape, numbers, dataset.logs),
             basis: Vec::new(),
+            dataset,
             roots,
         };
-        bench.basis = bench.columns(shape, numbers, &[]);
-        bench
+        analysis.basis = analysis.columns(shape, numbers, &[]);
+        analysis
     }
 
-    /// Orthonormal columns of a shape's Jacobian, off `basis` and in units of the noise.
+    /// Orthonormal columns of the Jacobian of a shape, in units of the noise and projected off `basis`.
     fn columns(&self, shape: &Shape, numbers: &[f64], basis: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let problem = Problem {
-            courses: self.courses,
-            weights: &self.roots,
-            low_pass: None,
-        };
-        let mut own = Vec::new();
-        for mut column in problem.linear(shape, numbers).columns {
+        let problem = self.dataset.problem(&self.roots);
+        let mut columns = Vec::new();
+        for mut column in problem.linearize(shape, numbers).columns {
             column
                 .iter_mut()
                 .zip(&self.roots)
                 .for_each(|(c, root)| *c *= root);
-            extend(&mut own, column, basis);
+            add_column(&mut columns, column, basis);
         }
-        own
+        columns
     }
 
-    /// JᵀWJ of the base's numbers.
-    pub(in crate::gap) fn curvature(&self) -> Vec<f64> {
+    /// JᵀWJ of the numbers of the base.
+    pub(super) fn curvature(&self) -> Vec<f64> {
         let weights: Vec<f64> = self.roots.iter().map(|root| root * root).collect();
-        let problem = Problem {
-            courses: self.courses,
-            weights: &weights,
-            low_pass: None,
-        };
-        problem.normal(&problem.linear(self.shape, self.numbers)).0
+        let problem = self.dataset.problem(&weights);
+        problem
+            .normal_equations(&problem.linearize(self.shape, self.numbers))
+            .curvature
     }
 
-    /// An effect with its numbers.
-    pub(in crate::gap) fn presence(&self, term: Term) -> Option<Presence> {
+    /// The signature of an effect; `None` where its force is not finite.
+    pub(super) fn signature(&self, term: Term) -> Option<EffectSignature> {
         let mut terms = self.shape.terms_at(self.numbers);
         terms.push(term.clone());
-        let shape = Shape::new(&self.shape.base, terms, self.scales);
+        let shape = Shape::new(&self.shape.base, terms, self.dataset.scales);
         let mut numbers = shape.start();
         numbers[..self.numbers.len()].copy_from_slice(self.numbers);
-        let mut change: Vec<f64> = forces(&shape, &numbers, self.courses)
+        let mut change = self.change(&forces(&shape, &numbers, self.dataset.logs));
+        let whole = dot(&change, &change);
+        project_out(&mut change, &self.basis);
+        let left = dot(&change, &change);
+        if !left.is_finite() || left <= LEAST_REMAINDER * whole {
+            change.iter_mut().for_each(|value| *value = 0.0);
+        }
+        let mut span = self.columns(&shape, &numbers, &self.basis);
+        add_column(&mut span, change.clone(), &self.basis);
+        Some(EffectSignature { term, change, span }).filter(|_| left.is_finite())
+    }
+
+    /// Forces (N) minus those of the base, in units of the noise.
+    fn change(&self, forces: &[f64]) -> Vec<f64> {
+        forces
             .iter()
             .zip(&self.forces)
             .zip(&self.roots)
             .map(|((with, without), root)| root * (with - without))
-            .collect();
-        let whole = dot(&change, &change);
-        remove(&mut change, &self.basis);
-        let left = dot(&change, &change);
-        if !left.is_finite() || left <= 1e-9 * whole {
-            change.iter_mut().for_each(|own| *own = 0.0);
-        }
-        let mut span = self.columns(&shape, &numbers, &self.basis);
-        extend(&mut span, change.clone(), &self.basis);
-        Some(Presence { term, change, span }).filter(|_| left.is_finite())
-    }
-
-    /// Every effect of a catalogue from all its starts.
-    pub(in crate::gap) fn presences(&self, ids: &[EffectId]) -> Vec<Vec<Presence>> {
-        let starts: Vec<Vec<Term>> = ids.iter().map(|id| self.starts(*id)).collect();
-        starts
-            .into_par_iter()
-            .map(|own| {
-                own.into_iter()
-                    .filter_map(|term| self.presence(term))
-                    .collect()
-            })
             .collect()
     }
 
-    /// The search's starts; for what repeats, one period that no stroke has.
+    /// The signatures of every effect of a catalogue, from all its starts.
+    pub(super) fn signatures(&self, ids: &[EffectId]) -> Vec<Vec<EffectSignature>> {
+        let starts: Vec<Vec<Term>> = ids.iter().map(|id| self.starts(*id)).collect();
+        let of_effect = |terms: Vec<Term>| -> Vec<EffectSignature> {
+            let each = terms.into_iter();
+            each.filter_map(|term| self.signature(term)).collect()
+        };
+        starts.into_par_iter().map(of_effect).collect()
+    }
+
+    /// The starts of the search; for an effect that repeats, one period that no stroke has.
     fn starts(&self, id: EffectId) -> Vec<Term> {
         use EffectId as E;
-        let s = self.scales;
+        let s = self.dataset.scales;
         let force = 0.05 * s.force_n;
         let length = force * s.travel_m / s.force_n;
         let (amplitude, period) = match id {
@@ -193,35 +165,53 @@ impl<'a> Bench<'a> {
         vec![whole(id, row, 3)]
     }
 
-    /// χ² that an effect adds, `times` as strong, if the base is refitted.
-    pub(in crate::gap) fn seen(&self, target: &Presence, times: f64) -> f64 {
+    /// The χ² that an effect adds once the base is refitted, `times` as strong as its signature.
+    pub(super) fn detection_chi2(&self, target: &EffectSignature, times: f64) -> f64 {
         times * times * dot(&target.change, &target.change)
     }
 
-    /// χ² that is left of it when the rival has done what it can, from its best start.
-    pub(in crate::gap) fn apart(&self, target: &Presence, times: f64, rivals: &[Presence]) -> f64 {
-        let each = rivals.iter().map(|rival| {
+    /// The χ² that is left of it when a rival has done what it can, from the best of its starts.
+    pub(super) fn discrimination_chi2(
+        &self,
+        target: &EffectSignature,
+        times: f64,
+        rival: &[EffectSignature],
+    ) -> f64 {
+        let each = rival.iter().map(|rival| {
             let mut left = target.change.clone();
-            remove(&mut left, &rival.span);
+            project_out(&mut left, &rival.span);
             times * times * dot(&left, &left)
         });
-        each.fold(self.seen(target, times), f64::min)
+        each.fold(self.detection_chi2(target, times), f64::min)
     }
 
-    /// Root mean square of the change an effect makes to the force, in units of the noise, before
-    /// anything is refitted.
-    pub(in crate::gap) fn strength(&self, target: &Presence) -> f64 {
+    /// The root mean square of the change that an effect makes to the force before anything is refitted,
+    /// in units of the noise.
+    pub(super) fn rms_change(&self, target: &EffectSignature) -> f64 {
         let mut terms = self.shape.terms_at(self.numbers);
         terms.push(target.term.clone());
         let shape = Shape {
             terms,
             ..self.shape.clone()
         };
-        let with = forces(&shape, self.numbers, self.courses);
-        let each = with.iter().zip(&self.forces).zip(&self.roots);
-        let square: f64 = each
-            .map(|((with, without), root)| (root * (with - without)).powi(2))
-            .sum();
+        let change = self.change(&forces(&shape, self.numbers, self.dataset.logs));
+        let square: f64 = change.iter().map(|value| value.powi(2)).sum();
         (square / self.samples.max(1.0)).sqrt()
+    }
+}
+
+/// Leaves out the samples around the touches of a thinned motion. Between two of its samples it has no
+/// touch where the rig's motion has one, and what follows at once (the answer of a lag to it, or of a
+/// delay) would count for all the samples that were left out.
+fn leave_out_touches(weights: &mut [f64], depths: &[Vec<f64>], repeats: &[f64]) {
+    let mut from = 0;
+    for (depths, repeats) in depths.iter().zip(repeats) {
+        let of_log = &mut weights[from..from + depths.len()];
+        from += depths.len();
+        let touches = (1..depths.len()).filter(|at| (depths[*at] > 0.0) != (depths[at - 1] > 0.0));
+        for at in touches.filter(|_| *repeats > 1.0) {
+            let last = (at + UNRESOLVED).min(of_log.len());
+            of_log[at.saturating_sub(UNRESOLVED)..last].fill(0.0);
+        }
     }
 }

@@ -1,125 +1,144 @@
-//! Motions to record: a kind each, as long and as fast as the rig and its log suggest.
+//! Motions to record: one of each kind, as deep and as fast as the rig and its log suggest.
 
 use crate::motion::{Motion, Segment};
 use crate::number::quantity;
 
-/// What a rig's motions are made of.
+/// Where and how fast the motions of a rig may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::gap) struct Reach {
+pub(super) struct ExcitationRange {
     /// Where the surface is, or the middle of the travel where there is none (m).
-    pub(in crate::gap) surface_m: f64,
-    /// How deep it may press (m); the free air that is used is as long.
-    pub(in crate::gap) depth_m: f64,
-    /// One slow stroke (s); everything else is a multiple or a fraction of it.
-    pub(in crate::gap) stroke_s: f64,
+    pub(super) surface_m: f64,
+    /// How deep a motion may press (m). It uses as much free air.
+    pub(super) depth_m: f64,
+    /// Duration of one slow stroke (s); everything else is a multiple or a fraction of it.
+    pub(super) stroke_s: f64,
     /// Whether there is anything to touch.
-    pub(in crate::gap) touches: bool,
+    pub(super) touches: bool,
 }
 
-/// A motion of the menu.
+/// A motion that excites effects.
 #[derive(Clone, Debug)]
-pub(in crate::gap) struct Dish {
-    /// What `plan.json` calls it.
-    pub(in crate::gap) name: &'static str,
+pub(super) struct Excitation {
+    /// The name in `plan.json`.
+    pub(super) name: &'static str,
     /// What to record, in words.
-    pub(in crate::gap) words: String,
-    pub(in crate::gap) motion: Motion,
+    pub(super) words: String,
+    pub(super) motion: Motion,
 }
 
-/// Every kind once.
-pub(in crate::gap) fn menu(reach: Reach) -> Vec<Dish> {
-    let (d, s) = (reach.depth_m, reach.stroke_s);
-    let m = |depths: f64| quantity(depths * d, 2, "m");
-    let hz = |per_stroke: f64| quantity(per_stroke / s, 2, "Hz");
-    // Without a surface nothing is in contact, and there is no other air.
-    let (touch, air, free, contact) = match reach.touches {
-        true => ("touches", " from free air", " in free air", " in contact"),
-        false => ("strokes", "", "", ""),
-    };
-    let seconds = |strokes: f64| quantity(strokes * s, 2, "s");
-    let dish = |name, words: String, start: f64, segments: Vec<Segment>| {
-        let motion = Motion::new(start * d, segments).ok()?;
-        Some(Dish {
+/// One motion of each kind.
+pub(super) fn excitations(range: ExcitationRange) -> Vec<Excitation> {
+    let kinds: [(&'static str, String, f64, Vec<Segment>); 6] = [
+        ("palpation", range.palpation_words(), -0.5, palpation(range)),
+        (
+            "ramp_and_hold",
+            range.ramp_and_hold_words(),
+            -0.3,
+            ramp_and_hold(range),
+        ),
+        ("fast_sine", range.fast_sine_words(), -0.2, fast_sine(range)),
+        ("free_air", range.free_air_words(), -0.1, free_air(range)),
+        ("steps", range.steps_words(), -0.2, steps(range)),
+        ("depths", range.depths_words(), -0.3, depths(range)),
+    ];
+    let of_kind = |(name, words, start, segments): (_, _, f64, _)| {
+        let motion = Motion::new(start * range.depth_m, segments).ok()?;
+        Some(Excitation {
             name,
             words,
-            motion: motion.shifted(reach.surface_m),
+            motion: motion.shifted(range.surface_m),
         })
     };
-    let dishes = [
-        dish(
-            "palpation",
-            format!(
-                "{touch} of {} at {} and {}{air}, then a ramp and a hold",
-                m(1.0),
-                hz(1.0),
-                hz(2.0)
-            ),
-            -0.5,
-            palpation(reach),
-        ),
-        dish(
-            "ramp_and_hold",
-            format!(
-                "a ramp to {} within {}, a hold of {}, out as slowly; then again ten times as fast",
-                m(0.8),
-                seconds(2.0),
-                seconds(10.0)
-            ),
-            -0.3,
-            ramp_and_hold(reach),
-        ),
-        dish(
-            "fast_sine",
-            format!(
-                "sines of ±{} about {}{contact} at {}, {} and {}",
-                m(0.3),
-                m(0.6),
-                hz(2.0),
-                hz(6.0),
-                hz(12.0)
-            ),
-            -0.2,
-            fast_sine(reach),
-        ),
-        dish(
-            "free_air",
-            format!(
-                "strokes of up to {}{free} at three speeds, with a rest after every reversal",
-                m(1.0)
-            ),
-            -0.1,
-            free_air(reach),
-        ),
-        dish(
-            "steps",
-            format!(
-                "steps down to {} and up in fifths, each held for {}",
-                m(1.0),
-                seconds(1.0)
-            ),
-            -0.2,
-            steps(reach),
-        ),
-        dish(
-            "depths",
-            format!(
-                "strokes{air} to {}, {}, {} and {}, at {} and {}",
-                m(0.25),
-                m(0.5),
-                m(0.75),
-                m(1.0),
-                hz(1.0),
-                hz(3.0)
-            ),
-            -0.3,
-            depths(reach),
-        ),
-    ];
-    dishes.into_iter().flatten().collect()
+    kinds.into_iter().filter_map(of_kind).collect()
 }
 
-/// The parts that motions are made of, in depths and strokes.
-impl Reach {
+/// The motions in words.
+impl ExcitationRange {
+    /// A length in depths.
+    fn m(self, depths: f64) -> String {
+        quantity(depths * self.depth_m, 2, "m")
+    }
+
+    /// A frequency in cycles per stroke.
+    fn hz(self, per_stroke: f64) -> String {
+        quantity(per_stroke / self.stroke_s, 2, "Hz")
+    }
+
+    /// A time in strokes.
+    fn s(self, strokes: f64) -> String {
+        quantity(strokes * self.stroke_s, 2, "s")
+    }
+
+    /// Words that only mean something where there is a surface: without one nothing is in contact, and
+    /// all air is free.
+    fn with_surface(self, words: &'static str) -> &'static str {
+        if self.touches { words } else { "" }
+    }
+
+    fn palpation_words(self) -> String {
+        format!(
+            "{} of {} at {} and {}{}, then a ramp and a hold",
+            if self.touches { "touches" } else { "strokes" },
+            self.m(1.0),
+            self.hz(1.0),
+            self.hz(2.0),
+            self.with_surface(" from free air"),
+        )
+    }
+
+    fn ramp_and_hold_words(self) -> String {
+        format!(
+            "a ramp to {} within {}, a hold of {}, out as slowly; then again ten times as fast",
+            self.m(0.8),
+            self.s(2.0),
+            self.s(10.0)
+        )
+    }
+
+    fn fast_sine_words(self) -> String {
+        format!(
+            "sines of ±{} about {}{} at {}, {} and {}",
+            self.m(0.3),
+            self.m(0.6),
+            self.with_surface(" in contact"),
+            self.hz(2.0),
+            self.hz(6.0),
+            self.hz(12.0)
+        )
+    }
+
+    fn free_air_words(self) -> String {
+        format!(
+            "strokes of up to {}{} at three speeds, with a rest after every reversal",
+            self.m(1.0),
+            self.with_surface(" in free air"),
+        )
+    }
+
+    fn steps_words(self) -> String {
+        format!(
+            "steps down to {} and up in fifths, each held for {}",
+            self.m(1.0),
+            self.s(1.0)
+        )
+    }
+
+    fn depths_words(self) -> String {
+        format!(
+            "strokes{} to {}, {}, {} and {}, at {} and {}",
+            self.with_surface(" from free air"),
+            self.m(0.25),
+            self.m(0.5),
+            self.m(0.75),
+            self.m(1.0),
+            self.hz(1.0),
+            self.hz(3.0)
+        )
+    }
+}
+
+/// The segments that motions are made of, in depths and strokes.
+impl ExcitationRange {
     fn ramp(self, to: f64, depths_per_stroke: f64) -> Segment {
         Segment::Ramp {
             to_m: to * self.depth_m,
@@ -143,77 +162,77 @@ impl Reach {
     }
 }
 
-fn palpation(r: Reach) -> Vec<Segment> {
+fn palpation(range: ExcitationRange) -> Vec<Segment> {
     vec![
-        r.hold(0.6),
-        r.ramp(-0.15, 1.25),
-        r.sine(0.425, 0.575, 1.0, 3.0),
-        r.sine(0.425, 0.575, 2.0, 2.0),
-        r.ramp(0.8, 2.0),
-        r.hold(1.0),
-        r.ramp(-0.5, 2.0),
-        r.hold(0.5),
+        range.hold(0.6),
+        range.ramp(-0.15, 1.25),
+        range.sine(0.425, 0.575, 1.0, 3.0),
+        range.sine(0.425, 0.575, 2.0, 2.0),
+        range.ramp(0.8, 2.0),
+        range.hold(1.0),
+        range.ramp(-0.5, 2.0),
+        range.hold(0.5),
     ]
 }
 
-fn ramp_and_hold(r: Reach) -> Vec<Segment> {
+fn ramp_and_hold(range: ExcitationRange) -> Vec<Segment> {
     vec![
-        r.hold(0.5),
-        r.ramp(0.8, 0.5),
-        r.hold(10.0),
-        r.ramp(-0.3, 0.5),
-        r.hold(2.0),
-        r.ramp(0.8, 5.0),
-        r.hold(10.0),
-        r.ramp(-0.3, 5.0),
-        r.hold(0.5),
+        range.hold(0.5),
+        range.ramp(0.8, 0.5),
+        range.hold(10.0),
+        range.ramp(-0.3, 0.5),
+        range.hold(2.0),
+        range.ramp(0.8, 5.0),
+        range.hold(10.0),
+        range.ramp(-0.3, 5.0),
+        range.hold(0.5),
     ]
 }
 
-fn fast_sine(r: Reach) -> Vec<Segment> {
+fn fast_sine(range: ExcitationRange) -> Vec<Segment> {
     vec![
-        r.hold(0.5),
-        r.ramp(0.3, 1.0),
-        r.sine(0.6, 0.3, 2.0, 3.0),
-        r.sine(0.6, 0.3, 6.0, 3.0),
-        r.sine(0.6, 0.3, 12.0, 2.0),
-        r.ramp(-0.2, 1.0),
-        r.hold(0.5),
+        range.hold(0.5),
+        range.ramp(0.3, 1.0),
+        range.sine(0.6, 0.3, 2.0, 3.0),
+        range.sine(0.6, 0.3, 6.0, 3.0),
+        range.sine(0.6, 0.3, 12.0, 2.0),
+        range.ramp(-0.2, 1.0),
+        range.hold(0.5),
     ]
 }
 
-fn free_air(r: Reach) -> Vec<Segment> {
-    let mut segments = vec![r.hold(0.5)];
+fn free_air(range: ExcitationRange) -> Vec<Segment> {
+    let mut segments = vec![range.hold(0.5)];
     for speed in [0.5, 2.0, 8.0] {
         for to in [-1.0, -0.4, -0.8, -0.1] {
-            segments.extend([r.ramp(to, speed), r.hold(0.3)]);
+            segments.extend([range.ramp(to, speed), range.hold(0.3)]);
         }
     }
     segments.extend([
-        r.ramp(-1.0, 1.0),
-        r.sine(-0.55, 0.45, 3.0, 2.0),
-        r.hold(3.0),
+        range.ramp(-1.0, 1.0),
+        range.sine(-0.55, 0.45, 3.0, 2.0),
+        range.hold(3.0),
     ]);
     segments
 }
 
-fn steps(r: Reach) -> Vec<Segment> {
-    let mut segments = vec![r.hold(0.5)];
+fn steps(range: ExcitationRange) -> Vec<Segment> {
+    let mut segments = vec![range.hold(0.5)];
     for to in [0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, -0.2] {
-        segments.extend([r.ramp(to, 4.0), r.hold(1.0)]);
+        segments.extend([range.ramp(to, 4.0), range.hold(1.0)]);
     }
     segments
 }
 
-fn depths(r: Reach) -> Vec<Segment> {
-    let mut segments = vec![r.hold(0.5)];
+fn depths(range: ExcitationRange) -> Vec<Segment> {
+    let mut segments = vec![range.hold(0.5)];
     for per_stroke in [1.0, 3.0] {
         for depth in [0.25, 0.5, 0.75, 1.0] {
             let (mean, amplitude) = (0.5 * (depth - 0.2), 0.5 * (depth + 0.2));
-            segments.push(r.sine(mean, amplitude, per_stroke, 3.0 / per_stroke));
+            segments.push(range.sine(mean, amplitude, per_stroke, 3.0 / per_stroke));
         }
     }
-    segments.extend([r.ramp(-0.3, 2.0), r.hold(0.5)]);
+    segments.extend([range.ramp(-0.3, 2.0), range.hold(0.5)]);
     segments
 }
 
@@ -224,18 +243,18 @@ mod tests {
     #[test]
     fn every_motion_stays_within_its_reach_at_any_scale() {
         for (depth_m, stroke_s) in [(4e-3, 1.0), (2e-6, 0.02), (0.3, 30.0)] {
-            let reach = Reach {
+            let range = ExcitationRange {
                 surface_m: 2.0 * depth_m,
                 depth_m,
                 stroke_s,
                 touches: true,
             };
-            let menu = menu(reach);
-            assert_eq!(menu.len(), 6);
-            for dish in menu {
+            let all = excitations(range);
+            assert_eq!(all.len(), 6);
+            for excitation in all {
                 let samples = (0..4000).map(|at| {
-                    let time_s = f64::from(at) / 4000.0 * dish.motion.duration_s();
-                    (dish.motion.position(time_s).0 - reach.surface_m) / depth_m
+                    let time_s = f64::from(at) / 4000.0 * excitation.motion.duration_s();
+                    (excitation.motion.position(time_s).0 - range.surface_m) / depth_m
                 });
                 let (low, high) = samples.fold((0.0_f64, 0.0_f64), |(low, high), x| {
                     (low.min(x), high.max(x))
@@ -243,10 +262,10 @@ mod tests {
                 assert!(
                     low >= -1.001 && high <= 1.001,
                     "{}: {low} to {high}",
-                    dish.name
+                    excitation.name
                 );
                 assert!(
-                    dish.name != "free_air" || high <= 0.0,
+                    excitation.name != "free_air" || high <= 0.0,
                     "free air does not touch: {high}"
                 );
             }

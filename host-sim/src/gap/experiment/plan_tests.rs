@@ -15,15 +15,15 @@ fn gel() -> Model {
     model("[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 2000.0\ndamping = 10.0\n")
 }
 
-fn of(plan: &Plan, id: E) -> &Planned {
-    plan.effects.iter().find(|own| own.id == id).unwrap()
+fn of(plan: &Plan, id: E) -> &PlannedEffect {
+    plan.effects.iter().find(|effect| effect.id == id).unwrap()
 }
 
-fn apart(plan: &Plan, id: E, rival: E) -> f64 {
+fn sigma_between(plan: &Plan, id: E, rival: E) -> f64 {
     of(plan, id)
         .rivals
         .iter()
-        .find(|(own, _)| *own == rival)
+        .find(|(other, _)| *other == rival)
         .unwrap()
         .1
 }
@@ -60,10 +60,14 @@ fn a_palpation_shows_friction_and_a_slow_sine_in_contact_does_not_tell_drag_from
     );
     // the second does not show drag (the damper does the same), nor an offset (the surface does),
     for id in [E::ViscousDrag, E::ForceOffset, E::CableStiffness] {
-        let own = of(&slow, id);
-        assert!(!slow.counts(own.seen_sigma), "{id:?}: {} σ", own.seen_sigma);
-        // and the menu has a motion that does.
-        assert!(own.further.is_some(), "{id:?}");
+        let effect = of(&slow, id);
+        assert!(
+            !slow.counts(effect.seen_sigma),
+            "{id:?}: {} σ",
+            effect.seen_sigma
+        );
+        // and one of the excitations does.
+        assert!(effect.further.is_some(), "{id:?}");
     }
 }
 
@@ -117,5 +121,5 @@ fn a_plan_is_the_same_at_any_scale() {
             b.seen_sigma
         );
     }
-    assert!(apart(&large, E::ForceOffset, E::ViscousDrag) > large.least_sigma);
+    assert!(sigma_between(&large, E::ForceOffset, E::ViscousDrag) > large.least_sigma);
 }

@@ -1,66 +1,65 @@
-//! Where a disagreement is.
+//! The regions in which a model and a log disagree.
 
 /// A region and its share of the excess.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// `free`, `touch`, `loading`, `hold`, `unloading`, `lift_off`, `depth_low`, `depth_mid`,
-    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line`, `pitch`.
+    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line` or `pitch`.
     pub id: &'static str,
-    /// Its share of the energy above the floor; of a line, of the whole residual.
+    /// The region's share of the energy above the noise; a line's share of the whole residual.
     pub share: f64,
-    /// Root mean square of the residual in it (N).
+    /// Root mean square of the residual in the region (N).
     pub rms_n: f64,
-    /// Share of the samples.
+    /// The region's share of the samples.
     pub samples: f64,
     /// Frequency of a line (Hz).
     pub hz: Option<f64>,
-    /// Pitch of a line along the way (m).
+    /// Pitch of a line along the travel (m).
     pub pitch_m: Option<f64>,
 }
 
-/// The most telling regions in words: "68 % of the excess is in holds, 54 % in the deepest third".
-pub fn words(regions: &[Region]) -> String {
-    let phases = ["free", "touch", "loading", "hold", "unloading", "lift_off"];
-    let mut said = Vec::new();
-    if let Some(phase) = regions.iter().find(|region| phases.contains(&region.id)) {
-        said.push(format!(
-            "{:.0} % of the excess is {}",
-            100.0 * phase.share,
-            place(phase.id)
-        ));
-    }
-    // Besides, what has more of the excess than its share of the samples explains.
+/// The phases of the contact; every sample is in one.
+const PHASES: [&str; 6] = ["free", "touch", "loading", "hold", "unloading", "lift_off"];
+/// A region is mentioned beside the phase if its share of the excess is this many times its share of the
+/// samples.
+const TELLING: f64 = 1.3;
+/// Most regions that are mentioned beside the phase.
+const MOST_TELLING: usize = 2;
+
+/// Describes the most telling regions: "68 % of the excess is in holds, 54 % in the deepest third".
+pub fn regions_in_words(regions: &[Region]) -> String {
+    let phase = regions.iter().find(|region| PHASES.contains(&region.id));
     let telling = regions
         .iter()
-        .filter(|region| !phases.contains(&region.id) && region.share > 1.3 * region.samples)
-        .take(2);
-    for region in telling {
-        let of = if said.is_empty() {
+        .filter(|region| !PHASES.contains(&region.id) && region.share > TELLING * region.samples)
+        .take(MOST_TELLING);
+    let mut words: Vec<String> = Vec::new();
+    for region in phase.into_iter().chain(telling) {
+        let of = if words.is_empty() {
             "of the excess is "
         } else {
             ""
         };
-        said.push(format!(
+        words.push(format!(
             "{:.0} % {of}{}",
             100.0 * region.share,
             place(region.id)
         ));
     }
-    for line in regions {
-        match (line.hz, line.pitch_m) {
-            (Some(hz), _) => said.push(format!(
-                "{:.0} % in a line at {hz:.3} Hz",
-                100.0 * line.share
-            )),
-            (_, Some(pitch)) => said.push(format!(
-                "{:.0} % repeats every {:.4} mm along the way",
-                100.0 * line.share,
-                1e3 * pitch
-            )),
-            _ => {}
-        }
+    words.extend(regions.iter().filter_map(line_in_words));
+    words.join(", ")
+}
+
+fn line_in_words(line: &Region) -> Option<String> {
+    let percent = 100.0 * line.share;
+    match (line.hz, line.pitch_m) {
+        (Some(hz), _) => Some(format!("{percent:.0} % in a line at {hz:.3} Hz")),
+        (_, Some(pitch_m)) => Some(format!(
+            "{percent:.0} % repeats every {:.4} mm along the way",
+            1e3 * pitch_m
+        )),
+        _ => None,
     }
-    said.join(", ")
 }
 
 fn place(id: &str) -> &'static str {

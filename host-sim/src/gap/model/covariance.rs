@@ -3,23 +3,26 @@
 use crate::dense;
 use crate::gap::model::fit::Fit;
 
-/// Which free numbers stand at a bound.
-pub(in crate::gap) fn stuck(fit: &Fit) -> Vec<bool> {
+/// For each free number, whether it is at a bound.
+pub(crate) fn at_bound(fit: &Fit) -> Vec<bool> {
     let each = fit.shape.free.iter().zip(&fit.numbers);
     each.map(|(free, number)| free.is_at_bound(*number))
         .collect()
 }
 
-/// The inverse in units of the columns' sizes, numbers at a bound left out.
-pub(in crate::gap) fn inverse(curvature: &[f64], stuck: &[bool], n: usize) -> Option<Vec<f64>> {
-    let out = |at: usize| stuck[at] || curvature[at * n + at] <= 0.0;
+/// The inverse of a curvature without the numbers at a bound. It is taken in units of the columns'
+/// magnitudes, with a ridge where they are linearly dependent to rounding; `None` if a ridge of 1e-3
+/// does not suffice.
+pub(crate) fn inverse(curvature: &[f64], at_bound: &[bool]) -> Option<Vec<f64>> {
+    let n = at_bound.len();
+    let is_out = |at: usize| at_bound[at] || curvature[at * n + at] <= 0.0;
     let size: Vec<f64> = (0..n)
         .map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt())
         .collect();
     let mut scaled: Vec<f64> = (0..n * n)
         .map(|at| match (at / n, at % n) {
             (row, column) if row == column => 1.0 + 1e-12,
-            (row, column) if out(row) || out(column) => 0.0,
+            (row, column) if is_out(row) || is_out(column) => 0.0,
             (row, column) => curvature[at] / (size[row] * size[column]),
         })
         .collect();
@@ -35,8 +38,8 @@ pub(in crate::gap) fn inverse(curvature: &[f64], stuck: &[bool], n: usize) -> Op
         }
     };
     let mut inverse = dense::inverse(&factor, n);
-    for (at, own) in inverse.iter_mut().enumerate() {
-        *own /= size[at / n] * size[at % n];
+    for (at, entry) in inverse.iter_mut().enumerate() {
+        *entry /= size[at / n] * size[at % n];
     }
     Some(inverse)
 }

@@ -1,98 +1,101 @@
-//! How well a fit's numbers are known.
+//! Standard errors of the numbers of a fit.
 //!
-//! The noise gives the largest variance of three: C = H⁻¹·max(1, misfit²), H = JᵀWJ; the sandwich
-//! H⁻¹MH⁻¹ with Newey & West's M, which counts what neighbours repeat; and what noise of the residuals'
-//! spectrum makes of each number (`coloured`). To that come half of what the errors of speed and acceleration have
-//! done to the number (see `attenuation`: their variance is known to a factor of about two), and the positions
-//! at rest: while the probe holds still the encoder's error is one number, and no hold averages it (0.3 µm at
-//! 10⁴ N/m are 3 mN, against 0.2 mN of white noise after 2 s).
+//! The noise contributes the largest of three variances: C = H⁻¹·max(1, misfit²) with H = JᵀWJ; the
+//! sandwich H⁻¹MH⁻¹ with Newey and West's M, which counts what neighbours repeat; and what noise with
+//! the spectrum of the residuals makes of each number (`coloured`). Two contributions are added. One is
+//! half of the bias that the errors of speed and acceleration give the number (see `attenuation`; their
+//! variance is known to a factor of about two). The other comes from the positions at rest: while the
+//! probe holds still the encoder's error is one number, and no hold averages it (0.3 µm at 10⁴ N/m are 3
+//! mN, against 0.2 mN of white noise after 2 s).
 
 use std::ops::Range;
 
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::model::attenuation::bias;
-use crate::gap::model::basis::extend;
-use crate::gap::model::covariance::{inverse, stuck};
-use crate::gap::model::fit::{Fit, Linear, Problem, forces, forces_moved};
+use crate::gap::model::basis::add_column;
+use crate::gap::model::covariance::{at_bound, inverse};
+use crate::gap::model::fit::Fit;
+use crate::gap::model::problem::{Linearization, Problem};
 use crate::gap::model::shape::Owner;
-use crate::gap::noise::coloured::Coloured;
+use crate::gap::model::simulate::{forces, forces_of_changed};
+use crate::gap::noise::coloured::ResidualSpectrum;
 use crate::stats::correlation;
 
-/// Fewest and most lags of the sandwich. Within a window of `kinematics`, 31 samples at most, the errors of
-/// speed and acceleration are the same ones.
+/// Fewest lags of the sandwich: within a window of `kinematics`, 31 samples at most, the errors of speed and
+/// acceleration are the same ones.
 const FEWEST_LAGS: usize = 31;
+/// Most lags of the sandwich.
 const MOST_LAGS: usize = 100;
-/// Share of the motion's errors' effect that is not known.
-const UNKNOWN: f64 = 0.5;
+/// The share of the bias that is not known.
+const UNKNOWN_BIAS: f64 = 0.5;
 
-/// Standard errors of a fit's free numbers, in the parameters' own units; `None` at a bound.
-pub(in crate::gap) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
+/// Standard errors of the free numbers of a fit, in the units of the parameters; `None` at a bound.
+pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
     let n = fit.numbers.len();
-    let linear = problem.linear(&fit.shape, &fit.numbers);
-    let (curvature, _) = problem.normal(&linear);
-    let stuck = stuck(fit);
-    let Some(inverse) = inverse(&curvature, &stuck, n) else {
+    let linear = problem.linearize(&fit.shape, &fit.numbers);
+    let normal = problem.normal_equations(&linear);
+    let at_bound = at_bound(fit);
+    let Some(inverse) = inverse(&normal.curvature, &at_bound) else {
         return vec![None; n];
     };
-    let left = Left::new(problem, fit, &linear, &stuck);
+    let residuals = ResidualStatistics::new(problem, fit, &linear, &at_bound);
     let bias = bias(problem, fit);
     (0..n)
-        .map(|own| {
-            if stuck[own] {
+        .map(|at| {
+            if at_bound[at] {
                 return None;
             }
+            let row = &inverse[at * n..(at + 1) * n];
             // What a newton at every sample does to this number alone: one series, not n² of them.
-            let per_n: Vec<f64> = left
-                .used
-                .iter()
-                .map(|at| {
-                    let slope: f64 = (0..n)
-                        .map(|k| inverse[own * n + k] * linear.columns[k][*at])
-                        .sum();
-                    slope * problem.weights[*at]
-                })
-                .collect();
-            let noise = left.noise(problem, &linear, &per_n, inverse[own * n + own]);
-            let variance = noise + left.at_rest(&per_n) + (UNKNOWN * bias[own]).powi(2);
-            let natural = fit.shape.natural(own, fit.numbers[own]);
-            let scale = if fit.shape.free[own].logarithmic {
-                natural
-            } else {
-                1.0
+            let influence = residuals.influence(problem, &linear, row);
+            let noise = residuals.noise_variance(problem, &linear, &influence, row[at]);
+            let variance =
+                noise + residuals.rest_variance(&influence) + (UNKNOWN_BIAS * bias[at]).powi(2);
+            let scale = match fit.shape.free[at].logarithmic {
+                true => fit.shape.natural(at, fit.numbers[at]),
+                false => 1.0,
             };
-            let error = (variance.sqrt() * scale).hypot(smoothed(problem, fit, own));
+            let error = (variance.sqrt() * scale).hypot(smoothing_error(problem, fit, at));
             Some(error).filter(|error| error.is_finite())
         })
         .collect()
 }
 
-/// What smoothing the positions costs a number of theirs: a ripple of the encoder lost 0.15 to 0.4 µm of its
-/// amplitude to windows that stay within a count of 1 µm (0.29 µm, one standard deviation).
-fn smoothed(problem: &Problem<'_>, fit: &Fit, own: usize) -> f64 {
+/// The standard error that smoothing the positions gives the amplitude of an encoder's ripple; 0 for
+/// another number. Windows that stay within a count of 1 µm (0.29 µm, one standard deviation) took 0.15
+/// to 0.4 µm off it.
+fn smoothing_error(problem: &Problem<'_>, fit: &Fit, at: usize) -> f64 {
     let is_ripple = |number: usize| fit.shape.terms[number].id == EffectId::EncoderPeriodicError;
-    match fit.shape.free[own].owner {
+    match fit.shape.free[at].owner {
         Owner::Effect(number, 0) if is_ripple(number) => {
-            let each = problem.courses.iter().map(|own| own.position_noise_m);
+            let each = problem.logs.iter().map(|log| log.position_noise_m);
             each.fold(0.0, f64::max)
         }
         _ => 0.0,
     }
 }
 
-/// What a fit left, and what is to be known of it.
-struct Left {
-    /// The samples that count.
+/// The residuals of a fit, and what they say of the noise.
+struct ResidualStatistics {
+    /// The samples with a weight.
     used: Vec<usize>,
+    /// Σ w r² for each degree of freedom.
     misfit: f64,
+    /// Lags of the sandwich.
     lags: usize,
-    coloured: Coloured,
+    spectrum: ResidualSpectrum,
+    /// The rests, as places in `used`, and the force (N) that an error of the position makes there.
     rests: Vec<(Range<usize>, Vec<f64>)>,
 }
 
-impl Left {
-    fn new(problem: &Problem<'_>, fit: &Fit, linear: &Linear, stuck: &[bool]) -> Left {
-        let n = fit.numbers.len();
+impl ResidualStatistics {
+    fn new(
+        problem: &Problem<'_>,
+        fit: &Fit,
+        linear: &Linearization,
+        at_bound: &[bool],
+    ) -> ResidualStatistics {
         let used: Vec<usize> = (0..problem.weights.len())
             .filter(|at| problem.weights[*at] > 0.0)
             .collect();
@@ -102,61 +105,83 @@ impl Left {
                 .collect()
         };
         let white = weighted(&linear.residuals);
-        let mut taken = Vec::new();
-        for (column, _) in linear.columns.iter().zip(stuck).filter(|own| !own.1) {
-            extend(&mut taken, weighted(column), &[]);
+        let mut fitted = Vec::new();
+        for (column, _) in linear.columns.iter().zip(at_bound).filter(|(_, at)| !**at) {
+            add_column(&mut fitted, weighted(column), &[]);
         }
-        let freedom = white.len().saturating_sub(n).max(1) as f64;
-        Left {
+        let freedom = white.len().saturating_sub(fit.numbers.len()).max(1) as f64;
+        ResidualStatistics {
             misfit: white.iter().map(|r| r * r).sum::<f64>() / freedom,
             lags: ((3.0 * correlation(&white)).ceil() as usize)
                 .clamp(FEWEST_LAGS, MOST_LAGS)
                 .min(used.len() / 8),
-            coloured: Coloured::of(&white, &taken),
+            spectrum: ResidualSpectrum::of(&white, &fitted),
             rests: rests(problem, fit, &used),
             used,
         }
     }
 
-    /// Variance that the residuals give a number: white, as neighbours repeat, as the spectrum says.
-    fn noise(&self, problem: &Problem<'_>, linear: &Linear, per_n: &[f64], own: f64) -> f64 {
-        let each = || per_n.iter().zip(&self.used);
-        let influence: Vec<f64> = each()
-            .map(|(own, at)| own * linear.residuals[*at])
+    /// What a newton at each used sample does to a number whose row of the inverse curvature is given.
+    fn influence(&self, problem: &Problem<'_>, linear: &Linearization, row: &[f64]) -> Vec<f64> {
+        let of_sample = |at: &usize| {
+            let columns = row.iter().zip(&linear.columns);
+            let slope: f64 = columns.map(|(inverse, column)| inverse * column[*at]).sum();
+            slope * problem.weights[*at]
+        };
+        self.used.iter().map(of_sample).collect()
+    }
+
+    /// The variance that the noise gives a number: the largest of white noise with the misfit, of what
+    /// neighbours repeat, and of noise with the spectrum of the residuals.
+    fn noise_variance(
+        &self,
+        problem: &Problem<'_>,
+        linear: &Linearization,
+        influence: &[f64],
+        inverse: f64,
+    ) -> f64 {
+        let each = || influence.iter().zip(&self.used);
+        let terms: Vec<f64> = each()
+            .map(|(influence, at)| influence * linear.residuals[*at])
             .collect();
-        let per_one = each().map(|(own, at)| own / problem.weights[*at].sqrt());
-        let coloured = self.coloured.variance(&per_one.collect::<Vec<f64>>());
-        let plain = own * self.misfit.max(1.0);
-        let repeated = long_run(&influence, self.lags);
+        let white_influence = each().map(|(influence, at)| influence / problem.weights[*at].sqrt());
+        let coloured = self
+            .spectrum
+            .variance(&white_influence.collect::<Vec<f64>>());
+        let plain = inverse * self.misfit.max(1.0);
+        let repeated = long_run_variance(&terms, self.lags);
         plain.max(repeated).max(coloured)
     }
 
-    /// And the one that the positions at rest give it.
-    fn at_rest(&self, per_n: &[f64]) -> f64 {
+    /// The variance that the errors of the positions at rest give a number.
+    fn rest_variance(&self, influence: &[f64]) -> f64 {
         let each = self.rests.iter().map(|(samples, error_n)| {
-            let own = per_n[samples.clone()].iter().zip(error_n);
-            own.map(|(own, error)| own * error).sum::<f64>().powi(2)
+            let terms = influence[samples.clone()].iter().zip(error_n);
+            let sum = terms
+                .map(|(influence, error)| influence * error)
+                .sum::<f64>();
+            sum.powi(2)
         });
         each.sum()
     }
 }
 
-/// The rests, as places among the `used` samples, and the force (N) that one standard deviation of the
-/// position makes there.
-pub(in crate::gap) fn rests(
+/// The rests, as places in `used`, and the force (N) that one standard deviation of the position makes
+/// there.
+pub(crate) fn rests(
     problem: &Problem<'_>,
     fit: &Fit,
     used: &[usize],
 ) -> Vec<(Range<usize>, Vec<f64>)> {
-    let here = forces(&fit.shape, &fit.numbers, problem.courses);
-    let there = forces_moved(&fit.shape, &fit.numbers, problem.courses, |course| {
-        let error_m = course.position_noise_m;
-        course.position_m.iter_mut().for_each(|x| *x += error_m);
+    let here = forces(&fit.shape, &fit.numbers, problem.logs);
+    let there = forces_of_changed(&fit.shape, &fit.numbers, problem.logs, |log| {
+        let error_m = log.position_noise_m;
+        log.position_m.iter_mut().for_each(|x| *x += error_m);
     });
     let position: Vec<f64> = problem
-        .courses
+        .logs
         .iter()
-        .flat_map(|course| course.position_m.iter().copied())
+        .flat_map(|log| log.position_m.iter().copied())
         .collect();
     let mut from = 0;
     let stays: Vec<usize> = used
@@ -177,8 +202,8 @@ pub(in crate::gap) fn rests(
         .collect()
 }
 
-/// Variance of a sum of correlated terms: Σ κ(l) Σ s(h)s(h−l), κ Bartlett's window.
-fn long_run(terms: &[f64], lags: usize) -> f64 {
+/// Variance of a sum of correlated terms: Σ κ(l) Σ s(h)s(h−l), where κ is Bartlett's window.
+fn long_run_variance(terms: &[f64], lags: usize) -> f64 {
     (0..=lags)
         .map(|lag| {
             let both: f64 = terms.iter().zip(&terms[lag..]).map(|(a, b)| a * b).sum();

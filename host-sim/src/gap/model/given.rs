@@ -1,29 +1,33 @@
-//! The effects of the base model.
+//! The effects that the base model has.
 
 use crate::diagnostic::Diagnostic;
 use crate::gap::model::shape::Term;
-use crate::model::Model;
+use crate::model::{Effect, Model};
 
-/// The effects that the base model has already: in the fit from the start, and to stay.
-pub(in crate::gap) fn given(model: &Model) -> Result<Vec<Term>, Diagnostic> {
-    let term = |own: &crate::model::Effect| -> Result<Term, Diagnostic> {
-        let effect = own.core()?;
-        let id = effect.id();
-        let (row, infos) = (effect.row(), id.info().parameters);
-        let free = |at: usize| {
-            // A number that is 0 because the model does not give it is a form, not a start.
-            infos.get(at).is_some_and(|info| {
-                let form = info.default.is_some() && row[at] == 0.0;
-                let fixed = own.fit.fixed.iter().any(|name| name == info.name);
-                !(form || fixed)
-            })
-        };
-        Ok(Term {
-            id,
-            row,
-            free: std::array::from_fn(free),
-            given: true,
+/// The effects of the base model as terms: they are in every fit.
+///
+/// # Errors
+/// An effect that the catalogue does not have, or with parameters that it cannot have.
+pub(crate) fn given(model: &Model) -> Result<Vec<Term>, Diagnostic> {
+    model.effects.iter().map(term).collect()
+}
+
+fn term(effect: &Effect) -> Result<Term, Diagnostic> {
+    let core = effect.core()?;
+    let (id, row) = (core.id(), core.row());
+    let infos = id.info().parameters;
+    let is_free = |at: usize| {
+        infos.get(at).is_some_and(|info| {
+            // An optional parameter that is 0 since the model does not give it is not part of the form.
+            let is_absent = info.default.is_some() && row[at] == 0.0;
+            let is_fixed = effect.fit.fixed.iter().any(|name| name == info.name);
+            !(is_absent || is_fixed)
         })
     };
-    model.effects.iter().map(term).collect()
+    Ok(Term {
+        id,
+        row,
+        free: std::array::from_fn(is_free),
+        given: true,
+    })
 }

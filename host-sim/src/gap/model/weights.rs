@@ -1,64 +1,38 @@
-//! What a residual may be: the noise of the force, and what the errors of the motion make of it.
+//! The variances that residuals should have: the noise of the force, and what the errors of the motion
+//! make of it.
 
-use crate::gap::data::fit_data::Course;
+use crate::gap::data::fit_data::FitData;
 use crate::gap::data::low_pass::LowPass;
-use crate::gap::data::motion_errors::{ACCELERATION_ERRORS, SPEED_ERRORS};
-use crate::gap::model::fit::{Fit, along, forces_moved};
-use crate::gap::noise::floor::Floor;
+use crate::gap::data::motion_errors::{ACCELERATION_ERROR_FACTOR, SPEED_ERROR_FACTOR};
+use crate::gap::model::fit::Fit;
+use crate::gap::model::simulate::{forces_of_changed, run_rig};
+use crate::gap::noise::floor::NoiseFloor;
 
-/// Variances (N²) that a fit's residuals should have, sample by sample; 0 for a sample that says nothing
-/// (a gap, or the instant of touch, which no sampling resolves).
-pub(in crate::gap) fn variances(
+/// The variances (N²) that the residuals of a fit should have. A sample that says nothing has 0: one in
+/// a gap, or at the instant of a touch, which no sampling resolves.
+pub(crate) fn variances(
     fit: &Fit,
-    courses: &[Course],
-    floors: &[Floor],
+    logs: &[FitData],
+    floors: &[NoiseFloor],
     low_pass: Option<LowPass>,
 ) -> Vec<f64> {
-    let moved = |change: fn(&mut Course, f64), sign: f64| {
-        forces_moved(&fit.shape, &fit.numbers, courses, |course| {
-            change(course, sign)
-        })
-    };
-    let spread = |change: fn(&mut Course, f64)| -> Vec<f64> {
-        let (more, less) = (moved(change, 1.0), moved(change, -1.0));
-        more.iter()
-            .zip(&less)
-            .map(|(a, b)| (0.5 * (a - b)).powi(2))
-            .collect()
-    };
-    let of_position = spread(|course, sign| {
-        let error = sign * course.position_noise_m;
-        course.position_m.iter_mut().for_each(|x| *x += error);
+    let of_position = effect_of_errors(fit, logs, with_position_error);
+    let of_speed = effect_of_errors(fit, logs, with_speed_error);
+    let of_acceleration = effect_of_errors(fit, logs, |log, sign| {
+        with_acceleration_error(log, sign * ACCELERATION_ERROR_FACTOR)
     });
-    let of_speed = spread(|course, sign| {
-        let noise = course.speed_noise_mps.iter();
-        course
-            .speed_mps
-            .iter_mut()
-            .zip(noise)
-            .for_each(|(v, s)| *v += sign * SPEED_ERRORS * s);
-    });
-    let of_acceleration = spread(|course, sign| {
-        let noise = course.acceleration_noise_mps2.iter();
-        course
-            .acceleration_mps2
-            .iter_mut()
-            .zip(noise)
-            .for_each(|(a, s)| *a += sign * ACCELERATION_ERRORS * s);
-    });
+    let contact = !fit.shape.base.is_free();
     let mut variances = Vec::with_capacity(of_position.len());
-    for (course, floor) in courses.iter().zip(floors) {
-        let share = low_pass.map_or(1.0, |own| own.share(course.period_s));
-        let contact = !fit.shape.base.is_free();
-        along(&fit.shape, &fit.numbers, course, |at, reading| {
+    for (log, floor) in logs.iter().zip(floors) {
+        let share = low_pass.map_or(1.0, |low_pass| low_pass.variance_share(log.period_s));
+        run_rig(&fit.shape, &fit.numbers, log, |at, reading| {
             let row = variances.len();
             // Within a sample of the surface a force that jumps is somewhere in between.
-            let near_m =
-                course.step_s(at) * course.speed_mps[at].abs() + 2.0 * course.position_noise_m;
+            let near_m = log.step_s(at) * log.speed_mps[at].abs() + 2.0 * log.position_noise_m;
             let touching =
-                contact && reading.touch.depth_m.abs() < near_m && course.speed_mps[at] != 0.0;
+                contact && reading.touch.depth_m.abs() < near_m && log.speed_mps[at] != 0.0;
             let motion = of_position[row] + of_speed[row] + of_acceleration[row];
-            variances.push(if course.count[at] == 0.0 || touching {
+            variances.push(if log.count[at] == 0.0 || touching {
                 0.0
             } else {
                 share * (floor.used_n.powi(2) + motion)
@@ -68,8 +42,38 @@ pub(in crate::gap) fn variances(
     variances
 }
 
-/// Weights of variances.
-pub(in crate::gap) fn weights(variances: &[f64]) -> Vec<f64> {
+/// The variances (N²) that an error of the motion gives the predicted forces: the square of half the
+/// difference between the forces with the error added and taken off.
+fn effect_of_errors(fit: &Fit, logs: &[FitData], change: impl Fn(&mut FitData, f64)) -> Vec<f64> {
+    let changed =
+        |sign: f64| forces_of_changed(&fit.shape, &fit.numbers, logs, |log| change(log, sign));
+    let (more, less) = (changed(1.0), changed(-1.0));
+    more.iter()
+        .zip(&less)
+        .map(|(a, b)| (0.5 * (a - b)).powi(2))
+        .collect()
+}
+
+fn with_position_error(log: &mut FitData, sign: f64) {
+    let error = sign * log.position_noise_m;
+    log.position_m.iter_mut().for_each(|x| *x += error);
+}
+
+/// Adds the error of the speed with a sign.
+pub(crate) fn with_speed_error(log: &mut FitData, sign: f64) {
+    let each = log.speed_mps.iter_mut().zip(&log.speed_noise_mps);
+    each.for_each(|(v, noise)| *v += sign * SPEED_ERROR_FACTOR * noise);
+}
+
+/// Adds the acceleration's standard deviation, times a factor.
+pub(crate) fn with_acceleration_error(log: &mut FitData, factor: f64) {
+    let noise = &log.acceleration_noise_mps2;
+    let each = log.acceleration_mps2.iter_mut().zip(noise);
+    each.for_each(|(a, noise)| *a += factor * noise);
+}
+
+/// The weights (1/N²) of variances (N²); 0 where the variance is 0.
+pub(crate) fn weights(variances: &[f64]) -> Vec<f64> {
     variances
         .iter()
         .map(|v| if *v > 0.0 { 1.0 / v } else { 0.0 })

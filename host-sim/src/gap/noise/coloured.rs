@@ -1,60 +1,66 @@
 //! What coloured noise makes of an estimate, from the spectrum of the residuals.
 //!
-//! An estimate moves by Σ g(h)·r(h), and noise of the spectrum S gives that the variance Σ|G(f)|²S(f).
-//! Lags, as in Newey & West's sum, cannot tell: 1/f noise remembers for seconds, and so many lags of a
-//! log of fifteen seconds are noise themselves. In bands of a third of their frequency S is known well.
+//! An estimate moves by Σ g(h)·r(h), and noise with the spectrum S gives it the variance Σ|G(f)|²S(f). A sum
+//! over lags, as Newey and West's, cannot tell: 1/f noise remembers for seconds, and that many lags of a log
+//! of fifteen seconds are noise themselves. In bands as wide as a third of their frequency S is known well.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-/// Fewest bins of a band: their mean scatters by 35 % of the power, 18 % of a standard error; with ten the
-/// lowest band of noise that remembers for 50 of 4000 samples was a sixth too low.
-const FEWEST: usize = 8;
+/// Fewest bins of a band: their mean scatters by 35 % of the power, 18 % of a standard error. With ten bins
+/// the lowest band of noise that remembers for 50 of 4000 samples was a sixth too low.
+const FEWEST_BINS: usize = 8;
 /// Width of a band over its lowest frequency.
-const WIDTH: f64 = 1.0 / 3.0;
-/// Least share of a band that a fit leaves: below, what is left says nothing.
-const LEFT: f64 = 0.2;
+const RELATIVE_WIDTH: f64 = 1.0 / 3.0;
+/// The least share of a band that a fit may leave for the band to say anything about the noise.
+const LEAST_REMAINDER: f64 = 0.2;
 
-/// Power of stationary noise, bin by bin; white noise of 1 has 1 in each.
-pub(in crate::gap) struct Coloured {
+/// Power of stationary noise, bin by bin. White noise of unit variance has 1 in each bin.
+pub(crate) struct ResidualSpectrum {
     power: Vec<f64>,
 }
 
-impl Coloured {
-    /// Of what a fit left, and the orthonormal columns of what it could take: they have taken their
-    /// share of every bin.
-    pub(in crate::gap) fn of(residuals: &[f64], taken: &[Vec<f64>]) -> Coloured {
+impl ResidualSpectrum {
+    /// Estimates the spectrum from the residuals of a fit. `fitted` are the orthonormal columns that the fit
+    /// could use: they have taken their share of every bin.
+    pub(crate) fn of(residuals: &[f64], fitted: &[Vec<f64>]) -> ResidualSpectrum {
         let mut power = bins(residuals);
-        let mut left = vec![1.0; power.len()];
-        for column in taken {
-            let share = bins(column);
-            left.iter_mut()
-                .zip(share)
-                .for_each(|(left, own)| *left -= own);
+        let mut remainder = vec![1.0; power.len()];
+        for column in fitted {
+            let taken = bins(column);
+            remainder
+                .iter_mut()
+                .zip(taken)
+                .for_each(|(remainder, taken)| *remainder -= taken);
         }
         let mut from = 0;
         while from < power.len() {
-            let width = FEWEST.max((WIDTH * from as f64) as usize);
+            let width = FEWEST_BINS.max((RELATIVE_WIDTH * from as f64) as usize);
             let mut to = (from + width).min(power.len());
-            if power.len() - to < FEWEST {
+            if power.len() - to < FEWEST_BINS {
                 to = power.len();
             }
-            let left: f64 = left[from..to].iter().sum();
-            let level = power[from..to].iter().sum::<f64>() / left.max(LEFT * (to - from) as f64);
+            let left: f64 = remainder[from..to].iter().sum();
+            let level = power[from..to].iter().sum::<f64>()
+                / left.max(LEAST_REMAINDER * (to - from) as f64);
             power[from..to].fill(level);
             from = to;
         }
-        Coloured { power }
+        ResidualSpectrum { power }
     }
 
-    /// Variance of a weighted sum of the noise.
-    pub(in crate::gap) fn variance(&self, weights: &[f64]) -> f64 {
+    /// The variance of a weighted sum of the noise.
+    pub(crate) fn variance(&self, weights: &[f64]) -> f64 {
         let last = weights.len() / 2;
         let each = bins(weights).into_iter().zip(&self.power).enumerate();
-        each.map(|(at, (own, power))| {
-            // A bin stands for the one of the negative frequency as well.
+        each.map(|(at, (weight, power))| {
+            // A bin stands for that of the negative frequency as well, unless it is its own.
             let once = at == 0 || (at == last && weights.len().is_multiple_of(2));
-            if once { own * power } else { 2.0 * own * power }
+            if once {
+                weight * power
+            } else {
+                2.0 * weight * power
+            }
         })
         .sum()
     }
@@ -62,7 +68,7 @@ impl Coloured {
 
 /// |Fourier transform|²/n from frequency 0 to the highest.
 fn bins(series: &[f64]) -> Vec<f64> {
-    let mut bins: Vec<Complex<f64>> = series.iter().map(|own| Complex::new(*own, 0.0)).collect();
+    let mut bins: Vec<Complex<f64>> = series.iter().map(|x| Complex::new(*x, 0.0)).collect();
     FftPlanner::new()
         .plan_fft_forward(series.len())
         .process(&mut bins);
@@ -74,7 +80,7 @@ fn bins(series: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::model::basis::extend;
+    use crate::gap::model::basis::add_column;
 
     /// First-order noise of unit variance.
     fn coloured(keep: f64, seed: u64, count: usize) -> Vec<f64> {
@@ -105,20 +111,20 @@ mod tests {
         // GIVEN noise that remembers for 50 samples, and lines fitted to 200 logs of 4000
         let (count, keep) = (4000, 0.98);
         let mut columns = Vec::new();
-        extend(&mut columns, vec![1.0; count], &[]);
-        extend(&mut columns, (0..count).map(|at| at as f64).collect(), &[]);
-        let (mut true_square, mut said) = (0.0, 0.0);
+        add_column(&mut columns, vec![1.0; count], &[]);
+        add_column(&mut columns, (0..count).map(|at| at as f64).collect(), &[]);
+        let (mut true_square, mut found) = (0.0, 0.0);
         for seed in 1..=200 {
             let mut noise = coloured(keep, seed * 7919, count);
             let mean: f64 = noise.iter().zip(&columns[0]).map(|(a, b)| a * b).sum();
             true_square += mean * mean / 200.0;
-            crate::gap::model::basis::remove(&mut noise, &columns);
-            said += Coloured::of(&noise, &columns).variance(&columns[0]) / 200.0;
+            crate::gap::model::basis::project_out(&mut noise, &columns);
+            found += ResidualSpectrum::of(&noise, &columns).variance(&columns[0]) / 200.0;
         }
-        // THEN the variance that it says of the mean is the one it has, 99 times that of white noise.
+        // THEN the variance found for the mean is the true one, 99 times that of white noise.
         let theory = (1.0 + keep) / (1.0 - keep);
         assert!((true_square / theory - 1.0).abs() < 0.25, "{true_square}");
-        assert!((said / theory - 1.0).abs() < 0.15, "{said} of {theory}");
+        assert!((found / theory - 1.0).abs() < 0.15, "{found} of {theory}");
     }
 
     #[test]
@@ -130,7 +136,7 @@ mod tests {
         for weights in [alternating, vec![1.0; 1001]] {
             let variance = |seed: u64| {
                 let noise = coloured(0.0, 104_729 * seed, 1001);
-                Coloured::of(&noise, &[]).variance(&weights) / 1001.0
+                ResidualSpectrum::of(&noise, &[]).variance(&weights) / 1001.0
             };
             let mean = (1..=50).map(variance).sum::<f64>() / 50.0;
             assert!((mean - 1.0).abs() < 0.15, "{mean}");

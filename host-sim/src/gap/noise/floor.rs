@@ -1,94 +1,96 @@
 //! The noise floor of the force, without a model.
 //!
-//! Two opinions. The high-pass one (second differences) sees white noise only. The one at rest, in
-//! free air, sees the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
-//! disturbance) are no noise and are cut to their neighbours' level, and one that runs through all free
-//! air is taken out first. Where the two differ the noise is coloured, and rest is right; its fast part
-//! is the better known from the whole log.
+//! Two estimates are compared. Second differences are a high-pass and see white noise only. Rests in
+//! free air show the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
+//! disturbance) are not noise and are cut to the level of their neighbours, and a line that runs through
+//! all free air is taken out first. Where the two differ the noise is coloured, and the estimate at rest
+//! is right; its fast part is better known from the whole log.
 
 use std::ops::Range;
 
 use crate::gap::noise::line::Line;
-use crate::gap::noise::spectrum::{self, Rise, Spectrum, detrended};
+use crate::gap::noise::spectrum::{LowFrequencySlope, Spectrum, detrended, median_power};
 use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::correlation;
 
-/// Standard errors of a floor that it may be off by.
-pub(in crate::gap) const FLOOR_ERRORS: f64 = 3.0;
+/// Standard errors by which a noise floor may be off.
+pub(crate) const FLOOR_ERRORS: f64 = 3.0;
 
-/// Shortest rest that counts (samples), and the longest window of its spectrum.
-const SHORTEST: usize = 128;
-const LONGEST: usize = 2048;
-/// Windows of the whole log (samples), and from where on (cycles per sample) noise is fast.
+/// Shortest rest that counts (samples).
+const SHORTEST_REST: usize = 128;
+/// Longest window of the spectrum at rest (samples).
+const LONGEST_WINDOW: usize = 2048;
+/// Windows of the whole log (samples).
 const WINDOW: usize = 256;
-const HIGH: f64 = 1.0 / 16.0;
-/// So many standard errors are no scatter.
+/// Noise is fast from this frequency on (cycles per sample).
+const FAST: f64 = 1.0 / 16.0;
+/// A difference of this many standard errors is no scatter.
 const CERTAIN: f64 = 3.0;
-/// From this ratio on it is not white.
+/// Noise is coloured from this ratio of the two estimates on.
 const COLOURED: f64 = 1.06;
-/// A disturbance has at least this share of the power at rest: where it has less, the floor is at
-/// most 1.4 times too high.
+/// A disturbance holds at least this share of the power at rest. One that holds less is left in: the
+/// floor is then at most 1.4 times too high.
 const DISTURBED: f64 = 0.5;
-/// Most lines that are looked for; some repeat with the motion.
-const LINES: usize = 4;
+/// Most lines that are looked for; some of them repeat with the motion.
+const MOST_LINES: usize = 4;
 
-/// What the force does when nothing happens.
+/// The noise of a measured force.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Floor {
+pub struct NoiseFloor {
     /// Standard deviation (N) from second differences.
     pub high_pass_n: f64,
-    /// Standard deviation (N) at rest in free air, lines left out; `None` without such a rest.
+    /// Standard deviation (N) at rest in free air without the lines; `None` without such a rest.
     pub rest_n: Option<f64>,
     /// Root mean square (N) of the lines that were cut out of the rest.
     pub lines_n: f64,
-    /// The one to trust (N).
+    /// The standard deviation (N) that is used.
     pub used_n: f64,
-    /// Whether it is not white.
+    /// Whether the noise is not white.
     pub coloured: bool,
-    /// Standard error of the one to trust, as a share of it; 0 where all samples had a say.
+    /// Standard error of `used_n` as a share of it; 0 where it comes from all samples.
     pub uncertainty: f64,
-    /// Samples per independent one.
+    /// Samples for each independent one.
     pub correlation: f64,
-    /// Which one it is, in words.
+    /// Which estimate is used, and why, in words.
     pub why: String,
 }
 
-impl Floor {
-    /// The floor of a log.
-    pub fn of(log: &UniformLog) -> Floor {
+impl NoiseFloor {
+    /// Estimates the noise floor of a log.
+    pub fn of(log: &UniformLog) -> NoiseFloor {
         let rests = rests(log);
-        let mut floor = Floor::as_it_is(log, &rests);
+        let mut floor = NoiseFloor::with_disturbances(log, &rests);
         if rests.is_empty() {
             return floor;
         }
-        let free = in_free_air(log);
-        let without = |force_n: &mut [f64], line: &Line| {
+        let is_free = in_free_air(log);
+        let take_out = |force_n: &mut [f64], line: &Line| {
             let each = force_n.iter_mut().enumerate();
-            each.for_each(|(at, own)| *own -= line.at(at));
+            each.for_each(|(at, force)| *force -= line.at(at));
         };
         let (mut quiet, mut searched) = (log.clone(), log.force_n.clone());
-        for _ in 0..LINES {
-            let Some(line) = Line::strongest(&searched, &free) else {
+        for _ in 0..MOST_LINES {
+            let Some(line) = Line::strongest(&searched, &is_free) else {
                 break;
             };
-            without(&mut searched, &line);
+            take_out(&mut searched, &line);
             let mut quieter = quiet.clone();
-            without(&mut quieter.force_n, &line);
-            let other = Floor::as_it_is(&quieter, &rests);
-            // What repeats with the motion is not there at rest.
-            if other.resting_n2() < DISTURBED * floor.resting_n2() {
-                (floor, quiet) = (other, quieter);
+            take_out(&mut quieter.force_n, &line);
+            let without_line = NoiseFloor::with_disturbances(&quieter, &rests);
+            // A line that repeats with the motion is not there at rest.
+            if without_line.rest_power_n2() < DISTURBED * floor.rest_power_n2() {
+                (floor, quiet) = (without_line, quieter);
             }
         }
         floor
     }
 
-    /// Of what is there, disturbed or not.
-    fn as_it_is(log: &UniformLog, rests: &[Range<usize>]) -> Floor {
-        let high_pass_n = high_pass(log);
-        let rest = rest(log, rests, high_pass_n);
-        let rest_n = rest.as_ref().map(|own| own.noise_n2.sqrt());
+    /// Estimates the noise floor without looking for disturbances.
+    fn with_disturbances(log: &UniformLog, rests: &[Range<usize>]) -> NoiseFloor {
+        let high_pass_n = high_pass_noise_n(log);
+        let rest = RestNoise::of(log, rests, high_pass_n);
+        let rest_n = rest.as_ref().map(|rest| rest.noise_n2.sqrt());
         let (used_n, why) = match rest_n {
             None => (
                 high_pass_n,
@@ -97,61 +99,60 @@ impl Floor {
             Some(rest) if rest > COLOURED * high_pass_n => {
                 (rest, "from rest in free air: the noise is coloured")
             }
-            // Both see the same; the one from all samples is the better one.
+            // Both see the same noise; second differences take it from all samples.
             Some(_) => (
                 high_pass_n,
                 "from second differences, and rest in free air agrees",
             ),
         };
         let coloured = used_n > COLOURED * high_pass_n;
-        let error = |own: &Rest| 0.5 * own.error_n2 / own.noise_n2.max(f64::MIN_POSITIVE);
-        Floor {
+        let error = |rest: &RestNoise| 0.5 * rest.error_n2 / rest.noise_n2.max(f64::MIN_POSITIVE);
+        NoiseFloor {
             coloured,
             correlation: if coloured {
-                resting_correlation(log, rests)
+                rest_correlation(log, rests)
             } else {
                 1.0
             },
             uncertainty: rest.as_ref().filter(|_| coloured).map_or(0.0, error),
             high_pass_n,
             rest_n,
-            lines_n: rest.map_or(0.0, |own| own.lines_n2.sqrt()),
+            lines_n: rest.map_or(0.0, |rest| rest.lines_n2.sqrt()),
             used_n,
             why: why.into(),
         }
     }
 
-    /// Power at rest (N²), lines and all.
-    fn resting_n2(&self) -> f64 {
+    /// Power at rest (N²) with the lines.
+    fn rest_power_n2(&self) -> f64 {
         self.rest_n.unwrap_or(0.0).powi(2) + self.lines_n.powi(2)
     }
 }
 
-/// Samples of the quarter of the travel that is furthest out.
+/// For each sample, whether it is measured in free air: in the quarter of the travel that is furthest out.
 fn in_free_air(log: &UniformLog) -> Vec<bool> {
-    let out_m = out_m(&log.position_m);
+    let deepest_m = deepest_in_free_air_m(&log.position_m);
     let each = log.position_m.iter().zip(&log.in_gap);
-    each.map(|(x, gap)| *x <= out_m && !gap).collect()
+    each.map(|(x, gap)| *x <= deepest_m && !gap).collect()
 }
 
-fn out_m(position_m: &[f64]) -> f64 {
+fn deepest_in_free_air_m(position_m: &[f64]) -> f64 {
     let lowest = position_m.iter().copied().fold(f64::INFINITY, f64::min);
     lowest + 0.25 * signal::range(position_m)
 }
 
-/// Stretches in which the position stays within two counts, in the quarter of the travel that is
-/// furthest out.
-pub(in crate::gap) fn rests(log: &UniformLog) -> Vec<Range<usize>> {
+/// The rests in free air: stretches in which the position stays within two counts.
+fn rests(log: &UniformLog) -> Vec<Range<usize>> {
     let position = &log.position_m;
-    let out_m = out_m(position);
+    let deepest_m = deepest_in_free_air_m(position);
     let still_m = 2.5 * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
     let mut rests = Vec::new();
     let mut from = 0;
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (at, x) in position.iter().copied().enumerate() {
         let (lower, higher) = (low.min(x), high.max(x));
-        if higher - lower > still_m || x > out_m || log.in_gap[at] {
-            if at - from >= SHORTEST {
+        if higher - lower > still_m || x > deepest_m || log.in_gap[at] {
+            if at - from >= SHORTEST_REST {
                 rests.push(from..at);
             }
             from = at + 1;
@@ -160,15 +161,15 @@ pub(in crate::gap) fn rests(log: &UniformLog) -> Vec<Range<usize>> {
             (low, high) = (lower, higher);
         }
     }
-    if position.len() - from.min(position.len()) >= SHORTEST {
+    if position.len() - from.min(position.len()) >= SHORTEST_REST {
         rests.push(from..position.len());
     }
     rests
 }
 
-/// Second differences again, but their mean square within four of [`signal::noise`]'s sigmas: the
-/// median of a channel with coarse steps is good to half a step only.
-fn high_pass(log: &UniformLog) -> f64 {
+/// The mean square of the second differences within four standard deviations of [`signal::noise`]. That
+/// function takes the median, which for a channel with coarse steps is good to half a step only.
+fn high_pass_noise_n(log: &UniformLog) -> f64 {
     let coarse = log.force_noise_n();
     let limit = 4.0 * coarse * 6.0_f64.sqrt();
     let differences = log.force_n.windows(3).zip(log.in_gap.windows(3));
@@ -180,60 +181,66 @@ fn high_pass(log: &UniformLog) -> f64 {
     if fine > 0.0 { fine } else { coarse }
 }
 
-/// What the rests say of the noise: N², and the standard error of `noise_n2`.
-struct Rest {
+/// The noise at rest.
+struct RestNoise {
+    /// Power of the noise (N²).
     noise_n2: f64,
+    /// Power of the lines (N²).
     lines_n2: f64,
+    /// Standard error of `noise_n2` (N²).
     error_n2: f64,
 }
 
-fn rest(log: &UniformLog, rests: &[Range<usize>], noise_n: f64) -> Option<Rest> {
-    let spectra: Vec<Spectrum> = rests
-        .iter()
-        .flat_map(|rest| log.force_n[settled(rest)].chunks(LONGEST))
-        .filter(|own| own.len() >= SHORTEST / 2)
-        .map(|window| Spectrum::of(window, noise_n))
-        .collect();
-    if spectra.is_empty() {
-        return None;
-    }
-    let mut rise = Rise::default();
-    spectra.iter().for_each(|own| rise.add(own));
-    let weight: f64 = spectra.iter().map(|own| own.samples as f64).sum();
-    let mean = |of: &dyn Fn(&Spectrum) -> f64| {
-        let sum: f64 = spectra.iter().map(|own| own.samples as f64 * of(own)).sum();
-        sum / weight
-    };
-    // Mean of estimates that are as good as their windows are long.
-    let error_n2 = |lowest: f64| {
-        let squares = spectra
+impl RestNoise {
+    fn of(log: &UniformLog, rests: &[Range<usize>], noise_n: f64) -> Option<RestNoise> {
+        let spectra: Vec<Spectrum> = rests
             .iter()
-            .map(|own| own.samples.pow(2) as f64 * own.above(lowest).1);
-        squares.sum::<f64>().sqrt() / weight
-    };
-    let (seen, high) = (
-        mean(&|own| own.above(0.0).0),
-        mean(&|own| own.above(HIGH).0),
-    );
-    let below = mean(&|own| rise.below(own.samples, log.len()));
-    // Fast noise is the same in motion, of which there is more; what motion has besides is no noise.
-    let whole = spectrum::whole(&log.force_n, &log.in_gap, WINDOW, HIGH);
-    let other = whole.filter(|own| *own < high + CERTAIN * error_n2(HIGH));
-    Some(Rest {
-        noise_n2: (seen + below + other.map_or(0.0, |own| own - high)).max(0.0),
-        lines_n2: mean(&|own| own.lines_n2),
-        // What is below is a guess, good to half of it.
-        error_n2: error_n2(0.0).hypot(0.5 * below),
-    })
+            .flat_map(|rest| log.force_n[settled(rest)].chunks(LONGEST_WINDOW))
+            .filter(|window| window.len() >= SHORTEST_REST / 2)
+            .map(|window| Spectrum::of(window, noise_n))
+            .collect();
+        if spectra.is_empty() {
+            return None;
+        }
+        let mut slope = LowFrequencySlope::default();
+        spectra.iter().for_each(|spectrum| slope.add(spectrum));
+        let weight: f64 = spectra.iter().map(|spectrum| spectrum.samples as f64).sum();
+        let mean = |of: &dyn Fn(&Spectrum) -> f64| {
+            let each = spectra.iter();
+            let sum: f64 = each.map(|one| one.samples as f64 * of(one)).sum();
+            sum / weight
+        };
+        // The standard error of a mean of estimates that are as good as their windows are long.
+        let error_n2 = |lowest: f64| {
+            let each = spectra.iter();
+            let squares = each.map(|one| one.samples.pow(2) as f64 * one.above(lowest).1);
+            squares.sum::<f64>().sqrt() / weight
+        };
+        let (all, fast) = (
+            mean(&|one| one.above(0.0).0),
+            mean(&|one| one.above(FAST).0),
+        );
+        let below = mean(&|one| slope.power_below(one.samples, log.len()));
+        // Fast noise is the same in motion, of which there is more; what a motion adds to it is not noise.
+        let fast_of_log = median_power(&log.force_n, &log.in_gap, WINDOW, FAST)
+            .filter(|power| *power < fast + CERTAIN * error_n2(FAST));
+        let correction = fast_of_log.map_or(0.0, |power| power - fast);
+        Some(RestNoise {
+            noise_n2: (all + below + correction).max(0.0),
+            lines_n2: mean(&|one| one.lines_n2),
+            // The power below the windows is extrapolated, and good to half of it.
+            error_n2: error_n2(0.0).hypot(0.5 * below),
+        })
+    }
 }
 
-/// What the motion leaves behind has gone after a tenth of a rest.
+/// A rest without its first tenth, in which what the motion leaves behind dies out.
 fn settled(rest: &Range<usize>) -> Range<usize> {
     rest.start + rest.len() / 10..rest.end
 }
 
 /// Integrated autocorrelation of the longest rest (samples).
-fn resting_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
+fn rest_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
     let longest = rests.iter().max_by_key(|rest| rest.len());
     longest.map_or(1.0, |rest| {
         correlation(&detrended(&log.force_n[settled(rest)]))
@@ -262,8 +269,8 @@ mod tests {
         let keep = (-TAU * corner_hz * 1e-3).exp();
         let mut state = 0.0;
         let each = normals(count, stream).into_iter();
-        each.map(|own| {
-            state = keep * state + (1.0 - keep * keep).sqrt() * own;
+        each.map(|normal| {
+            state = keep * state + (1.0 - keep * keep).sqrt() * normal;
             state
         })
         .collect()
@@ -273,17 +280,17 @@ mod tests {
     /// it, with a noise (N) and what else there is at a time (s) and a speed (mm a sample).
     fn log(noise_n: &[f64], else_n: impl Fn(f64, f64) -> f64, code_n: f64) -> UniformLog {
         let place = |at: usize| match at % 2500 {
-            own @ 500..1000 => -(TAU * (own - 500) as f64 / 1000.0).cos(),
+            phase @ 500..1000 => -(TAU * (phase - 500) as f64 / 1000.0).cos(),
             1000..2000 => 1.0,
-            own @ 2000.. => (TAU * (own - 2000) as f64 / 1000.0).cos(),
+            phase @ 2000.. => (TAU * (phase - 2000) as f64 / 1000.0).cos(),
             _ => -1.0,
         };
         let count = noise_n.len();
         let x: Vec<f64> = (0..count).map(place).collect();
         let force = |at: usize| {
             let more = else_n(1e-3 * at as f64, x[at] - x[at.saturating_sub(1)]);
-            let own = 2.0 * x[at].max(0.0) + noise_n[at] + more;
-            (own / code_n).round() * code_n
+            let force_n = 2.0 * x[at].max(0.0) + noise_n[at] + more;
+            (force_n / code_n).round() * code_n
         };
         UniformLog {
             rate_hz: 1000.0,
@@ -299,10 +306,10 @@ mod tests {
 
     fn white() -> Vec<f64> {
         let each = normals(SAMPLES, 0).into_iter();
-        each.map(|own| SIGMA_N * own).collect()
+        each.map(|normal| SIGMA_N * normal).collect()
     }
 
-    fn assert_near(floor: &Floor, sigma_n: f64, most: f64) {
+    fn assert_near(floor: &NoiseFloor, sigma_n: f64, most: f64) {
         let ratio = floor.used_n / sigma_n;
         assert!((ratio - 1.0).abs() < most, "{ratio}: {floor:?}");
     }
@@ -312,7 +319,7 @@ mod tests {
         // GIVEN coloured noise of 0.6 codes: six in ten samples at rest are the same one
         let noise: Vec<f64> = slow(90.0, SAMPLES, 0).iter().map(|n| SIGMA_N * n).collect();
         let code_n = SIGMA_N / 0.6;
-        let floor = Floor::of(&log(&noise, |_, _| 0.0, code_n));
+        let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, code_n));
         // THEN the floor is what noise and codes make together: not that of second differences, nor what
         // four medians of the sizes leave, 0.5 of it.
         let sigma_n = signal::rms(noise).hypot(code_n / 12.0_f64.sqrt());
@@ -335,7 +342,7 @@ mod tests {
             .zip(white())
             .map(|(hump, white)| hump + 0.5_f64.sqrt() * white)
             .collect();
-        let floor = Floor::of(&log(&noise, |_, _| 0.0, 1e-5));
+        let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, 1e-5));
         assert!(floor.coloured && floor.high_pass_n < 0.8 * SIGMA_N);
         assert_near(&floor, signal::rms(noise), 0.03);
         assert!((0.01..0.06).contains(&floor.uncertainty), "{floor:?}");
@@ -345,13 +352,13 @@ mod tests {
     fn a_disturbance_is_no_noise_and_a_wander_of_its_size_is_none() {
         // GIVEN five times the noise at 2.7 Hz: one cycle and a half in a rest, where no bin shows a line
         let line = |t: f64, _: f64| 7.0 * SIGMA_N * (TAU * 2.7 * t + 1.0).sin();
-        assert_near(&Floor::of(&log(&white(), line, 1e-5)), SIGMA_N, 0.03);
+        assert_near(&NoiseFloor::of(&log(&white(), line, 1e-5)), SIGMA_N, 0.03);
         // AND a noise of as much power below 6 Hz
         let wander: Vec<f64> = slow(6.0, SAMPLES, 3)
             .iter()
-            .map(|own| 5.0 * SIGMA_N * own)
+            .map(|wander| 5.0 * SIGMA_N * wander)
             .collect();
-        let floor = Floor::of(&log(&wander, |_, _| 0.0, 1e-5));
+        let floor = NoiseFloor::of(&log(&wander, |_, _| 0.0, 1e-5));
         // THEN the one is taken out and the other is the floor, and known to be a rough one.
         assert_near(&floor, signal::rms(wander), 0.35);
         assert!(floor.uncertainty > 0.05, "{floor:?}");
@@ -367,7 +374,7 @@ mod tests {
             };
             friction + 7.0 * SIGMA_N * (TAU * 2.7 * t + 1.0).sin()
         };
-        assert_near(&Floor::of(&log(&white(), both, 1e-5)), SIGMA_N, 0.05);
+        assert_near(&NoiseFloor::of(&log(&white(), both, 1e-5)), SIGMA_N, 0.05);
     }
 
     #[test]
@@ -378,12 +385,12 @@ mod tests {
             if lasts { 40.0 * SIGMA_N } else { 0.0 }
         };
         // THEN the floor is that of the rest of the time, to a fifth (it was 17 times that).
-        assert_near(&Floor::of(&log(&white(), spikes, 1e-5)), SIGMA_N, 0.2);
+        assert_near(&NoiseFloor::of(&log(&white(), spikes, 1e-5)), SIGMA_N, 0.2);
     }
 
     #[test]
     fn white_noise_is_white() {
-        let floor = Floor::of(&log(&white(), |_, _| 0.0, 1e-5));
+        let floor = NoiseFloor::of(&log(&white(), |_, _| 0.0, 1e-5));
         assert!(!floor.coloured && floor.uncertainty == 0.0, "{floor:?}");
         assert_near(&floor, SIGMA_N, 0.02);
     }

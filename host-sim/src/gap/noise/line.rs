@@ -1,62 +1,66 @@
-//! A line that runs through all of a log's free air, in one phase: a disturbance from outside, which
-//! is at rest what it is in motion. It is no noise, and no floor may count it.
+//! A spectral line that runs through all of a log's free air in one phase: a disturbance from outside, the
+//! same at rest and in motion. It is not noise, and no noise floor may count it.
 
 use std::f64::consts::TAU;
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-/// A line's power over what is left about it: noise alone reaches it in e⁻³⁰ of the bins.
-const CLEAR: f64 = 30.0;
-/// Bins of the padded spectrum to one of the log's own; and finer steps for the frequency.
-const PADDED: usize = 4;
-const FINER: i32 = 8;
-/// What is about it: so many of the log's own bins off.
-const ABOUT: [usize; 2] = [2, 16];
+/// Least power of a line over the mean of what is left around it. Noise alone reaches it in e⁻³⁰ of the
+/// bins.
+const LEAST_PROMINENCE: f64 = 30.0;
+/// Bins of the padded spectrum for each bin of the log.
+const PADDING: usize = 4;
+/// Steps on either side of the highest bin, and in a bin, in which the frequency is refined.
+const REFINEMENT: i32 = 8;
+/// Distances (bins of the log) from the line between which its surroundings lie.
+const SURROUNDINGS: [usize; 2] = [2, 16];
 
-/// A line, sample by sample.
+/// A sine wave in the force.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::gap) struct Line {
-    /// Cycles per sample.
+pub(crate) struct Line {
+    /// Frequency (cycles per sample).
     frequency: f64,
-    /// Amplitudes (N).
+    /// Amplitude of the sine (N).
     sine_n: f64,
+    /// Amplitude of the cosine (N).
     cosine_n: f64,
 }
 
 impl Line {
-    /// The strongest in the samples that count, if it stands clear of what is left there.
-    pub(in crate::gap) fn strongest(force: &[f64], counts: &[bool]) -> Option<Line> {
-        let used: Vec<usize> = (0..force.len()).filter(|at| counts[*at]).collect();
+    /// Finds the strongest line in the samples that are used, if it stands out from its surroundings.
+    pub(crate) fn strongest(force: &[f64], is_used: &[bool]) -> Option<Line> {
+        let used: Vec<usize> = (0..force.len()).filter(|at| is_used[*at]).collect();
         let mean = used.iter().map(|at| force[*at]).sum::<f64>() / used.len().max(1) as f64;
-        let mut own = vec![0.0; force.len()];
-        used.iter().for_each(|at| own[*at] = force[*at] - mean);
-        let power = power(&own);
-        // Two cycles at least.
-        let first = 2 * PADDED;
+        let mut deviation = vec![0.0; force.len()];
+        used.iter()
+            .for_each(|at| deviation[*at] = force[*at] - mean);
+        let power = padded_power(&deviation);
+        // The log holds at least two cycles of a line.
+        let first = 2 * PADDING;
         let peak = (first..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
         let bin = 1.0 / (2 * power.len()) as f64;
-        let near = (-FINER..=FINER)
-            .map(|step| bin * (peak as f64 + f64::from(step) / f64::from(FINER)))
-            .filter_map(|frequency| Line::fitted(&own, &used, frequency));
-        let (line, _) = near.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        used.iter().for_each(|at| own[*at] -= line.at(*at));
-        let left = self::power(&own);
-        let about = (ABOUT[0] * PADDED..ABOUT[1] * PADDED)
-            .flat_map(|off| [peak.checked_sub(off), Some(peak + off)])
+        let candidates = (-REFINEMENT..=REFINEMENT)
+            .map(|step| bin * (peak as f64 + f64::from(step) / f64::from(REFINEMENT)))
+            .filter_map(|frequency| Line::fitted(&deviation, &used, frequency));
+        let (line, _) = candidates.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        used.iter().for_each(|at| deviation[*at] -= line.at(*at));
+        let remainder = padded_power(&deviation);
+        let around = (SURROUNDINGS[0] * PADDING..SURROUNDINGS[1] * PADDING)
+            .flat_map(|offset| [peak.checked_sub(offset), Some(peak + offset)])
             .flatten()
-            .filter_map(|at| left.get(at));
-        let (sum, count) = about.fold((0.0, 0.0), |(sum, n), own| (sum + own, n + 1.0));
-        (power[peak] * count > CLEAR * sum).then_some(line)
+            .filter_map(|at| remainder.get(at));
+        let (sum, count) = around.fold((0.0, 0.0), |(sum, n), power| (sum + power, n + 1.0));
+        (power[peak] * count > LEAST_PROMINENCE * sum).then_some(line)
     }
 
-    /// The best of a frequency (cycles per sample), and what it takes off the sum of squares.
-    fn fitted(own: &[f64], used: &[usize], frequency: f64) -> Option<(Line, f64)> {
+    /// The least-squares line of a frequency (cycles per sample), and what it takes off the sum of squares.
+    fn fitted(deviation: &[f64], used: &[usize], frequency: f64) -> Option<(Line, f64)> {
         let (mut ss, mut sc, mut cc, mut s, mut c) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for at in used {
             let (sin, cos) = (TAU * frequency * *at as f64).sin_cos();
             (ss, sc, cc) = (ss + sin * sin, sc + sin * cos, cc + cos * cos);
-            (s, c) = (s + sin * own[*at], c + cos * own[*at]);
+            (s, c) = (s + sin * deviation[*at], c + cos * deviation[*at]);
         }
         let determinant = ss * cc - sc * sc;
         let (sine_n, cosine_n) = (
@@ -71,16 +75,17 @@ impl Line {
         (determinant > 1e-6 * ss * cc).then_some((line, sine_n * s + cosine_n * c))
     }
 
-    /// Its force (N) at a sample.
-    pub(in crate::gap) fn at(&self, at: usize) -> f64 {
+    /// The force (N) of the line at a sample.
+    pub(crate) fn at(&self, at: usize) -> f64 {
         let (sin, cos) = (TAU * self.frequency * at as f64).sin_cos();
         self.sine_n * sin + self.cosine_n * cos
     }
 }
 
-fn power(own: &[f64]) -> Vec<f64> {
-    let padded = (PADDED * own.len()).next_power_of_two();
-    let mut bins: Vec<Complex<f64>> = own.iter().map(|r| Complex::new(*r, 0.0)).collect();
+/// The power spectrum below half the rate, of a series padded with zeros to `PADDING` times its length.
+fn padded_power(series: &[f64]) -> Vec<f64> {
+    let padded = (PADDING * series.len()).next_power_of_two();
+    let mut bins: Vec<Complex<f64>> = series.iter().map(|x| Complex::new(*x, 0.0)).collect();
     bins.resize(padded, Complex::new(0.0, 0.0));
     FftPlanner::new()
         .plan_fft_forward(padded)

@@ -4,11 +4,12 @@ use crate::gap::finding::Finding;
 use crate::model::Model;
 use crate::number::quantity;
 
-/// A fitted stiffness this many times larger or smaller than the model's is another unit.
+/// A fitted stiffness this many times larger or smaller than that of the model is in another unit.
 const ANOTHER_UNIT: f64 = 100.0;
 
-/// What the result says about its input: a stiffness of another order, a contact that is none.
-pub(in crate::gap) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
+/// Notes on what the result says about the input: a stiffness of another order, a surface that is never
+/// reached.
+pub(crate) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
     let mut notes = Vec::new();
     for (given, found) in model
         .environment
@@ -26,7 +27,7 @@ pub(in crate::gap) fn implausible(model: &Model, finding: &Finding) -> Vec<Strin
             ));
         }
     }
-    let depths = finding.curves.iter().flat_map(|own| &own.depth_m);
+    let depths = finding.curves.iter().flat_map(|curves| &curves.depth_m);
     let touches = depths.copied().fold(f64::NEG_INFINITY, f64::max) > 0.0;
     if !model.environment.is_free() && !touches {
         notes.push(

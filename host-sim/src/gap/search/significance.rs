@@ -1,42 +1,53 @@
-//! What an effect must be worth to be named.
+//! The reduction of Σ w r² that makes an effect significant.
 
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::model::error::rests;
 use crate::gap::model::fit::Fit;
 use crate::gap::noise::floor::FLOOR_ERRORS;
-use crate::gap::search::search::Search;
+use crate::gap::search::run::Search;
+use crate::gap::search::sets::is_repeated;
 
-/// Σ w r² in units of the floor's at which names suffice: the square of `decide`'s bound.
+/// Effects suffice if they leave less than this many times the Σ w r² of noise: the square of the bound that
+/// `decide` has on residuals.
 const SUFFICIENT: f64 = 1.25;
-/// Share of what is left that is no error of form: of a new name, and of one more of the same.
-const MOST: f64 = 0.5;
-const MORE: f64 = 0.2;
+/// The share of what is left that is certainly no error of form if a new effect takes it.
+const CERTAIN_OF_NEW: f64 = 0.5;
+/// The same share if one more term of an effect takes it that the fit has already.
+const CERTAIN_OF_REPEATED: f64 = 0.2;
 
-/// Whether an effect stands in a fit more than once.
-pub(in crate::gap) fn is_repeated(id: EffectId, fit: &Fit) -> bool {
-    fit.shape.terms.iter().filter(|term| term.id == id).count() > 1
+/// The χ² by which a difference counts, for the best of a catalogue's effects: 5 σ, and twice the
+/// logarithm of its size.
+pub(crate) fn chi2_threshold(catalogue: usize) -> f64 {
+    25.0 + 2.0 * (catalogue as f64).ln()
 }
 
 impl Search<'_> {
-    /// Whether an effect is worth its price, and significant even if every rest is off by what the
-    /// encoder's error makes there: with 0.3 µm at 5 kN/m a hold of a thousand samples under 3.4 mN is off by
-    /// 13 of its own standard errors, and a cogging of 35 µm fitted eight of them (one of 260 logs with white noise).
-    pub(in crate::gap) fn pays(&self, id: EffectId, without: &Fit, with: &Fit, base: f64) -> bool {
+    /// Whether an effect takes off what it must, and is significant even if every rest is off by what
+    /// the error of the encoder makes there. With 0.3 µm at 5 kN/m a hold of a thousand samples under
+    /// 3.4 mN is off by 13 of its own standard errors, and a cogging of 35 µm fitted eight of them (one
+    /// of 260 logs with white noise).
+    pub(crate) fn is_significant(
+        &self,
+        id: EffectId,
+        without: &Fit,
+        with: &Fit,
+        base_cost: f64,
+    ) -> bool {
         let gained = without.cost - with.cost;
-        let certain = gained - self.at_rest(without) + self.at_rest(with);
-        gained > self.price(id, without.cost, with, base) && certain > self.significant(with)
+        let certain = gained - self.gain_of_rest_offsets(without) + self.gain_of_rest_offsets(with);
+        gained > self.effect_threshold(id, without.cost, with, base_cost)
+            && certain > self.noise_threshold(with)
     }
 
-    /// What no noise takes off Σ w r², with the catalogue's size.
-    fn significant(&self, fit: &Fit) -> f64 {
-        let catalogue = 2.0 * (self.ids.len() as f64).ln();
-        self.correlation * (25.0 + catalogue) * (fit.cost / self.floor).max(1.0)
+    /// What noise alone does not take off Σ w r² with any effect of the catalogue.
+    fn noise_threshold(&self, fit: &Fit) -> f64 {
+        self.correlation * chi2_threshold(self.ids.len()) * (fit.cost / self.noise_cost).max(1.0)
     }
 
-    /// What offsets of the rests would take off Σ w r², each as large as the position's error allows:
+    /// What an offset of each rest would take off Σ w r², as large as the error of the position allows:
     /// Σ over rests (Σ w r e)² / (1 + Σ w e²).
-    fn at_rest(&self, fit: &Fit) -> f64 {
+    fn gain_of_rest_offsets(&self, fit: &Fit) -> f64 {
         let weights = &self.weights;
         let used: Vec<usize> = (0..weights.len()).filter(|at| weights[*at] > 0.0).collect();
         let residuals = self.problem().residuals(&fit.shape, &fit.numbers);
@@ -53,55 +64,65 @@ impl Search<'_> {
             .sum()
     }
 
-    /// What an effect must take off Σ w r² to be there, when `without` is left without it.
-    pub(in crate::gap) fn price(&self, id: EffectId, without: f64, fit: &Fit, base: f64) -> f64 {
+    /// What an effect must take off Σ w r² to be added to a fit with the cost `without`. `fit` has the
+    /// effect.
+    pub(crate) fn effect_threshold(
+        &self,
+        id: EffectId,
+        without: f64,
+        fit: &Fit,
+        base_cost: f64,
+    ) -> f64 {
         // 4 % of what is left, for the errors of the noise's own model; 10 % where that is coloured, and
-        // more where its slowest part is a guess: a wander that rests of a second do not show.
-        let coloured = self
-            .floors
-            .iter()
-            .filter(|own| own.coloured || own.lines_n > 0.3 * own.used_n)
-            .map(|own| f64::max(0.10, FLOOR_ERRORS * own.uncertainty))
+        // more where its slowest part is extrapolated: rests of a second do not show a wander.
+        let floors = self.dataset.floors.iter();
+        let coloured = floors
+            .filter(|floor| floor.coloured || floor.lines_n > 0.3 * floor.used_n)
+            .map(|floor| f64::max(0.10, FLOOR_ERRORS * floor.uncertainty))
             .fold(0.04, f64::max);
-        // Beside names that suffice another one has to earn its place: what is left then is mostly
-        // the form of the first (a Stribeck's where the catalogue says Coulomb's).
-        let suffices = without < SUFFICIENT * self.floor && without < 0.5 * base;
+        // Beside effects that suffice another one has to take more: what is left then is mostly the form
+        // of the first (a Stribeck friction where the catalogue says Coulomb).
+        let suffices = without < SUFFICIENT * self.noise_cost && without < 0.5 * base_cost;
         let least = if suffices {
             coloured.max(0.15)
         } else {
             coloured
         };
-        self.form_price(id, without, fit, base)
+        self.form_threshold(id, without, fit, base_cost)
             .max(least * fit.cost)
     }
 
-    /// The same of a number that refines the form of an effect.
-    pub(in crate::gap) fn form_price(
+    /// What a number that refines the form of an effect must take off Σ w r².
+    pub(crate) fn form_threshold(
         &self,
         id: EffectId,
         without: f64,
         fit: &Fit,
-        base: f64,
+        base_cost: f64,
     ) -> f64 {
-        // Significance, and a share of what the base left, for the errors of the effects' forms.
-        let form = 0.02 * (base - self.floor).max(0.0);
-        // What takes most of all that is left is no error of form, however bad the base was; nor is
-        // one more mode of a spectrum, which adds no name.
-        let most = if is_repeated(id, fit) { MORE } else { MOST };
-        self.significant(fit)
-            .max(form.min(most * (without - self.floor).max(0.0)))
+        // 2 % of what the base left, for the errors of the effects' forms.
+        let form = 0.02 * (base_cost - self.noise_cost).max(0.0);
+        // What takes most of all that is left is no error of form, however bad the base was; nor is one more
+        // mode of a spectrum, which adds no effect.
+        let certain = if is_repeated(id, fit) {
+            CERTAIN_OF_REPEATED
+        } else {
+            CERTAIN_OF_NEW
+        };
+        self.noise_threshold(fit)
+            .max(form.min(certain * (without - self.noise_cost).max(0.0)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::data::fit_data::Course;
+    use crate::gap::data::fit_data::FitData;
     use crate::gap::data::scales::Scales;
+    use crate::gap::model::dataset::Dataset;
     use crate::gap::model::start::whole;
-    use crate::gap::model::weights::{variances, weights};
     use crate::gap::progress::Silent;
-    use crate::gap::{Floor, Options};
+    use crate::gap::{NoiseFloor, Options};
     use crate::log::UniformLog;
     use crate::model::{Environment, Fit as Kept, Parameter};
     use estimator_core::physics::effect::MOST_PARAMETERS;
@@ -141,12 +162,12 @@ mod tests {
         }
     }
 
-    /// What a cogging takes off Σ w r² in units of its price, and whether it is worth it.
+    /// What a cogging takes off Σ w r² in units of its threshold, and whether it is significant.
     fn taken(cogging_n: f64) -> (f64, bool) {
         let log = steps(cogging_n);
-        let floors = [Floor::of(&log)];
-        let courses = [Course::of(&log)];
-        let scales = Scales::of(&courses);
+        let floors = [NoiseFloor::of(&log)];
+        let logs = [FitData::of(&log)];
+        let scales = Scales::of(&logs);
         let base = Environment {
             law: LawId::KelvinVoigt,
             values: vec![
@@ -167,41 +188,45 @@ mod tests {
         };
         let options = Options::default();
         let mut search = Search {
-            courses: &courses,
-            floors: &floors,
-            low_pass: None,
+            dataset: Dataset {
+                logs: &logs,
+                floors: &floors,
+                low_pass: None,
+                scales: &scales,
+            },
             weights: vec![1.0; log.len()],
             base: &base,
             given: &[],
-            scales: &scales,
             ids: &options.catalogue,
             progress: &Silent,
-            floor: 0.0,
+            noise_cost: 0.0,
             correlation: 1.0,
             tried: Vec::new(),
         };
         let fit = search.base_fit();
-        search.weights = weights(&variances(&fit, &courses, &floors, None));
+        search.weights = search.dataset.weights(&fit);
         let without = search.refitted(&fit);
         let mut row = [0.0; MOST_PARAMETERS];
         row[..3].copy_from_slice(&[cogging_n.max(1e-3), PITCH_M, 0.0]);
         let terms = vec![whole(EffectId::Cogging, row, 3)];
         let (shape, start) = without.with_terms(terms, &scales);
         let with = search.problem().fit(&shape, start);
-        search.floor = with.cost;
-        let price = search.price(EffectId::Cogging, without.cost, &with, without.cost);
-        let pays = search.pays(EffectId::Cogging, &without, &with, without.cost);
-        ((without.cost - with.cost) / price, pays)
+        search.noise_cost = with.cost;
+        let threshold =
+            search.effect_threshold(EffectId::Cogging, without.cost, &with, without.cost);
+        let is_significant =
+            search.is_significant(EffectId::Cogging, &without, &with, without.cost);
+        ((without.cost - with.cost) / threshold, is_significant)
     }
 
     #[test]
-    fn a_cogging_that_the_encoders_error_in_ten_holds_imitates_is_not_worth_its_price() {
-        // GIVEN holds that are off by up to half a count at 5 kN/m, and no cogging, THEN one has what the
-        // price asks, and still is none.
-        let (taken, pays) = taken(0.0);
-        assert!(taken > 1.0 && !pays, "{taken} {pays}");
-        // AND a cogging of four counts is one.
-        let (taken, pays) = self::taken(20e-3);
-        assert!(taken > 1.5 && pays, "{taken} {pays}");
+    fn a_cogging_that_the_encoders_error_in_ten_holds_imitates_is_not_significant() {
+        // GIVEN holds that are off by up to half a count at 5 kN/m, and no cogging, THEN a cogging takes
+        // off what the threshold asks, and still is not significant.
+        let (taken, significant) = taken(0.0);
+        assert!(taken > 1.0 && !significant, "{taken} {significant}");
+        // AND a cogging of four counts is significant.
+        let (taken, significant) = self::taken(20e-3);
+        assert!(taken > 1.5 && significant, "{taken} {significant}");
     }
 }

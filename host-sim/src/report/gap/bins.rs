@@ -1,57 +1,58 @@
-//! A log's residuals, and their means over depth or speed: what a cloud of dots hides.
+//! The residuals of a log, and their means over depth or speed, which a cloud of dots would hide.
 
 use crate::gap::{Curves, phase};
 
-/// Fewest samples that make a mean.
+/// Fewest samples of a mean.
 const FEWEST: usize = 8;
-/// Speeds below this share of the usual are no motion; the regions take the same.
+/// Speeds below this share of the fast ones are no motion; the regions use the same share.
 const STILL: f64 = 0.02;
 
-/// A log as the report sees it.
-pub(super) struct Course<'a> {
+/// The curves of a log, and what figures derive from them.
+pub(super) struct LogCurves<'a> {
     pub(super) curves: &'a Curves,
-    /// Measured less modelled force (N); NaN where the sample says nothing.
+    /// Measured minus predicted force (N) of the base model; NaN where the sample says nothing.
     pub(super) before_n: Vec<f64>,
+    /// The same with the effects.
     pub(super) after_n: Vec<f64>,
-    /// Whether they differ: else there is one model to show.
+    /// Whether the two differ. If not, there is one model to show.
     pub(super) changed: bool,
-    /// Largest penetration (m), 0 without contact.
+    /// Largest penetration (m); 0 without contact.
     pub(super) deepest_m: f64,
-    /// Speed that 95 % of the samples do not exceed (m/s).
-    pub(super) usual_mps: f64,
-    /// Median speed of the moving samples (m/s).
+    /// 95 % quantile of the speeds (m/s).
+    pub(super) fast_mps: f64,
+    /// Median of the speeds of samples that move (m/s).
     pub(super) typical_mps: f64,
 }
 
-impl<'a> Course<'a> {
-    pub(super) fn of(curves: &'a Curves) -> Course<'a> {
+impl<'a> LogCurves<'a> {
+    pub(super) fn of(curves: &'a Curves) -> LogCurves<'a> {
         let residuals = |modelled_n: &[f64]| -> Vec<f64> {
             let pairs = curves.measured_n.iter().zip(modelled_n);
-            let told = pairs.zip(&curves.allowed_n);
-            told.map(|((f, own), allowed)| if *allowed > 0.0 { f - own } else { f64::NAN })
+            let each = pairs.zip(&curves.allowed_n);
+            each.map(|((f, force), allowed)| if *allowed > 0.0 { f - force } else { f64::NAN })
                 .collect()
         };
         let speeds: Vec<f64> = curves.speed_mps.iter().map(|v| v.abs()).collect();
-        let usual_mps = quantile(speeds.clone(), 0.95);
-        let moving = speeds.into_iter().filter(|v| *v > STILL * usual_mps);
-        Course {
+        let fast_mps = quantile(speeds.clone(), 0.95);
+        let moving = speeds.into_iter().filter(|v| *v > STILL * fast_mps);
+        LogCurves {
             curves,
             before_n: residuals(&curves.before_n),
             after_n: residuals(&curves.after_n),
             changed: curves.before_n != curves.after_n,
             deepest_m: curves.depth_m.iter().copied().fold(0.0, f64::max),
-            usual_mps,
+            fast_mps,
             typical_mps: quantile(moving.collect(), 0.5),
         }
     }
 
-    /// What the probe does, run by run: phase, first and last time (s). Touch and lift-off are
-    /// instants at the scale of a picture and count to loading and unloading.
+    /// The phases of the contact one after another, each with its first and last time (s). Touch and
+    /// lift-off are instants at the scale of a picture and count as loading and unloading.
     pub(super) fn phases(&self) -> Vec<(&'static str, f64, f64)> {
         let mut runs: Vec<(&'static str, f64, f64)> = Vec::new();
         let samples = self.curves.depth_m.iter().zip(&self.curves.speed_mps);
         for ((depth, speed), time) in samples.zip(&self.curves.time_s) {
-            let now = match phase(*depth, *speed, self.deepest_m, self.usual_mps) {
+            let now = match phase(*depth, *speed, self.deepest_m, self.fast_mps) {
                 "touch" => "loading",
                 "lift_off" => "unloading",
                 other => other,
@@ -87,7 +88,7 @@ impl<'a> Course<'a> {
     /// −1 outward, 0 still, 1 inward, of a sample.
     pub(super) fn direction(&self, at: usize) -> i8 {
         let speed = self.curves.speed_mps[at];
-        match speed.abs() <= STILL * self.usual_mps {
+        match speed.abs() <= STILL * self.fast_mps {
             true => 0,
             false => speed.signum() as i8,
         }

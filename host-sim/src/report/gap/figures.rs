@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::bins::{Course, quantile};
+use super::bins::{LogCurves, quantile};
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Span, StripTone, Stroke};
 
@@ -11,13 +11,13 @@ const BINS: usize = 40;
 const BEFORE: Ink = Ink::Second;
 const AFTER: Ink = Ink::First;
 
-/// Residuals before and after, the phases above; and those after against what is allowed.
-pub(super) fn residuals_over_time<'a>(course: &'a Course<'a>) -> Vec<Figure> {
-    let time = &course.curves.time_s;
+/// Residuals before and after under a band of the phases, and those after compared with what is allowed.
+pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
+    let time = &log.curves.time_s;
     let drawn = |shown: &[&'a [f64]]| {
         Chart::new(Axis::time(), axis(shown).with_zero())
-            .strip(course.phases().into_iter().map(span))
-            .touches(course.held_out())
+            .strip(log.phases().into_iter().map(span))
+            .touches(log.held_out())
     };
     let allowed = |chart: Chart<'a>| {
         let twice = |allowed: &f64| {
@@ -27,34 +27,34 @@ pub(super) fn residuals_over_time<'a>(course: &'a Course<'a>) -> Vec<Figure> {
                 f64::NAN
             }
         };
-        let allowed: Vec<f64> = course.curves.allowed_n.iter().map(twice).collect();
+        let allowed: Vec<f64> = log.curves.allowed_n.iter().map(twice).collect();
         let zero = vec![0.0; allowed.len()];
         chart
             .series(Series::new("allowed, ±2σ", Ink::Muted, Stroke::Thin, time, zero).band(allowed))
     };
-    let after = |name: &str| Series::new(name, AFTER, Stroke::Thin, time, &course.after_n);
-    if !course.changed {
-        let chart = allowed(drawn(&[&course.after_n]).size(Size::Wide)).series(after("base model"));
+    let after = |name: &str| Series::new(name, AFTER, Stroke::Thin, time, &log.after_n);
+    if !log.changed {
+        let chart = allowed(drawn(&[&log.after_n]).size(Size::Wide)).series(after("base model"));
         let caption = format!("Measured less modelled force. {ALLOWED} {SHADED}");
         return vec![Figure::new("Residual over time", &chart).caption(caption)];
     }
-    let both = drawn(&[&course.before_n, &course.after_n])
+    let both = drawn(&[&log.before_n, &log.after_n])
         .size(Size::Wide)
         .series(Series::new(
             "before",
             BEFORE,
             Stroke::Thin,
             time,
-            &course.before_n,
+            &log.before_n,
         ))
         .series(after("after"));
-    let own = allowed(drawn(&[&course.after_n]).size(Size::Slim)).series(after("after"));
+    let with_effects = allowed(drawn(&[&log.after_n]).size(Size::Slim)).series(after("after"));
     vec![
         Figure::new("Residual over time", &both).caption(format!(
             "Measured less modelled force: the base model (before) and with the effects (after), each \
              fitted to the whole log. {SHADED}"
         )),
-        Figure::new("Residual with the effects", &own).caption(format!("What is left, larger. {ALLOWED}")),
+        Figure::new("Residual with the effects", &with_effects).caption(format!("What is left, larger. {ALLOWED}")),
     ]
 }
 
@@ -85,27 +85,27 @@ fn span((phase, from, to): (&str, f64, f64)) -> Span {
     }
 }
 
-/// Measured force and both models'.
-pub(super) fn force_over_time<'a>(course: &'a Course<'a>) -> Figure {
-    let curves = course.curves;
+/// The measured force and the forces of both models.
+pub(super) fn force_over_time<'a>(log: &'a LogCurves<'a>) -> Figure {
+    let curves = log.curves;
     let time = &curves.time_s;
     let chart = Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero())
         .size(Size::Wide)
-        .touches(course.held_out());
-    let chart = models(course, chart, 0..time.len(), time);
+        .touches(log.held_out());
+    let chart = models(log, chart, 0..time.len(), time);
     Figure::new("Force over time", &chart)
         .caption("What was measured, and what the models say. Shaded: held out.")
 }
 
-/// The models' forces and the measured one over `x`, of a part of the log.
+/// The forces of the models and the measured force over `x`, in a part of the log.
 fn models<'a>(
-    course: &'a Course<'a>,
+    log: &'a LogCurves<'a>,
     chart: Chart<'a>,
     part: Range<usize>,
     x: &'a [f64],
 ) -> Chart<'a> {
-    let curves = course.curves;
-    let chart = match course.changed {
+    let curves = log.curves;
+    let chart = match log.changed {
         true => {
             let before = &curves.before_n[part.clone()];
             chart.series(Series::new("before", BEFORE, Stroke::Solid, x, before))
@@ -114,7 +114,7 @@ fn models<'a>(
     };
     chart
         .series(Series::new(
-            last(course),
+            last(log),
             AFTER,
             Stroke::Solid,
             x,
@@ -124,28 +124,24 @@ fn models<'a>(
 }
 
 /// The name of the last model.
-fn last(course: &Course<'_>) -> &'static str {
-    if course.changed {
-        "after"
-    } else {
-        "base model"
-    }
+fn last(log: &LogCurves<'_>) -> &'static str {
+    if log.changed { "after" } else { "base model" }
 }
 
 /// The loop of one touch, and mean residuals over depth and speed.
-pub(super) fn by_depth_and_speed<'a>(course: &'a Course<'a>) -> Vec<Figure> {
-    let mut figures = vec![hysteresis(course)];
-    if course.deepest_m > 0.0 {
-        figures.push(over_depth(course));
+pub(super) fn by_depth_and_speed<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
+    let mut figures = vec![hysteresis(log)];
+    if log.deepest_m > 0.0 {
+        figures.push(over_depth(log));
     }
-    figures.push(over_speed(course));
+    figures.push(over_speed(log));
     figures
 }
 
-/// Force over depth in the touch where the base model is furthest off; over speed without contact.
-fn hysteresis<'a>(course: &'a Course<'a>) -> Figure {
-    let curves = course.curves;
-    let worst = worst_touch(course);
+/// Force over depth in the touch where the base model is furthest off, or over speed without contact.
+fn hysteresis<'a>(log: &'a LogCurves<'a>) -> Figure {
+    let curves = log.curves;
+    let worst = worst_touch(log);
     let (range, x, axis, title) = match &worst {
         Some(range) => (
             range.clone(),
@@ -163,7 +159,7 @@ fn hysteresis<'a>(course: &'a Course<'a>) -> Figure {
     let part = |channel: &'a [f64]| &channel[range.clone()];
     let x = part(x);
     let chart = Chart::new(axis, Axis::new("Force F", "N").with_zero());
-    let chart = models(course, chart, range.clone(), x);
+    let chart = models(log, chart, range.clone(), x);
     let caption = match (worst, part(&curves.time_s)) {
         (Some(_), [from, .., to]) => format!(
             "The touch from {from:.2} to {to:.2} s, where the base model is furthest off. The area inside \
@@ -175,17 +171,17 @@ fn hysteresis<'a>(course: &'a Course<'a>) -> Figure {
 }
 
 /// Samples of the touch with the largest excess of the base model's residuals.
-fn worst_touch(course: &Course<'_>) -> Option<Range<usize>> {
-    let depth = &course.curves.depth_m;
-    let touching = |at: usize| depth[at] > 0.02 * course.deepest_m;
+fn worst_touch(log: &LogCurves<'_>) -> Option<Range<usize>> {
+    let depth = &log.curves.depth_m;
+    let touching = |at: usize| depth[at] > 0.02 * log.deepest_m;
     let mut best: Option<(f64, Range<usize>)> = None;
     let (mut from, mut excess) = (None, 0.0);
     for at in 0..=depth.len() {
         if at < depth.len() && touching(at) {
             from = from.or(Some(at));
-            let residual = course.before_n[at];
+            let residual = log.before_n[at];
             if residual.is_finite() {
-                excess += residual * residual - course.curves.allowed_n[at].powi(2);
+                excess += residual * residual - log.curves.allowed_n[at].powi(2);
             }
         } else if let Some(start) = from.take() {
             // A touch of a few samples shows no loop.
@@ -199,16 +195,16 @@ fn worst_touch(course: &Course<'_>) -> Option<Range<usize>> {
     best.map(|(_, range)| range)
 }
 
-fn over_depth<'a>(course: &'a Course<'a>) -> Figure {
-    let range = (-0.1 * course.deepest_m, course.deepest_m);
+fn over_depth<'a>(log: &'a LogCurves<'a>) -> Figure {
+    let range = (-0.1 * log.deepest_m, log.deepest_m);
     let mut chart = Chart::new(
         Axis::new("Depth δ", "m"),
         Axis::new("Mean residual", "N").with_zero(),
     );
-    for (name, ink, residuals) in both(course) {
+    for (name, ink, residuals) in both(log) {
         for (way, direction, stroke) in [("in", 1, Stroke::Solid), ("out", -1, Stroke::Dashed)] {
-            let wanted = |at: usize| course.direction(at) == direction;
-            let (x, y) = course.means(residuals, &course.curves.depth_m, range, BINS, wanted);
+            let wanted = |at: usize| log.direction(at) == direction;
+            let (x, y) = log.means(residuals, &log.curves.depth_m, range, BINS, wanted);
             chart = chart.series(Series::new(format!("{name}, {way}"), ink, stroke, x, y));
         }
     }
@@ -218,15 +214,15 @@ fn over_depth<'a>(course: &'a Course<'a>) -> Figure {
     )
 }
 
-fn over_speed<'a>(course: &'a Course<'a>) -> Figure {
-    let most = course.usual_mps * 1.2;
+fn over_speed<'a>(log: &'a LogCurves<'a>) -> Figure {
+    let most = log.fast_mps * 1.2;
     let mut chart = Chart::new(
         Axis::new("Speed", "m/s"),
         Axis::new("Mean residual", "N").with_zero(),
     );
-    let contact = course.deepest_m > 0.0;
-    let depth = &course.curves.depth_m;
-    for (name, ink, residuals) in both(course) {
+    let contact = log.deepest_m > 0.0;
+    let depth = &log.curves.depth_m;
+    for (name, ink, residuals) in both(log) {
         for (place, stroke, deep) in [
             ("touching", Stroke::Solid, true),
             ("free", Stroke::Dashed, false),
@@ -235,8 +231,8 @@ fn over_speed<'a>(course: &'a Course<'a>) -> Figure {
             if !contact && !deep {
                 continue;
             }
-            let speed = &course.curves.speed_mps;
-            let (x, y) = course.means(residuals, speed, (-most, most), BINS, wanted);
+            let speed = &log.curves.speed_mps;
+            let (x, y) = log.means(residuals, speed, (-most, most), BINS, wanted);
             let name = if contact {
                 format!("{name}, {place}")
             } else {
@@ -251,8 +247,8 @@ fn over_speed<'a>(course: &'a Course<'a>) -> Figure {
     )
 }
 
-fn both<'a>(course: &'a Course<'a>) -> impl Iterator<Item = (&'static str, Ink, &'a [f64])> {
-    let before: (_, _, &[f64]) = ("before", BEFORE, &course.before_n);
-    let after: (_, _, &[f64]) = (last(course), AFTER, &course.after_n);
-    course.changed.then_some(before).into_iter().chain([after])
+fn both<'a>(log: &'a LogCurves<'a>) -> impl Iterator<Item = (&'static str, Ink, &'a [f64])> {
+    let before: (_, _, &[f64]) = ("before", BEFORE, &log.before_n);
+    let after: (_, _, &[f64]) = (last(log), AFTER, &log.after_n);
+    log.changed.then_some(before).into_iter().chain([after])
 }

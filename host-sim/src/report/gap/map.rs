@@ -1,64 +1,59 @@
 //! Where on the plane of depth and speed the residuals exceed what is allowed.
 
-use super::bins::Course;
+use super::bins::LogCurves;
 use crate::number::quantity;
 use crate::report::{HeatMap, Shaded};
 
 /// Rows of equal depth in contact.
 const DEPTHS: usize = 5;
 const COLUMNS: [&str; 5] = ["out, fast", "out, slow", "still", "in, slow", "in, fast"];
-/// Fewest samples that make a cell.
+/// Fewest samples of a cell.
 const FEWEST: f64 = 20.0;
-/// From here on a cell is a shade darker, each.
+/// Ratios from which on a cell is one shade darker.
 const SHADES: [f64; 6] = [1.15, 1.5, 2.5, 5.0, 10.0, 25.0];
 
 #[derive(Clone, Copy, Default)]
 struct Tally {
-    /// Σ r²/σ², Σ (r² − σ²) (N²), samples.
+    /// Σ r²/σ².
     ratio: f64,
+    /// Σ (r² − σ²) (N²).
     excess_n2: f64,
+    /// Samples.
     count: f64,
 }
 
-/// The map of the base model, and that with the effects.
-pub(super) fn maps(course: &Course<'_>) -> Vec<HeatMap> {
-    let (before, after) = (
-        tally(course, &course.before_n),
-        tally(course, &course.after_n),
-    );
+/// The maps of the base model and of the model with the effects.
+pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
+    let (before, after) = (tally(log, &log.before_n), tally(log, &log.after_n));
     let all: f64 = before
         .iter()
         .flatten()
-        .map(|own| own.excess_n2.max(0.0))
+        .map(|tally| tally.excess_n2.max(0.0))
         .sum();
     let what = format!(
         "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
-        quantity(course.typical_mps, 2, "m/s")
+        quantity(log.typical_mps, 2, "m/s")
     );
-    let first = if course.changed {
-        "Before"
-    } else {
-        "Base model"
-    };
-    let mut maps = vec![map(course, &before, all).caption(format!("{first}: {what}"))];
-    if course.changed {
+    let first = if log.changed { "Before" } else { "Base model" };
+    let mut maps = vec![map(log, &before, all).caption(format!("{first}: {what}"))];
+    if log.changed {
         let caption = "After: the same, on the same scale, as shares of the excess before";
-        maps.push(map(course, &after, all).caption(caption));
+        maps.push(map(log, &after, all).caption(caption));
     }
     maps
 }
 
-fn tally(course: &Course<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {
-    let curves = course.curves;
+fn tally(log: &LogCurves<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {
+    let curves = log.curves;
     let mut tallies = vec![[Tally::default(); COLUMNS.len()]; DEPTHS + 1];
     for (at, residual) in residuals.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-        let deep = DEPTHS as f64 * curves.depth_m[at] / course.deepest_m.max(f64::MIN_POSITIVE);
+        let deep = DEPTHS as f64 * curves.depth_m[at] / log.deepest_m.max(f64::MIN_POSITIVE);
         let row = match curves.depth_m[at] > 0.0 {
             true => 1 + (deep as usize).min(DEPTHS - 1),
             false => 0,
         };
-        let fast = curves.speed_mps[at].abs() > course.typical_mps;
-        let column = match (course.direction(at), fast) {
+        let fast = curves.speed_mps[at].abs() > log.typical_mps;
+        let column = match (log.direction(at), fast) {
             (-1, true) => 0,
             (-1, false) => 1,
             (0, _) => 2,
@@ -73,21 +68,21 @@ fn tally(course: &Course<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> 
     tallies
 }
 
-fn map(course: &Course<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> HeatMap {
+fn map(log: &LogCurves<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> HeatMap {
     let filled = tallies
         .iter()
         .enumerate()
-        .filter(|(_, row)| row.iter().any(|own| own.count >= FEWEST));
+        .filter(|(_, row)| row.iter().any(|tally| tally.count >= FEWEST));
     filled.fold(
         HeatMap::new("depth \\ motion", COLUMNS),
         |map, (at, row)| {
-            let cells = row.iter().map(|own| cell(own, all_n2)).collect();
-            map.row(depth(at, course.deepest_m), cells)
+            let cells = row.iter().map(|tally| cell(tally, all_n2)).collect();
+            map.row(depth(at, log.deepest_m), cells)
         },
     )
 }
 
-/// The depths of a row, both ends in the unit of the deepest.
+/// The depths of a row, with both ends in the unit of the deepest.
 fn depth(row: usize, deepest_m: f64) -> String {
     let end = |at: usize| at as f64 / DEPTHS as f64 * deepest_m;
     match row {
@@ -97,12 +92,12 @@ fn depth(row: usize, deepest_m: f64) -> String {
     }
 }
 
-fn cell(own: &Tally, all_n2: f64) -> Option<Shaded> {
-    if own.count < FEWEST {
+fn cell(tally: &Tally, all_n2: f64) -> Option<Shaded> {
+    if tally.count < FEWEST {
         return None;
     }
-    let times = (own.ratio / own.count).sqrt();
-    let share = own.excess_n2 / all_n2.max(f64::MIN_POSITIVE);
+    let times = (tally.ratio / tally.count).sqrt();
+    let share = tally.excess_n2 / all_n2.max(f64::MIN_POSITIVE);
     Some(Shaded {
         text: if times < 10.0 {
             format!("{times:.2} ×")

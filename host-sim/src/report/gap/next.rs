@@ -1,4 +1,4 @@
-//! The motion to record next: over time, and how far and how fast it goes beside the log.
+//! The motion to record next: its curve, and how far and how fast it goes compared with the log.
 
 use crate::gap::Finding;
 use crate::motion::Limits;
@@ -8,7 +8,7 @@ use crate::report::{Cell, Figure, Section, Table};
 /// Points of the curve: the fastest motions have a few hundred cycles.
 const POINTS: u32 = 8_000;
 
-/// Nothing where no motion is advised.
+/// The section on the motion; empty where no motion is advised.
 pub(super) fn motion(finding: &Finding) -> Section {
     let Some(advised) = &finding.advised else {
         return Section::new("");
@@ -30,9 +30,9 @@ pub(super) fn motion(finding: &Finding) -> Section {
         ]
     };
     let table = Table::new(["", "Logs so far", "motion.toml"])
-        .row(row("Deepest position", |own| own.highest_m, "m"))
-        .row(row("Farthest out", |own| own.lowest_m, "m"))
-        .row(row("Highest speed", |own| own.fastest_mps, "m/s"));
+        .row(row("Deepest position", |limits| limits.highest_m, "m"))
+        .row(row("Farthest out", |limits| limits.lowest_m, "m"))
+        .row(row("Highest speed", |limits| limits.fastest_mps, "m/s"));
     Section::new("What to record next")
         .text(format!(
             "{} Beside this report motion.toml holds the motion: {}. Check its limits against the rig \

@@ -1,11 +1,11 @@
-//! Where the base model is off, and what remains.
+//! Where the base model and the log disagree, and what remains.
 
 use super::tables::spaced;
-use crate::gap::{Finding, Region, Verdict, words};
+use crate::gap::{Finding, Region, Verdict, regions_in_words};
 use crate::number::{column, fixed, quantity};
 use crate::report::{Cell, Section, Table};
 
-/// Where it was, and where it still is.
+/// The section on where the models and the log disagree.
 pub(super) fn place(finding: &Finding) -> Section {
     let section = Section::new("Where the base model and the measurement disagree");
     if finding.disagreement.is_empty() {
@@ -14,7 +14,10 @@ pub(super) fn place(finding: &Finding) -> Section {
              larger than noise and the errors of the motion allow (false discoveries below 1 %).",
         );
     }
-    let section = section.text(spaced(&format!("{}.", words(&finding.disagreement))));
+    let section = section.text(spaced(&format!(
+        "{}.",
+        regions_in_words(&finding.disagreement)
+    )));
     let section = match (
         finding.verdict,
         finding.effects.is_empty(),
@@ -28,13 +31,13 @@ pub(super) fn place(finding: &Finding) -> Section {
         _ => section.text(spaced(&format!(
             "With the effects {} of the excess remains: {}.",
             remaining_share(finding),
-            words(&finding.remaining).replace("of the excess is", "of it")
+            regions_in_words(&finding.remaining).replace("of the excess is", "of it")
         ))),
     };
     section.table(table(finding))
 }
 
-/// Of the excess on held-out parts.
+/// The share of the excess on held-out parts that remains.
 fn remaining_share(finding: &Finding) -> String {
     let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
     let share = 100.0 * excess(finding.ratio_after) / excess(finding.ratio_before);
@@ -45,7 +48,7 @@ fn remaining_share(finding: &Finding) -> String {
     }
 }
 
-/// The order of a reader: what the probe does, depth, speed, time, lines.
+/// The order for readers: phase of the contact, depth, speed, time, lines.
 const ORDER: [&str; 15] = [
     "free",
     "touch",
@@ -64,11 +67,11 @@ const ORDER: [&str; 15] = [
     "pitch",
 ];
 
-/// Every region in which either model is off.
+/// A table of every region in which either model and the log disagree.
 fn table(finding: &Finding) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);
-    let of = |regions: &[Region], id: &str| regions.iter().find(|own| own.id == id).cloned();
+    let of = |regions: &[Region], id: &str| regions.iter().find(|region| region.id == id).cloned();
     let mut rows: Vec<(Option<Region>, Option<Region>)> = ORDER
         .iter()
         .map(|id| (of(before, id), of(after, id).filter(|_| !only_base)))
@@ -78,15 +81,16 @@ fn table(finding: &Finding) -> Table {
         .iter()
         .flat_map(|(before, after)| [before, after])
         .flatten();
-    let (unit, errors) = column(&all.map(|own| own.rms_n).collect::<Vec<_>>(), 3, "N");
+    let (unit, errors) = column(&all.map(|region| region.rms_n).collect::<Vec<_>>(), 3, "N");
     let mut errors = errors.into_iter().map(Cell::Number);
     let percent = |share: f64| Cell::Number(format!("{} %", fixed(100.0 * share, 0)));
     let none = || Cell::Missing("–".into());
     let cells = rows.iter().map(|(before, after)| {
         let named = before.as_ref().or(after.as_ref());
-        let is_line = named.is_some_and(|own| own.hz.is_some() || own.pitch_m.is_some());
-        let mut rms = |own: &Option<Region>| {
-            own.as_ref()
+        let is_line = named.is_some_and(|region| region.hz.is_some() || region.pitch_m.is_some());
+        let mut rms = |region: &Option<Region>| {
+            region
+                .as_ref()
                 .and_then(|_| errors.next())
                 .unwrap_or_else(none)
         };
@@ -95,8 +99,10 @@ fn table(finding: &Finding) -> Table {
             Cell::from(named.map_or(String::new(), name)),
             named
                 .filter(|_| !is_line)
-                .map_or_else(none, |own| percent(own.samples)),
-            before.as_ref().map_or_else(none, |own| percent(own.share)),
+                .map_or_else(none, |region| percent(region.samples)),
+            before
+                .as_ref()
+                .map_or_else(none, |region| percent(region.share)),
             rms_before,
         ];
         row.into_iter()

@@ -3,19 +3,19 @@
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::bins::Course;
+use super::bins::LogCurves;
 use crate::gap::Finding;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Stroke};
 
 /// Longest segment: eight bins below 1 Hz at 500 Hz.
 const LONGEST: usize = 4096;
-/// Points of a curve, equally far apart on the logarithmic axis.
+/// Points of a curve, equally spaced on the logarithmic axis.
 const POINTS: f64 = 160.0;
 
-/// The residuals' densities before and after against that of the floor.
-pub(super) fn figure(course: &Course<'_>, finding: &Finding) -> Figure {
-    let time = &course.curves.time_s;
+/// The densities of the residuals before and after, compared with that of the noise floor.
+pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
+    let time = &log.curves.time_s;
     let period_s = match time.len() {
         0 | 1 => 1.0,
         count => (time[count - 1] - time[0]) / (count - 1) as f64,
@@ -29,8 +29,8 @@ pub(super) fn figure(course: &Course<'_>, finding: &Finding) -> Figure {
         Series::new(name, ink, Stroke::Solid, hz, density)
     };
     let (before, after) = (
-        curve("before", Ink::Second, &course.before_n),
-        curve("after", Ink::First, &course.after_n),
+        curve("before", Ink::Second, &log.before_n),
+        curve("after", Ink::First, &log.after_n),
     );
     // White noise of this standard deviation, all of it below the highest frequency.
     let floor = finding.noise_floor_n / most_hz.sqrt();
@@ -86,7 +86,7 @@ fn density(residuals: &[f64], period_s: f64, most_hz: f64) -> (Vec<f64>, Vec<f64
 }
 
 /// Mean power of the bins of half-overlapping segments under Hann's window: 1 for white noise of unit
-/// variance. What is not told counts as 0.
+/// variance. A sample that says nothing counts as 0.
 fn welch(residuals: &[f64], length: usize) -> Vec<f64> {
     let window: Vec<f64> = (0..length)
         .map(|at| {
@@ -98,10 +98,10 @@ fn welch(residuals: &[f64], length: usize) -> Vec<f64> {
     let mut power = vec![0.0; length / 2];
     let mut segments = 0.0;
     for from in (0..=residuals.len() - length).step_by((length / 2).max(1)) {
-        let own = &residuals[from..from + length];
-        let told = own.iter().filter(|r| r.is_finite());
-        let mean = told.clone().sum::<f64>() / (told.count() as f64).max(1.0);
-        let mut bins: Vec<Complex<f64>> = own
+        let segment = &residuals[from..from + length];
+        let finite = segment.iter().filter(|r| r.is_finite());
+        let mean = finite.clone().sum::<f64>() / (finite.count() as f64).max(1.0);
+        let mut bins: Vec<Complex<f64>> = segment
             .iter()
             .zip(&window)
             .map(|(r, w)| Complex::new(if r.is_finite() { (r - mean) * w } else { 0.0 }, 0.0))

@@ -2,7 +2,7 @@
 
 use super::label;
 use super::verdict::{heading, title};
-use crate::gap::{Finding, Known, Named, Tried, times_larger};
+use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, times_larger};
 use crate::number::Measured;
 use crate::report::{Cell, Section, Table};
 
@@ -59,27 +59,32 @@ pub(super) fn summary(finding: &Finding) -> Section {
         .table(table)
 }
 
-/// A number stays with its percent sign.
+/// The text with numbers that are not separated from their percent signs.
 pub(super) fn spaced(text: &str) -> String {
     text.replace(" %", "\u{a0}%")
 }
 
-/// What is missing: every effect with its parameters.
+/// The missing effects with their parameters.
 pub(super) fn effects(finding: &Finding) -> Section {
     let mut section = Section::new("What it is");
-    for own in &finding.effects {
-        section = section.table(table(&heading(own.id), &own.parameters));
+    for effect in &finding.effects {
+        section = section.table(table(&heading(effect.id), &effect.parameters));
     }
-    section.list(finding.effects.iter().map(|own| told(own, finding)))
+    section.list(
+        finding
+            .effects
+            .iter()
+            .map(|effect| description(effect, finding)),
+    )
 }
 
-/// Parameters with their intervals.
-fn table(caption: &str, parameters: &[Known]) -> Table {
-    let rows = parameters.iter().map(|known| {
+/// A table of parameters with their intervals.
+fn table(caption: &str, parameters: &[ParameterEstimate]) -> Table {
+    let rows = parameters.iter().map(|estimate| {
         [
-            Cell::from(label(&known.name)),
-            measured(known),
-            interval(known),
+            Cell::from(label(&estimate.name)),
+            measured(estimate),
+            interval(estimate),
         ]
     });
     Table::new(["Parameter", "Value ± standard error", "95 % interval"])
@@ -87,19 +92,19 @@ fn table(caption: &str, parameters: &[Known]) -> Table {
         .rows(rows)
 }
 
-fn told(own: &Named, finding: &Finding) -> String {
+fn description(effect: &MissingEffect, finding: &Finding) -> String {
     let mut text = format!(
         "{}: {}. Without it, all else refitted, the squared error on held-out parts is {}. {}.",
-        heading(own.id),
-        own.id.info().law,
-        share_larger(own.held_out_gain),
-        where_it_shows(&own.place),
+        heading(effect.id),
+        effect.id.info().law,
+        share_larger(effect.held_out_gain),
+        where_it_shows(&effect.place),
     );
-    if !own.alternatives.is_empty() {
-        let others: Vec<String> = own.alternatives.iter().map(|id| title(*id)).collect();
+    if !effect.alternatives.is_empty() {
+        let others: Vec<String> = effect.alternatives.iter().map(|id| title(*id)).collect();
         let motion = match finding.advised {
             Some(_) => "motion.toml",
-            None => own.id.info().motion,
+            None => effect.id.info().motion,
         };
         text += &format!(
             " This log explains as well: {}. To tell them apart, record {motion}.",
@@ -109,7 +114,7 @@ fn told(own: &Named, finding: &Finding) -> String {
     spaced(&text)
 }
 
-/// `1 − (RMSE with/without)²` as what leaving the effect out costs.
+/// What leaving an effect out costs, from `1 − (RMSE with/without)²`.
 fn share_larger(gain: f64) -> String {
     format!(
         "{} (held-out gain {:.1} %)",
@@ -128,15 +133,18 @@ fn where_it_shows(place: &str) -> String {
     }
 }
 
-fn measured(known: &Known) -> Cell {
-    Cell::measured(known.value, known.std_error, known.unit)
+fn measured(estimate: &ParameterEstimate) -> Cell {
+    Cell::measured(estimate.value, estimate.std_error, estimate.unit)
 }
 
-/// Both ends in the digits and the unit of the value.
-fn interval(known: &Known) -> Cell {
-    let Some(error) = known.std_error.filter(|own| *own > 0.0 && own.is_finite()) else {
+/// The interval of a parameter, with both ends in the digits and the unit of the value.
+fn interval(estimate: &ParameterEstimate) -> Cell {
+    let Some(error) = estimate
+        .std_error
+        .filter(|error| *error > 0.0 && error.is_finite())
+    else {
         return Cell::Missing(
-            if known.at_bound {
+            if estimate.at_bound {
                 "at its bound"
             } else {
                 "not fitted"
@@ -145,12 +153,12 @@ fn interval(known: &Known) -> Cell {
         );
     };
     let end = |sign: f64| {
-        let own = Measured::new(
-            known.value + sign * INTERVAL * error,
+        let end = Measured::new(
+            estimate.value + sign * INTERVAL * error,
             Some(error),
-            known.unit,
+            estimate.unit,
         );
-        (own.value, own.unit)
+        (end.value, end.unit)
     };
     let ((low, low_unit), (high, unit)) = (end(-1.0), end(1.0));
     let low = if low_unit == unit {
@@ -214,7 +222,7 @@ fn environment(finding: &Finding) -> Section {
         .table(Table::new(columns).rows(rows))
 }
 
-fn change(before: &Known, after: &Known) -> String {
+fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> String {
     let change = (after.value - before.value) / before.value.abs();
     match change {
         // Of what may lie at 0, such as the surface, no share says anything.
@@ -232,7 +240,7 @@ fn change(before: &Known, after: &Known) -> String {
     .replacen('-', "\u{2212}", 1)
 }
 
-fn moved(before: &Known, after: &Known) -> Cell {
+fn moved(before: &ParameterEstimate, after: &ParameterEstimate) -> Cell {
     match (before.std_error, after.std_error) {
         (Some(a), Some(b)) if a.hypot(b) > 0.0 => {
             let errors = (after.value - before.value).abs() / a.hypot(b);
@@ -251,12 +259,12 @@ pub(super) fn ladder(finding: &Finding) -> Section {
     if finding.ladder.is_empty() {
         return Section::new("");
     }
-    let chosen: Vec<_> = finding.effects.iter().map(|own| own.id).collect();
-    let rows = finding.ladder.iter().map(|tried| {
+    let chosen: Vec<_> = finding.effects.iter().map(|effect| effect.id).collect();
+    let rows = finding.ladder.iter().map(|candidate| {
         [
-            Cell::from(set(tried)),
-            Cell::Number(format!("{:.3} ×", tried.ratio)),
-            Cell::from(role(finding, tried, &chosen)),
+            Cell::from(set(candidate)),
+            Cell::Number(format!("{:.3} ×", candidate.ratio)),
+            Cell::from(role(finding, candidate, &chosen)),
         ]
     });
     let table = Table::new([
@@ -270,10 +278,10 @@ pub(super) fn ladder(finding: &Finding) -> Section {
     Section::new("What was tried").table(table)
 }
 
-fn set(tried: &Tried) -> String {
-    match tried.ids.is_empty() {
+fn set(candidate: &Candidate) -> String {
+    match candidate.ids.is_empty() {
         true => "nothing".into(),
-        false => tried
+        false => candidate
             .ids
             .iter()
             .map(|id| title(*id))
@@ -282,32 +290,32 @@ fn set(tried: &Tried) -> String {
     }
 }
 
-/// Whether it is the answer, cannot be told from it, or neither.
+/// Whether a candidate is the answer, is an alternative to it, or neither.
 fn role(
     finding: &Finding,
-    tried: &Tried,
+    candidate: &Candidate,
     chosen: &[estimator_core::physics::effect::EffectId],
 ) -> &'static str {
     let same = |one: &[_], other: &[_]| {
         one.len() == other.len() && one.iter().all(|id| other.contains(id))
     };
-    if same(&tried.ids, chosen) {
+    if same(&candidate.ids, chosen) {
         return if chosen.is_empty() {
             "base model, and the answer"
         } else {
             "the answer"
         };
     }
-    if tried.ids.is_empty() {
+    if candidate.ids.is_empty() {
         return "base model";
     }
-    let swapped = finding.effects.iter().any(|own| {
-        own.alternatives.iter().any(|other| {
+    let swapped = finding.effects.iter().any(|effect| {
+        effect.alternatives.iter().any(|other| {
             let ids: Vec<_> = chosen
                 .iter()
-                .map(|id| if *id == own.id { *other } else { *id })
+                .map(|id| if *id == effect.id { *other } else { *id })
                 .collect();
-            same(&tried.ids, &ids)
+            same(&candidate.ids, &ids)
         })
     });
     if swapped {
@@ -317,7 +325,7 @@ fn role(
     }
 }
 
-/// How the floor was found.
+/// How the noise floor of each log was found.
 pub(super) fn floors(finding: &Finding, names: &[String]) -> Section {
     let rows = finding.floors.iter().enumerate().map(|(at, floor)| {
         [

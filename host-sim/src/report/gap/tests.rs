@@ -1,7 +1,7 @@
 use estimator_core::physics::effect::EffectId;
 
 use super::*;
-use crate::gap::{Floor, Known, Named, Region, Tried, Verdict};
+use crate::gap::{Candidate, MissingEffect, NoiseFloor, ParameterEstimate, Region, Verdict};
 
 /// Two seconds of presses at 1 kHz whose base model lacks 0.4 N of friction.
 fn curves() -> Curves {
@@ -39,8 +39,8 @@ fn curves() -> Curves {
     }
 }
 
-fn known(name: &str, value: f64, std_error: Option<f64>, unit: &'static str) -> Known {
-    Known {
+fn known(name: &str, value: f64, std_error: Option<f64>, unit: &'static str) -> ParameterEstimate {
+    ParameterEstimate {
         at_bound: false,
         name: name.into(),
         value,
@@ -50,7 +50,7 @@ fn known(name: &str, value: f64, std_error: Option<f64>, unit: &'static str) -> 
 }
 
 fn finding(verdict: Verdict) -> Finding {
-    let named = Named {
+    let named = MissingEffect {
         id: EffectId::CoulombFriction,
         parameters: vec![known("force", 0.41, Some(0.003), "N")],
         alternatives: match verdict {
@@ -75,7 +75,7 @@ fn finding(verdict: Verdict) -> Finding {
         rmse_before_n: 0.4,
         rmse_after_n: 0.0201,
         noise_floor_n: 0.02,
-        floors: vec![Floor {
+        floors: vec![NoiseFloor {
             high_pass_n: 0.02,
             rest_n: None,
             lines_n: 0.0,
@@ -100,15 +100,15 @@ fn finding(verdict: Verdict) -> Finding {
         advice: "Use model.toml <now>".into(),
         advised: None,
         ladder: vec![
-            Tried {
+            Candidate {
                 ids: vec![EffectId::CoulombFriction],
                 ratio: 1.005,
             },
-            Tried {
+            Candidate {
                 ids: vec![EffectId::Backlash],
                 ratio: 1.01,
             },
-            Tried {
+            Candidate {
                 ids: Vec::new(),
                 ratio: 20.0,
             },
@@ -202,8 +202,8 @@ fn the_page_shows_what_moved_what_was_tried_and_every_picture() {
 #[test]
 fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() {
     let curves = curves();
-    let course = bins::Course::of(&curves);
-    let maps: Vec<String> = map::maps(&course)
+    let log = bins::LogCurves::of(&curves);
+    let maps: Vec<String> = map::maps(&log)
         .iter()
         .map(|map| format!("{map:?}"))
         .collect();

@@ -1,12 +1,12 @@
-//! The sentence to read if only one is read.
+//! The verdict in one sentence.
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::{Finding, Named, Verdict};
+use crate::gap::{Finding, MissingEffect, Verdict};
 use crate::number::{Measured, column};
 use crate::report::Tone;
 
-/// How good the news is, and the verdict in a word or two.
+/// The tone and the words of the badge.
 pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
     match finding.verdict {
         Verdict::NoMissingEffect => (Tone::Good, "nothing missing"),
@@ -17,7 +17,7 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
     }
 }
 
-/// The verdict with its figures.
+/// The verdict with its numbers.
 pub(super) fn sentence(finding: &Finding) -> String {
     let (before, after) = errors(finding);
     let times =
@@ -55,7 +55,7 @@ pub(super) fn sentence(finding: &Finding) -> String {
     }
 }
 
-/// Both with the same prefix and decimals.
+/// The errors before and after, with the same unit prefix and decimals.
 pub(super) fn errors(finding: &Finding) -> (String, String) {
     let (unit, values) = column(&[finding.rmse_before_n, finding.rmse_after_n], 4, "N");
     let text = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
@@ -63,9 +63,9 @@ pub(super) fn errors(finding: &Finding) -> (String, String) {
 }
 
 /// An effect with its leading parameter.
-fn named(own: &Named) -> String {
-    let title = title(own.id);
-    match own.parameters.first() {
+fn named(effect: &MissingEffect) -> String {
+    let title = title(effect.id);
+    match effect.parameters.first() {
         Some(first) => {
             let value = Measured::new(first.value, first.std_error, first.unit);
             format!("{title} ({} {value})", first.name.replace('_', " "))
@@ -76,7 +76,11 @@ fn named(own: &Named) -> String {
 
 fn rivals(finding: &Finding) -> String {
     let mut ids: Vec<String> = Vec::new();
-    for id in finding.effects.iter().flat_map(|own| &own.alternatives) {
+    for id in finding
+        .effects
+        .iter()
+        .flat_map(|effect| &effect.alternatives)
+    {
         if !ids.contains(&title(*id)) {
             ids.push(title(*id));
         }
@@ -84,7 +88,7 @@ fn rivals(finding: &Finding) -> String {
     ids.join(" or ")
 }
 
-/// An effect's name for people, within a sentence.
+/// The name of an effect for people, within a sentence.
 pub(super) fn title(id: EffectId) -> String {
     let words = id.name().replace('_', " ");
     // Two of them are named after people.
@@ -93,7 +97,7 @@ pub(super) fn title(id: EffectId) -> String {
         .replace("stribeck", "Stribeck")
 }
 
-/// The same at the start of a cell.
+/// The same name at the start of a cell.
 pub(super) fn heading(id: EffectId) -> String {
     let title = title(id);
     let mut letters = title.chars();

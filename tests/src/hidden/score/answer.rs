@@ -1,7 +1,7 @@
 //! What `palpate gap` answered, as far as it is scored.
 
 use super::truth::strings;
-use palpate::gap::{Finding, Known};
+use palpate::gap::{Finding, ParameterEstimate};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -94,8 +94,9 @@ impl Answer {
 
     /// Takes what is scored from the library's finding.
     pub(crate) fn of(finding: &Finding, seconds: f64) -> Answer {
-        let estimates = |known: &[Known]| -> Estimates {
-            let one = |p: &Known| Some((p.name.clone(), (p.value, p.std_error?)));
+        let estimates = |known: &[ParameterEstimate]| -> Estimates {
+            let one =
+                |own: &ParameterEstimate| Some((own.name.clone(), (own.value, own.std_error?)));
             known.iter().filter_map(one).collect()
         };
         let names = |ids: &[estimator_core::physics::effect::EffectId]| -> Vec<String> {

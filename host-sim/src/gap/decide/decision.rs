@@ -1,0 +1,39 @@
+//! What the decision comes to.
+
+use estimator_core::physics::effect::EffectId;
+
+use crate::gap::finding::Verdict;
+use crate::gap::model::fit::Fit;
+
+/// Held-out residuals within this many times what is allowed are explained. Errors of form, of the
+/// motion between samples, and of the noise floor itself are below.
+pub(crate) const ADEQUATE: f64 = 1.12;
+
+/// The decision on the effects of a search.
+pub(crate) struct Decision {
+    pub(crate) verdict: Verdict,
+    /// The fit of the base to the whole log.
+    pub(crate) base: Fit,
+    /// The fit with the effects to the whole log.
+    pub(crate) best: Fit,
+    /// A rival that explains more, as the search left it.
+    pub(crate) better: Option<Fit>,
+    /// Standard errors of the free numbers of `best`, in the parameters' units; `None` at a bound.
+    pub(crate) std_errors: Vec<Option<f64>>,
+    /// For every added effect of `best`, in the order of its terms, the effects that it could be as well.
+    pub(crate) alternatives: Vec<Vec<EffectId>>,
+    /// For every added effect, the share of the held-out squares that it takes off.
+    pub(crate) gains: Vec<f64>,
+    /// For every added effect, the fit without it.
+    pub(crate) without: Vec<Fit>,
+    /// RMSE (N) on the held-out part, before and after.
+    pub(crate) rmse_n: (f64, f64),
+    /// Residuals on the held-out part over what is allowed, before and after.
+    pub(crate) ratio: (f64, f64),
+    /// The variances (N²) that the residuals should have.
+    pub(crate) variances: Vec<f64>,
+    /// Whether each sample was held out.
+    pub(crate) held_out: Vec<bool>,
+    /// Samples for each independent residual.
+    pub(crate) correlation: f64,
+}

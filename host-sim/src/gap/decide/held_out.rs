@@ -1,0 +1,56 @@
+//! Held-out parts: the log is cut into twelve windows, and every third is held out. A fit to the others
+//! predicts them. The states (relaxation, play) run through all windows; only the residuals are left
+//! out.
+
+use crate::gap::data::fit_data::FitData;
+use crate::gap::model::fit::Fit;
+use crate::gap::model::problem::Problem;
+
+/// Windows of a log.
+const WINDOWS: usize = 12;
+
+/// Errors of a fit on the held-out part.
+#[derive(Clone, Copy)]
+pub(super) struct HeldOutError {
+    /// Root mean square of the residuals (N).
+    pub(super) rmse_n: f64,
+    /// Root mean square of the residuals over what is allowed.
+    pub(super) ratio: f64,
+}
+
+/// For each sample, whether it is held out.
+pub(super) fn held_out(logs: &[FitData]) -> Vec<bool> {
+    let mut held_out = Vec::new();
+    for log in logs {
+        let count = log.len();
+        held_out.extend((0..count).map(|at| (at * WINDOWS / count) % 3 == 1));
+    }
+    held_out
+}
+
+/// The errors of a fit on the held-out part; `all` is the problem with the weights of all samples.
+pub(super) fn held_out_error(all: &Problem<'_>, fit: &Fit, held_out: &[bool]) -> HeldOutError {
+    let residuals = all.residuals(&fit.shape, &fit.numbers);
+    let measured = all.logs.iter().flat_map(|log| &log.count);
+    let (mut squares, mut count, mut weighted, mut used) = (0.0, 0.0, 0.0, 0.0);
+    let each = residuals
+        .iter()
+        .zip(all.weights)
+        .zip(held_out)
+        .zip(measured);
+    for (((residual, weight), out), measured) in each {
+        if !out || *measured == 0.0 {
+            continue;
+        }
+        squares += residual * residual;
+        count += 1.0;
+        if *weight > 0.0 {
+            weighted += weight * residual * residual;
+            used += 1.0;
+        }
+    }
+    HeldOutError {
+        rmse_n: (squares / f64::max(count, 1.0)).sqrt(),
+        ratio: (weighted / f64::max(used, 1.0)).sqrt(),
+    }
+}

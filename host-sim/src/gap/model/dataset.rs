@@ -1,0 +1,41 @@
+//! The logs of one rig at one resolution, with all that is known of them without a model.
+
+use crate::gap::data::fit_data::FitData;
+use crate::gap::data::low_pass::LowPass;
+use crate::gap::data::scales::Scales;
+use crate::gap::model::fit::Fit;
+use crate::gap::model::problem::Problem;
+use crate::gap::model::weights::{variances, weights};
+use crate::gap::noise::floor::NoiseFloor;
+
+/// The logs that search, decision and experiments share.
+#[derive(Clone, Copy)]
+pub(crate) struct Dataset<'a> {
+    pub(crate) logs: &'a [FitData],
+    /// The noise floor of each log.
+    pub(crate) floors: &'a [NoiseFloor],
+    /// The low-pass that the forces of the logs have been through, and that predictions go through.
+    pub(crate) low_pass: Option<LowPass>,
+    pub(crate) scales: &'a Scales,
+}
+
+impl<'a> Dataset<'a> {
+    /// The least-squares problem with these weights.
+    pub(crate) fn problem(&self, weights: &'a [f64]) -> Problem<'a> {
+        Problem {
+            logs: self.logs,
+            weights,
+            low_pass: self.low_pass,
+        }
+    }
+
+    /// The variances (N²) that the residuals of a fit should have.
+    pub(crate) fn variances(&self, fit: &Fit) -> Vec<f64> {
+        variances(fit, self.logs, self.floors, self.low_pass)
+    }
+
+    /// The weights (1/N²) of the residuals of a fit.
+    pub(crate) fn weights(&self, fit: &Fit) -> Vec<f64> {
+        weights(&self.variances(fit))
+    }
+}

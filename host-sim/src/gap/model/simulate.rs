@@ -1,0 +1,66 @@
+//! The force that a law with effects predicts along the motion of a log.
+
+use estimator_core::maths::Scalar;
+use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::rig::Reading;
+
+use crate::gap::data::fit_data::FitData;
+use crate::gap::model::shape::{Shape, Term};
+
+/// Runs a rig along a log and hands over its reading at each sample.
+pub(crate) fn run_rig<S: Scalar>(
+    shape: &Shape,
+    numbers: &[S],
+    log: &FitData,
+    mut each: impl FnMut(usize, Reading<S>),
+) {
+    let rig = shape.rig(numbers);
+    let mut state = rig.at_rest();
+    let delay_s = rig.delay_s();
+    let is_delay = |term: &Term| term.id == EffectId::TimeDelay;
+    let delayed = shape.terms.iter().any(is_delay);
+    for at in 0..log.len() {
+        let motion = if delayed {
+            log.delayed_motion(at, delay_s)
+        } else {
+            log.motion(at)
+        };
+        let step_s = S::from_f64(log.step_s(at));
+        each(at, rig.step(&mut state, motion, step_s));
+    }
+}
+
+/// The predicted forces (N), log after log.
+pub(crate) fn forces(shape: &Shape, numbers: &[f64], logs: &[FitData]) -> Vec<f64> {
+    let mut forces = Vec::with_capacity(logs.iter().map(FitData::len).sum());
+    for log in logs {
+        run_rig(shape, numbers, log, |_, reading| {
+            forces.push(reading.force_n)
+        });
+    }
+    forces
+}
+
+/// The predicted forces (N) for logs that are changed first.
+pub(crate) fn forces_of_changed(
+    shape: &Shape,
+    numbers: &[f64],
+    logs: &[FitData],
+    change: impl FnMut(&mut FitData),
+) -> Vec<f64> {
+    let mut changed = logs.to_vec();
+    changed.iter_mut().for_each(change);
+    forces(shape, numbers, &changed)
+}
+
+/// The predicted penetrations (m) at each sample, for each log.
+pub(crate) fn depths(shape: &Shape, numbers: &[f64], logs: &[FitData]) -> Vec<Vec<f64>> {
+    let depths_of = |log: &FitData| {
+        let mut depths = Vec::with_capacity(log.len());
+        run_rig(shape, numbers, log, |_, reading: Reading<f64>| {
+            depths.push(reading.touch.depth_m);
+        });
+        depths
+    };
+    logs.iter().map(depths_of).collect()
+}

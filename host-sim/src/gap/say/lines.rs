@@ -1,0 +1,82 @@
+//! Lines in the residuals: the strongest in time and the strongest along the travel.
+
+use std::f64::consts::TAU;
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+use crate::gap::data::fit_data::FitData;
+use crate::gap::finding::Region;
+use crate::gap::say::log_residuals::LogResiduals;
+use crate::signal;
+
+/// A line must hold this share of the residual's energy.
+const LEAST_SHARE: f64 = 0.1;
+/// Most samples that lines along the travel are looked for in.
+const MOST_SAMPLES: usize = 3000;
+/// The first number of half cycles over the travel.
+const FIRST_HALVES: usize = 6;
+
+/// The lines of a log that hold a tenth of the energy of its residuals.
+pub(crate) fn lines(of_log: &LogResiduals<'_>) -> Vec<Region> {
+    let residuals: Vec<f64> = of_log
+        .residuals
+        .iter()
+        .zip(of_log.variances)
+        .map(|(residual, v)| if *v > 0.0 { *residual } else { 0.0 })
+        .collect();
+    let energy: f64 = residuals.iter().map(|r| r * r).sum();
+    let count = residuals.len() as f64;
+    let region = |id, share: f64, hz, pitch_m| Region {
+        id,
+        share: share.min(1.0),
+        rms_n: (share.min(1.0) * energy / count).sqrt(),
+        samples: 1.0,
+        hz,
+        pitch_m,
+    };
+    let in_time = line_in_time(of_log.log, &residuals, energy)
+        .map(|(share, hz)| region("line", share, Some(hz), None));
+    let along_travel = line_along_travel(of_log.log, &residuals)
+        .map(|(share, pitch_m)| region("pitch", share, None, Some(pitch_m)));
+    in_time.into_iter().chain(along_travel).collect()
+}
+
+/// The share of the energy in the strongest line in time, and its frequency (Hz).
+fn line_in_time(log: &FitData, residuals: &[f64], energy: f64) -> Option<(f64, f64)> {
+    if !log.even {
+        return None;
+    }
+    let count = residuals.len() as f64;
+    let mut bins: Vec<Complex<f64>> = residuals.iter().map(|r| Complex::new(*r, 0.0)).collect();
+    FftPlanner::new()
+        .plan_fft_forward(bins.len())
+        .process(&mut bins);
+    let share = |at: usize| 2.0 * bins[at].norm_sqr() / (count * energy.max(f64::MIN_POSITIVE));
+    let strongest = (4..bins.len() / 2).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
+    let hz = strongest as f64 / (count * log.period_s);
+    Some((share(strongest), hz)).filter(|(share, _)| *share > LEAST_SHARE)
+}
+
+/// The share of the energy in the strongest line along the travel, and its pitch (m).
+fn line_along_travel(log: &FitData, residuals: &[f64]) -> Option<(f64, f64)> {
+    let travel_m = signal::range(&log.position_m);
+    let stride = (log.len() / MOST_SAMPLES).max(1);
+    let share = |halves: usize| {
+        let per_m = TAU * 0.5 * halves as f64 / travel_m.max(f64::MIN_POSITIVE);
+        let (mut re, mut im, mut energy) = (0.0, 0.0, 0.0);
+        for at in (0..residuals.len()).step_by(stride) {
+            let (sin, cos) = (per_m * log.position_m[at]).sin_cos();
+            re += residuals[at] * cos;
+            im += residuals[at] * sin;
+            energy += residuals[at] * residuals[at];
+        }
+        let used = residuals.len().div_ceil(stride) as f64;
+        2.0 * (re * re + im * im) / (used * energy.max(f64::MIN_POSITIVE))
+    };
+    let finest = (travel_m / (16.0 * log.position_noise_m)).clamp(4.0, 200.0) as usize;
+    let shares: Vec<f64> = (FIRST_HALVES..2 * finest).map(share).collect();
+    let at = (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
+    let pitch_m = 2.0 * travel_m / (at + FIRST_HALVES) as f64;
+    Some((shares[at], pitch_m)).filter(|(share, _)| *share > LEAST_SHARE)
+}

@@ -1,0 +1,65 @@
+//! Backward elimination: effects that are not significant are left out.
+
+use estimator_core::physics::effect::EffectId;
+use rayon::prelude::*;
+
+use crate::gap::model::fit::Fit;
+use crate::gap::model::shape::Term;
+use crate::gap::search::run::{Search, SearchResult};
+
+impl Search<'_> {
+    /// Leaves effects out, the least needed first, until all that are left are significant.
+    pub(crate) fn without_insignificant(&self, mut best: Fit, base_cost: f64) -> Fit {
+        loop {
+            let without: Option<(EffectId, Fit)> = best
+                .added()
+                .into_par_iter()
+                .map(|at| (best.shape.terms[at].id, self.without(&best, at)))
+                .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+            match without {
+                Some((id, fit)) if !self.is_significant(id, &fit, &best, base_cost) => best = fit,
+                _ => return best,
+            }
+        }
+    }
+
+    /// The best fit without a term, from its own values and from those of the model file.
+    pub(crate) fn without(&self, fit: &Fit, at: usize) -> Fit {
+        let (shape, start) = fit.without(at, self.dataset.scales);
+        let from_file = shape.start();
+        let (a, b) = rayon::join(
+            || self.problem().fit(&shape, start),
+            || self.problem().fit(&shape, from_file),
+        );
+        if a.cost <= b.cost { a } else { b }
+    }
+
+    /// Replaces Stribeck's friction by Coulomb's where the difference is not significant.
+    pub(crate) fn with_simpler_friction(
+        &self,
+        result: SearchResult,
+        base_cost: f64,
+    ) -> SearchResult {
+        let is_complex = |term: &Term| term.id == EffectId::StribeckFriction && !term.given;
+        let Some(at) = result.best.shape.terms.iter().position(is_complex) else {
+            return result;
+        };
+        let only_coulomb = Search {
+            ids: &[EffectId::CoulombFriction],
+            weights: self.weights.clone(),
+            tried: Vec::new(),
+            ..*self
+        };
+        let simpler = only_coulomb.expanded(&self.without(&result.best, at));
+        let threshold = |cost: f64| {
+            self.effect_threshold(EffectId::StribeckFriction, cost, &result.best, base_cost)
+        };
+        match simpler.into_iter().next() {
+            Some(fit) if fit.cost - result.best.cost < threshold(fit.cost) => SearchResult {
+                best: fit,
+                ..result
+            },
+            _ => result,
+        }
+    }
+}

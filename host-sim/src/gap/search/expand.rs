@@ -1,0 +1,140 @@
+//! One forward step: a fit with each effect that promises anything added to it.
+
+use estimator_core::physics::effect::EffectId;
+use rayon::prelude::*;
+
+use crate::gap::model::fit::{Fit, MOST_STEPS};
+use crate::gap::model::shape::{Shape, Term};
+use crate::gap::model::start::starts as starts_of;
+use crate::gap::search::physical::is_physical;
+use crate::gap::search::proposals::{LinearizedModel, Proposal};
+use crate::gap::search::run::{RAN_AWAY, Search};
+use crate::gap::search::sets::{added_effects, is_last_repeated, truncate};
+
+/// Effects that are refitted jointly in a forward step.
+const REFITTED: usize = 8;
+/// Fits that are followed further, and those of them that are followed to their minimum.
+const FOLLOWED: [usize; 2] = [5, 3];
+/// Effects whose fits also start from the values of the model file: a base that ran away alone drags a joint
+/// fit with it.
+const FROM_FILE: usize = 4;
+/// Steps of a joint refit before it has to be among the best, and before it has to be again.
+const FIRST_STEPS: [usize; 2] = [4, 8];
+/// An effect must promise at least this share of the excess to be refitted.
+const LEAST_GAIN: f64 = 1e-3;
+const EXPONENTIAL: EffectId = EffectId::ExponentialStiffening;
+
+/// A shape, where its fit starts, and how many steps it has.
+type Start = (Shape, Vec<f64>, usize);
+
+impl Search<'_> {
+    /// The best fit with each effect that promises anything added to `from`, the best first.
+    pub(crate) fn expanded(&self, from: &Fit) -> Vec<Fit> {
+        let begun: Vec<Fit> = self
+            .starts(from)
+            .into_par_iter()
+            .map(|(shape, start, steps)| self.problem().fit_briefly(&shape, start, steps))
+            .collect();
+        let mut fits = best_of_each_set(begun);
+        fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        truncate(&mut fits, FOLLOWED[0], is_last_repeated);
+        let mut fits = self.continued(fits, FIRST_STEPS[1]);
+        truncate(&mut fits, FOLLOWED[1], is_last_repeated);
+        let mut done = self.continued(fits, MOST_STEPS);
+        done.retain(is_physical);
+        done
+    }
+
+    /// Continues fits for some steps, and sorts them with the best first.
+    fn continued(&self, fits: Vec<Fit>, steps: usize) -> Vec<Fit> {
+        let mut fits: Vec<Fit> = fits
+            .into_par_iter()
+            .map(|fit| self.problem().fit_briefly(&fit.shape, fit.numbers, steps))
+            .collect();
+        fits.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
+        fits
+    }
+
+    /// Where joint refits with one effect more start: from the fit, and from the values of the model file.
+    fn starts(&self, from: &Fit) -> Vec<Start> {
+        let mut starts = Vec::new();
+        for (rank, proposals) in self.proposals(from, REFITTED).iter().enumerate() {
+            for proposal in proposals {
+                let (shape, start) = self.with_term(from, &proposal.term);
+                let from_file = shape.start();
+                if rank < FROM_FILE && from_file != start {
+                    starts.push((shape.clone(), from_file, FIRST_STEPS[0]));
+                }
+                starts.push((shape, start, FIRST_STEPS[0]));
+            }
+        }
+        starts.extend(self.exponential_start(from));
+        // A base that ran away hides what is missing from its own linearization.
+        if from.cost > RAN_AWAY * self.noise_cost {
+            let from_file = self.with_file_values(from);
+            for proposals in self.proposals(&from_file, FROM_FILE) {
+                let (shape, start) = self.with_term(&from_file, &proposals[0].term);
+                starts.push((shape, start, FIRST_STEPS[0]));
+            }
+        }
+        starts
+    }
+
+    /// A start of an exponential from the values of the model file. A power of the depth imitates an
+    /// exponential, and its residuals show nothing of one: an exponent of 4.4 for 1.5 and e^{1.2}. The
+    /// way from the file is longer and has more steps.
+    fn exponential_start(&self, from: &Fit) -> Option<Start> {
+        if !self.ids.contains(&EXPONENTIAL) {
+            return None;
+        }
+        let starts = starts_of(EXPONENTIAL, &from.shape, self.dataset.scales);
+        let (shape, _) = self.with_term(from, starts.get(1)?);
+        let from_file = shape.start();
+        Some((shape, from_file, FIRST_STEPS.iter().sum()))
+    }
+
+    /// The effects that promise most beside a fit, with their best starts.
+    fn proposals(&self, from: &Fit, most: usize) -> Vec<Vec<Proposal>> {
+        let model = LinearizedModel::new(self.problem(), from, self.dataset.scales);
+        let mut proposals = model.proposals(self.ids);
+        let least = LEAST_GAIN * (from.cost - self.noise_cost).max(0.0);
+        proposals.retain(|starts| starts[0].gain > least);
+        // One more mode of a spectrum needs the others to make room. Neither a first order nor a few
+        // steps show what it is worth, so that it always gets its refit.
+        let has = |id: EffectId| from.shape.terms.iter().any(|term| term.id == id);
+        truncate(&mut proposals, most, |starts| has(starts[0].term.id));
+        proposals
+    }
+
+    fn with_term(&self, from: &Fit, term: &Term) -> (Shape, Vec<f64>) {
+        let mut terms = from.shape.terms_at(&from.numbers);
+        terms.push(term.clone());
+        from.with_terms(terms, self.dataset.scales)
+    }
+
+    /// The effects of a fit on the law with the values of the model file.
+    fn with_file_values(&self, fit: &Fit) -> Fit {
+        let mut numbers = fit.numbers.clone();
+        let law = fit.shape.environment_count();
+        numbers[..law].copy_from_slice(&fit.shape.start()[..law]);
+        Fit {
+            cost: self.problem().cost(&fit.shape, &numbers),
+            shape: fit.shape.clone(),
+            numbers,
+        }
+    }
+}
+
+/// The fit with the lowest cost for each set of effects.
+fn best_of_each_set(all: Vec<Fit>) -> Vec<Fit> {
+    let mut best: Vec<Fit> = Vec::new();
+    for fit in all {
+        let ids = added_effects(&fit);
+        match best.iter_mut().find(|other| added_effects(other) == ids) {
+            Some(other) if other.cost <= fit.cost => {}
+            Some(other) => *other = fit,
+            None => best.push(fit),
+        }
+    }
+    best
+}

@@ -1,0 +1,188 @@
+//! Starts of effects that repeat in time or along the travel, from the spectrum of the residuals.
+
+use std::f64::consts::TAU;
+
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+use crate::gap::model::basis::{dot, project_out};
+use crate::gap::model::shape::Term;
+use crate::gap::model::simulate::{forces, forces_of_changed};
+use crate::gap::model::start::{is_possible, whole};
+use crate::gap::search::proposals::LinearizedModel;
+
+/// Peaks of a spectrum that become starts.
+const PEAKS: usize = 3;
+
+/// A wave that a carrier modulates. In time it is carrier·A sin(2πft + φ), and `frequency_or_pitch` is
+/// the frequency f (Hz); along the travel it is carrier·A sin(2πx/p + φ), and `frequency_or_pitch` is
+/// the pitch p (m).
+struct Wave {
+    amplitude: f64,
+    frequency_or_pitch: f64,
+    phase: f64,
+}
+
+impl LinearizedModel<'_> {
+    /// Starts of the effects that repeat.
+    pub(super) fn periodic_starts(&self, ids: &[EffectId]) -> Vec<Term> {
+        use EffectId as E;
+        let slope = self.stiffness_n_per_m();
+        let mut found = Vec::new();
+        for id in ids.iter().filter(|id| is_possible(**id, &self.fit.shape)) {
+            let carrier = match id {
+                E::PeriodicDisturbance | E::Cogging => vec![1.0; self.roots.len()],
+                // A surface that comes forward presses as a probe that goes in.
+                E::SurfaceMotion | E::EncoderPeriodicError => slope.iter().map(|s| -s).collect(),
+                _ => continue,
+            };
+            let waves = match id {
+                E::PeriodicDisturbance | E::SurfaceMotion => self.waves_in_time(&carrier),
+                _ => self.waves_along_travel(&carrier),
+            };
+            for wave in waves {
+                let mut row = [0.0; MOST_PARAMETERS];
+                row[..3].copy_from_slice(&[wave.amplitude, wave.frequency_or_pitch, wave.phase]);
+                found.push(whole(*id, row, 3));
+            }
+        }
+        found
+    }
+
+    /// ∂F/∂x (N/m) at each sample.
+    fn stiffness_n_per_m(&self) -> Vec<f64> {
+        let step = self
+            .scales
+            .position_noise_m
+            .max(1e-6 * self.scales.travel_m);
+        let (shape, numbers) = (&self.fit.shape, &self.fit.numbers);
+        let here = forces(shape, numbers, self.problem.logs);
+        let moved = forces_of_changed(shape, numbers, self.problem.logs, |log| {
+            log.position_m.iter_mut().for_each(|x| *x += step);
+        });
+        moved
+            .iter()
+            .zip(&here)
+            .map(|(a, b)| (a - b) / step)
+            .collect()
+    }
+
+    /// The strongest waves in time in the residuals of the first log.
+    fn waves_in_time(&self, carrier: &[f64]) -> Vec<Wave> {
+        let log = &self.problem.logs[0];
+        let n = log.len();
+        if !log.even {
+            return Vec::new();
+        }
+        let padded = (2 * n).next_power_of_two();
+        let mut bins: Vec<Complex<f64>> = (0..padded)
+            .map(|at| match at < n {
+                true => Complex::new(self.residuals[at] * self.roots[at] * carrier[at], 0.0),
+                false => Complex::new(0.0, 0.0),
+            })
+            .collect();
+        FftPlanner::new()
+            .plan_fft_forward(padded)
+            .process(&mut bins);
+        let bin_hz = 1.0 / (padded as f64 * log.period_s);
+        let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
+        let half = &bins[..padded / 2];
+        let power: Vec<f64> = half.iter().map(|bin| bin.norm_sqr()).collect();
+        let wave = |at: usize| {
+            let hz = at as f64 * bin_hz;
+            let (amplitude, phase) =
+                self.fitted_wave(carrier, |row| TAU * hz * log.time_s[row], n)?;
+            Some(Wave {
+                amplitude,
+                frequency_or_pitch: hz,
+                phase,
+            })
+        };
+        let peaks = peaks(&power, lowest.max(1), padded / n);
+        peaks.into_iter().filter_map(wave).collect()
+    }
+
+    /// The strongest waves along the travel in the residuals of the first log.
+    fn waves_along_travel(&self, carrier: &[f64]) -> Vec<Wave> {
+        let log = &self.problem.logs[0];
+        let travel_m = self.scales.travel_m;
+        // Bins are quarter cycles over the travel, up to a pitch of 16 counts or as many as 400 cycles.
+        let finest = (travel_m / (16.0 * self.scales.position_noise_m)).min(400.0);
+        let quarters = (4.0 * finest) as usize;
+        // On a grid of four travels, at least eight cells a pitch: 3 % of the finest is lost.
+        let cells = (8 * quarters).next_power_of_two();
+        let per_cell_m = 4.0 * travel_m / cells as f64;
+        let mut bins = vec![Complex::new(0.0, 0.0); cells];
+        let each = self.residuals.iter().zip(&self.roots).zip(carrier);
+        for (((residual, root), carrier), position_m) in each.zip(&log.position_m) {
+            let at = (position_m / per_cell_m).floor() as i64;
+            bins[at.rem_euclid(cells as i64) as usize].re += residual * root * carrier;
+        }
+        FftPlanner::new().plan_fft_forward(cells).process(&mut bins);
+        let power: Vec<f64> = bins[..quarters].iter().map(|bin| bin.norm_sqr()).collect();
+        let wave = |at: usize| {
+            let per_m = 0.25 * at as f64 / travel_m;
+            let angle = |row: usize| TAU * per_m * log.position_m[row];
+            let (amplitude, phase) = self.fitted_wave(carrier, angle, log.len())?;
+            Some(Wave {
+                amplitude,
+                frequency_or_pitch: 1.0 / per_m,
+                phase,
+            })
+        };
+        peaks(&power, 8, 4).into_iter().filter_map(wave).collect()
+    }
+
+    /// Amplitude A and phase φ of carrier·A sin(angle + φ) that fit the residuals best, projected off
+    /// the basis.
+    fn fitted_wave(
+        &self,
+        carrier: &[f64],
+        angle: impl Fn(usize) -> f64,
+        n: usize,
+    ) -> Option<(f64, f64)> {
+        let mut sine = vec![0.0; self.roots.len()];
+        let mut cosine = sine.clone();
+        for row in 0..n {
+            let scale = self.roots[row] * carrier[row];
+            let (sin, cos) = angle(row).sin_cos();
+            (sine[row], cosine[row]) = (scale * sin, scale * cos);
+        }
+        project_out(&mut sine, &self.basis);
+        project_out(&mut cosine, &self.basis);
+        let (ss, sc, cc) = (
+            dot(&sine, &sine),
+            dot(&sine, &cosine),
+            dot(&cosine, &cosine),
+        );
+        let (s, c) = (dot(&sine, &self.residuals), dot(&cosine, &self.residuals));
+        let determinant = ss * cc - sc * sc;
+        if determinant <= 1e-9 * ss * cc {
+            return None;
+        }
+        let (a, b) = (
+            (s * cc - c * sc) / determinant,
+            (c * ss - s * sc) / determinant,
+        );
+        Some((a.hypot(b), b.atan2(a)))
+    }
+}
+
+/// The largest local maxima from bin `lowest` on, at least two times `width` bins from each other.
+fn peaks(power: &[f64], lowest: usize, width: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (lowest..power.len().saturating_sub(1))
+        .filter(|at| power[*at] >= power[at - 1] && power[*at] >= power[at + 1] && power[*at] > 0.0)
+        .collect();
+    order.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
+    let mut chosen: Vec<usize> = Vec::new();
+    for at in order {
+        if chosen.iter().all(|other| other.abs_diff(at) >= 2 * width) {
+            chosen.push(at);
+        }
+        if chosen.len() == PEAKS {
+            break;
+        }
+    }
+    chosen
+}

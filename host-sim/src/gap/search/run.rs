@@ -1,0 +1,251 @@
+//! The search: forward steps from a beam of fits, then elimination and swaps. Every fit is a joint refit
+//! of the law and all effects.
+
+use estimator_core::physics::effect::EffectId;
+use rayon::prelude::*;
+
+use crate::gap::finding::Candidate;
+use crate::gap::model::dataset::Dataset;
+use crate::gap::model::fit::Fit;
+use crate::gap::model::problem::Problem;
+use crate::gap::model::shape::{Owner, Shape, Term};
+use crate::gap::progress::Progress;
+use crate::gap::search::physical::is_fourier_series;
+use crate::gap::search::sets::{added_effects, keep_first};
+use crate::model;
+
+/// A fit with more than this many times the Σ w r² of noise may have run away.
+pub(crate) const RAN_AWAY: f64 = 4.0;
+/// Fits that the next forward step goes on from.
+const BEAM: usize = 3;
+/// Fits of the beam leave at most this many times the excess of the best, if that is small.
+const LARGEST_BEHIND: f64 = 4.0;
+/// Most effects that are added.
+const MOST_ADDED: usize = 5;
+/// A fit within this factor of the Σ w r² of noise is adequate.
+const ADEQUATE: f64 = 1.02;
+/// The share of the base's excess that may be left after two effects, and after three, before the search
+/// ends with nothing named. True sets of three leave 4 % at most, what is in no catalogue 5 to 50 %, and
+/// three of the five effects of cells under a cantilever 17 %.
+const HOPELESS: [f64; 2] = [0.5, 0.25];
+
+/// A search over the catalogue on one resolution of the logs.
+pub(crate) struct Search<'a> {
+    pub(crate) dataset: Dataset<'a>,
+    /// 1/N² for each sample, from the best fit so far.
+    pub(crate) weights: Vec<f64>,
+    /// The environment of the base model.
+    pub(crate) base: &'a model::Environment,
+    /// The effects of the base model.
+    pub(crate) given: &'a [Term],
+    /// The catalogue.
+    pub(crate) ids: &'a [EffectId],
+    pub(crate) progress: &'a dyn Progress,
+    /// Σ w r² of noise alone: the number of samples with a weight.
+    pub(crate) noise_cost: f64,
+    /// Samples for each independent residual.
+    pub(crate) correlation: f64,
+    /// Fits of the forward steps, for the report.
+    pub(crate) tried: Vec<Fit>,
+}
+
+/// The result of a search.
+pub(crate) struct SearchResult {
+    pub(crate) best: Fit,
+    /// For every effect that was added, the best fits with another one in its place.
+    pub(crate) rivals: Vec<Vec<Fit>>,
+}
+
+impl SearchResult {
+    /// A result without rivals.
+    pub(crate) fn alone(best: Fit) -> SearchResult {
+        SearchResult {
+            best,
+            rivals: Vec::new(),
+        }
+    }
+}
+
+/// The state between two forward steps.
+struct Forward {
+    best: Fit,
+    beam: Vec<Fit>,
+    /// Σ w r² of the base under the present weights.
+    base_cost: f64,
+}
+
+impl Search<'_> {
+    /// Finds the effects that are missing in the base.
+    pub(crate) fn run(&mut self, base: Fit) -> SearchResult {
+        let mut state = Forward {
+            best: base.clone(),
+            base_cost: base.cost,
+            beam: vec![base.clone()],
+        };
+        for level in 0..MOST_ADDED {
+            if self.is_adequate(&state.best) {
+                break;
+            }
+            if self.is_hopeless(&state, level) || is_fourier_series(&state.best) {
+                return SearchResult::alone(base);
+            }
+            if !self.forward_step(&mut state, &base, level) {
+                break;
+            }
+        }
+        self.progress.at(0.6, "leaving out, swapping");
+        let (best, base_cost) = (state.best, state.base_cost);
+        let best = self.without_insignificant(best, base_cost);
+        let best = self.with_form_instead_of_effect(best, base_cost);
+        if is_fourier_series(&best) {
+            return SearchResult::alone(base);
+        }
+        let result = self.with_swaps(best, base_cost);
+        let result = self.with_simpler_friction(result, base_cost);
+        SearchResult {
+            best: self.without_insignificant_forms(result.best, base_cost),
+            ..result
+        }
+    }
+
+    /// Whether two or three effects explain so little that no catalogue has what is missing.
+    fn is_hopeless(&self, state: &Forward, level: usize) -> bool {
+        let excess = (state.base_cost - self.noise_cost).max(1.0);
+        let left = (state.best.cost - self.noise_cost) / excess;
+        level >= 2 && left > HOPELESS[usize::from(level > 2)]
+    }
+
+    /// Adds one effect to each fit of the beam. Returns false if the search ends with this step.
+    fn forward_step(&mut self, state: &mut Forward, base: &Fit, level: usize) -> bool {
+        self.report_level(level);
+        let mut children: Vec<Fit> = state
+            .beam
+            .iter()
+            .flat_map(|fit| self.expanded(fit))
+            .collect();
+        children.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
+        keep_first(&mut children, added_effects);
+        self.tried.extend_from_slice(&children);
+        let Some(child) = children.first() else {
+            return false;
+        };
+        // Taken before forms are tried on the child, since its rivals are without them.
+        let excess = child.cost - self.noise_cost;
+        let last = child.shape.terms.last();
+        let is_accepted = last
+            .is_some_and(|term| self.is_significant(term.id, &state.best, child, state.base_cost));
+        if is_accepted {
+            let best = child.clone();
+            self.weigh(&best);
+            let best = self.problem().fit(&best.shape, best.numbers);
+            state.base_cost = self.with_present_cost(base).cost;
+            state.best = self.with_significant_forms(best, state.base_cost);
+            children[0] = state.best.clone();
+        } else if level > 0 {
+            return false;
+        }
+        // Near the noise a fit that is far ahead is the right one; far from it none is.
+        let least = excess.max(0.25 * self.noise_cost);
+        if least < RAN_AWAY * self.noise_cost {
+            children.retain(|fit| fit.cost - self.noise_cost <= LARGEST_BEHIND * least);
+        }
+        children.truncate(BEAM);
+        state.beam = children
+            .iter()
+            .map(|fit| self.with_present_cost(fit))
+            .collect();
+        true
+    }
+
+    fn report_level(&self, level: usize) {
+        // Later steps take longer: five effects take half of the time of the whole workflow.
+        let share = 0.1 + 0.5 * level as f64 / MOST_ADDED as f64;
+        let what = format!(
+            "effect {} of at most {MOST_ADDED}: {} in the catalogue",
+            level + 1,
+            self.ids.len()
+        );
+        self.progress.at(share, &what);
+    }
+
+    /// The least-squares problem under the present weights.
+    pub(crate) fn problem(&self) -> Problem<'_> {
+        self.dataset.problem(&self.weights)
+    }
+
+    /// Takes the weights from a fit. The costs of earlier fits are no longer comparable then.
+    pub(crate) fn weigh(&mut self, fit: &Fit) {
+        self.weights = self.dataset.weights(fit);
+        self.noise_cost = self.weights.iter().filter(|w| **w > 0.0).count() as f64;
+    }
+
+    /// Fits the same shape again under the present weights.
+    pub(crate) fn refitted(&self, fit: &Fit) -> Fit {
+        self.problem().fit(&fit.shape, fit.numbers.clone())
+    }
+
+    /// The fit with its cost under the present weights.
+    fn with_present_cost(&self, fit: &Fit) -> Fit {
+        Fit {
+            cost: self.problem().cost(&fit.shape, &fit.numbers),
+            ..fit.clone()
+        }
+    }
+
+    /// The sets of effects that came closest, for the report.
+    pub(crate) fn ladder(&self, base: &Fit, result: &SearchResult) -> Vec<Candidate> {
+        let all: Vec<&Fit> = [base, &result.best]
+            .into_iter()
+            .chain(result.rivals.iter().flatten())
+            .chain(&self.tried)
+            .collect();
+        let mut ladder: Vec<Candidate> = all
+            .into_par_iter()
+            .map(|fit| Candidate {
+                ids: added_effects(fit),
+                ratio: (self.with_present_cost(fit).cost / self.noise_cost).sqrt(),
+            })
+            .collect();
+        ladder.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        keep_first(&mut ladder, |candidate| candidate.ids.clone());
+        ladder
+    }
+
+    /// Fits the base model with nothing added, from several places of the surface.
+    pub(crate) fn base_fit(&self) -> Fit {
+        let scales = self.dataset.scales;
+        let shape = Shape::new(self.base, self.given.to_vec(), scales);
+        let start = shape.start();
+        let parameters = self.base.parameters();
+        let surface = parameters.iter().position(|own| own.name == "surface");
+        let is_surface = |owner: Owner| surface.is_some_and(|at| owner == Owner::Environment(at));
+        let moved = |share: f64| {
+            let mut start = start.clone();
+            for (number, free) in start.iter_mut().zip(&shape.free) {
+                if is_surface(free.owner) {
+                    *number = (*number + share * scales.travel_m).clamp(free.lowest, free.highest);
+                }
+            }
+            start
+        };
+        let shares = [0.0, 0.07, -0.07, 0.2, -0.2];
+        let fits = shares
+            .par_iter()
+            .map(|share| self.problem().fit_briefly(&shape, moved(*share), 8))
+            .collect::<Vec<_>>();
+        let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let numbers = best.map_or(start.clone(), |fit| fit.numbers);
+        self.problem().fit(&shape, numbers)
+    }
+
+    /// The cost with a penalty on free numbers: BIC in units of independent residuals.
+    pub(crate) fn score(&self, fit: &Fit) -> f64 {
+        let independent = (self.noise_cost / self.correlation).max(2.0);
+        fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
+    }
+
+    /// Whether a fit leaves hardly more than the noise.
+    pub(crate) fn is_adequate(&self, fit: &Fit) -> bool {
+        fit.cost <= ADEQUATE * self.noise_cost
+    }
+}

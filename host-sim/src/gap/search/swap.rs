@@ -1,0 +1,42 @@
+//! Swaps: every other effect is tried in the place of each that was added.
+
+use crate::gap::model::fit::Fit;
+use crate::gap::search::run::{Search, SearchResult};
+use crate::gap::search::sets::added_effects;
+
+/// Most rounds of swaps.
+const ROUNDS: usize = 3;
+/// How much better the score of a swap must be.
+const LEAST_GAIN: f64 = 6.0;
+
+impl Search<'_> {
+    /// Tries every other effect in the place of each, and takes what is better. The rivals are the fits
+    /// of the last round, in which nothing was better.
+    pub(crate) fn with_swaps(&self, mut best: Fit, base_cost: f64) -> SearchResult {
+        for _ in 0..ROUNDS {
+            let rivals: Vec<Vec<Fit>> = best
+                .added()
+                .into_iter()
+                .map(|at| self.rivals_of(&best, at))
+                .collect();
+            let better = rivals
+                .iter()
+                .flatten()
+                .min_by(|a, b| self.score(a).total_cmp(&self.score(b)))
+                .filter(|fit| self.score(fit) < self.score(&best) - LEAST_GAIN);
+            match better {
+                Some(fit) => best = self.without_insignificant(fit.clone(), base_cost),
+                None => return SearchResult { best, rivals },
+            }
+        }
+        SearchResult::alone(best)
+    }
+
+    /// The best fits with another effect in the place of one.
+    fn rivals_of(&self, best: &Fit, at: usize) -> Vec<Fit> {
+        let mut fits = self.expanded(&self.without(best, at));
+        let ids = added_effects(best);
+        fits.retain(|fit| added_effects(fit) != ids);
+        fits
+    }
+}
