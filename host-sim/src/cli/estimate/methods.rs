@@ -7,7 +7,7 @@ use clap::builder::PossibleValue;
 use estimator_core::estimate::identify::{self, method_info};
 use estimator_core::estimate::method::{Method, MethodInfo, Offer};
 
-use super::LawChoice;
+use super::law::LawChoice;
 use crate::diagnostic::Diagnostic;
 
 /// A method by its name on the command line, which methods for different laws may share.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::MethodChoice;
+use super::methods::MethodChoice;
 use crate::estimate::Estimation;
 use crate::estimate::explain::times;
 use crate::log::UniformLog;

@@ -2,59 +2,13 @@
 
 use std::error::Error;
 
-use clap::Args;
 use estimator_core::Config;
-use estimator_core::physics::law::{LawId, MOST_MODES};
+use estimator_core::physics::law::LawId;
 
+use super::args::{EstimateArgs, names};
 use super::batch::{summary, write};
-use super::{EstimateArgs, MethodChoice, names};
-use crate::batch::{Family, Indenter, Options, all_families, batch};
-use crate::diagnostic::Diagnostic;
+use crate::batch::{Family, Options, all_families, batch};
 use crate::output::say;
-
-/// Arguments that only the fit of a whole log has.
-#[derive(Args, Clone, Debug, Default)]
-pub struct BatchArgs {
-    /// What touches, for Young's modulus: sphere:RADIUS_M, cone:HALF_ANGLE_DEG or flat:RADIUS_M (batch).
-    #[arg(long, value_name = "SHAPE")]
-    pub indenter: Option<Indenter>,
-    /// Poisson's ratio of the material, for Young's modulus; 0.5 unless given (batch).
-    #[arg(long, value_name = "1", value_parser = poisson)]
-    pub poisson: Option<f64>,
-    /// Relaxation modes of quasi_linear, 1 to 4; otherwise as many as the log asks for (batch).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MOST_MODES as i64))]
-    pub modes: Option<u8>,
-}
-
-fn poisson(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        // Thermodynamics allows −1 to ½.
-        Ok(value) if value > -1.0 && value <= 0.5 => Ok(value),
-        _ => Err("must be a number over -1 and up to 0.5".into()),
-    }
-}
-
-impl BatchArgs {
-    /// Refuses what the recursive methods do not take.
-    pub(super) fn refuse(&self) -> Result<(), Diagnostic> {
-        let given = [
-            ("--indenter", self.indenter.is_some()),
-            ("--poisson", self.poisson.is_some()),
-            ("--modes", self.modes.is_some()),
-        ];
-        match given.iter().find(|(_, given)| *given) {
-            None => Ok(()),
-            Some((name, _)) => Err(Diagnostic::new("this needs a fit of the whole log")
-                .value(name)
-                .remedy("add --method batch")),
-        }
-    }
-}
-
-/// Whether the arguments ask for a fit of the whole log.
-pub(super) fn wanted(args: &EstimateArgs) -> bool {
-    args.method == Some(MethodChoice::BATCH)
-}
 
 fn families(law: Option<LawId>, modes: Option<u8>) -> Vec<Family> {
     let wanted = |family: &Family| {
@@ -98,7 +52,9 @@ pub(super) fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::args::BatchArgs;
     use super::*;
+    use estimator_core::physics::law::MOST_MODES;
 
     #[test]
     fn auto_compares_every_law_and_a_number_of_modes_can_be_given() {
