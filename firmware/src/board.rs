@@ -23,8 +23,7 @@ pub use selected::{Selected, device};
 
 use embedded_hal::digital::OutputPin;
 use embedded_storage::nor_flash::NorFlash;
-use estimator_core::board::sampling::Reading;
-use estimator_core::board::settings::store::Store;
+use estimator_core::board::{sampling::Reading, settings::store::Store};
 
 /// A board as a whole: how it starts, its stopwatch, and how it ends.
 pub trait Board {

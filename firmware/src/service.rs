@@ -6,14 +6,12 @@ use crate::force::Force;
 use crate::stack;
 use crate::telemetry::Telemetry;
 use embedded_hal::digital::OutputPin;
-use estimator_core::board::budget::{Budget, Meter};
-use estimator_core::board::frame::Frame;
-use estimator_core::board::link::{Answer, Command};
-use estimator_core::board::link::{Change, Health, Identity, Name, Refusal, Reply, Responder};
-use estimator_core::board::reflection::Packet;
-use estimator_core::board::sampling::RATE_HZ;
-use estimator_core::board::settings::Setup;
-use estimator_core::board::settings::store::{LAYOUT, Store};
+use estimator_core::board::{
+    budget::Budget, budget::Meter, frame::Frame, link::Answer, link::Change, link::Command,
+    link::Health, link::Identity, link::Name, link::Refusal, link::Reply, link::Responder,
+    reflection::Packet, sampling::RATE_HZ, settings::Setup, settings::store::LAYOUT,
+    settings::store::Store,
+};
 use estimator_core::estimate::Phase;
 use heapless::spsc::Producer;
 use rtic::Mutex;

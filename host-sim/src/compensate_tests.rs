@@ -2,8 +2,7 @@
 
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
-use estimator_core::physics::effect::{Effect, EffectId};
-use estimator_core::physics::rig::MOST_EFFECTS;
+use estimator_core::physics::{effect::Effect, effect::EffectId, rig::MOST_EFFECTS};
 
 use super::*;
 use crate::estimate::{Choices, estimate};

@@ -4,8 +4,7 @@ pub(crate) mod explain;
 pub mod outcome;
 mod setup;
 
-use estimator_core::estimate::identify::method_info;
-use estimator_core::estimate::method::Method;
+use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, Status};
 
 pub use explain::explain;

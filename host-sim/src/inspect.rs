@@ -9,8 +9,7 @@ pub(crate) use suspicion::exchanged;
 pub use suspicion::{suspicions, suspicions_without_contact};
 
 use crate::log::UniformLog;
-use crate::replay::Replay;
-use crate::replay::Touch;
+use crate::replay::{Replay, Touch};
 use crate::signal;
 
 /// A force below rest by this many standard deviations of what it does in free air pulls.

@@ -4,8 +4,7 @@ mod marks;
 
 pub use marks::{EventKind, EventMark, Touch};
 
-use estimator_core::estimate::Phase;
-use estimator_core::estimate::params::Params;
+use estimator_core::estimate::{Phase, params::Params};
 use estimator_core::physics::law::LawKind;
 use estimator_core::{Config, ConfigError, Estimate, Fault, Faults, Sample, State, step};
 

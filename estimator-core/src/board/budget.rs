@@ -1,8 +1,7 @@
 //! The cost of the sampling task and its punctuality, counted while the task runs.
 
 use crate::board::link::{Health, Range};
-use crate::estimate::fault::Fault;
-use crate::estimate::sample::Sample;
+use crate::estimate::{fault::Fault, sample::Sample};
 
 /// A meter keeps the minimum, the mean and the maximum of a series.
 #[derive(Clone, Copy, Debug)]

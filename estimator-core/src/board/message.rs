@@ -3,8 +3,7 @@
 
 mod wire;
 
-use crate::board::reflection::Packet;
-use crate::board::settings::Key;
+use crate::board::{reflection::Packet, settings::Key};
 use crate::estimate::fault::Faults;
 use core::fmt;
 

@@ -2,19 +2,15 @@
 //! firmware on the board and in the emulator, its link proof and the host's simulated board all run
 //! [`Sampler::tick`].
 
-use crate::board::budget::{Sampled, StageTimes};
-use crate::board::frame::Frame;
-use crate::board::link::Change;
-use crate::board::reflection::{Packet, Rendered, Renderer, Speed};
-use crate::board::sensing::{Codes, Watch};
-use crate::board::settings::Setup;
-use crate::estimate::Estimate;
-use crate::estimate::compensation::{Compensation, CompensationState};
-use crate::estimate::estimator::{State, step};
-use crate::estimate::fault::{Fault, Faults};
-use crate::estimate::params::Params;
-use crate::estimate::sample::Sample;
-use crate::estimate::status::Status;
+use crate::board::{
+    budget::Sampled, budget::StageTimes, frame::Frame, link::Change, reflection::Packet,
+    reflection::Rendered, reflection::Renderer, reflection::Speed, sensing::Codes, sensing::Watch,
+    settings::Setup,
+};
+use crate::estimate::{
+    Estimate, compensation::Compensation, compensation::CompensationState, estimator::State,
+    estimator::step, fault::Fault, fault::Faults, params::Params, sample::Sample, status::Status,
+};
 
 /// Samples per second of every board (Hz).
 pub const RATE_HZ: u32 = 1000;

@@ -1,8 +1,7 @@
 //! From the codes of the converters to a [`Sample`]: scale, zero, and the faults that the codes show.
 //! It is the same for every set of sensors; a board only reads codes.
 
-use crate::estimate::fault::{Fault, Faults};
-use crate::estimate::sample::Sample;
+use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
 
 /// The codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
 pub const CODES_PER_COUNT: i32 = 32;

@@ -3,11 +3,10 @@
 //! Both are decided on raw samples, because a filter smears the kink of a touch over its whole window
 //! (17 ms by default, 200 µm at 12 mm/s). The thresholds are multiples of the measured noise.
 
-use crate::estimate::config::{self, Config};
-use crate::estimate::error::{ConfigError, require};
-use crate::estimate::noise::Noise;
-use crate::estimate::sample::Sample;
-use crate::estimate::{Event, Phase};
+use crate::estimate::{
+    Event, Phase, config, config::Config, error::ConfigError, error::require, noise::Noise,
+    sample::Sample,
+};
 use crate::maths::scalar::Real;
 
 /// Number of raw samples kept from before a touch: at 6σ gel is already 0.1 mm deep, some 10 samples.

@@ -1,13 +1,11 @@
 //! The whole loop on one screen: one sample in, one estimate out.
 
-use crate::estimate::contact::{Contact, ContactState, SurfacePosition};
-use crate::estimate::fault::{Fault, Faults};
-use crate::estimate::filter::{Aligned, FilterState};
-use crate::estimate::identify::{self, ForceNoise, Identifier, Instant};
-use crate::estimate::monitor::ConvergenceMonitor;
-use crate::estimate::params::Params;
-use crate::estimate::sample::Sample;
-use crate::estimate::{Estimate, Event, Innovation, Phase};
+use crate::estimate::{
+    Estimate, Event, Innovation, Phase, contact::Contact, contact::ContactState,
+    contact::SurfacePosition, fault::Fault, fault::Faults, filter::Aligned, filter::FilterState,
+    identify, identify::ForceNoise, identify::Identifier, identify::Instant,
+    monitor::ConvergenceMonitor, params::Params, sample::Sample,
+};
 use crate::maths::scalar::Real;
 
 /// Everything that the estimator remembers, as plain data: it can be copied, stored and replaced.

@@ -13,9 +13,7 @@ pub use response::Response;
 pub use savitzky_golay::{MAX_HALF_WIDTH, SavitzkyGolay, SavitzkyGolayParams};
 pub use state_variable::{StateVariable, StateVariableParams};
 
-use crate::estimate::config;
-use crate::estimate::error::{ConfigError, require};
-use crate::estimate::sample::Sample;
+use crate::estimate::{config, error::ConfigError, error::require, sample::Sample};
 use crate::maths::scalar::Real;
 
 /// Coefficients of the configured filter.

@@ -38,13 +38,11 @@ pub use refiner::{Prior, Refiner};
 pub use slots::report;
 pub use zener::{Solid, ZenerArx};
 
-use crate::estimate::config::Config;
-use crate::estimate::contact::{ContactParams, SurfacePosition};
-use crate::estimate::error::ConfigError;
-use crate::estimate::filter::FilterParams;
-use crate::estimate::method::{Method, MethodInfo};
-use crate::estimate::monitor::ParameterEstimate;
-use crate::estimate::record::PARAMETER_SLOTS;
+use crate::estimate::{
+    config::Config, contact::ContactParams, contact::SurfacePosition, error::ConfigError,
+    filter::FilterParams, method::Method, method::MethodInfo, monitor::ParameterEstimate,
+    record::PARAMETER_SLOTS,
+};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 

@@ -1,11 +1,10 @@
 //! Decides whether an estimate has converged: its parameters are steady, their standard errors are
 //! within the bound, and the noise explains the innovations.
 
-use crate::estimate::config::Config;
-use crate::estimate::error::{ConfigError, require};
-use crate::estimate::phase::{Event, Phase};
-use crate::estimate::record::PARAMETER_SLOTS;
-use crate::estimate::status::Status;
+use crate::estimate::{
+    config::Config, error::ConfigError, error::require, phase::Event, phase::Phase,
+    record::PARAMETER_SLOTS, status::Status,
+};
 use crate::maths::scalar::Real;
 
 /// Number of snapshots of the parameters that steadiness is decided over.

@@ -1,11 +1,9 @@
 //! Checked parameters, which [`Config::validate`] makes of a configuration once, outside the loop.
 
-use crate::estimate::config::Config;
-use crate::estimate::contact::ContactParams;
-use crate::estimate::error::{ConfigError, require};
-use crate::estimate::filter::FilterParams;
-use crate::estimate::identify::{self, IdentifyParams};
-use crate::estimate::monitor::MonitorParams;
+use crate::estimate::{
+    config::Config, contact::ContactParams, error::ConfigError, error::require,
+    filter::FilterParams, identify, identify::IdentifyParams, monitor::MonitorParams,
+};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 

@@ -1,8 +1,6 @@
 //! The output of the estimator: one record per sample.
 
-use crate::estimate::fault::Faults;
-use crate::estimate::phase::{Event, Phase};
-use crate::estimate::status::Status;
+use crate::estimate::{fault::Faults, phase::Event, phase::Phase, status::Status};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 

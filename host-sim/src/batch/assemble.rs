@@ -3,14 +3,13 @@
 use estimator_core::Status;
 use estimator_core::estimate::Estimated;
 
-use super::course::{Course, Node, Use};
-use super::family::{Family, natural};
-use super::fit::{Fit, Problem};
-use super::modulus::Indenter;
-use super::options::EXPLAINED;
-use super::result::{Batch, Columns, Modulus, Parameter, Tried};
-use super::select::{Candidate, Fixed, candidates};
 use super::touch;
+use super::{
+    course::Course, course::Node, course::Use, family::Family, family::natural, fit::Fit,
+    fit::Problem, modulus::Indenter, options::EXPLAINED, result::Batch, result::Columns,
+    result::Modulus, result::Parameter, result::Tried, select::Candidate, select::Fixed,
+    select::candidates,
+};
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::signal;

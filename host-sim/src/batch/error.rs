@@ -9,8 +9,7 @@
 use estimator_core::estimate::Estimated;
 use estimator_core::maths::Dual;
 
-use super::family::natural;
-use super::fit::Problem;
+use super::{family::natural, fit::Problem};
 use crate::dense;
 use crate::stats::correlation;
 

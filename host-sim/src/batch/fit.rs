@@ -6,8 +6,7 @@
 
 use estimator_core::maths::Dual;
 
-use super::course::{Node, Scales};
-use super::family::{Family, natural};
+use super::{course::Node, course::Scales, family::Family, family::natural};
 use crate::dense;
 
 /// Most steps. Typical are 6 to 15 from a start of `start`.

@@ -2,9 +2,7 @@
 
 use estimator_core::estimate::Event;
 
-use super::course::Course;
-use super::options::{EXPLAINED, Options};
-use super::result::Batch;
+use super::{course::Course, options::EXPLAINED, options::Options, result::Batch};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;

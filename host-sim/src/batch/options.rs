@@ -2,8 +2,7 @@
 
 use estimator_core::physics::law::LawId;
 
-use super::family::Family;
-use super::modulus::Indenter;
+use super::{family::Family, modulus::Indenter};
 
 /// A law that leaves this many times the noise does not explain the force.
 pub(super) const EXPLAINED: f64 = 3.0;

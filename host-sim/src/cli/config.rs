@@ -4,15 +4,13 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use estimator_core::board::link::Command;
-use estimator_core::board::settings::Key;
+use estimator_core::board::{link::Command, settings::Key};
 
 pub mod calibrate;
 pub mod compensate;
 
 use crate::diagnostic::{Diagnostic, listed, nearest};
-use crate::link::backup::{self, restore};
-use crate::link::{Device, Port, port};
+use crate::link::{Device, Port, backup, backup::restore, port};
 use crate::output::say;
 use calibrate::CalibrateArgs;
 use compensate::CompensateArgs;

@@ -8,8 +8,7 @@ use clap::Args;
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
 
-use crate::cli::estimate::{Shown, document};
-use crate::cli::gap::print::summary;
+use crate::cli::{estimate::Shown, estimate::document, gap::print::summary};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, estimate};
 use crate::gap::{Options, gap};
@@ -19,8 +18,7 @@ use crate::motion::Motion;
 use crate::number::Measured;
 use crate::output::{say, write_atomically};
 use crate::plant::{GEL, Material, PLASTIC, Rig, Stage};
-use estimator_core::physics::effect::{CoulombFriction, Effect};
-use estimator_core::physics::law::ContactLaw;
+use estimator_core::physics::{effect::CoulombFriction, effect::Effect, law::ContactLaw};
 
 /// What is hidden in the demo's third log (N).
 const HIDDEN_FRICTION_N: f64 = 0.35;

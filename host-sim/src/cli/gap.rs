@@ -11,8 +11,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use crate::cli::ReadingArgs;
-use crate::cli::progress::Bar;
+use crate::cli::{ReadingArgs, progress::Bar};
 use crate::diagnostic::Diagnostic;
 use crate::gap::{self, MOTION, Options, gap_with_progress};
 use crate::json::write_json;

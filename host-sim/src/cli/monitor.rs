@@ -13,8 +13,7 @@ use estimator_core::board::settings::Key;
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Fault, Faults, Status};
 
-use crate::link::device::Statistics;
-use crate::link::{Device, Port, port};
+use crate::link::{Device, Port, device::Statistics, port};
 use crate::number::{Measured, quantity};
 use crate::output::say;
 

@@ -6,9 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::diagnostic::Diagnostic;
-use crate::link::device::Statistics;
-use crate::link::record::{convert, record};
-use crate::link::{Device, port};
+use crate::link::{Device, device::Statistics, port, record::convert, record::record};
 use crate::number::counted;
 use crate::output::say;
 

@@ -2,8 +2,7 @@
 //! come from.
 
 use estimator_core::Status;
-use estimator_core::estimate::config::Surface;
-use estimator_core::estimate::identify::method_info;
+use estimator_core::estimate::{config::Surface, identify::method_info};
 use estimator_core::physics::law::LawId;
 
 use super::outcome::{Outcome, law_with};

@@ -6,8 +6,7 @@ use estimator_core::physics::law::{Law, ParameterInfo, RelaxingLaw, unilateral};
 use estimator_core::{Faults, LawKind, Status};
 
 use crate::log::UniformLog;
-use crate::replay::Replay;
-use crate::replay::{EventKind, EventMark, Touch};
+use crate::replay::{EventKind, EventMark, Replay, Touch};
 use crate::signal;
 
 /// Settled: every parameter within this share of its final value from then on.

@@ -3,9 +3,7 @@
 //! What a person would set on the board by knowing the rig is read off the log here, and said.
 
 use estimator_core::Config;
-use estimator_core::estimate::config::Surface;
-use estimator_core::estimate::contact::NOISE_FLOOR;
-use estimator_core::estimate::method::Method;
+use estimator_core::estimate::{config::Surface, contact::NOISE_FLOOR, method::Method};
 
 use crate::log::UniformLog;
 use crate::number::quantity;

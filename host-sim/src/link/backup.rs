@@ -4,8 +4,7 @@ use std::error::Error;
 use std::io;
 use std::path::Path;
 
-use estimator_core::board::link::Command;
-use estimator_core::board::settings::{Invalid, Key, Settings};
+use estimator_core::board::{link::Command, settings::Invalid, settings::Key, settings::Settings};
 
 use super::{Device, Port};
 use crate::diagnostic::Diagnostic;

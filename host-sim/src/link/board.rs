@@ -8,17 +8,14 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
-use estimator_core::board::budget::Budget;
-use estimator_core::board::frame::{Frame, MAX_ENCODED, RECORD_ENCODED, encode};
-use estimator_core::board::link::{Answer, Change, Command, Health, Identity, Name};
-use estimator_core::board::link::{Refusal, Reply, Responder};
-use estimator_core::board::ram_flash::{RamFlash, SECTOR};
-use estimator_core::board::reflection::Packet;
-use estimator_core::board::sampling::{
-    FULL, PERIOD_US, Ports, QUEUE, RATE_HZ, Reading, Record, Sampler,
+use estimator_core::board::{
+    budget::Budget, frame::Frame, frame::MAX_ENCODED, frame::RECORD_ENCODED, frame::encode,
+    link::Answer, link::Change, link::Command, link::Health, link::Identity, link::Name,
+    link::Refusal, link::Reply, link::Responder, ram_flash::RamFlash, ram_flash::SECTOR,
+    reflection::Packet, sampling::FULL, sampling::PERIOD_US, sampling::Ports, sampling::QUEUE,
+    sampling::RATE_HZ, sampling::Reading, sampling::Record, sampling::Sampler, settings::Key,
+    settings::Settings, settings::store::LAYOUT, settings::store::Store,
 };
-use estimator_core::board::settings::store::{LAYOUT, Store};
-use estimator_core::board::settings::{Key, Settings};
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Faults};
 

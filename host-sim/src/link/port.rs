@@ -11,8 +11,7 @@ use std::time::{Duration, Instant};
 use estimator_core::board::link::{BAUD, BYTES_PER_MS};
 use serialport::SerialPort;
 
-use super::board::SimulatedBoard;
-use super::world::World;
+use super::{board::SimulatedBoard, world::World};
 use crate::diagnostic::Diagnostic;
 
 /// How long [`Port::read`] waits for bytes.

@@ -9,9 +9,7 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use estimator_core::board::frame::{Decoder, Frame};
-use estimator_core::board::link::Health;
-use estimator_core::board::sensing::Codes;
+use estimator_core::board::{frame::Decoder, frame::Frame, link::Health, sensing::Codes};
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Sample};
 

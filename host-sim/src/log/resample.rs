@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::record::Log;
-use super::timing::{GAP_PERIODS, Timing};
+use super::{record::Log, timing::GAP_PERIODS, timing::Timing};
 use crate::diagnostic::Diagnostic;
 use crate::number::{counted, quantity};
 use crate::signal;

@@ -10,9 +10,7 @@
 use estimator_core::physics::effect::{ChainStage, Effect, EncoderPeriodicError, Motion};
 use estimator_core::physics::rig::{MOST_EFFECTS, Reading, Rig, RigState};
 
-use super::contact::Contact;
-use super::delay::Delay;
-use super::motor::MotorState;
+use super::{contact::Contact, delay::Delay, motor::MotorState};
 
 /// A motor in a hold keeps a speed of 1e-16 m/s from rounding, and friction must not take its sign:
 /// what slides only has no force at rest.

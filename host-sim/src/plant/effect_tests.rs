@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use estimator_core::physics::effect::{Effect, EffectId};
-use estimator_core::physics::law::{KelvinVoigt, Law};
+use estimator_core::physics::{effect::Effect, effect::EffectId, law::KelvinVoigt, law::Law};
 
 use super::super::GEL;
 use super::*;

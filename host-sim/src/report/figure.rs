@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use super::html::escape;
-use super::plot::{Chart, Size};
+use super::{html::escape, plot::Chart, plot::Size};
 
 /// A figure of a [`Section`](super::Section); numbered when the document is written.
 #[derive(Clone, Debug)]

@@ -1,8 +1,7 @@
 //! Commands, answers and health as bytes of a frame.
 
 use super::{Answer, Command, Health, Identity, Name, Range, Refusal, Reply};
-use crate::board::settings::Key;
-use crate::board::wire::{FrameError, Reader, Writer};
+use crate::board::{settings::Key, wire::FrameError, wire::Reader, wire::Writer};
 use crate::estimate::fault::Faults;
 
 impl Command {

@@ -1,12 +1,9 @@
 //! What crosses the channel: a law, its parameters with their uncertainty, where the surface is, and
 //! how far to trust it.
 
-use super::impedance::Reflected;
-use super::renderable::{NotRenderable, PACKET_SLOTS};
+use super::{impedance::Reflected, renderable::NotRenderable, renderable::PACKET_SLOTS};
 use crate::board::wire::{FrameError, Reader, Writer};
-use crate::estimate::fault::Faults;
-use crate::estimate::status::Status;
-use crate::estimate::{Estimate, Estimated, Phase};
+use crate::estimate::{Estimate, Estimated, Phase, fault::Faults, status::Status};
 use crate::physics::law::LawKind;
 
 /// An identified impedance on its way to the other side: kind 7 of [`crate::board::frame`], 72 bytes on the

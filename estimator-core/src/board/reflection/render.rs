@@ -1,11 +1,10 @@
 //! Local rendering: the received impedance as a force at the master's own position and speed, within
 //! what a sampled master can render without generating energy ([`RenderParams`]).
 
-use super::impedance::{Bounded, RenderedState};
-use super::packet::Packet;
-use super::render_params::RenderParams;
-use super::renderable::NotRenderable;
-use super::rendered::{Limit, Rendered};
+use super::{
+    impedance::Bounded, impedance::RenderedState, packet::Packet, render_params::RenderParams,
+    renderable::NotRenderable, rendered::Limit, rendered::Rendered,
+};
 use crate::estimate::fault::Fault;
 use crate::maths::scalar::Scalar;
 

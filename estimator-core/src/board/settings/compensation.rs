@@ -6,8 +6,7 @@
 //! knows nothing of it. Its resting force follows a slow drift.
 
 use super::info::{Bounds, Info};
-use crate::physics::effect::{self, EffectId, MOST_PARAMETERS};
-use crate::physics::rig::MOST_EFFECTS;
+use crate::physics::{effect, effect::EffectId, effect::MOST_PARAMETERS, rig::MOST_EFFECTS};
 
 /// How many settings the section has.
 pub const COUNT: usize = {

@@ -1,14 +1,11 @@
 //! The effects that the section `compensation` names, as the board compensates them.
 
-use super::compensation::Parameter;
-use super::key::Key;
-use super::values::{Invalid, Settings};
+use super::{compensation::Parameter, key::Key, values::Invalid, values::Settings};
 use crate::board::sensing::CODES_PER_COUNT;
-use crate::estimate::compensation::Compensation;
-use crate::estimate::config::Config;
-use crate::estimate::error::ConfigError;
-use crate::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
-use crate::physics::rig::MOST_EFFECTS;
+use crate::estimate::{compensation::Compensation, config::Config, error::ConfigError};
+use crate::physics::{
+    effect::Effect, effect::EffectId, effect::MOST_PARAMETERS, rig::MOST_EFFECTS,
+};
 
 impl Settings {
     /// The compensation of the samples; `None` if no effect is on.

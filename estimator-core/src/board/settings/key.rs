@@ -1,9 +1,8 @@
 //! The table of settings: number, name, unit, bounds, default, and what each decides.
 
-use super::compensation::{self, Parameter};
-use super::info::{
-    Bounds::{Signed, Whole, Within},
-    Info,
+use super::{
+    compensation, compensation::Parameter, info::Bounds::Signed, info::Bounds::Whole,
+    info::Bounds::Within, info::Info,
 };
 use crate::estimate::fault::Fault;
 

@@ -1,15 +1,12 @@
 //! What follows from the settings: the parts of the sampling task, checked.
 
-use super::key::Key;
-use super::values::{Invalid, Settings};
+use super::{key::Key, values::Invalid, values::Settings};
 use crate::board::reflection::{Output, RenderConfig, RenderParams};
 use crate::board::sensing::Conversion;
-use crate::estimate::compensation::Compensation;
-use crate::estimate::config::{Config, Filter};
-use crate::estimate::error::ConfigError;
-use crate::estimate::fault::{Fault, Faults};
-use crate::estimate::method::Method;
-use crate::estimate::params::Params;
+use crate::estimate::{
+    compensation::Compensation, config::Config, config::Filter, error::ConfigError, fault::Fault,
+    fault::Faults, method::Method, params::Params,
+};
 
 /// What the sampling task needs, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,8 +11,7 @@
 //! ever rewrites or erases the sector with the newest valid record.
 
 use super::compensation;
-use super::key::Key;
-use super::values::{Invalid, Settings};
+use super::{key::Key, values::Invalid, values::Settings};
 use embedded_storage::nor_flash::NorFlash;
 
 /// The length of a record's slot (bytes): 512 saves between two erases of a 128 KiB sector.

@@ -1,9 +1,7 @@
 //! What the signal chain of a rig adds is removed again.
 
 use super::*;
-use crate::physics::effect::Motion;
-use crate::physics::law::HuntCrossley;
-use crate::physics::rig::{Environment, Rig};
+use crate::physics::{effect::Motion, law::HuntCrossley, rig::Environment, rig::Rig};
 
 const RATE_HZ: f32 = 1000.0;
 const PERIOD_S: f64 = 1e-3;

@@ -1,7 +1,6 @@
 //! Savitzky–Golay differentiation of position and force, with the smoothing that it implies.
 
-use super::aligned::Aligned;
-use super::response::Response;
+use super::{aligned::Aligned, response::Response};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::Real;
 

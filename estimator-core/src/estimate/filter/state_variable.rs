@@ -1,7 +1,6 @@
 //! The chapter's state-variable filter: a second-order low-pass whose second state is the speed.
 
-use super::aligned::Aligned;
-use super::response::Response;
+use super::{aligned::Aligned, response::Response};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::Real;
 

@@ -3,9 +3,8 @@
 
 use nalgebra::Vector3;
 
-use super::params::IdentifyParams;
-use super::slots::{damper, in_slots, spring};
 use super::{ForceNoise, Identify, Instant};
+use super::{params::IdentifyParams, slots::damper, slots::in_slots, slots::spring};
 use crate::estimate::method::{MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;

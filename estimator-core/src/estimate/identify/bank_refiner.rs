@@ -9,9 +9,8 @@
 
 use nalgebra::Vector2;
 
-use super::params::IdentifyParams;
-use super::slots::{damper, in_slots, spring};
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
+use super::{params::IdentifyParams, slots::damper, slots::in_slots, slots::spring};
 use crate::estimate::method::{Method, MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;

@@ -1,9 +1,7 @@
 //! What an estimator sees, and what it must do.
 
 use super::params::IdentifyParams;
-use crate::estimate::method::MethodInfo;
-use crate::estimate::monitor::ParameterEstimate;
-use crate::estimate::record::PARAMETER_SLOTS;
+use crate::estimate::{method::MethodInfo, monitor::ParameterEstimate, record::PARAMETER_SLOTS};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 

@@ -1,13 +1,11 @@
 //! Checked parameters of the estimators, in the scales that they compute in.
 
-use crate::estimate::config::{Cascade, Config, Initial, Inversion, Reference, Weight};
-use crate::estimate::contact::ContactParams;
-use crate::estimate::error::{ConfigError, require};
-use crate::estimate::filter::FilterParams;
-use crate::estimate::method::{Method, MethodInfo};
-use crate::estimate::rls::ForgettingParams;
-use crate::maths::scalar::Real;
-use crate::maths::units::Unit;
+use crate::estimate::{
+    config::Cascade, config::Config, config::Initial, config::Inversion, config::Reference,
+    config::Weight, contact::ContactParams, error::ConfigError, error::require,
+    filter::FilterParams, method::Method, method::MethodInfo, rls::ForgettingParams,
+};
+use crate::maths::{scalar::Real, units::Unit};
 use crate::physics::law::LawKind;
 
 /// Reference speed over reference depth (1/s): 10 mm/s at 1 mm, as in a palpation.

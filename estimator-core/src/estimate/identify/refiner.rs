@@ -9,9 +9,7 @@
 use nalgebra::Vector5;
 
 use super::ForceNoise;
-use super::bank::Candidate;
-use super::bounds::{EXPONENT, within};
-use super::pool::Pooled;
+use super::{bank::Candidate, bounds::EXPONENT, bounds::within, pool::Pooled};
 use crate::estimate::rls::Ud;
 use crate::maths::scalar::Real;
 

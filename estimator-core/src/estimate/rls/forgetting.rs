@@ -1,7 +1,6 @@
 //! Error-dependent forgetting (24): the larger the error, the faster the past is forgotten.
 
-use crate::estimate::config::Config;
-use crate::estimate::error::{ConfigError, require};
+use crate::estimate::{config::Config, error::ConfigError, error::require};
 use crate::maths::scalar::Real;
 
 /// Default of α₂α₃, and default of α₃ over the noise of the raw force.

@@ -1,7 +1,6 @@
 //! A contact that sticks.
 
-use super::row::effect;
-use super::shapes::direction;
+use super::{row::effect, shapes::direction};
 use crate::maths::scalar::Scalar;
 
 effect! {

@@ -1,7 +1,6 @@
 //! A second, stiffer layer below.
 
-use super::row::effect;
-use super::shapes::ramp;
+use super::{row::effect, shapes::ramp};
 use crate::maths::scalar::Scalar;
 
 effect! {

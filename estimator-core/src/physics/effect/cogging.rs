@@ -1,7 +1,6 @@
 //! A force that repeats along the way: cogging, ripple of a screw.
 
-use super::row::effect;
-use super::shapes::{angular_of, wave};
+use super::{row::effect, shapes::angular_of, shapes::wave};
 use crate::maths::scalar::Scalar;
 
 effect! {

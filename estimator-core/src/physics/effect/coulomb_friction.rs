@@ -1,7 +1,6 @@
 //! Dry friction of the drive or the guide, between the motor and the load cell.
 
-use super::row::effect;
-use super::shapes::{direction, slid};
+use super::{row::effect, shapes::direction, shapes::slid};
 use crate::maths::scalar::Scalar;
 
 effect! {

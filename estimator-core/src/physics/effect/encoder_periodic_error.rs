@@ -1,8 +1,6 @@
 //! An encoder whose reading ripples along the way: interpolation error, an eccentric disc.
 
-use super::motion::Motion;
-use super::row::effect;
-use super::shapes::{angular_of, wave};
+use super::{motion::Motion, row::effect, shapes::angular_of, shapes::wave};
 use crate::maths::scalar::Scalar;
 
 effect! {

@@ -1,7 +1,6 @@
 //! A load cell at the end of its range.
 
-use super::row::effect;
-use super::shapes::ramp;
+use super::{row::effect, shapes::ramp};
 use crate::maths::scalar::Scalar;
 
 effect! {

@@ -1,7 +1,6 @@
 //! A loop that does not depend on the rate: Bouc and Wen's.
 
-use super::row::effect;
-use super::shapes::slid;
+use super::{row::effect, shapes::slid};
 use crate::maths::scalar::Scalar;
 
 effect! {

@@ -1,7 +1,6 @@
 //! A force that repeats in time: hum, a fan, a pump.
 
-use super::row::effect;
-use super::shapes::wave;
+use super::{row::effect, shapes::wave};
 use crate::maths::scalar::Scalar;
 
 effect! {

@@ -3,8 +3,7 @@
 //! The simulator, the fits and the board read an effect's row; none of them lists effects by name.
 //! The macro `effect` defines an effect with its row, and a row that lacks a fact does not compile.
 
-use crate::physics::fit_range::{FitRange, Limit};
-use crate::physics::parameter::ParameterInfo;
+use crate::physics::{fit_range::FitRange, fit_range::Limit, parameter::ParameterInfo};
 
 /// The largest number of parameters that an effect has.
 pub const MOST_PARAMETERS: usize = 4;

@@ -1,7 +1,6 @@
 //! A surface that moves by itself: breath, pulse, a shaking table.
 
-use super::row::effect;
-use super::shapes::wave;
+use super::{row::effect, shapes::wave};
 use crate::maths::scalar::Scalar;
 
 effect! {

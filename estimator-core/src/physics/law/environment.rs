@@ -1,7 +1,6 @@
 //! What is touched, in the parts that effects act on: elastic force, relaxation, damping.
 
-use super::elastic::Elastic;
-use super::relaxation::{MOST_MODES, RelaxationMode};
+use super::{elastic::Elastic, relaxation::MOST_MODES, relaxation::RelaxationMode};
 use crate::maths::scalar::Scalar;
 
 /// The damping force λ(δ/δ₀)^q δ̇.

@@ -1,10 +1,7 @@
 //! What a law's file tells the table of laws, and the parameters that laws share.
 
-use super::contact_law::RelaxingLaw;
-use super::environment::Environment;
-use super::relaxation::MOST_MODES;
-use crate::maths::scalar::Scalar;
-use crate::maths::units::Unit;
+use super::{contact_law::RelaxingLaw, environment::Environment, relaxation::MOST_MODES};
+use crate::maths::{scalar::Scalar, units::Unit};
 use crate::physics::parameter::{Bounds, ParameterInfo};
 
 /// What a law must have to stand in the table.

@@ -1,11 +1,10 @@
 //! The standard linear solid: a spring in series with a spring and damper in parallel, equation (2).
 
-use super::contact_law::RelaxingLaw;
-use super::elastic::Elastic;
-use super::environment::Environment;
-use super::quasi_linear::QuasiLinear;
-use super::relaxation::{RelaxationMode, high_passed};
-use super::row::{DAMPING, LawInfo, LawRow, SECOND_STIFFNESS, STIFFNESS};
+use super::{
+    contact_law::RelaxingLaw, elastic::Elastic, environment::Environment,
+    quasi_linear::QuasiLinear, relaxation::RelaxationMode, relaxation::high_passed, row::DAMPING,
+    row::LawInfo, row::LawRow, row::SECOND_STIFFNESS, row::STIFFNESS,
+};
 use crate::maths::scalar::Scalar;
 use crate::physics::parameter::{Bounds, ParameterInfo};
 

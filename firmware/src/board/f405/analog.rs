@@ -5,8 +5,7 @@
 //! the sums of both channels belong to the same 32 instants.
 
 use super::Clock;
-use super::event::{self, PER_SAMPLE};
-use super::ring::{self, Blocks, Ring};
+use super::{event, event::PER_SAMPLE, ring, ring::Blocks, ring::Ring};
 use crate::board::{Acquired, Sensors};
 use estimator_core::board::instants::{Counter, summed};
 use estimator_core::board::sampling::Reading;

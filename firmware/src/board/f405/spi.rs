@@ -6,8 +6,7 @@
 use super::Clock;
 use super::clock::CORE_HZ;
 use crate::board::{Acquired, Sensors};
-use crate::driver::pair::Pair;
-use crate::driver::{ads1220, as5047p};
+use crate::driver::{ads1220, as5047p, pair::Pair};
 use crate::systick;
 use cortex_m::peripheral::SYST;
 use embedded_hal::digital::OutputPin;

@@ -6,15 +6,13 @@ use std::io::{self, BufRead, Write};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use estimator_core::board::calibration::{Calibration, Point, Quality};
-use estimator_core::board::frame::Frame;
-use estimator_core::board::link::Command;
-use estimator_core::board::sensing::Codes;
-use estimator_core::board::settings::{Key, Settings};
+use estimator_core::board::{
+    calibration::Calibration, calibration::Point, calibration::Quality, frame::Frame,
+    link::Command, sensing::Codes, settings::Key, settings::Settings,
+};
 
 use crate::diagnostic::Diagnostic;
-use crate::link::backup::restore;
-use crate::link::{Device, Port};
+use crate::link::{Device, Port, backup::restore};
 use crate::number::quantity;
 use crate::output::say;
 

@@ -13,8 +13,7 @@ use estimator_core::board::settings::{Invalid, Settings};
 use estimator_core::physics::effect::{Effect, Repeats};
 
 use crate::diagnostic::{Diagnostic, listed};
-use crate::link::backup::restore;
-use crate::link::{Device, Port};
+use crate::link::{Device, Port, backup::restore};
 use crate::model::Model;
 use crate::number::quantity;
 

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use estimator_core::physics::law::MOST_MODES;
 
-use super::law::{AUTO, LawChoice, law_choice};
-use super::methods::MethodChoice;
+use super::{law::AUTO, law::LawChoice, law::law_choice, methods::MethodChoice};
 use crate::batch::Indenter;
 use crate::cli::ReadingArgs;
 use crate::diagnostic::Diagnostic;

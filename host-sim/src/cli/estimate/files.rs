@@ -9,8 +9,7 @@ use serde_json::{Map, Value, json};
 use crate::estimate::Outcome;
 use crate::json::{number, seconds};
 use crate::output::write_atomically;
-use crate::replay::EventKind;
-use crate::replay::Replay;
+use crate::replay::{EventKind, Replay};
 
 /// What stands in `estimate.json` besides the outcome.
 #[derive(Clone, Debug)]

@@ -4,8 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::methods::MethodChoice;
-use crate::estimate::Estimation;
-use crate::estimate::explain::times;
+use crate::estimate::{Estimation, explain::times};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;

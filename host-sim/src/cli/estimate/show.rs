@@ -7,14 +7,11 @@ use estimator_core::Status;
 use estimator_core::estimate::{Estimated, Parameters, Phase};
 use estimator_core::physics::law::{ParameterInfo, RelaxingLaw};
 
-use crate::estimate::Estimation;
-use crate::estimate::explain::times;
-use crate::estimate::outcome::law_with;
+use crate::estimate::{Estimation, explain::times, outcome::law_with};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::replay::{EventMark, Touch};
-use crate::report::estimate as report;
-use crate::report::{Document, Input, Provenance, Tone};
+use crate::report::{Document, Input, Provenance, Tone, estimate as report};
 
 /// Points of the elastic curve.
 const CURVE_POINTS: usize = 200;

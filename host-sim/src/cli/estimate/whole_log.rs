@@ -5,8 +5,7 @@ use std::error::Error;
 use estimator_core::Config;
 use estimator_core::physics::law::LawId;
 
-use super::args::{EstimateArgs, names};
-use super::batch::{summary, write};
+use super::{args::EstimateArgs, args::names, batch::summary, batch::write};
 use crate::batch::{Family, Options, all_families, batch};
 use crate::output::say;
 

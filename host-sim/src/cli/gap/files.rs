@@ -9,8 +9,7 @@ use super::motion as advised_motion;
 use crate::gap::{Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region};
 use crate::json::{number, write_json};
 use crate::output::write_atomically;
-use crate::report::gap::GapReport;
-use crate::report::{Document, Input, Provenance};
+use crate::report::{Document, Input, Provenance, gap::GapReport};
 
 /// Writes the files into a folder.
 pub(super) fn write(

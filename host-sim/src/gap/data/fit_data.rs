@@ -1,7 +1,6 @@
 //! A log as the fits see it: position, speed, acceleration and force, at the log's rate or thinned.
 
-use crate::gap::data::low_pass::LowPass;
-use crate::gap::data::standstill;
+use crate::gap::data::{low_pass::LowPass, standstill};
 use crate::kinematics::kinematics;
 use crate::log::UniformLog;
 

@@ -2,11 +2,9 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::decide::decision::Decision;
-use crate::gap::decide::rivals::{discriminability_margin, related};
+use crate::gap::decide::{decision::Decision, rivals::discriminability_margin, rivals::related};
 use crate::gap::finding::Candidate;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::shape::Owner;
+use crate::gap::model::{fit::Fit, shape::Owner};
 use crate::gap::search::sets::{added_effects, is_repeated};
 
 /// The share of the base's excess that effects must explain together to be accepted where something is left.

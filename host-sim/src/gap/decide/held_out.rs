@@ -3,8 +3,7 @@
 //! out.
 
 use crate::gap::data::fit_data::FitData;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::problem::Problem;
+use crate::gap::model::{fit::Fit, problem::Problem};
 
 /// Windows of a log.
 const WINDOWS: usize = 12;

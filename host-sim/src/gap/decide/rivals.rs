@@ -4,10 +4,8 @@
 use estimator_core::physics::effect::{EffectId, Family};
 use rayon::prelude::*;
 
-use crate::gap::model::fit::Fit;
-use crate::gap::model::problem::Problem;
-use crate::gap::search::run::SearchResult;
-use crate::gap::search::sets::added_effects;
+use crate::gap::model::{fit::Fit, problem::Problem};
+use crate::gap::search::{run::SearchResult, sets::added_effects};
 
 /// Rivals whose Σ w r² is within this many squared standard errors of independent samples are not
 /// discriminated.

@@ -5,11 +5,9 @@ use super::acceptance::{effect_without_size, fit_without_idle_effect, is_accepte
 use super::decision::Decision;
 use super::evaluate::evaluate;
 use crate::gap::finding::{Candidate, Verdict};
-use crate::gap::model::attenuation::corrected;
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::error::std_errors;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::weights::weights;
+use crate::gap::model::{
+    attenuation::corrected, dataset::Dataset, error::std_errors, fit::Fit, weights::weights,
+};
 use crate::gap::search::run::SearchResult;
 
 /// Decides on the result of a search; `tried` are the sets of effects that were fitted.

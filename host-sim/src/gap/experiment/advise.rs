@@ -3,18 +3,16 @@
 use estimator_core::physics::effect::{Bounds, EffectId};
 
 use crate::dense;
-use crate::gap::decide::decision::Decision;
-use crate::gap::decide::rivals::are_late;
-use crate::gap::experiment::design::ExperimentDesign;
-use crate::gap::experiment::discriminability::{Discriminability, EffectSignature};
-use crate::gap::experiment::excitations::Excitation;
-use crate::gap::experiment::plan::FurtherMotion;
-use crate::gap::experiment::recordings::Recordings;
+use crate::gap::decide::{decision::Decision, rivals::are_late};
+use crate::gap::experiment::{
+    design::ExperimentDesign, discriminability::Discriminability,
+    discriminability::EffectSignature, excitations::Excitation, plan::FurtherMotion,
+    recordings::Recordings,
+};
 use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Verdict, regions_in_words};
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::shape::{Owner, Shape, Term};
-use crate::gap::model::start::repeats;
+use crate::gap::model::{
+    dataset::Dataset, fit::Fit, shape::Owner, shape::Shape, shape::Term, start::repeats,
+};
 use crate::gap::search::significance::chi2_threshold;
 
 /// A number with a standard error beyond this share of it is not observed by the log.

@@ -7,9 +7,7 @@ use crate::gap::data::fit_data::FitData;
 use crate::gap::experiment::excitations::{Excitation, ExcitationRange, excitations};
 use crate::gap::experiment::plan::{FurtherMotion, best_excitation};
 use crate::gap::experiment::recordings::{Recordings, Sensor};
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::simulate::forces;
+use crate::gap::model::{dataset::Dataset, fit::Fit, simulate::forces};
 
 /// Samples of the log that are kept.
 const SAMPLES: usize = 2_000;

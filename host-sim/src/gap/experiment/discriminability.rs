@@ -9,12 +9,11 @@
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 use rayon::prelude::*;
 
-use crate::gap::model::basis::{add_column, dot, project_out};
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::shape::{Shape, Term};
-use crate::gap::model::simulate::{depths, forces};
-use crate::gap::model::start::{is_possible, starts, whole};
+use crate::gap::model::{
+    basis::add_column, basis::dot, basis::project_out, dataset::Dataset, fit::Fit, shape::Shape,
+    shape::Term, simulate::depths, simulate::forces, start::is_possible, start::starts,
+    start::whole,
+};
 
 /// Samples on either side of a touch that a thinned motion says nothing of.
 const UNRESOLVED: usize = 3;

@@ -1,10 +1,8 @@
 //! Motions as the logs of a rig would show them.
 
-use crate::gap::data::fit_data::FitData;
-use crate::gap::data::scales::Scales;
+use crate::gap::data::{fit_data::FitData, scales::Scales};
 use crate::gap::experiment::discriminability::Discriminability;
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::shape::Shape;
+use crate::gap::model::{dataset::Dataset, shape::Shape};
 use crate::gap::noise::floor::NoiseFloor;
 use crate::log::UniformLog;
 use crate::motion::Motion;

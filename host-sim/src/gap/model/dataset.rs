@@ -1,11 +1,7 @@
 //! The logs of one rig at one resolution, with all that is known of them without a model.
 
-use crate::gap::data::fit_data::FitData;
-use crate::gap::data::low_pass::LowPass;
-use crate::gap::data::scales::Scales;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::problem::Problem;
-use crate::gap::model::weights::{variances, weights};
+use crate::gap::data::{fit_data::FitData, low_pass::LowPass, scales::Scales};
+use crate::gap::model::{fit::Fit, problem::Problem, weights::variances, weights::weights};
 use crate::gap::noise::floor::NoiseFloor;
 
 /// The logs that search, decision and experiments share.

@@ -12,13 +12,11 @@ use std::ops::Range;
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::model::attenuation::bias;
-use crate::gap::model::basis::add_column;
-use crate::gap::model::covariance::{at_bound, inverse};
-use crate::gap::model::fit::Fit;
-use crate::gap::model::problem::{Linearization, Problem};
-use crate::gap::model::shape::Owner;
-use crate::gap::model::simulate::{forces, forces_of_changed};
+use crate::gap::model::{
+    attenuation::bias, basis::add_column, covariance::at_bound, covariance::inverse, fit::Fit,
+    problem::Linearization, problem::Problem, shape::Owner, simulate::forces,
+    simulate::forces_of_changed,
+};
 use crate::gap::noise::coloured::ResidualSpectrum;
 use crate::stats::correlation;
 

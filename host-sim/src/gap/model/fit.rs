@@ -5,8 +5,7 @@
 
 use crate::dense;
 use crate::gap::data::scales::Scales;
-use crate::gap::model::problem::{NormalEquations, Problem};
-use crate::gap::model::shape::{Shape, Term};
+use crate::gap::model::{problem::NormalEquations, problem::Problem, shape::Shape, shape::Term};
 
 /// Most steps of a fit.
 pub(crate) const MOST_STEPS: usize = 40;

@@ -4,11 +4,8 @@
 
 use estimator_core::maths::Dual;
 
-use crate::gap::data::fit_data::FitData;
-use crate::gap::data::low_pass::LowPass;
-use crate::gap::model::basis::dot;
-use crate::gap::model::shape::Shape;
-use crate::gap::model::simulate::{forces, run_rig};
+use crate::gap::data::{fit_data::FitData, low_pass::LowPass};
+use crate::gap::model::{basis::dot, shape::Shape, simulate::forces, simulate::run_rig};
 
 /// Columns of the Jacobian that one run of the rig gives.
 const LANES: usize = 8;

@@ -1,8 +1,7 @@
 //! The force that a law with effects predicts along the motion of a log.
 
 use estimator_core::maths::Scalar;
-use estimator_core::physics::effect::EffectId;
-use estimator_core::physics::rig::Reading;
+use estimator_core::physics::{effect::EffectId, rig::Reading};
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::model::shape::{Shape, Term};

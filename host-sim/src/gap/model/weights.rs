@@ -4,8 +4,7 @@
 use crate::gap::data::fit_data::FitData;
 use crate::gap::data::low_pass::LowPass;
 use crate::gap::data::motion_errors::{ACCELERATION_ERROR_FACTOR, SPEED_ERROR_FACTOR};
-use crate::gap::model::fit::Fit;
-use crate::gap::model::simulate::{forces_of_changed, run_rig};
+use crate::gap::model::{fit::Fit, simulate::forces_of_changed, simulate::run_rig};
 use crate::gap::noise::floor::NoiseFloor;
 
 /// The variances (N²) that the residuals of a fit should have. A sample that says nothing has 0: one in

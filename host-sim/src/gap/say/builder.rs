@@ -8,15 +8,11 @@ use crate::gap::experiment::advise::advice;
 use crate::gap::finding::{
     Candidate, Curves, Finding, MissingEffect, Region, Verdict, regions_in_words,
 };
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::error::std_errors;
-use crate::gap::model::problem::Problem;
-use crate::gap::model::simulate::depths;
-use crate::gap::model::weights::weights;
+use crate::gap::model::{
+    dataset::Dataset, error::std_errors, problem::Problem, simulate::depths, weights::weights,
+};
 use crate::gap::options::Options;
-use crate::gap::say::estimates::Estimates;
-use crate::gap::say::log_residuals::LogResiduals;
-use crate::gap::say::regions::regions;
+use crate::gap::say::{estimates::Estimates, log_residuals::LogResiduals, regions::regions};
 use crate::model::Model;
 
 /// Builds the finding.

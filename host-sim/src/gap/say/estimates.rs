@@ -3,8 +3,7 @@
 use estimator_core::physics::effect::{Bounds, EffectId, MOST_PARAMETERS};
 
 use crate::gap::finding::ParameterEstimate;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::shape::{Owner, Term};
+use crate::gap::model::{fit::Fit, shape::Owner, shape::Term};
 use crate::model::{self, Model};
 
 /// A parameter of a fit with its owner.

@@ -6,8 +6,7 @@
 
 use crate::gap::data::scales::quantile;
 use crate::gap::finding::Region;
-use crate::gap::say::lines::lines;
-use crate::gap::say::log_residuals::LogResiduals;
+use crate::gap::say::{lines::lines, log_residuals::LogResiduals};
 
 /// Share of false names.
 const FALSE_DISCOVERIES: f64 = 0.01;

@@ -3,8 +3,7 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use crate::gap::model::fit::Fit;
-use crate::gap::model::shape::Term;
+use crate::gap::model::{fit::Fit, shape::Term};
 use crate::gap::search::run::{Search, SearchResult};
 
 impl Search<'_> {

@@ -4,8 +4,7 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::shape::Term;
+use crate::gap::model::{fit::Fit, shape::Term};
 use crate::gap::search::run::Search;
 
 /// An optional number of an effect: the effect, and the place in its row.

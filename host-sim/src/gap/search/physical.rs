@@ -1,8 +1,6 @@
 //! Fits whose numbers do not mean what the names of their effects say.
 
-use crate::gap::model::fit::Fit;
-use crate::gap::model::shape::Term;
-use crate::gap::model::start::repeats;
+use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
 
 /// A wave stands out if it is this many times as large as the next.
 const PROMINENT: f64 = 3.0;

@@ -5,11 +5,10 @@ use estimator_core::physics::effect::{EffectId, Role, Sign};
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
-use crate::gap::model::basis::{add_column, dot, project_out};
-use crate::gap::model::fit::{Fit, blocked};
-use crate::gap::model::problem::Problem;
-use crate::gap::model::shape::{Shape, Term};
-use crate::gap::model::start::starts;
+use crate::gap::model::{
+    basis::add_column, basis::dot, basis::project_out, fit::Fit, fit::blocked, problem::Problem,
+    shape::Shape, shape::Term, start::starts,
+};
 
 /// An effect with numbers to start from.
 #[derive(Clone, Debug)]

@@ -5,13 +5,11 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::finding::Candidate;
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::fit::Fit;
-use crate::gap::model::problem::Problem;
-use crate::gap::model::shape::{Owner, Shape, Term};
+use crate::gap::model::{
+    dataset::Dataset, fit::Fit, problem::Problem, shape::Owner, shape::Shape, shape::Term,
+};
 use crate::gap::progress::Progress;
-use crate::gap::search::physical::is_fourier_series;
-use crate::gap::search::sets::{added_effects, keep_first};
+use crate::gap::search::{physical::is_fourier_series, sets::added_effects, sets::keep_first};
 use crate::model;
 
 /// A fit with more than this many times the Σ w r² of noise may have run away.

@@ -2,11 +2,9 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::model::error::rests;
-use crate::gap::model::fit::Fit;
+use crate::gap::model::{error::rests, fit::Fit};
 use crate::gap::noise::floor::FLOOR_ERRORS;
-use crate::gap::search::run::Search;
-use crate::gap::search::sets::is_repeated;
+use crate::gap::search::{run::Search, sets::is_repeated};
 
 /// Effects suffice if they leave less than this many times the Σ w r² of noise: the square of the bound that
 /// `decide` has on residuals.

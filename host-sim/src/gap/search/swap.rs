@@ -1,8 +1,7 @@
 //! Swaps: every other effect is tried in the place of each that was added.
 
 use crate::gap::model::fit::Fit;
-use crate::gap::search::run::{Search, SearchResult};
-use crate::gap::search::sets::added_effects;
+use crate::gap::search::{run::Search, run::SearchResult, sets::added_effects};
 
 /// Most rounds of swaps.
 const ROUNDS: usize = 3;

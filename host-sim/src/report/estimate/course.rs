@@ -1,10 +1,7 @@
 //! The log from its first to its last sample: force, displacement, residual.
 
-use super::figures::{Layout, annotate, compare};
-use super::run::Run;
-use super::window::windows;
-use crate::report::Figure;
-use crate::report::plot::{Axis, Chart, Ink, Series, Stroke};
+use super::{figures::Layout, figures::annotate, figures::compare, run::Run, window::windows};
+use crate::report::{Figure, plot::Axis, plot::Chart, plot::Ink, plot::Series, plot::Stroke};
 
 /// Force above displacement.
 pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {

@@ -6,8 +6,7 @@ use estimator_core::estimate::Event;
 
 use super::run::Run;
 use crate::replay::{EventKind, EventMark};
-use crate::report::Figure;
-use crate::report::plot::{Chart, Marker, Series, Size};
+use crate::report::{Figure, plot::Chart, plot::Marker, plot::Series, plot::Size};
 
 /// Makes the figures of one kind for one run.
 pub(super) type Kind = for<'a> fn(&'a Run<'a>, &Layout) -> Vec<Figure>;

@@ -1,7 +1,6 @@
 //! β of (24): what it does with an error, and when it did.
 
-use super::figures::{Layout, annotate};
-use super::run::Run;
+use super::{figures::Layout, figures::annotate, run::Run};
 use crate::number::setting;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};

@@ -5,8 +5,7 @@ use std::ops::Range;
 use super::figures::{Layout, annotate, compare};
 use super::run::Run;
 use super::window::{Window, windows};
-use crate::report::Figure;
-use crate::report::plot::{Axis, Chart, Series, Size};
+use crate::report::{Figure, plot::Axis, plot::Chart, plot::Series, plot::Size};
 
 /// Hysteresis loops, elastic response and power exchange.
 pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {

@@ -1,12 +1,9 @@
 //! The parameters over time, with their standard errors and the status.
 
-use estimator_core::estimate::Estimated;
-use estimator_core::estimate::status::Status;
+use estimator_core::estimate::{Estimated, status::Status};
 
-use super::figures::{Layout, annotate};
-use super::run::{Run, Trajectory, label};
-use crate::report::Figure;
-use crate::report::plot::{Axis, Chart, Series, Span, StripTone};
+use super::{figures::Layout, figures::annotate, run::Run, run::Trajectory, run::label};
+use crate::report::{Figure, plot::Axis, plot::Chart, plot::Series, plot::Span, plot::StripTone};
 
 /// How to read the figures of the parameters.
 pub(super) const HOW_TO_READ: &str = "Line: estimate; band around it: ± one standard error; strip \

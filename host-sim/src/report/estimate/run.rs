@@ -1,7 +1,6 @@
 //! What the report shows: borrowed columns of one log or several.
 
-use estimator_core::estimate::Estimated;
-use estimator_core::estimate::status::Status;
+use estimator_core::estimate::{Estimated, status::Status};
 
 use crate::replay::{EventMark, Touch};
 use crate::report::{Provenance, Tone};

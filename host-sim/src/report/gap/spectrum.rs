@@ -5,8 +5,7 @@ use rustfft::num_complex::Complex;
 
 use super::bins::LogCurves;
 use crate::gap::Finding;
-use crate::report::Figure;
-use crate::report::plot::{Axis, Chart, Ink, Series, Stroke};
+use crate::report::{Figure, plot::Axis, plot::Chart, plot::Ink, plot::Series, plot::Stroke};
 
 /// Longest segment: eight bins below 1 Hz at 500 Hz.
 const LONGEST: usize = 4096;

@@ -4,11 +4,10 @@ use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, TextStyle};
 
-use super::area::{Error, Plot, Root};
-use super::canvas::{PX, Role};
-use super::chart::{Chart, Marker};
-use super::layout::{Layout, STRIP_HEIGHT};
-use super::marks::{of_rank, visible};
+use super::{
+    area::Error, area::Plot, area::Root, canvas::PX, canvas::Role, chart::Chart, chart::Marker,
+    layout::Layout, layout::STRIP_HEIGHT, marks::of_rank, marks::visible,
+};
 
 /// Width of a letter of a label [px].
 const LETTER_PX: f64 = 6.2;

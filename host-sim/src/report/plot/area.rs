@@ -7,8 +7,7 @@ use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
 
-use super::axis::Scale;
-use super::canvas::Canvas;
+use super::{axis::Scale, canvas::Canvas};
 
 pub(super) type Error = DrawingAreaErrorKind<Infallible>;
 pub(super) type Root<'c> = DrawingArea<Canvas<'c>, Shift>;

@@ -2,9 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::axis::Axis;
-use super::canvas::Role;
-use super::ink::{Ink, StripTone, Stroke};
+use super::{axis::Axis, canvas::Role, ink::Ink, ink::StripTone, ink::Stroke};
 
 /// One curve, with a band around it if it has one.
 #[derive(Clone, Debug)]

@@ -5,13 +5,11 @@ use plotters::drawing::IntoDrawingArea;
 use plotters::element::{PathElement, Polygon, Rectangle};
 use plotters::style::Color;
 
-use super::annotate::{self, text_style};
-use super::area::{Error, Plot};
-use super::canvas::{Canvas, Layers, PX, Role};
-use super::chart::{Chart, Level, Series};
-use super::ink::{Ink, Stroke};
-use super::layout::Layout;
-use super::thin::{self, View};
+use super::{
+    annotate, annotate::text_style, area::Error, area::Plot, canvas::Canvas, canvas::Layers,
+    canvas::PX, canvas::Role, chart::Chart, chart::Level, chart::Series, ink::Ink, ink::Stroke,
+    layout::Layout, thin, thin::View,
+};
 
 /// Curves leave the plot by at most this many of its sizes: plotters counts in i32, and the clip
 /// hides the rest.

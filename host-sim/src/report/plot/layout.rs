@@ -2,11 +2,9 @@
 
 use std::fmt::Write;
 
-use super::axis::Scale;
-use super::canvas::{Layers, PX};
-use super::chart::{Chart, Size};
-use super::marks::visible;
-use super::thin::View;
+use super::{
+    axis::Scale, canvas::Layers, canvas::PX, chart::Chart, chart::Size, marks::visible, thin::View,
+};
 use crate::report::html::escape;
 
 /// Height of the strip of states, and of a row of labels above the plot [px].

@@ -1,7 +1,6 @@
 //! Which markers of a chart are shown.
 
-use super::axis::Scale;
-use super::chart::{Chart, Marker};
+use super::{axis::Scale, chart::Chart, chart::Marker};
 
 /// And more major ones than this.
 const MOST_MAJOR: usize = 200;

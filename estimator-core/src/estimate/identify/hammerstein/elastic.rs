@@ -3,14 +3,13 @@
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::split_force::SplitForce;
-use crate::estimate::config::Weight;
-use crate::estimate::identify::bounds::{EXPONENT, within};
-use crate::estimate::identify::contract::{ForceNoise, Instant};
-use crate::estimate::identify::equation_error::{Equation, EquationError};
-use crate::estimate::identify::hunt_crossley::LOG_SIGMAS;
-use crate::estimate::identify::params::{IdentifyParams, SPEED_PER_DEPTH};
-use crate::estimate::identify::slots::size;
-use crate::estimate::monitor::ParameterEstimate;
+use crate::estimate::{
+    config::Weight, identify::bounds::EXPONENT, identify::bounds::within,
+    identify::contract::ForceNoise, identify::contract::Instant,
+    identify::equation_error::Equation, identify::equation_error::EquationError,
+    identify::hunt_crossley::LOG_SIGMAS, identify::params::IdentifyParams,
+    identify::params::SPEED_PER_DEPTH, identify::slots::size, monitor::ParameterEstimate,
+};
 use crate::maths::scalar::Real;
 
 /// Bound of |ln γ₁|, with γ₁ in units of the reference force.

@@ -1,8 +1,6 @@
 //! A law that may be the right one, and the state of its passes.
 
-use super::block::Block;
-use super::gauss_newton::GaussNewton;
-use super::theta::{MODES, Theta};
+use super::{block::Block, gauss_newton::GaussNewton, theta::MODES, theta::Theta};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 

@@ -10,8 +10,7 @@ use crate::batch::{Batch, Parameter};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::fixed;
-use crate::report::estimate as report;
-use crate::report::{Cell, Document, Input, Provenance, Section, Table, Tone};
+use crate::report::{Cell, Document, Input, Provenance, Section, Table, Tone, estimate as report};
 
 /// Of touches, so many rows are shown.
 const MOST_ROWS: usize = 14;
