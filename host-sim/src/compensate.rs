@@ -140,5 +140,4 @@ fn count_m(position_m: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-#[path = "compensate_tests.rs"]
 mod tests;

@@ -99,5 +99,4 @@ fn read_sensors(table: &Table<'_>) -> Result<Sensors, Diagnostic> {
 }
 
 #[cfg(test)]
-#[path = "model_tests.rs"]
 mod tests;

@@ -381,5 +381,4 @@ impl<'a> Rows<'a> {
 }
 
 #[cfg(test)]
-#[path = "read_tests.rs"]
 mod tests;

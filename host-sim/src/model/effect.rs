@@ -161,5 +161,4 @@ fn whatever(table: &Table<'_>) -> Result<Parameters, Diagnostic> {
 }
 
 #[cfg(test)]
-#[path = "effect_tests.rs"]
 mod tests;

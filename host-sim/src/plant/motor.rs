@@ -117,5 +117,4 @@ impl MotorState {
 }
 
 #[cfg(test)]
-#[path = "motor_tests.rs"]
 mod tests;

@@ -297,9 +297,7 @@ impl Recorder {
 }
 
 #[cfg(test)]
-#[path = "rig_tests.rs"]
 mod tests;
 
 #[cfg(test)]
-#[path = "effect_tests.rs"]
 mod effect_tests;

@@ -3,11 +3,15 @@
 use std::io;
 use std::path::Path;
 
-use estimator_core::Status;
 use estimator_core::estimate::{Estimated, Parameters, Phase};
-use estimator_core::physics::law::{ParameterInfo, RelaxingLaw};
+use estimator_core::physics::law::{LawKind, ParameterInfo, RelaxingLaw};
+use estimator_core::{Estimate, Status};
 
-use crate::estimate::{Estimation, explain::times, outcome::law_with};
+use crate::estimate::{
+    Estimation,
+    explain::times,
+    outcome::{Outcome, law_with},
+};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::replay::{EventMark, Touch};
@@ -15,6 +19,9 @@ use crate::report::{Document, Input, Provenance, Tone, estimate as report};
 
 /// Points of the elastic curve.
 const CURVE_POINTS: usize = 200;
+
+/// A parameter over time.
+type Trajectory = (&'static ParameterInfo, Vec<Option<Estimated<f64>>>);
 
 /// The columns of one estimation; what the report borrows.
 #[derive(Clone, Debug)]
@@ -30,7 +37,7 @@ pub struct Shown {
     innovation_n: Vec<f64>,
     forgetting: Vec<f64>,
     statuses: Vec<Status>,
-    trajectories: Vec<(&'static ParameterInfo, Vec<Option<Estimated<f64>>>)>,
+    trajectories: Vec<Trajectory>,
     finals: Vec<report::FinalParameter<'static>>,
     segments: Vec<(f64, f64, Vec<report::FinalParameter<'static>>)>,
     touches: Vec<Touch>,
@@ -65,36 +72,47 @@ fn finals(
         .collect()
 }
 
+/// The last `count` readings of the force without what the load cell shows at rest.
+fn measured(log: &UniformLog, rest_n: &[f32], count: usize) -> Vec<f64> {
+    let rest = &rest_n[rest_n.len() - count..];
+    let pairs = log.force_n.iter().zip(rest);
+    pairs
+        .map(|(force, rest)| force - f64::from(*rest))
+        .collect()
+}
+
+/// The force of the law, in contact only.
+fn estimated(outcome: &Outcome, delay: usize, records: &[Estimate<f32>]) -> Vec<f64> {
+    let replayed = outcome.replayed_n.iter().skip(delay).zip(records);
+    replayed
+        .map(|(force, record)| match record.phase {
+            Phase::Contact => f64::from(*force),
+            _ => f64::NAN,
+        })
+        .collect()
+}
+
+fn trajectories(law: LawKind, records: &[Estimate<f32>]) -> Vec<Trajectory> {
+    let slots = law.parameters().iter().enumerate();
+    slots
+        .map(|(slot, info)| {
+            let values = records
+                .iter()
+                .map(|record| record.parameters[slot].map(wide));
+            (info, values.collect())
+        })
+        .collect()
+}
+
 impl Shown {
     /// Collects the columns. Force and depth are the raw force and the smoothed depth of the same
     /// instant.
     pub fn new(name: &str, log: &UniformLog, estimation: &Estimation) -> Shown {
         let (replay, outcome) = (&estimation.replay, &estimation.outcome);
         let records = &replay.records[replay.delay.min(replay.records.len())..];
-        let column = |of: &dyn Fn(&estimator_core::Estimate<f32>) -> f32| -> Vec<f64> {
+        let column = |of: &dyn Fn(&Estimate<f32>) -> f32| -> Vec<f64> {
             records.iter().map(|record| f64::from(of(record))).collect()
         };
-        let rest = &replay.rest_n[replay.rest_n.len() - records.len()..];
-        let measured = log
-            .force_n
-            .iter()
-            .zip(rest)
-            .map(|(force, rest)| force - f64::from(*rest));
-        let replayed = outcome.replayed_n.iter().skip(replay.delay).zip(records);
-        let estimated = replayed.map(|(force, record)| match record.phase {
-            Phase::Contact => f64::from(*force),
-            _ => f64::NAN,
-        });
-        let slots = outcome.law.parameters().iter().enumerate();
-        let trajectories = slots.map(|(slot, info)| {
-            (
-                info,
-                records
-                    .iter()
-                    .map(|record| record.parameters[slot].map(wide))
-                    .collect(),
-            )
-        });
         let (alpha_1, alpha_2, alpha_3) = replay.params.alphas(replay.noise_n as f32);
         Shown {
             name: name.into(),
@@ -105,12 +123,12 @@ impl Shown {
                 .collect(),
             depth_m: column(&|record| record.depth_m),
             speed_mps: column(&|record| record.speed_mps),
-            measured_n: measured.collect(),
-            estimated_n: estimated.collect(),
+            measured_n: measured(log, &replay.rest_n, records.len()),
+            estimated_n: estimated(outcome, replay.delay, records),
             innovation_n: column(&|record| record.innovation.innovation_n),
             forgetting: column(&|record| record.forgetting),
             statuses: records.iter().map(|record| record.status).collect(),
-            trajectories: trajectories.collect(),
+            trajectories: trajectories(outcome.law, records),
             finals: finals(estimation, &outcome.parameters),
             segments: outcome
                 .segments

@@ -317,5 +317,4 @@ pub(super) fn best_excitation(
 }
 
 #[cfg(test)]
-#[path = "plan_tests.rs"]
 mod tests;

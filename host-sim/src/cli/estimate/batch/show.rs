@@ -67,7 +67,7 @@ pub(super) fn document(log: &UniformLog, batch: &Batch, path: &Path) -> io::Resu
 fn finals(parameters: &[Parameter]) -> Vec<report::FinalParameter<'_>> {
     let all = parameters.iter();
     all.map(|parameter| report::FinalParameter {
-        name: &parameter.name,
+        name: parameter.name,
         unit: parameter.unit,
         estimate: parameter.estimate,
     })
