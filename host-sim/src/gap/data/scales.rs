@@ -1,5 +1,7 @@
 //! The scales of the logs: ranges, speeds, times and noise.
 
+use estimator_core::physics::fit_range::Scale;
+
 use super::fit_data::FitData;
 
 /// Scales of the logs, from which starts, bounds and thresholds are made: no length, force or time in the
@@ -33,6 +35,22 @@ pub(crate) struct Scales {
 }
 
 impl Scales {
+    /// A size in which the catalogue's rows say starts and ranges.
+    pub(crate) fn size(&self, scale: Scale) -> f64 {
+        match scale {
+            Scale::Travel => self.travel_m,
+            Scale::Force => self.force_n,
+            Scale::HighestForce => self.highest_n,
+            Scale::Stiffness => self.force_n / self.travel_m,
+            Scale::Speed => self.speed_mps,
+            Scale::Duration => self.duration_s,
+            Scale::Period => self.period_s,
+            Scale::PositionNoise => self.position_noise_m,
+            // Of a motion that is all in contact, with a margin.
+            Scale::PitchInContact => 0.5 * self.travel_m,
+        }
+    }
+
     /// Measures the scales of logs.
     pub(crate) fn of(logs: &[FitData]) -> Scales {
         let first = &logs[0];

@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::effect::{ChainStage, Repeats};
 
 use crate::gap::model::{
     attenuation::bias, basis::add_column, covariance::at_bound, covariance::inverse, fit::Fit,
@@ -64,7 +64,10 @@ pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
 /// another number. Windows that stay within a count of 1 µm (0.29 µm, one standard deviation) took 0.15
 /// to 0.4 µm off it.
 fn smoothing_error(problem: &Problem<'_>, fit: &Fit, at: usize) -> f64 {
-    let is_ripple = |number: usize| fit.shape.terms[number].id == EffectId::EncoderPeriodicError;
+    let is_ripple = |number: usize| {
+        let facts = fit.shape.terms[number].id.info();
+        facts.stage == ChainStage::PositionReading && facts.repeats == Repeats::AlongTheWay
+    };
     match fit.shape.free[at].owner {
         Owner::Effect(number, 0) if is_ripple(number) => {
             let each = problem.logs.iter().map(|log| log.position_noise_m);

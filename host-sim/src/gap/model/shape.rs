@@ -255,18 +255,9 @@ fn of_environment(at: usize, parameter: &model::Parameter, scales: &Scales) -> F
 fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f64) -> Free {
     let owner = Owner::Effect(number, at);
     let size = |scale| match scale {
-        Scale::Travel => scales.travel_m,
-        Scale::Force => scales.force_n,
-        Scale::HighestForce => scales.highest_n,
-        Scale::Stiffness => scales.force_n / scales.travel_m,
-        Scale::Speed => scales.speed_mps,
-        Scale::Duration => scales.duration_s,
-        Scale::Period => scales.period_s,
-        Scale::PositionNoise => scales.position_noise_m,
         // A cycle and a quarter of an encoder's error in contact, or it is any law's form.
-        Scale::PitchInContact => {
-            (depth_m / 1.25).clamp(0.05 * scales.travel_m, 0.5 * scales.travel_m)
-        }
+        Scale::PitchInContact => (depth_m / 1.25).clamp(0.05 * scales.travel_m, scales.size(scale)),
+        _ => scales.size(scale),
     };
     match id.info().fits[at].range {
         FitRange::Linear(low, high) => linear(owner, low.value(size), high.value(size)),

@@ -3,7 +3,7 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use crate::gap::model::{fit::Fit, shape::Term};
+use crate::gap::model::fit::Fit;
 use crate::gap::search::run::{Search, SearchResult};
 
 impl Search<'_> {
@@ -33,27 +33,29 @@ impl Search<'_> {
         if a.cost <= b.cost { a } else { b }
     }
 
-    /// Replaces Stribeck's friction by Coulomb's where the difference is not significant.
-    pub(crate) fn with_simpler_friction(
+    /// Replaces an effect by the simpler one of its family where the difference is not significant: Stribeck's
+    /// friction by Coulomb's.
+    pub(crate) fn with_simpler_relative(
         &self,
         result: SearchResult,
         base_cost: f64,
     ) -> SearchResult {
-        let is_complex = |term: &Term| term.id == EffectId::StribeckFriction && !term.given;
-        let Some(at) = result.best.shape.terms.iter().position(is_complex) else {
+        let mut relatives = result.best.added().into_iter().filter_map(|at| {
+            let id = result.best.shape.terms[at].id;
+            Some((at, id, EffectId::from_name(id.info().simpler?)?))
+        });
+        let Some((at, id, simpler)) = relatives.next() else {
             return result;
         };
-        let only_coulomb = Search {
-            ids: &[EffectId::CoulombFriction],
+        let only_simpler = Search {
+            ids: &[simpler],
             weights: self.weights.clone(),
             tried: Vec::new(),
             ..*self
         };
-        let simpler = only_coulomb.expanded(&self.without(&result.best, at));
-        let threshold = |cost: f64| {
-            self.effect_threshold(EffectId::StribeckFriction, cost, &result.best, base_cost)
-        };
-        match simpler.into_iter().next() {
+        let fits = only_simpler.expanded(&self.without(&result.best, at));
+        let threshold = |cost: f64| self.effect_threshold(id, cost, &result.best, base_cost);
+        match fits.into_iter().next() {
             Some(fit) if fit.cost - result.best.cost < threshold(fit.cost) => SearchResult {
                 best: fit,
                 ..result

@@ -1,65 +1,93 @@
 //! Optional forms of effects: a number each that is free only where that is significant.
 
-use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::effect::{EffectId, Form, Role};
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
 use crate::gap::model::{fit::Fit, shape::Term};
 use crate::gap::search::run::Search;
 
-/// An optional number of an effect: the effect, and the place in its row.
-type Form = (EffectId, usize);
+/// A form that a fit can choose: the effect, the place of its number in the row, and what its row says.
+#[derive(Clone, Copy)]
+struct Choice {
+    id: EffectId,
+    place: usize,
+    form: Form,
+}
 
-/// The forms that an added effect may take on, and loses again where they are not significant.
-const OPTIONAL: [Form; 4] = [
-    (EffectId::SeriesCompliance, 1),
-    (EffectId::Adhesion, 3),
-    (EffectId::ExponentialStiffening, 1),
-    (EffectId::BuriedLayer, 2),
-];
-/// The forms that starts have, and that an effect loses where they are not significant.
-const INITIAL: [Form; 1] = [(EffectId::CoulombFriction, 2)];
-
-/// The value from which the number of a form is fitted.
-fn start(form: Form, s: &Scales) -> f64 {
-    match form.0 {
-        EffectId::SeriesCompliance => 0.5 * s.force_n,
-        EffectId::BuriedLayer => 0.03 * s.travel_m,
-        EffectId::ExponentialStiffening => 1.3,
-        _ => 0.3,
+impl Choice {
+    /// The forms of the catalogue that a fit may add or drop.
+    fn all() -> impl Iterator<Item = Choice> {
+        EffectId::ALL.iter().flat_map(|id| {
+            let fits = id.info().fits.iter().enumerate();
+            fits.filter_map(|(place, fit)| match fit.role {
+                Role::Form(_, form) => Some(Choice {
+                    id: *id,
+                    place,
+                    form,
+                }),
+                _ => None,
+            })
+        })
     }
-}
 
-/// The factor on the first number of an effect that takes its form on: half of a growth of e^{1.5} is
-/// then the form's.
-fn size_factor(id: EffectId) -> f64 {
-    match id {
-        EffectId::ExponentialStiffening => 0.5,
-        _ => 1.0,
+    /// The forms that an added effect may take on, and loses again where they are not significant.
+    fn taken_on() -> impl Iterator<Item = Choice> {
+        Choice::all().filter(|choice| matches!(choice.form, Form::TakenOn { .. }))
     }
-}
 
-/// Whether an added term has a form.
-fn has(term: &Term, form: Form) -> bool {
-    term.id == form.0 && !term.given && term.free[form.1]
-}
+    /// The forms that starts have, and that an effect loses where they are not significant.
+    fn dropped() -> impl Iterator<Item = Choice> {
+        Choice::all().filter(|choice| choice.form == Form::Dropped)
+    }
 
-/// Whether an added term could take a form on. Adhesion that is a bond cannot: it has a memory already.
-fn lacks(term: &Term, form: Form) -> bool {
-    let is_bond = term.id == EffectId::Adhesion && term.row[2] > 0.0;
-    term.id == form.0 && !term.given && !term.free[form.1] && !is_bond
+    /// Whether an added term has the form.
+    fn is_in(&self, term: &Term) -> bool {
+        term.id == self.id && !term.given && term.free[self.place]
+    }
+
+    /// Whether an added term could take the form on. A switch that is on has chosen another law: adhesion that
+    /// is a bond has a memory already.
+    fn is_open_to(&self, term: &Term) -> bool {
+        let mut each = term.id.info().fits.iter().zip(term.row);
+        let is_switched =
+            each.any(|(fit, value)| matches!(fit.role, Role::Switch(_)) && value > 0.0);
+        term.id == self.id && !term.given && !term.free[self.place] && !is_switched
+    }
+
+    /// The factor on the first number of an effect that takes the form on.
+    fn first(&self) -> f64 {
+        match self.form {
+            Form::TakenOn { first, .. } => first,
+            Form::OfTheStart | Form::Dropped => 1.0,
+        }
+    }
+
+    fn take_on(&self, term: &mut Term, scales: &Scales) {
+        let Form::TakenOn { start, .. } = self.form else {
+            return;
+        };
+        term.row[self.place] = start.value(|scale| scales.size(scale));
+        term.free[self.place] = true;
+        term.row[0] *= self.first();
+    }
+
+    fn drop_from(&self, term: &mut Term) {
+        term.row[self.place] = 0.0;
+        term.free[self.place] = false;
+        term.row[0] /= self.first();
+    }
 }
 
 impl Search<'_> {
     /// The fit with the forms that are significant. A fit that is left near the noise needs none.
     pub(crate) fn with_significant_forms(&self, mut best: Fit, base_cost: f64) -> Fit {
-        for form in OPTIONAL {
+        for choice in Choice::taken_on() {
             if self.is_adequate(&best) {
                 break;
             }
-            let value = start(form, self.dataset.scales);
-            if let Some(fit) = self.with_form(&best, |term| lacks(term, form), form.1, Some(value))
-                && best.cost - fit.cost > self.form_threshold(form.0, best.cost, &fit, base_cost)
+            if let Some(fit) = self.with_form(&best, choice)
+                && best.cost - fit.cost > self.form_threshold(choice.id, best.cost, &fit, base_cost)
             {
                 best = fit;
             }
@@ -70,12 +98,11 @@ impl Search<'_> {
     /// The fit with a form in the place of another effect that only took its error: a pull that differs by
     /// direction, where a friction seemed to come to a pull that does not.
     pub(crate) fn with_form_instead_of_effect(&self, mut best: Fit, base_cost: f64) -> Fit {
-        for form in OPTIONAL {
+        for choice in Choice::taken_on() {
             let others = best.added().into_iter();
             let others: Vec<usize> = others
-                .filter(|at| best.shape.terms[*at].id != form.0)
+                .filter(|at| best.shape.terms[*at].id != choice.id)
                 .collect();
-            let value = start(form, self.dataset.scales);
             let instead = others.into_par_iter().filter_map(|at| {
                 let id = best.shape.terms[at].id;
                 let (shape, numbers) = best.without(at, self.dataset.scales);
@@ -84,8 +111,7 @@ impl Search<'_> {
                     numbers,
                     cost: best.cost,
                 };
-                let lacks = |term: &Term| lacks(term, form);
-                let fit = self.with_form(&without, lacks, form.1, Some(value))?;
+                let fit = self.with_form(&without, choice)?;
                 let threshold = self.effect_threshold(id, fit.cost, &best, base_cost);
                 (fit.cost - best.cost < threshold).then_some(fit)
             });
@@ -98,9 +124,9 @@ impl Search<'_> {
 
     /// The fit without the forms that are not significant.
     pub(crate) fn without_insignificant_forms(&self, mut best: Fit, base_cost: f64) -> Fit {
-        for form in OPTIONAL.into_iter().chain(INITIAL) {
-            if let Some(fit) = self.with_form(&best, |term| has(term, form), form.1, None)
-                && fit.cost - best.cost < self.form_threshold(form.0, fit.cost, &best, base_cost)
+        for choice in Choice::taken_on().chain(Choice::dropped()) {
+            if let Some(fit) = self.without_form(&best, choice)
+                && fit.cost - best.cost < self.form_threshold(choice.id, fit.cost, &best, base_cost)
             {
                 best = fit;
             }
@@ -108,22 +134,24 @@ impl Search<'_> {
         best
     }
 
-    /// Refits with the number of one term free from a value on, or fixed to 0.
-    fn with_form(
-        &self,
-        fit: &Fit,
-        is_it: impl Fn(&Term) -> bool,
-        at: usize,
-        value: Option<f64>,
-    ) -> Option<Fit> {
+    /// Refits with a form that an added effect lacks.
+    fn with_form(&self, fit: &Fit, choice: Choice) -> Option<Fit> {
         let mut terms = fit.shape.terms_at(&fit.numbers);
-        let term = terms.iter_mut().find(|term| is_it(term))?;
-        (term.row[at], term.free[at]) = (value.unwrap_or(0.0), value.is_some());
-        term.row[0] *= match value {
-            Some(_) => size_factor(term.id),
-            None => 1.0 / size_factor(term.id),
-        };
+        let term = terms.iter_mut().find(|term| choice.is_open_to(term))?;
+        choice.take_on(term, self.dataset.scales);
+        Some(self.with_terms(fit, terms))
+    }
+
+    /// Refits without a form that an added effect has.
+    fn without_form(&self, fit: &Fit, choice: Choice) -> Option<Fit> {
+        let mut terms = fit.shape.terms_at(&fit.numbers);
+        let term = terms.iter_mut().find(|term| choice.is_in(term))?;
+        choice.drop_from(term);
+        Some(self.with_terms(fit, terms))
+    }
+
+    fn with_terms(&self, fit: &Fit, terms: Vec<Term>) -> Fit {
         let (shape, start) = fit.with_terms(terms, self.dataset.scales);
-        Some(self.problem().fit(&shape, start))
+        self.problem().fit(&shape, start)
     }
 }

@@ -99,7 +99,7 @@ impl Search<'_> {
             return SearchResult::alone(base);
         }
         let result = self.with_swaps(best, base_cost);
-        let result = self.with_simpler_friction(result, base_cost);
+        let result = self.with_simpler_relative(result, base_cost);
         SearchResult {
             best: self.without_insignificant_forms(result.best, base_cost),
             ..result
