@@ -13,6 +13,7 @@ use crate::diagnostic::{Diagnostic, listed};
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::number::{counted, quantity};
+use crate::stats::lowest;
 
 /// Positions on whole counts within this share of a count come from a counter.
 const ON_COUNT: f64 = 0.02;
@@ -131,7 +132,7 @@ fn count_m(position_m: &[f64]) -> f64 {
     let largest = position_m.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Differences of equal counts differ by the rounding of the positions.
     let steps: Vec<f64> = steps.filter(|step| *step > 1e-12 * largest).collect();
-    let smallest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = lowest(steps.iter().copied());
     let on_count = |step: &&f64| (**step / smallest - (**step / smallest).round()).abs() < ON_COUNT;
     match steps.iter().filter(on_count).count() * 10 >= steps.len() * 9 && steps.len() > 10 {
         true => smallest,

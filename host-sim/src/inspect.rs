@@ -11,6 +11,7 @@ pub use suspicion::{suspicions, suspicions_without_contact};
 use crate::log::UniformLog;
 use crate::replay::{Replay, Touch};
 use crate::signal;
+use crate::stats::{highest, lowest, median};
 
 /// A force below rest by this many standard deviations of what it does in free air pulls.
 const PULL_SIGMAS: f64 = 8.0;
@@ -64,7 +65,7 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         true => &log.force_n[..before],
         false => &free,
     };
-    let rest_n = signal::median(untouched.to_vec());
+    let rest_n = median(untouched.iter().copied());
     let sigma_n = noise_n.max(wander(untouched, rest_n));
     Inspection {
         noise_n,
@@ -99,24 +100,20 @@ fn disturbance(free: &[f64], noise_n: f64) -> Option<f64> {
     if means.len() < 8 || noise_n <= 0.0 {
         return None;
     }
-    let middle = signal::median(means.clone());
-    let scatter = signal::median(means.iter().map(|mean| (mean - middle).abs()).collect()) / 0.6745;
-    Some(scatter / (noise_n / (BLOCK as f64).sqrt()))
+    let middle = median(means.iter().copied());
+    Some(wander(&means, middle) / (noise_n / (BLOCK as f64).sqrt()))
 }
 
 /// Standard deviation of a force, hum and drift included.
 fn wander(free: &[f64], rest_n: f64) -> f64 {
-    signal::median(free.iter().map(|force| (force - rest_n).abs()).collect()) / 0.6745
+    median(free.iter().map(|force| (force - rest_n).abs())) / 0.6745
 }
 
 fn pull(force_n: &[f64], rest_n: f64, sigma_n: f64) -> f64 {
     // The smallest of neighbours that all pull: what lasts, not what spikes.
-    let lasting = force_n.windows(PULL_SAMPLES).map(|window| {
-        window
-            .iter()
-            .map(|force| rest_n - force)
-            .fold(f64::INFINITY, f64::min)
-    });
+    let lasting = force_n
+        .windows(PULL_SAMPLES)
+        .map(|window| lowest(window.iter().map(|force| rest_n - force)));
     let deepest = lasting.fold(0.0, f64::max);
     if deepest > PULL_SIGMAS * sigma_n {
         deepest
@@ -126,7 +123,7 @@ fn pull(force_n: &[f64], rest_n: f64, sigma_n: f64) -> f64 {
 }
 
 fn saturation(contact: &[f64], noise_n: f64) -> Option<f64> {
-    let peak = contact.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let peak = highest(contact.iter().copied());
     // Noise never repeats the largest code in a row; the end of a range does.
     let longest = contact
         .split(|force| *force < peak)

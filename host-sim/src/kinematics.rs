@@ -196,7 +196,7 @@ mod tests {
             found.speed_mps[i] - speed
         });
         // THEN the speed, up to 22 mm/s, is good to 40 µm/s: 27 µm/s is a parabola of 11 samples.
-        let rms = signal::rms(errors);
+        let rms = crate::stats::rms(errors);
         assert!((1e-6..4e-5).contains(&rms), "{rms:e}");
     }
 

@@ -21,6 +21,7 @@ pub mod replay;
 pub mod report;
 pub mod settings;
 pub mod signal;
+mod spectral;
 mod stats;
 pub mod toml_reader;
 pub mod wrap;

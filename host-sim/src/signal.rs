@@ -1,12 +1,14 @@
 //! What a channel says about itself, before any model.
 
+use crate::stats::{lowest, median, range};
+
 /// Standard deviation of the noise of a channel, from second differences: x(h) − 2x(h−1) + x(h−2)
 /// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
 /// out; a channel whose noise is below its step reads step/√12, the quantisation's own.
 pub fn noise(channel: &[f64]) -> f64 {
     let differences = channel.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
     // The median of |normal| is 0.6745 σ.
-    let sigma = median(differences.collect()) / 0.6745 / 6.0_f64.sqrt();
+    let sigma = median(differences) / 0.6745 / 6.0_f64.sqrt();
     sigma.max(step(channel).unwrap_or(0.0) / 12.0_f64.sqrt())
 }
 
@@ -19,7 +21,7 @@ pub fn step(channel: &[f64]) -> Option<f64> {
         .map(|w| (w[1] - w[0]).abs())
         .filter(|change| *change > 1e-9 * span)
         .collect();
-    let smallest = changes.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = lowest(changes.iter().copied());
     let whole = changes
         .iter()
         .filter(|change| {
@@ -28,22 +30,6 @@ pub fn step(channel: &[f64]) -> Option<f64> {
         })
         .count();
     (changes.len() >= 10 && 10 * whole >= 9 * changes.len()).then_some(smallest)
-}
-
-/// Largest minus smallest value; 0 if there is none.
-pub fn range(channel: &[f64]) -> f64 {
-    let lowest = channel.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = channel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (highest - lowest).max(0.0)
-}
-
-/// The median; 0 of nothing.
-pub fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Value and rate, at sample `at`, of the parabola through the `2·half_width + 1` samples around it
@@ -67,18 +53,6 @@ pub fn parabola(channel: &[f64], at: usize, half_width: usize, period_s: f64) ->
         slope += k / squares * (after - before);
     }
     (value, slope / period_s)
-}
-
-/// Root of the mean square; 0 of nothing.
-pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
-    let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, count), value| {
-        (sum + value * value, count + 1)
-    });
-    if count == 0 {
-        0.0
-    } else {
-        (sum / f64::from(count)).sqrt()
-    }
 }
 
 #[cfg(test)]

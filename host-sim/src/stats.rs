@@ -1,5 +1,54 @@
 //! Statistics that several rooms need.
 
+/// The smallest value; ∞ if there is none.
+pub(crate) fn lowest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The largest value; −∞ if there is none.
+pub(crate) fn highest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The smallest and the largest value.
+pub(crate) fn extent(values: &[f64]) -> (f64, f64) {
+    let values = values.iter().copied();
+    (lowest(values.clone()), highest(values))
+}
+
+/// The largest minus the smallest value; 0 if there is none.
+pub(crate) fn range(values: &[f64]) -> f64 {
+    let (lowest, highest) = extent(values);
+    (highest - lowest).max(0.0)
+}
+
+/// The value below which this share of the values lies; 0 if there are none.
+pub(crate) fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    if values.is_empty() {
+        return 0.0;
+    }
+    let at = (share * (values.len() - 1) as f64).round() as usize;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
+/// The median, the upper one of an even number of values; 0 if there are none.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// The root of the mean square; 0 if there are no values.
+pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, count), value| {
+        (sum + value * value, count + 1)
+    });
+    if count == 0 {
+        0.0
+    } else {
+        (sum / f64::from(count)).sqrt()
+    }
+}
+
 /// Integrated autocorrelation 1 + 2Σρ(l), up to the first lag that is below its own noise 2/√N.
 pub(crate) fn correlation(residuals: &[f64]) -> f64 {
     let count = residuals.len();

@@ -36,7 +36,7 @@ mod window;
 
 pub use delay::MAX_DELAY_SAMPLES;
 
-use crate::estimate::error::{ConfigError, require};
+use crate::estimate::error::{ConfigError, require_each};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::{Real, Scalar};
@@ -106,12 +106,9 @@ impl<T: Real> Compensation<T> {
         rate_hz: f32,
         position_step_m: f64,
     ) -> Result<Self, ConfigError> {
-        require(
-            rate_hz > 0.0 && rate_hz <= 1e6,
-            "rate_hz",
-            rate_hz,
-            "must lie between 0 and 1 MHz",
-        )?;
+        require_each! {
+            rate_hz > 0.0 && rate_hz <= 1e6, "rate_hz", rate_hz, "must lie between 0 and 1 MHz";
+        }
         let rate = f64::from(rate_hz);
         let delays = effects.iter().flatten().map(|effect| match effect {
             Effect::TimeDelay(delay) => delay.delay_s.to_f64(),

@@ -4,7 +4,7 @@
 //! (17 ms by default, 200 µm at 12 mm/s). The thresholds are multiples of the measured noise.
 
 use crate::estimate::{
-    Event, Phase, config, config::Config, error::ConfigError, error::require, noise::Noise,
+    Event, Phase, config, config::Config, error::ConfigError, error::require_each, noise::Noise,
     sample::Sample,
 };
 use crate::maths::scalar::Real;
@@ -41,41 +41,26 @@ pub struct ContactParams<T> {
 impl<T: Real> ContactParams<T> {
     pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
         let contact = config.contact;
-        require(
-            (1.0..=100.0).contains(&contact.release_sigma),
-            "contact.release_sigma",
-            contact.release_sigma,
-            "must lie between 1 and 100 standard deviations",
-        )?;
-        require(
-            contact.touch_sigma >= contact.release_sigma && contact.touch_sigma <= 1000.0,
-            "contact.touch_sigma",
-            contact.touch_sigma,
-            "must lie between release_sigma and 1000 standard deviations",
-        )?;
+        let (touch, release) = (contact.touch_sigma, contact.release_sigma);
         let noise = contact.force_noise_n.unwrap_or(0.0);
-        require(
-            (0.0..=1e6).contains(&noise),
-            "contact.force_noise_n",
-            noise,
-            "must be a standard deviation in newtons, or absent",
-        )?;
         let settle_samples = contact.settle_s * config.rate_hz;
-        require(
-            (10.0..=1e6).contains(&settle_samples),
-            "contact.settle_s",
-            contact.settle_s,
-            "must cover 10 to 1 000 000 samples in free air",
-        )?;
+        require_each! {
+            (1.0..=100.0).contains(&release), "contact.release_sigma", release,
+                "must lie between 1 and 100 standard deviations";
+            touch >= release && touch <= 1000.0, "contact.touch_sigma", touch,
+                "must lie between release_sigma and 1000 standard deviations";
+            (0.0..=1e6).contains(&noise), "contact.force_noise_n", noise,
+                "must be a standard deviation in newtons, or absent";
+            (10.0..=1e6).contains(&settle_samples), "contact.settle_s", contact.settle_s,
+                "must cover 10 to 1 000 000 samples in free air";
+        }
         let surface = match contact.surface {
             config::Surface::AtImpact => None,
             config::Surface::Known { position_m } => {
-                require(
-                    position_m.is_finite(),
-                    "contact.surface.position_m",
-                    position_m,
-                    "must be a position in metres",
-                )?;
+                require_each! {
+                    position_m.is_finite(), "contact.surface.position_m", position_m,
+                        "must be a position in metres";
+                }
                 Some(T::from_f64(f64::from(position_m)))
             }
         };

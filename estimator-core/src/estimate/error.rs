@@ -39,3 +39,11 @@ pub(crate) fn require(
         })
     }
 }
+
+/// Returns the error of the first row whose condition is false: condition, field, value, what would be right.
+macro_rules! require_each {
+    ($($good:expr, $field:expr, $value:expr, $expected:expr;)+) => {
+        $(crate::estimate::error::require($good, $field, $value, $expected)?;)+
+    };
+}
+pub(crate) use require_each;

@@ -13,7 +13,7 @@ pub use response::Response;
 pub use savitzky_golay::{MAX_HALF_WIDTH, SavitzkyGolay, SavitzkyGolayParams};
 pub use state_variable::{StateVariable, StateVariableParams};
 
-use crate::estimate::{config, error::ConfigError, error::require, sample::Sample};
+use crate::estimate::{config, error::ConfigError, error::require_each, sample::Sample};
 use crate::maths::scalar::Real;
 
 /// Coefficients of the configured filter.
@@ -32,18 +32,12 @@ impl<T: Real> FilterParams<T> {
                 cutoff_hz,
                 damping_ratio,
             } => {
-                require(
-                    cutoff_hz > 0.0 && cutoff_hz < 0.4 * rate_hz,
-                    "filter.cutoff_hz",
-                    cutoff_hz,
-                    "must lie between 0 and 0.4 × rate_hz",
-                )?;
-                require(
-                    (0.3..=2.0).contains(&damping_ratio),
-                    "filter.damping_ratio",
-                    damping_ratio,
-                    "must lie between 0.3 and 2",
-                )?;
+                require_each! {
+                    cutoff_hz > 0.0 && cutoff_hz < 0.4 * rate_hz, "filter.cutoff_hz", cutoff_hz,
+                        "must lie between 0 and 0.4 × rate_hz";
+                    (0.3..=2.0).contains(&damping_ratio), "filter.damping_ratio", damping_ratio,
+                        "must lie between 0.3 and 2";
+                }
                 Ok(Self::StateVariable(StateVariableParams::new(
                     cutoff_hz,
                     damping_ratio,
@@ -51,12 +45,10 @@ impl<T: Real> FilterParams<T> {
                 )))
             }
             config::Filter::SavitzkyGolay { half_width } => {
-                require(
+                require_each! {
                     (2..=MAX_HALF_WIDTH).contains(&usize::from(half_width)),
-                    "filter.half_width",
-                    f32::from(half_width),
-                    "must lie between 2 and 32 samples",
-                )?;
+                        "filter.half_width", f32::from(half_width), "must lie between 2 and 32 samples";
+                }
                 Ok(Self::SavitzkyGolay(SavitzkyGolayParams::new(
                     half_width, rate_hz,
                 )))

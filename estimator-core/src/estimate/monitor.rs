@@ -2,7 +2,7 @@
 //! within the bound, and the noise explains the innovations.
 
 use crate::estimate::{
-    config::Config, error::ConfigError, error::require, phase::Event, phase::Phase,
+    config::Config, error::ConfigError, error::require_each, phase::Event, phase::Phase,
     record::PARAMETER_SLOTS, status::Status,
 };
 use crate::maths::scalar::Real;
@@ -30,28 +30,17 @@ impl<T: Real> MonitorParams<T> {
     pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
         let judgement = config.judgement;
         let window = judgement.window_s * config.rate_hz;
-        require(
-            (16.0..=1e6).contains(&window),
-            "judgement.window_s",
-            judgement.window_s,
-            "must cover 16 to 1 000 000 samples",
-        )?;
-        require(
-            judgement.converged_within > 0.0 && judgement.converged_within <= 0.5,
-            "judgement.converged_within",
-            judgement.converged_within,
-            "must lie between 0 and 0.5",
-        )?;
-        require(
-            (2.0..=1e6).contains(&judgement.suspect_ratio),
-            "judgement.suspect_ratio",
-            judgement.suspect_ratio,
-            "must lie between 2 and 1e6",
-        )?;
+        let (within, ratio) = (judgement.converged_within, judgement.suspect_ratio);
+        require_each! {
+            (16.0..=1e6).contains(&window), "judgement.window_s", judgement.window_s,
+                "must cover 16 to 1 000 000 samples";
+            within > 0.0 && within <= 0.5, "judgement.converged_within", within, "must lie between 0 and 0.5";
+            (2.0..=1e6).contains(&ratio), "judgement.suspect_ratio", ratio, "must lie between 2 and 1e6";
+        }
         Ok(MonitorParams {
-            converged_within: T::from_f64(f64::from(judgement.converged_within)),
+            converged_within: T::from_f64(f64::from(within)),
             window: window as u32,
-            suspect_ratio: T::from_f64(f64::from(judgement.suspect_ratio)),
+            suspect_ratio: T::from_f64(f64::from(ratio)),
             slow_gain: T::from_f64(1.0 / f64::from(window)),
         })
     }

@@ -1,7 +1,7 @@
 //! Checked parameters, which [`Config::validate`] makes of a configuration once, outside the loop.
 
 use crate::estimate::{
-    config::Config, contact::ContactParams, error::ConfigError, error::require,
+    config::Config, contact::ContactParams, error::ConfigError, error::require_each,
     filter::FilterParams, identify, identify::IdentifyParams, monitor::MonitorParams,
 };
 use crate::maths::scalar::Real;
@@ -42,12 +42,9 @@ impl Config {
     /// The error names the first field that cannot be used, its value and what would be right.
     pub fn validate<T: Real>(&self) -> Result<Params<T>, ConfigError> {
         let rate = self.rate_hz;
-        require(
-            (1.0..=1e6).contains(&rate),
-            "rate_hz",
-            rate,
-            "must lie between 1 Hz and 1 MHz",
-        )?;
+        require_each! {
+            (1.0..=1e6).contains(&rate), "rate_hz", rate, "must lie between 1 Hz and 1 MHz";
+        }
         let filter = FilterParams::validate(self.filter, rate)?;
         let contact = ContactParams::validate(self)?;
         Ok(Params {

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
-use crate::signal;
+use crate::stats::rms;
 
 /// A parameter that must be positive and is known no better than this share of itself is not known.
 const KNOWN: f64 = 0.7;
@@ -151,7 +151,7 @@ impl Given<'_> {
     fn rmse(&self, fit: &Fit) -> f64 {
         let errors = self.forces(fit).into_iter().enumerate();
         let fitted = errors.filter(|(at, _)| self.is_fitted(*at));
-        signal::rms(fitted.map(|(at, force)| self.log.force_n[at] - force))
+        rms(fitted.map(|(at, force)| self.log.force_n[at] - force))
     }
 
     fn columns(&self, fit: &Fit) -> Columns {

@@ -23,7 +23,7 @@ use std::ops::Range;
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::replay::Replay;
-use crate::signal;
+use crate::stats::{highest, lowest, median};
 
 /// Of the peak force of a touch: below it on the way out, samples are left out.
 const LET_GO: f64 = 0.03;
@@ -165,23 +165,13 @@ fn scales(
     touches: &[Range<usize>],
 ) -> Option<Scales> {
     let first = touches.first()?.start;
-    let free = log.force_n[..first].to_vec();
-    let rest_n = if free.is_empty() {
-        0.0
-    } else {
-        signal::median(free)
-    };
-    let peak = |touch: &Range<usize>| {
-        let forces = force_n[touch.clone()].iter().copied();
-        forces.fold(f64::NEG_INFINITY, f64::max) - rest_n
-    };
+    let rest_n = median(log.force_n[..first].iter().copied());
+    let peak = |touch: &Range<usize>| highest(force_n[touch.clone()].iter().copied()) - rest_n;
     let hardest = touches.iter().map(peak).fold(0.0, f64::max);
     let firm = touches.iter().filter(|touch| peak(touch) >= FIRM * hardest);
-    let touch_m = firm.map(|touch| motion.position_m[touch.start]);
-    let touch_m = touch_m.fold(f64::INFINITY, f64::min);
+    let touch_m = lowest(firm.map(|touch| motion.position_m[touch.start]));
     let samples = || touches.iter().cloned().flatten();
-    let deepest = samples().map(|at| motion.position_m[at]);
-    let depth_m = deepest.fold(f64::NEG_INFINITY, f64::max) - touch_m;
+    let depth_m = highest(samples().map(|at| motion.position_m[at])) - touch_m;
     let longest = touches.iter().map(Range::len).max()?;
     (hardest > 0.0 && depth_m > 0.0).then(|| Scales {
         touch_m,
@@ -214,8 +204,7 @@ fn uses(
     let mut uses = vec![Use::Free; log.len()];
     let mean_noise = scales.noise_n / ((2 * MEAN_HALF_WIDTH + 1) as f64).sqrt();
     for (number, touch) in touches.iter().enumerate() {
-        let peak = force_n[touch.clone()].iter().copied();
-        let peak = peak.fold(f64::NEG_INFINITY, f64::max) - scales.rest_n;
+        let peak = highest(force_n[touch.clone()].iter().copied()) - scales.rest_n;
         let let_go = scales.rest_n + (LET_GO * peak).max(CONTACT_SIGMAS * mean_noise);
         let mut gone_in = false;
         for at in touch.clone() {

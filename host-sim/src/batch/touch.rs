@@ -14,6 +14,7 @@ use super::fit::{Fit, Problem};
 use super::result::{Parameter, TouchFit};
 use super::select::Candidate;
 use crate::log::UniformLog;
+use crate::stats::lowest;
 
 /// Fewest nodes that make a fit.
 const FEWEST: usize = 10;
@@ -36,7 +37,7 @@ pub(super) fn touches(
     let rates = law.modes[..best.fit.family.modes]
         .iter()
         .map(|mode| mode.rate_per_s);
-    let memory_s = REMEMBERED / rates.fold(f64::INFINITY, f64::min);
+    let memory_s = REMEMBERED / lowest(rates);
     let fits = ranges.iter().enumerate().map(|(number, range)| {
         let start_s = course
             .nodes

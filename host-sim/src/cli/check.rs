@@ -14,6 +14,7 @@ use crate::inspect::{Inspection, suspicions};
 use crate::log::{Log, Timing, UniformLog};
 use crate::number::{counted, quantity};
 use crate::output::say;
+use crate::stats::extent;
 use crate::wrap::wrapped;
 
 /// Arguments of `palpate check`.
@@ -93,12 +94,6 @@ fn jitter(timing: &Timing) -> String {
         true => format!("jitter {}", quantity(timing.jitter_s, 2, "s")),
         false => "no jitter".into(),
     }
-}
-
-fn extent(channel: &[f64]) -> (f64, f64) {
-    let low = channel.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = channel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (low, high)
 }
 
 fn channels(text: &mut String, raw: &Log, inspection: &Inspection) -> std::fmt::Result {

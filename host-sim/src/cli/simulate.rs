@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::motion::Motion;
 use crate::output::say;
 use crate::plant::{Contact, Effects, Rig, Run, Stage, depth_at_m};
+use crate::stats::highest;
 
 /// Force at the deepest point of the built-in motion (N): the chapter's touches reach 10 to 14 N.
 const PALPATION_FORCE_N: f64 = 10.0;
@@ -87,8 +88,7 @@ fn read_motion(
 }
 
 fn summary(run: &Run, model: &Model, args: &SimulateArgs) -> String {
-    let largest = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let deepest_m = largest(&run.truth.position_m) - model.environment.surface_m;
+    let deepest_m = highest(run.truth.position_m.iter().copied()) - model.environment.surface_m;
     let mut text = format!(
         "simulated {} over {}\n  rate        {} Hz\n  duration    {:.3} s, {} samples\n  \
          peak force  {:.3} N\n  peak depth  {:.4} mm\n  seed        {}",
@@ -97,7 +97,7 @@ fn summary(run: &Run, model: &Model, args: &SimulateArgs) -> String {
         model.sensors.rate_hz,
         run.log.duration_s(),
         run.log.len(),
-        largest(&run.truth.force_n),
+        highest(run.truth.force_n.iter().copied()),
         deepest_m * 1e3,
         args.seed,
     );

@@ -11,7 +11,7 @@ use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::quantity;
 use crate::replay::Replay;
-use crate::signal;
+use crate::stats::{highest, rms};
 
 /// A force that falls by this share in a hold relaxes.
 const RELAXES: f64 = 0.03;
@@ -58,7 +58,7 @@ fn contact(
             format!(
                 "no contact: the surface is given at {}, and the probe came no farther than {}",
                 quantity(f64::from(position_m), 4, "m"),
-                quantity(farthest.fold(f64::NEG_INFINITY, f64::max), 4, "m")
+                quantity(highest(farthest), 4, "m")
             )
         }
         Surface::AtImpact => format!(
@@ -112,7 +112,7 @@ fn surface_misfit(replay: &Replay, outcome: &Outcome) -> Option<f64> {
         let (depth, speed) = (f64::from(record.depth_m), f64::from(record.speed_mps));
         law.force_n(depth + error_m, speed) - law.force_n(depth, speed)
     });
-    Some(signal::rms(changes))
+    Some(rms(changes))
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {

@@ -8,6 +8,7 @@ use estimator_core::{Faults, LawKind, Status};
 use crate::log::UniformLog;
 use crate::replay::{EventKind, EventMark, Replay, Touch};
 use crate::signal;
+use crate::stats::rms;
 
 /// Settled: every parameter within this share of its final value from then on.
 const SETTLED_WITHIN: f64 = 0.05;
@@ -173,7 +174,7 @@ fn force_rmse(log: &UniformLog, replay: &Replay, replayed_n: &[f32]) -> Option<f
     });
     let errors: Vec<f64> = errors.collect();
     let known = replayed_n.iter().any(|force| *force != 0.0);
-    (known && !errors.is_empty()).then(|| signal::rms(errors))
+    (known && !errors.is_empty()).then(|| rms(errors))
 }
 
 /// From the end backward to the last record that is further than 5 % from the end's parameters.

@@ -7,7 +7,7 @@ use estimator_core::estimate::{config::Surface, contact::NOISE_FLOOR, method::Me
 
 use crate::log::UniformLog;
 use crate::number::quantity;
-use crate::signal;
+use crate::stats::{median, range};
 
 /// A rise of the force above this share of its peak ends the free air at the start.
 const FREE_SHARE: f64 = 0.02;
@@ -116,7 +116,7 @@ fn reach(log: &UniformLog) -> (f64, f64) {
 
 /// The force that the log starts with (N).
 fn rest_n(log: &UniformLog) -> f64 {
-    signal::median(log.force_n.iter().take(10).copied().collect())
+    median(log.force_n.iter().take(10).copied())
 }
 
 /// Samples before the force first leaves its start; `None` if it never does.
@@ -136,7 +136,7 @@ fn free_samples(log: &UniformLog) -> Option<usize> {
 
 /// How far the force strays from its start while the probe has not moved yet (N): hum and noise.
 fn idle_n(log: &UniformLog, rest: f64) -> f64 {
-    let still_m = STILL_SHARE * signal::range(&log.position_m);
+    let still_m = STILL_SHARE * range(&log.position_m);
     let moved = |position: &f64| (position - log.position_m[0]).abs() > still_m;
     let idle = log.position_m.iter().position(moved).unwrap_or(0);
     if idle < FEWEST_FREE {
@@ -152,7 +152,7 @@ fn drift_n(log: &UniformLog) -> Option<f64> {
     let (depth_m, force_n) = reach(log);
     let end_m = *log.position_m.last()?;
     let tail = log.len() - (log.len() / 100).clamp(1, 100);
-    let drift = signal::median(log.force_n[tail..].to_vec()) - rest_n(log);
+    let drift = median(log.force_n[tail..].iter().copied()) - rest_n(log);
     (end_m < touch_m - 0.1 * depth_m && drift < MOST_DRIFT * force_n).then_some(drift)
 }
 

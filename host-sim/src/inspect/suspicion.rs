@@ -2,7 +2,7 @@
 
 use crate::log::UniformLog;
 use crate::number::quantity;
-use crate::signal;
+use crate::stats::{highest, median, range};
 
 /// What looks wrong in the channels of a log, each with its remedy; empty if nothing does.
 pub fn suspicions(log: &UniformLog) -> Vec<String> {
@@ -36,7 +36,7 @@ fn still_force(log: &UniformLog) -> Option<String> {
 }
 
 fn still(name: &str, letter: &str, channel: &[f64]) -> Option<String> {
-    (signal::range(channel) == 0.0).then(|| {
+    (range(channel) == 0.0).then(|| {
         format!(
             "the {name} never changes: another column may hold it (--columns {letter}=NAME), or the \
              sensor was off"
@@ -50,7 +50,7 @@ fn swapped(log: &UniformLog) -> Option<String> {
 
 /// Position and force in each other's column, without the remedy.
 pub(crate) fn exchanged(log: &UniformLog) -> Option<String> {
-    let (travel, span) = (signal::range(&log.position_m), signal::range(&log.force_n));
+    let (travel, span) = (range(&log.position_m), range(&log.force_n));
     // Stiffness below 1 N per 100 m: no contact is that soft, but x and f exchanged look like it.
     (span > 0.0 && travel > 0.1 && span < 0.01 * travel).then(|| {
         format!(
@@ -62,8 +62,8 @@ pub(crate) fn exchanged(log: &UniformLog) -> Option<String> {
 }
 
 fn millimetres(log: &UniformLog) -> Option<String> {
-    let travel = signal::range(&log.position_m);
-    let span = signal::range(&log.force_n);
+    let travel = range(&log.position_m);
+    let span = range(&log.force_n);
     (travel > 0.5 && span >= 0.01 * travel).then(|| {
         format!(
             "the probe travels {}: millimetres or micrometres given as metres? (--columns x=x_m*1e-3)",
@@ -85,20 +85,16 @@ fn milliseconds(log: &UniformLog) -> Option<String> {
 /// The sign of the force where the probe is deepest, against where it is farthest out.
 fn force_sign(log: &UniformLog) -> Option<String> {
     let noise = log.force_noise_n();
-    let travel = signal::range(&log.position_m);
-    let deepest = log
-        .position_m
-        .iter()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max);
+    let travel = range(&log.position_m);
+    let deepest = highest(log.position_m.iter().copied());
     let farthest = deepest - travel;
     let mean = |near: f64| {
         let here = log.position_m.iter().zip(&log.force_n);
         let here = here.filter(|(x, _)| (*x - near).abs() <= 0.05 * travel);
-        signal::median(here.map(|(_, f)| *f).collect())
+        median(here.map(|(_, f)| *f))
     };
     let (deep, out) = (mean(deepest), mean(farthest));
-    let span = signal::range(&log.force_n);
+    let span = range(&log.force_n);
     let falls = deep < out - 0.2 * span && span > 20.0 * noise;
     (travel > 0.0 && falls).then(|| {
         format!(

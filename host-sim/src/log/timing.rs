@@ -1,6 +1,7 @@
 //! When the samples were taken: period, jitter, gaps.
 
 use super::record::Log;
+use crate::stats::lowest;
 
 /// An interval longer than this many base periods is a gap: at least one sample is missing.
 pub(super) const GAP_PERIODS: f64 = 1.5;
@@ -59,7 +60,7 @@ impl Log {
             base_period_s: base,
             mean_period_s: mean,
             jitter_s: variance.sqrt(),
-            shortest_s: periods.iter().copied().fold(f64::INFINITY, f64::min),
+            shortest_s: lowest(periods.iter().copied()),
             longest_s: periods.iter().copied().fold(0.0, f64::max),
             gaps: gaps(&self.time_s, GAP_PERIODS * base),
         }

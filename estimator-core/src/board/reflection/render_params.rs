@@ -12,7 +12,7 @@
 //! elastic part, damping the factor of the speed, both at the depth where the master is.
 
 use super::speed::SPEED_TIME_S;
-use crate::estimate::error::{ConfigError, require};
+use crate::estimate::error::{ConfigError, require_each};
 
 /// How an impedance is rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,60 +52,17 @@ impl RenderConfig {
     /// # Errors
     /// The first that cannot be used, with its value and what would be right.
     pub fn validate(&self) -> Result<RenderParams, ConfigError> {
-        type Field = (&'static str, f32, f32, f32, &'static str);
-        let fields: [Field; 7] = [
-            (
-                "rate_hz",
-                self.rate_hz,
-                1.0,
-                1e6,
-                "must lie between 1 Hz and 1 MHz",
-            ),
-            (
-                "force_n",
-                self.force_n,
-                1e-6,
-                1e6,
-                "must lie between 1e-6 and 1e6 N",
-            ),
-            (
-                "device_ns_per_m",
-                self.device_ns_per_m,
-                1e-6,
-                1e6,
-                "must be the damping of the master itself, above 0 N s/m: it bounds what is rendered",
-            ),
-            (
-                "slew_n_per_s",
-                self.slew_n_per_s,
-                1e-3,
-                1e9,
-                "must lie between 1e-3 and 1e9 N/s",
-            ),
-            (
-                "timeout_s",
-                self.timeout_s,
-                1e-3,
-                1e3,
-                "must lie between 1e-3 and 1e3 s",
-            ),
-            (
-                "fade_s",
-                self.fade_s,
-                1e-3,
-                1e3,
-                "must lie between 1e-3 and 1e3 s",
-            ),
-            (
-                "shaping",
-                self.shaping,
-                0.0,
-                1e3,
-                "must lie between 0 and 1e3",
-            ),
-        ];
-        for (field, value, low, high, expected) in fields {
-            require((low..=high).contains(&value), field, value, expected)?;
+        let (rate, force, device) = (self.rate_hz, self.force_n, self.device_ns_per_m);
+        let (slew, timeout, fade) = (self.slew_n_per_s, self.timeout_s, self.fade_s);
+        require_each! {
+            (1.0..=1e6).contains(&rate), "rate_hz", rate, "must lie between 1 Hz and 1 MHz";
+            (1e-6..=1e6).contains(&force), "force_n", force, "must lie between 1e-6 and 1e6 N";
+            (1e-6..=1e6).contains(&device), "device_ns_per_m", device,
+                "must be the damping of the master itself, above 0 N s/m: it bounds what is rendered";
+            (1e-3..=1e9).contains(&slew), "slew_n_per_s", slew, "must lie between 1e-3 and 1e9 N/s";
+            (1e-3..=1e3).contains(&timeout), "timeout_s", timeout, "must lie between 1e-3 and 1e3 s";
+            (1e-3..=1e3).contains(&fade), "fade_s", fade, "must lie between 1e-3 and 1e3 s";
+            (0.0..=1e3).contains(&self.shaping), "shaping", self.shaping, "must lie between 0 and 1e3";
         }
         Ok(self.unchecked())
     }

@@ -2,7 +2,7 @@
 
 use crate::estimate::{
     config::Cascade, config::Config, config::Initial, config::Inversion, config::Reference,
-    config::Weight, contact::ContactParams, error::ConfigError, error::require,
+    config::Weight, contact::ContactParams, error::ConfigError, error::require_each,
     filter::FilterParams, method::Method, method::MethodInfo, rls::ForgettingParams,
 };
 use crate::maths::{scalar::Real, units::Unit};
@@ -112,12 +112,10 @@ impl<T: Real> IdentifyParams<T> {
         config.reference.check()?;
         config.initial.check()?;
         let step = config.forgetting.excitation_step;
-        require(
-            (0.0..=1.0).contains(&step),
-            "forgetting.excitation_step",
-            step,
-            "must lie between 0 (always learn) and 1",
-        )?;
+        require_each! {
+            (0.0..=1.0).contains(&step), "forgetting.excitation_step", step,
+                "must lie between 0 (always learn) and 1";
+        }
         let scale = Scale::new(config.reference);
         Ok(IdentifyParams {
             method: info.method,
@@ -148,12 +146,10 @@ const LOADING_SPEED: f64 = 0.5;
 impl Cascade {
     fn validate<T: Real>(&self, scale: &Scale<T>) -> Result<CascadeParams<T>, ConfigError> {
         let speed = self.loading_speed_mps.unwrap_or(1.0);
-        require(
-            speed > 0.0 && speed.is_finite(),
-            "cascade.loading_speed_mps",
-            speed,
-            "must be positive, in m/s, or absent",
-        )?;
+        require_each! {
+            speed > 0.0 && speed.is_finite(), "cascade.loading_speed_mps", speed,
+                "must be positive, in m/s, or absent";
+        }
         let loading_speed = match self.loading_speed_mps {
             Some(speed) => T::from_f64(f64::from(speed)) / scale.speed_mps,
             None => T::from_f64(LOADING_SPEED),
@@ -167,53 +163,25 @@ impl Cascade {
 
 impl Reference {
     fn check(&self) -> Result<(), ConfigError> {
-        let depth = self.depth_m;
-        let good = (1e-10..=1.0).contains(&depth);
-        require(
-            good,
-            "reference.depth_m",
-            depth,
-            "must lie between 1e-10 and 1 m",
-        )?;
-        let force = self.force_n;
-        let good = (1e-12..=1e6).contains(&force);
-        require(
-            good,
-            "reference.force_n",
-            force,
-            "must lie between 1e-12 and 1e6 N",
-        )
+        let (depth, force) = (self.depth_m, self.force_n);
+        require_each! {
+            (1e-10..=1.0).contains(&depth), "reference.depth_m", depth, "must lie between 1e-10 and 1 m";
+            (1e-12..=1e6).contains(&force), "reference.force_n", force, "must lie between 1e-12 and 1e6 N";
+        }
+        Ok(())
     }
 }
 
 impl Initial {
     fn check(&self) -> Result<(), ConfigError> {
+        let (k, b, n) = (self.stiffness_n_per_m, self.damping_ns_per_m, self.exponent);
         let c = self.covariance;
-        let good = (1e-3..=1e8).contains(&c);
-        require(
-            good,
-            "initial.covariance",
-            c,
-            "must lie between 1e-3 and 1e8",
-        )?;
-        let k = self.stiffness_n_per_m;
-        let good = (0.0..=1e9).contains(&k);
-        require(
-            good,
-            "initial.stiffness_n_per_m",
-            k,
-            "must lie between 0 and 1e9 N/m",
-        )?;
-        let b = self.damping_ns_per_m;
-        let good = (0.0..=1e9).contains(&b);
-        require(
-            good,
-            "initial.damping_ns_per_m",
-            b,
-            "must lie between 0 and 1e9 N s/m",
-        )?;
-        let n = self.exponent;
-        let good = (0.5..=3.0).contains(&n);
-        require(good, "initial.exponent", n, "must lie between 0.5 and 3")
+        require_each! {
+            (1e-3..=1e8).contains(&c), "initial.covariance", c, "must lie between 1e-3 and 1e8";
+            (0.0..=1e9).contains(&k), "initial.stiffness_n_per_m", k, "must lie between 0 and 1e9 N/m";
+            (0.0..=1e9).contains(&b), "initial.damping_ns_per_m", b, "must lie between 0 and 1e9 N s/m";
+            (0.5..=3.0).contains(&n), "initial.exponent", n, "must lie between 0.5 and 3";
+        }
+        Ok(())
     }
 }

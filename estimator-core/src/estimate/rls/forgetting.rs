@@ -1,6 +1,6 @@
 //! Error-dependent forgetting (24): the larger the error, the faster the past is forgotten.
 
-use crate::estimate::{config::Config, error::ConfigError, error::require};
+use crate::estimate::{config::Config, error::ConfigError, error::require_each};
 use crate::maths::scalar::Real;
 
 /// Default of α₂α₃, and default of α₃ over the noise of the raw force.
@@ -24,26 +24,16 @@ impl<T: Real> ForgettingParams<T> {
     pub(crate) fn validate(config: &Config, default_alpha_1: f32) -> Result<Self, ConfigError> {
         let forgetting = config.forgetting;
         let alpha_1 = forgetting.alpha_1.unwrap_or(default_alpha_1);
-        require(
-            (0.0..=0.5).contains(&alpha_1),
-            "forgetting.alpha_1",
-            alpha_1,
-            "must lie between 0 (never forget) and 0.5",
-        )?;
         let steepness = forgetting.alpha_2_per_n.unwrap_or(1.0);
-        require(
-            steepness > 0.0 && steepness.is_finite(),
-            "forgetting.alpha_2_per_n",
-            steepness,
-            "must be positive, in 1/N, or absent",
-        )?;
         let threshold = forgetting.alpha_3_n.unwrap_or(1.0);
-        require(
-            threshold > 0.0 && threshold.is_finite(),
-            "forgetting.alpha_3_n",
-            threshold,
-            "must be positive, in N, or absent",
-        )?;
+        require_each! {
+            (0.0..=0.5).contains(&alpha_1), "forgetting.alpha_1", alpha_1,
+                "must lie between 0 (never forget) and 0.5";
+            steepness > 0.0 && steepness.is_finite(), "forgetting.alpha_2_per_n", steepness,
+                "must be positive, in 1/N, or absent";
+            threshold > 0.0 && threshold.is_finite(), "forgetting.alpha_3_n", threshold,
+                "must be positive, in N, or absent";
+        }
         let from = |value: f32| T::from_f64(f64::from(value));
         Ok(ForgettingParams {
             alpha_1: from(alpha_1),

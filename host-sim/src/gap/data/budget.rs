@@ -14,6 +14,7 @@ use crate::gap::data::fit_data::FitData;
 use crate::log::UniformLog;
 use crate::number::setting;
 use crate::signal;
+use crate::stats::range;
 
 /// Most samples that are looked at one by one: two minutes at 1 kHz.
 const MOST_SAMPLES: usize = 120_000;
@@ -113,7 +114,7 @@ fn is_mostly_rest(log: &UniformLog) -> bool {
 /// For each sample, whether the position stands still there.
 fn standing_still(position_m: &[f64], noise_m: f64) -> Vec<bool> {
     let last = position_m.len().saturating_sub(1);
-    let most_m = (STILL_SIGMAS * noise_m).max(STILL_SHARE * signal::range(position_m));
+    let most_m = (STILL_SIGMAS * noise_m).max(STILL_SHARE * range(position_m));
     let change = |at: usize| {
         position_m[(at + NEAR_SAMPLES).min(last)] - position_m[at.saturating_sub(NEAR_SAMPLES)]
     };

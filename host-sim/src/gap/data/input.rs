@@ -10,6 +10,7 @@ use crate::log::UniformLog;
 use crate::model::Model;
 use crate::number::quantity;
 use crate::signal;
+use crate::stats::range;
 
 /// Fewest samples of a log: twelve windows, of which every third is held out, each as wide as half of the
 /// filter that finds the speed (15 samples) and one more.
@@ -37,7 +38,7 @@ pub(crate) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, 
     if let Some(text) = exchanged(log) {
         return refuse(text, "give the columns as they are: --columns x=f_n,f=x_m");
     }
-    let span_n = signal::range(&log.force_n);
+    let span_n = range(&log.force_n);
     if span_n <= SILENT * log.force_noise_n() {
         return refuse(
             format!(
@@ -52,7 +53,7 @@ pub(crate) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, 
 
 /// Why no model at all can be fitted to a log, and what to do about it.
 fn unusable(log: &UniformLog) -> Option<(String, &'static str)> {
-    let travel_m = signal::range(&log.position_m);
+    let travel_m = range(&log.position_m);
     if log.len() < FEWEST_SAMPLES {
         Some((
             format!(
@@ -67,7 +68,7 @@ fn unusable(log: &UniformLog) -> Option<(String, &'static str)> {
             format!("the position never changes by more than its noise: {travel}"),
             "give the column that holds the position (--columns x=NAME), or record a motion",
         ))
-    } else if signal::range(&log.force_n) == 0.0 {
+    } else if range(&log.force_n) == 0.0 {
         let force = quantity(log.force_n[0], 3, "N");
         Some((
             format!("the force is {force} all the time"),

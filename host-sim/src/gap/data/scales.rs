@@ -3,6 +3,7 @@
 use estimator_core::physics::fit_range::Scale;
 
 use super::fit_data::FitData;
+use crate::stats::{median, quantile};
 
 /// Scales of the logs, from which starts, bounds and thresholds are made: no length, force or time in the
 /// workflow is absolute.
@@ -54,9 +55,9 @@ impl Scales {
     /// Measures the scales of logs.
     pub(crate) fn of(logs: &[FitData]) -> Scales {
         let first = &logs[0];
-        let position = sorted(logs.iter().flat_map(|log| log.position_m.iter().copied()));
-        let force = sorted(logs.iter().flat_map(|log| log.force_n.iter().copied()));
-        let speed_noise_mps = quantile(&sorted(first.speed_noise_mps.iter().copied()), 0.5);
+        let position = || logs.iter().flat_map(|log| log.position_m.iter().copied());
+        let force = || logs.iter().flat_map(|log| log.force_n.iter().copied());
+        let speed_noise_mps = median(first.speed_noise_mps.iter().copied());
         let speeds = logs.iter().flat_map(|log| &log.speed_mps);
         let moving = speeds
             .map(|speed| speed.abs())
@@ -65,14 +66,14 @@ impl Scales {
         let accelerating = accelerations
             .map(|acceleration| acceleration.abs())
             .filter(|acceleration| *acceleration > 0.0);
-        let (lowest_m, deepest_m) = (quantile(&position, 0.0), quantile(&position, 1.0));
+        let (lowest_m, deepest_m) = (quantile(position(), 0.0), quantile(position(), 1.0));
         Scales {
             travel_m: deepest_m - lowest_m,
-            force_n: (quantile(&force, 0.995) - quantile(&force, 0.005)).max(f64::MIN_POSITIVE),
-            highest_n: quantile(&force, 1.0),
-            lowest_n: quantile(&force, 0.0),
-            speed_mps: quantile(&sorted(moving), 0.95),
-            acceleration_mps2: quantile(&sorted(accelerating), 0.95),
+            force_n: (quantile(force(), 0.995) - quantile(force(), 0.005)).max(f64::MIN_POSITIVE),
+            highest_n: quantile(force(), 1.0),
+            lowest_n: quantile(force(), 0.0),
+            speed_mps: quantile(moving, 0.95),
+            acceleration_mps2: quantile(accelerating, 0.95),
             duration_s: logs.iter().map(duration_s).fold(0.0, f64::max),
             period_s: first.period_s,
             position_noise_m: first.position_noise_m,
@@ -88,19 +89,4 @@ fn duration_s(log: &FitData) -> f64 {
         (Some(first), Some(last)) => last - first + log.period_s,
         _ => 0.0,
     }
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values
-}
-
-/// The value below which this share of sorted values lies; 0 if there are none.
-pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let last = sorted.len().saturating_sub(1);
-    sorted
-        .get((share * last as f64).round() as usize)
-        .copied()
-        .unwrap_or(0.0)
 }

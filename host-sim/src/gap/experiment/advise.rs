@@ -14,6 +14,7 @@ use crate::gap::model::{
     dataset::Dataset, fit::Fit, shape::Owner, shape::Shape, shape::Term, start::repeats,
 };
 use crate::gap::search::significance::chi2_threshold;
+use crate::stats::lowest;
 
 /// A number with a standard error beyond this share of it is not observed by the log.
 const UNOBSERVED: f64 = 0.7;
@@ -166,7 +167,7 @@ fn nearest_rival_sigma(
     let chi2 = signatures
         .iter()
         .map(|rival| analysis.discrimination_chi2(&signature, 1.0, rival));
-    Some(chi2.fold(f64::INFINITY, f64::min).sqrt()).filter(|sigma| sigma.is_finite())
+    Some(lowest(chi2).sqrt()).filter(|sigma| sigma.is_finite())
 }
 
 /// The motion for the first number of a fit whose standard error is more than 70 % of it, if a motion

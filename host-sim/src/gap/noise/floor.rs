@@ -12,7 +12,7 @@ use crate::gap::noise::line::Line;
 use crate::gap::noise::spectrum::{LowFrequencySlope, Spectrum, detrended, median_power};
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::correlation;
+use crate::stats::{correlation, lowest, range, rms};
 
 /// Standard errors by which a noise floor may be off.
 pub(crate) const FLOOR_ERRORS: f64 = 3.0;
@@ -137,8 +137,8 @@ fn in_free_air(log: &UniformLog) -> Vec<bool> {
 }
 
 fn deepest_in_free_air_m(position_m: &[f64]) -> f64 {
-    let lowest = position_m.iter().copied().fold(f64::INFINITY, f64::min);
-    lowest + 0.25 * signal::range(position_m)
+    let lowest = lowest(position_m.iter().copied());
+    lowest + 0.25 * range(position_m)
 }
 
 /// The rests in free air: stretches in which the position stays within two counts.
@@ -177,7 +177,7 @@ fn high_pass_noise_n(log: &UniformLog) -> f64 {
         .filter(|(_, gap)| !gap.contains(&true))
         .map(|(w, _)| w[2] - 2.0 * w[1] + w[0])
         .filter(|d| d.abs() <= limit);
-    let fine = signal::rms(kept) / 6.0_f64.sqrt();
+    let fine = rms(kept) / 6.0_f64.sqrt();
     if fine > 0.0 { fine } else { coarse }
 }
 
@@ -322,7 +322,7 @@ mod tests {
         let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, code_n));
         // THEN the floor is what noise and codes make together: not that of second differences, nor what
         // four medians of the sizes leave, 0.5 of it.
-        let sigma_n = signal::rms(noise).hypot(code_n / 12.0_f64.sqrt());
+        let sigma_n = rms(noise).hypot(code_n / 12.0_f64.sqrt());
         assert!(
             floor.coloured && floor.high_pass_n < 0.8 * sigma_n,
             "{floor:?}"
@@ -344,7 +344,7 @@ mod tests {
             .collect();
         let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, 1e-5));
         assert!(floor.coloured && floor.high_pass_n < 0.8 * SIGMA_N);
-        assert_near(&floor, signal::rms(noise), 0.03);
+        assert_near(&floor, rms(noise), 0.03);
         assert!((0.01..0.06).contains(&floor.uncertainty), "{floor:?}");
     }
 
@@ -360,7 +360,7 @@ mod tests {
             .collect();
         let floor = NoiseFloor::of(&log(&wander, |_, _| 0.0, 1e-5));
         // THEN the one is taken out and the other is the floor, and known to be a rough one.
-        assert_near(&floor, signal::rms(wander), 0.35);
+        assert_near(&floor, rms(wander), 0.35);
         assert!(floor.uncertainty > 0.05, "{floor:?}");
     }
 

@@ -3,8 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use crate::spectral;
 
 /// Least power of a line over the mean of what is left around it. Noise alone reaches it in e⁻³⁰ of the
 /// bins.
@@ -85,11 +84,7 @@ impl Line {
 /// The power spectrum below half the rate, of a series padded with zeros to `PADDING` times its length.
 fn padded_power(series: &[f64]) -> Vec<f64> {
     let padded = (PADDING * series.len()).next_power_of_two();
-    let mut bins: Vec<Complex<f64>> = series.iter().map(|x| Complex::new(*x, 0.0)).collect();
-    bins.resize(padded, Complex::new(0.0, 0.0));
-    FftPlanner::new()
-        .plan_fft_forward(padded)
-        .process(&mut bins);
-    let half = &bins[..padded / 2];
-    half.iter().map(|bin| bin.norm_sqr()).collect()
+    let mut power = spectral::power(series.iter().copied(), padded);
+    power.truncate(padded / 2);
+    power
 }

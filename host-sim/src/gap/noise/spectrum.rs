@@ -1,10 +1,8 @@
 //! The power of a force at rest, bin by bin: what of it is noise, what is lines, and how much of a noise
 //! that rises towards low frequencies a window is too short to see.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
-
-use crate::signal;
+use crate::spectral;
+use crate::stats::median;
 
 /// A bin this many times the median of its neighbours is a line; noise alone reaches it in e⁻⁸ of the
 /// bins of one window.
@@ -55,7 +53,7 @@ impl Spectrum {
 fn without_line(power: &[f64], at: usize) -> f64 {
     let near = at.saturating_sub(12)..(at + 13).min(power.len());
     // The bins of a periodogram are exponentially distributed: their median is ln 2 of their mean.
-    let level = signal::median(power[near].to_vec()) / std::f64::consts::LN_2;
+    let level = median(power[near].iter().copied()) / std::f64::consts::LN_2;
     // A pure line leaks into two bins on either side; what is broader is noise in a band.
     let is_high = |bin: Option<usize>| {
         bin.and_then(|bin| power.get(bin))
@@ -136,30 +134,25 @@ pub(crate) fn median_power(
         .filter(|samples| !in_gap[samples.clone()].contains(&true))
         .map(|samples| periodogram(detrended(&force[samples])))
         .collect();
-    let median = |bin: usize| signal::median(spectra.iter().map(|power| power[bin]).collect());
+    let middle = |bin: usize| median(spectra.iter().map(|power| power[bin]));
     let bins = first - 1..window / 2 - 1;
-    (spectra.len() >= 8).then(|| bins.map(median).sum::<f64>() / std::f64::consts::LN_2)
+    (spectra.len() >= 8).then(|| bins.map(middle).sum::<f64>() / std::f64::consts::LN_2)
 }
 
 /// Power (N²) per bin, from the first above 0 to the last below half the rate.
 fn periodogram(wave: Vec<f64>) -> Vec<f64> {
     let n = wave.len();
-    let hann = |(at, value): (usize, f64)| {
-        // With Hann's window a line leaks into two bins on either side and no further.
-        let phase = std::f64::consts::TAU * (at as f64 + 0.5) / n as f64;
-        Complex::new(value * (1.0 - phase.cos()) * (2.0_f64 / 3.0).sqrt(), 0.0)
-    };
-    let mut bins: Vec<Complex<f64>> = wave.into_iter().enumerate().map(hann).collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
+    let each = wave.into_iter().enumerate();
+    let windowed = each.map(|(at, value)| value * spectral::hann(at, n) * (2.0_f64 / 3.0).sqrt());
     let scale = 2.0 / (n as f64).powi(2);
-    let power = bins[1..n / 2].iter().map(|bin| scale * bin.norm_sqr());
-    power.collect()
+    let power = &spectral::power(windowed, n)[1..n / 2];
+    power.iter().map(|power| scale * power).collect()
 }
 
 /// The standard deviation of normal deviations from the median of their magnitudes, or `noise_n` where that
 /// is more.
 fn robust_deviation(magnitudes: impl Iterator<Item = f64>, noise_n: f64) -> f64 {
-    (1.4826 * signal::median(magnitudes.collect())).max(noise_n)
+    (1.4826 * median(magnitudes)).max(noise_n)
 }
 
 /// Clips what stands out by more than noise does: spikes are no noise, and a floor that counts them would
@@ -180,12 +173,12 @@ fn clipped(mut detrended: Vec<f64>, noise_n: f64) -> Vec<f64> {
 fn without_spikes(force: &[f64], noise_n: f64) -> Vec<f64> {
     let third = force.len() / 3;
     let (first, last) = (&force[..third], &force[force.len() - third..]);
-    let median = |values: &[f64]| signal::median(values.to_vec());
-    let slope = (median(last) - median(first)) / (force.len() - third).max(1) as f64;
+    let middle = |values: &[f64]| median(values.iter().copied());
+    let slope = (middle(last) - middle(first)) / (force.len() - third).max(1) as f64;
     let each = force.iter().enumerate();
     let flat: Vec<f64> = each.map(|(at, force)| force - slope * at as f64).collect();
-    let middle = median(&flat);
-    let magnitudes: Vec<f64> = flat.iter().map(|force| (force - middle).abs()).collect();
+    let level = middle(&flat);
+    let magnitudes: Vec<f64> = flat.iter().map(|force| (force - level).abs()).collect();
     let most = 6.0 * robust_deviation(magnitudes.iter().copied(), noise_n);
     let is_calm: Vec<bool> = magnitudes
         .iter()

@@ -2,13 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
-
 use crate::gap::data::fit_data::FitData;
 use crate::gap::finding::Region;
 use crate::gap::say::log_residuals::LogResiduals;
-use crate::signal;
+use crate::spectral;
+use crate::stats::range;
 
 /// A line must hold this share of the residual's energy.
 const LEAST_SHARE: f64 = 0.1;
@@ -48,19 +46,16 @@ fn line_in_time(log: &FitData, residuals: &[f64], energy: f64) -> Option<(f64, f
         return None;
     }
     let count = residuals.len() as f64;
-    let mut bins: Vec<Complex<f64>> = residuals.iter().map(|r| Complex::new(*r, 0.0)).collect();
-    FftPlanner::new()
-        .plan_fft_forward(bins.len())
-        .process(&mut bins);
-    let share = |at: usize| 2.0 * bins[at].norm_sqr() / (count * energy.max(f64::MIN_POSITIVE));
-    let strongest = (4..bins.len() / 2).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
+    let power = spectral::power(residuals.iter().copied(), residuals.len());
+    let share = |at: usize| 2.0 * power[at] / (count * energy.max(f64::MIN_POSITIVE));
+    let strongest = (4..residuals.len() / 2).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
     let hz = strongest as f64 / (count * log.period_s);
     Some((share(strongest), hz)).filter(|(share, _)| *share > LEAST_SHARE)
 }
 
 /// The share of the energy in the strongest line along the travel, and its pitch (m).
 fn line_along_travel(log: &FitData, residuals: &[f64]) -> Option<(f64, f64)> {
-    let travel_m = signal::range(&log.position_m);
+    let travel_m = range(&log.position_m);
     let stride = (log.len() / MOST_SAMPLES).max(1);
     let share = |halves: usize| {
         let per_m = TAU * 0.5 * halves as f64 / travel_m.max(f64::MIN_POSITIVE);

@@ -3,6 +3,7 @@
 use crate::gap::finding::Finding;
 use crate::model::Model;
 use crate::number::quantity;
+use crate::stats::highest;
 
 /// A fitted stiffness this many times larger or smaller than that of the model is in another unit.
 const ANOTHER_UNIT: f64 = 100.0;
@@ -28,7 +29,7 @@ pub(crate) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
         }
     }
     let depths = finding.curves.iter().flat_map(|curves| &curves.depth_m);
-    let touches = depths.copied().fold(f64::NEG_INFINITY, f64::max) > 0.0;
+    let touches = highest(depths.copied()) > 0.0;
     if !model.environment.is_free() && !touches {
         notes.push(
             "the fitted surface is never reached, so the base model's parameters are not observable: its \

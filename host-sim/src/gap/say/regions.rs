@@ -4,9 +4,9 @@
 //! A region is named when its excess is significant against the noise. Benjamini and Hochberg's
 //! procedure keeps the share of false names among them at 1 %.
 
-use crate::gap::data::scales::quantile;
 use crate::gap::finding::Region;
 use crate::gap::say::{lines::lines, log_residuals::LogResiduals};
+use crate::stats::{median, quantile};
 
 /// Share of false names.
 const FALSE_DISCOVERIES: f64 = 0.01;
@@ -92,11 +92,9 @@ impl Tallies {
             variances,
         } = residuals;
         let deepest_m = depth_m.iter().copied().fold(0.0, f64::max);
-        let mut speeds: Vec<f64> = log.speed_mps.iter().map(|v| v.abs()).collect();
-        speeds.sort_unstable_by(f64::total_cmp);
-        let fast_mps = quantile(&speeds, FAST);
-        let moving = &speeds[speeds.partition_point(|v| *v <= STILL * fast_mps)..];
-        let median_mps = quantile(moving, 0.5);
+        let speeds = log.speed_mps.iter().map(|v| v.abs());
+        let fast_mps = quantile(speeds.clone(), FAST);
+        let median_mps = median(speeds.filter(|v| *v > STILL * fast_mps));
         for at in (0..log.len()).filter(|at| variances[*at] > 0.0) {
             let (depth, speed) = (depth_m[at], log.speed_mps[at]);
             let (square, variance) = (residuals[at].powi(2), variances[at]);

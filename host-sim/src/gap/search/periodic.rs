@@ -3,14 +3,13 @@
 use std::f64::consts::TAU;
 
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
 
 use crate::gap::model::basis::{dot, project_out};
 use crate::gap::model::shape::Term;
 use crate::gap::model::simulate::{forces, forces_of_changed};
 use crate::gap::model::start::{is_possible, whole};
 use crate::gap::search::proposals::LinearizedModel;
+use crate::spectral;
 
 /// Peaks of a spectrum that become starts.
 const PEAKS: usize = 3;
@@ -76,19 +75,10 @@ impl LinearizedModel<'_> {
             return Vec::new();
         }
         let padded = (2 * n).next_power_of_two();
-        let mut bins: Vec<Complex<f64>> = (0..padded)
-            .map(|at| match at < n {
-                true => Complex::new(self.residuals[at] * self.roots[at] * carrier[at], 0.0),
-                false => Complex::new(0.0, 0.0),
-            })
-            .collect();
-        FftPlanner::new()
-            .plan_fft_forward(padded)
-            .process(&mut bins);
+        let series = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
+        let power = &spectral::power(series, padded)[..padded / 2];
         let bin_hz = 1.0 / (padded as f64 * log.period_s);
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
-        let half = &bins[..padded / 2];
-        let power: Vec<f64> = half.iter().map(|bin| bin.norm_sqr()).collect();
         let wave = |at: usize| {
             let hz = at as f64 * bin_hz;
             let (amplitude, phase) =
@@ -99,7 +89,7 @@ impl LinearizedModel<'_> {
                 phase,
             })
         };
-        let peaks = peaks(&power, lowest.max(1), padded / n);
+        let peaks = peaks(power, lowest.max(1), padded / n);
         peaks.into_iter().filter_map(wave).collect()
     }
 
@@ -113,14 +103,13 @@ impl LinearizedModel<'_> {
         // On a grid of four travels, at least eight cells a pitch: 3 % of the finest is lost.
         let cells = (8 * quarters).next_power_of_two();
         let per_cell_m = 4.0 * travel_m / cells as f64;
-        let mut bins = vec![Complex::new(0.0, 0.0); cells];
+        let mut series = vec![0.0; cells];
         let each = self.residuals.iter().zip(&self.roots).zip(carrier);
         for (((residual, root), carrier), position_m) in each.zip(&log.position_m) {
             let at = (position_m / per_cell_m).floor() as i64;
-            bins[at.rem_euclid(cells as i64) as usize].re += residual * root * carrier;
+            series[at.rem_euclid(cells as i64) as usize] += residual * root * carrier;
         }
-        FftPlanner::new().plan_fft_forward(cells).process(&mut bins);
-        let power: Vec<f64> = bins[..quarters].iter().map(|bin| bin.norm_sqr()).collect();
+        let power = &spectral::power(series, cells)[..quarters];
         let wave = |at: usize| {
             let per_m = 0.25 * at as f64 / travel_m;
             let angle = |row: usize| TAU * per_m * log.position_m[row];
@@ -131,7 +120,7 @@ impl LinearizedModel<'_> {
                 phase,
             })
         };
-        peaks(&power, 8, 4).into_iter().filter_map(wave).collect()
+        peaks(power, 8, 4).into_iter().filter_map(wave).collect()
     }
 
     /// Amplitude A and phase φ of carrier·A sin(angle + φ) that fit the residuals best, projected off

@@ -4,6 +4,7 @@ use estimator_core::estimate::{Estimated, status::Status};
 
 use super::{figures::Layout, figures::annotate, run::Run, run::Trajectory, run::label};
 use crate::report::{Figure, plot::Axis, plot::Chart, plot::Series, plot::Span, plot::StripTone};
+use crate::stats::quantile;
 
 /// How to read the figures of the parameters.
 pub(super) const HOW_TO_READ: &str = "Line: estimate; band around it: ± one standard error; strip \
@@ -54,8 +55,8 @@ fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
         .collect();
     // The last four fifths; a material that is touched for a hundredth of them still counts.
     let late = &finite[finite.len() / 5..];
-    let low = quantile(late.iter().map(|(v, e)| v - e), 0.01)?;
-    let high = quantile(late.iter().map(|(v, e)| v + e), 0.99)?;
+    let low = quantile(late.iter().map(|(v, e)| v - e), 0.01);
+    let high = quantile(late.iter().map(|(v, e)| v + e), 0.99);
     let middle = 0.5 * (low + high);
     let half = (0.5 * (high - low)).max(0.1 * middle.abs());
     let extreme = |pick: fn(f64, f64) -> f64| finite.iter().map(|(v, _)| *v).reduce(pick);
@@ -63,13 +64,6 @@ fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
     let high = extreme(f64::max)?.clamp(middle + 1.2 * half, middle + 2.5 * half);
     let margin = 0.05 * (high - low);
     Some((low - margin, high + margin))
-}
-
-fn quantile(values: impl Iterator<Item = f64>, fraction: f64) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    let at = (fraction * values.len().saturating_sub(1) as f64).round() as usize;
-    let at = at.min(values.len().checked_sub(1)?);
-    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
 }
 
 /// Runs of equal status.

@@ -1,6 +1,7 @@
 //! The residuals of a log, and their means over depth or speed, which a cloud of dots would hide.
 
 use crate::gap::{Curves, phase};
+use crate::stats::{median, quantile};
 
 /// Fewest samples of a mean.
 const FEWEST: usize = 8;
@@ -32,9 +33,10 @@ impl<'a> LogCurves<'a> {
             each.map(|((f, force), allowed)| if *allowed > 0.0 { f - force } else { f64::NAN })
                 .collect()
         };
-        let speeds: Vec<f64> = curves.speed_mps.iter().map(|v| v.abs()).collect();
+        let speeds = curves.speed_mps.iter().map(|v| v.abs());
+        let speeds = speeds.filter(|v| v.is_finite());
         let fast_mps = quantile(speeds.clone(), 0.95);
-        let moving = speeds.into_iter().filter(|v| *v > STILL * fast_mps);
+        let moving = speeds.filter(|v| *v > STILL * fast_mps);
         LogCurves {
             curves,
             before_n: residuals(&curves.before_n),
@@ -42,7 +44,7 @@ impl<'a> LogCurves<'a> {
             changed: curves.before_n != curves.after_n,
             deepest_m: curves.depth_m.iter().copied().fold(0.0, f64::max),
             fast_mps,
-            typical_mps: quantile(moving.collect(), 0.5),
+            typical_mps: median(moving),
         }
     }
 
@@ -120,14 +122,4 @@ impl<'a> LogCurves<'a> {
         };
         (middles.collect(), bins.into_iter().map(mean).collect())
     }
-}
-
-/// The value that this share of the values does not exceed; 0 of none.
-pub(super) fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.retain(|v| v.is_finite());
-    if values.is_empty() {
-        return 0.0;
-    }
-    let at = (share * (values.len() - 1) as f64).round() as usize;
-    *values.select_nth_unstable_by(at, f64::total_cmp).1
 }

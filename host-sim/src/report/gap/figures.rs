@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use super::bins::{LogCurves, quantile};
+use super::bins::LogCurves;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Span, StripTone, Stroke};
+use crate::stats::quantile;
 
 /// Bins over depth and over speed.
 const BINS: usize = 40;
@@ -66,7 +67,7 @@ const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green u
 /// An axis that shows all but the worst thousandth of the residuals.
 fn axis(shown: &[&[f64]]) -> Axis {
     let sizes = shown.iter().copied().flatten().map(|r| r.abs());
-    let most = 1.3 * quantile(sizes.collect(), 0.999);
+    let most = 1.3 * quantile(sizes.filter(|r| r.is_finite()), 0.999);
     Axis::new("Residual", "N").range(-most, most)
 }
 

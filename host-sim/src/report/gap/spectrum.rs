@@ -1,11 +1,9 @@
 //! Spectral densities of the residuals, by Welch's method.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
-
 use super::bins::LogCurves;
 use crate::gap::Finding;
 use crate::report::{Figure, plot::Axis, plot::Chart, plot::Ink, plot::Series, plot::Stroke};
+use crate::spectral;
 
 /// Longest segment: eight bins below 1 Hz at 500 Hz.
 const LONGEST: usize = 4096;
@@ -88,26 +86,18 @@ fn density(residuals: &[f64], period_s: f64, most_hz: f64) -> (Vec<f64>, Vec<f64
 /// variance. A sample that says nothing counts as 0.
 fn welch(residuals: &[f64], length: usize) -> Vec<f64> {
     let window: Vec<f64> = (0..length)
-        .map(|at| {
-            let phase = std::f64::consts::TAU * (at as f64 + 0.5) / length as f64;
-            (1.0 - phase.cos()) * (2.0_f64 / 3.0).sqrt()
-        })
+        .map(|at| spectral::hann(at, length) * (2.0_f64 / 3.0).sqrt())
         .collect();
-    let plan = FftPlanner::new().plan_fft_forward(length);
     let mut power = vec![0.0; length / 2];
     let mut segments = 0.0;
     for from in (0..=residuals.len() - length).step_by((length / 2).max(1)) {
         let segment = &residuals[from..from + length];
         let finite = segment.iter().filter(|r| r.is_finite());
         let mean = finite.clone().sum::<f64>() / (finite.count() as f64).max(1.0);
-        let mut bins: Vec<Complex<f64>> = segment
-            .iter()
-            .zip(&window)
-            .map(|(r, w)| Complex::new(if r.is_finite() { (r - mean) * w } else { 0.0 }, 0.0))
-            .collect();
-        plan.process(&mut bins);
-        for (sum, bin) in power.iter_mut().zip(&bins) {
-            *sum += bin.norm_sqr() / length as f64;
+        let each = segment.iter().zip(&window);
+        let windowed = each.map(|(r, w)| if r.is_finite() { (r - mean) * w } else { 0.0 });
+        for (sum, bin) in power.iter_mut().zip(spectral::power(windowed, length)) {
+            *sum += bin / length as f64;
         }
         segments += 1.0;
     }
