@@ -3,7 +3,6 @@
 pub mod batch;
 pub mod cli;
 pub mod compensate;
-mod dense;
 pub mod diagnostic;
 pub mod estimate;
 pub mod gap;
@@ -12,6 +11,7 @@ pub mod json;
 mod kinematics;
 pub mod link;
 pub mod log;
+mod lsq;
 pub mod model;
 pub mod motion;
 pub mod number;

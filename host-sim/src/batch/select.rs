@@ -13,21 +13,19 @@
 //! its logarithm: 15 s at 5 kHz do not drown the approach. k and s are those of the best candidate of
 //! a first round with σ alone; s makes χ² = N there. The second round is the result.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use rayon::prelude::*;
 
 use super::course::{Course, Node, Scales, Use};
 use super::family::{Family, SURFACE, natural};
-use super::fit::{Fit, Problem};
+use super::fit::{Fit, Problem, STILL};
 use super::start::{Given, Starts, scan};
 use crate::stats::correlation;
 
 /// A block on the surface within so many samples' travel may be on either side of it.
 const STRADDLE: f64 = 1.0;
 /// The first round ends where a step promises less than this of χ²; the second where it promises
-/// nothing any more.
+/// nothing any more (`STILL`).
 const ROUGH: f64 = 1e-2;
-const STILL: f64 = 1e-6;
 /// A mode of two numbers must gain this times ln N of χ².
 const WORTH: f64 = 2.0;
 /// A mode that is added to a fit begins with this share of what does not relax.
@@ -87,17 +85,16 @@ pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> 
     // The chain takes longest, so it is begun first.
     let mut tasks = vec![chain];
     tasks.extend(alone.into_iter().map(|family| vec![family]));
-    let first = in_parallel(&tasks, |task| round.chain(task, &starts)).concat();
+    let chains = tasks.par_iter().map(|task| round.chain(task, &starts));
+    let first: Vec<Candidate> = chains.flatten_iter().collect();
     let weights = second_weights(course, &first);
     let round = Round {
         weights: &weights,
         still: STILL,
         ..round
     };
-    let second = in_parallel(&first, |candidate| {
-        round.fit(candidate.fit.family, [candidate.fit.free.clone()])
-    });
-    let mut second: Vec<Candidate> = second.into_iter().flatten().collect();
+    let again = |Candidate { fit, .. }| round.fit(fit.family, [fit.free]);
+    let mut second: Vec<Candidate> = first.into_par_iter().filter_map(again).collect();
     let place = |candidate: &Candidate| families.iter().position(|f| *f == candidate.fit.family);
     second.sort_by_key(place);
     scored(course, second)
@@ -110,32 +107,6 @@ fn weight(node: &Node, scales: &Scales, slope: f64, missed_n2: f64) -> f64 {
     }
     let by_position = (slope * scales.position_noise_m).powi(2) * node.held;
     1.0 / ((scales.noise_n.powi(2) + by_position) / node.count + missed_n2)
-}
-
-/// Runs `work` on each task on all cores; results in the order of the tasks.
-fn in_parallel<A: Sync, T: Send>(tasks: &[A], work: impl Fn(&A) -> T + Sync) -> Vec<T> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..cores.min(tasks.len()) {
-            scope.spawn(|| {
-                while let Some((index, task)) = {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    tasks.get(index).map(|task| (index, task))
-                } {
-                    let result = work(task);
-                    // Only a panic of another thread poisons it, and that ends the scope.
-                    if let Ok(mut done) = done.lock() {
-                        done.push((index, result));
-                    }
-                }
-            });
-        }
-    });
-    let mut done = done.into_inner().unwrap_or_default();
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Fits with one set of weights.
@@ -182,8 +153,8 @@ impl Round<'_> {
             fixed: &stay,
         };
         let starts: Vec<Vec<f64>> = starts.into_iter().collect();
-        let fits = in_parallel(&starts, |start| problem.fit_to(start.clone(), self.still));
-        let fits = fits.into_iter();
+        let starts = starts.into_par_iter();
+        let fits = starts.map(|start| problem.fit(start, self.still));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let mut candidate = Candidate {
             fit: best,
@@ -196,7 +167,7 @@ impl Round<'_> {
                 weights: &candidate.weights,
                 ..problem
             };
-            candidate.fit = masked.fit_to(candidate.fit.free, self.still);
+            candidate.fit = masked.fit(candidate.fit.free, self.still);
         }
         Some(candidate)
     }

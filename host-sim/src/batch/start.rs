@@ -9,7 +9,7 @@ use estimator_core::physics::law::{Elastic, MOST_MODES, QuasiLinear, RelaxationM
 
 use super::course::{Node, Scales};
 use super::family::{Family, damping_unit, free_of_exponent, reference_m};
-use crate::dense;
+use crate::lsq::dense;
 
 const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];
 /// Surfaces before the first force, of the deepest depth.

@@ -10,7 +10,7 @@ use estimator_core::physics::law::LawId;
 
 use super::course::{Course, Node, Scales, Use};
 use super::family::{Family, OFFSET, SURFACE, natural};
-use super::fit::{Fit, Problem};
+use super::fit::{Fit, Problem, STILL};
 use super::result::{Parameter, TouchFit};
 use super::select::Candidate;
 use crate::log::UniformLog;
@@ -108,7 +108,7 @@ impl OneTouch<'_> {
             scales,
             fixed: &fixed,
         };
-        let fit = problem.fit(self.best.fit.free.clone());
+        let fit = problem.fit(self.best.fit.free.clone(), STILL);
         let own = problem.covariance(&fit.free);
         let values = problem.reported(&fit.free, &own, self.depth_m);
         let parameters = family.parameters().zip(values);

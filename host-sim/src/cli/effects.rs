@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use estimator_core::physics::effect::EffectId;
+use rayon::prelude::*;
 
 pub use ignored::{Ignored, example, ignored};
 
@@ -82,19 +83,8 @@ fn unknown(name: &str) -> Diagnostic {
 
 /// Simulates and fits every effect, on all cores.
 fn all(ids: &[EffectId], seed: u64) -> Result<Vec<Ignored>, Diagnostic> {
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let share = ids.len().div_ceil(workers).max(1);
-    std::thread::scope(|scope| {
-        let parts = ids.chunks(share).map(|part| {
-            scope.spawn(move || part.iter().map(|id| ignored(*id, seed)).collect::<Vec<_>>())
-        });
-        let parts: Vec<_> = parts.collect();
-        let joined = parts.into_iter().flat_map(|part| match part.join() {
-            Ok(done) => done,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        joined.collect()
-    })
+    let done: Vec<_> = ids.par_iter().map(|id| ignored(*id, seed)).collect();
+    done.into_iter().collect()
 }
 
 #[cfg(test)]

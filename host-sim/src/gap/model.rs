@@ -3,7 +3,6 @@
 
 pub(crate) mod attenuation;
 pub(crate) mod basis;
-pub(crate) mod covariance;
 pub(crate) mod dataset;
 pub(crate) mod error;
 pub(crate) mod fit;

@@ -2,7 +2,6 @@
 
 use estimator_core::physics::effect::{Bounds, EffectId};
 
-use crate::dense;
 use crate::gap::decide::{decision::Decision, rivals::are_late};
 use crate::gap::experiment::{
     design::ExperimentDesign, discriminability::Discriminability,
@@ -11,9 +10,10 @@ use crate::gap::experiment::{
 };
 use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Verdict, regions_in_words};
 use crate::gap::model::{
-    dataset::Dataset, fit::Fit, shape::Owner, shape::Shape, shape::Term, start::repeats,
+    dataset::Dataset, fit::Fit, fit::RIDGE, shape::Owner, shape::Shape, shape::Term, start::repeats,
 };
 use crate::gap::search::significance::chi2_threshold;
+use crate::lsq::covariance::inverse;
 use crate::stats::lowest;
 
 /// A number with a standard error beyond this share of it is not observed by the log.
@@ -232,18 +232,8 @@ fn relative_error(
     let analysis = recordings.discriminability(&fit.shape, &fit.numbers, dataset.scales);
     let n = fit.numbers.len();
     let curvature = analysis.curvature();
-    let size: Vec<f64> = (0..n)
-        .map(|i| curvature[i * n + i].max(f64::MIN_POSITIVE).sqrt())
-        .collect();
-    let scaled: Vec<f64> = (0..n * n)
-        .map(|k| {
-            curvature[k] / (size[k / n] * size[k % n]) + if k % (n + 1) == 0 { 1e-12 } else { 0.0 }
-        })
-        .collect();
-    let factor = dense::cholesky(&scaled, n)?;
-    let mut unit = vec![0.0; n];
-    unit[at] = 1.0;
-    let variance = dense::solve(&factor, n, &unit)[at] / (size[at] * size[at]);
+    let unseen: Vec<bool> = (0..n).map(|i| curvature[i * n + i] <= 0.0).collect();
+    let variance = inverse(&curvature, &unseen, RIDGE)?[at * n + at];
     let scale = match fit.shape.free[at].logarithmic {
         true => 1.0,
         false => fit.shape.natural(at, fit.numbers[at]).abs(),

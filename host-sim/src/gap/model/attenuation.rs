@@ -6,10 +6,10 @@
 //! (JASA 89, 1994), with two points instead of random numbers. The gradient JᵀWr, averaged over the
 //! motion moved by +σ and by −σ, is no longer zero, and the inverse curvature turns it into the bias.
 
-use crate::gap::model::covariance::{at_bound, inverse};
-use crate::gap::model::fit::Fit;
+use crate::gap::model::fit::{Fit, RIDGE};
 use crate::gap::model::problem::Problem;
 use crate::gap::model::weights::{with_acceleration_error, with_speed_error};
+use crate::lsq::covariance::inverse;
 
 /// The share of Σ w r² that a correction may cost. One that costs more is no small correction, and is
 /// not made.
@@ -19,8 +19,8 @@ const LARGEST_COST: f64 = 0.02;
 pub(crate) fn bias(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
     let n = fit.numbers.len();
     let here = problem.normal_equations(&problem.linearize(&fit.shape, &fit.numbers));
-    let at_bound = at_bound(fit);
-    let Some(inverse) = inverse(&here.curvature, &at_bound) else {
+    let at_bound = fit.at_bound();
+    let Some(inverse) = inverse(&here.curvature, &at_bound, RIDGE) else {
         return vec![0.0; n];
     };
     let mut pull = vec![0.0; n];

@@ -13,11 +13,11 @@ use std::ops::Range;
 use estimator_core::physics::effect::{ChainStage, Repeats};
 
 use crate::gap::model::{
-    attenuation::bias, basis::add_column, covariance::at_bound, covariance::inverse, fit::Fit,
-    problem::Linearization, problem::Problem, shape::Owner, simulate::forces,
-    simulate::forces_of_changed,
+    attenuation::bias, basis::add_column, fit::Fit, fit::RIDGE, problem::Linearization,
+    problem::Problem, shape::Owner, simulate::forces, simulate::forces_of_changed,
 };
 use crate::gap::noise::coloured::ResidualSpectrum;
+use crate::lsq::covariance::{inverse, long_run_variance};
 use crate::stats::correlation;
 
 /// Fewest lags of the sandwich: within a window of `kinematics`, 31 samples at most, the errors of speed and
@@ -33,8 +33,8 @@ pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
     let n = fit.numbers.len();
     let linear = problem.linearize(&fit.shape, &fit.numbers);
     let normal = problem.normal_equations(&linear);
-    let at_bound = at_bound(fit);
-    let Some(inverse) = inverse(&normal.curvature, &at_bound) else {
+    let at_bound = fit.at_bound();
+    let Some(inverse) = inverse(&normal.curvature, &at_bound, RIDGE) else {
         return vec![None; n];
     };
     let residuals = ResidualStatistics::new(problem, fit, &linear, &at_bound);
@@ -201,15 +201,4 @@ pub(crate) fn rests(
             (samples.clone(), samples.map(error).collect())
         })
         .collect()
-}
-
-/// Variance of a sum of correlated terms: Σ κ(l) Σ s(h)s(h−l), where κ is Bartlett's window.
-fn long_run_variance(terms: &[f64], lags: usize) -> f64 {
-    (0..=lags)
-        .map(|lag| {
-            let both: f64 = terms.iter().zip(&terms[lag..]).map(|(a, b)| a * b).sum();
-            let window = 1.0 - lag as f64 / (lags + 1) as f64;
-            if lag == 0 { both } else { 2.0 * window * both }
-        })
-        .sum()
 }

@@ -6,6 +6,7 @@ use estimator_core::maths::Dual;
 
 use crate::gap::data::{fit_data::FitData, low_pass::LowPass};
 use crate::gap::model::{basis::dot, shape::Shape, simulate::forces, simulate::run_rig};
+use crate::lsq::NormalEquations;
 
 /// Columns of the Jacobian that one run of the rig gives.
 const LANES: usize = 8;
@@ -26,12 +27,6 @@ pub(crate) struct Linearization {
     pub(crate) residuals: Vec<f64>,
     /// The derivatives of the predicted force, a column for each free number.
     pub(crate) columns: Vec<Vec<f64>>,
-}
-
-/// JᵀWJ row by row, and JᵀWr.
-pub(crate) struct NormalEquations {
-    pub(crate) curvature: Vec<f64>,
-    pub(crate) downhill: Vec<f64>,
 }
 
 impl Problem<'_> {
@@ -138,9 +133,12 @@ impl Problem<'_> {
     /// The normal equations of a linearization.
     pub(crate) fn normal_equations(&self, linear: &Linearization) -> NormalEquations {
         let n = linear.columns.len();
-        let weigh = |column: &Vec<f64>| -> Vec<f64> {
-            let each = column.iter().zip(self.weights);
-            each.map(|(j, w)| j * w).collect()
+        let weigh = |column: &Vec<f64>| {
+            column
+                .iter()
+                .zip(self.weights)
+                .map(|(j, w)| j * w)
+                .collect()
         };
         let weighted: Vec<Vec<f64>> = linear.columns.iter().map(weigh).collect();
         let mut curvature = vec![0.0; n * n];
@@ -154,6 +152,7 @@ impl Problem<'_> {
             }
         }
         NormalEquations {
+            cost: self.weighted_square(&linear.residuals),
             curvature,
             downhill,
         }

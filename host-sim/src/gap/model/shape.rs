@@ -11,6 +11,7 @@ use estimator_core::physics::law::{Law, LawId};
 use estimator_core::physics::rig::{Environment, Rig};
 
 use crate::gap::data::scales::Scales;
+use crate::lsq::minimize::Limits;
 use crate::model;
 
 /// An effect in a fit: its numbers, and which of them are free.
@@ -53,6 +54,16 @@ pub(in crate::gap) struct Shape {
 }
 
 impl Shape {
+    /// Where a fit may take the free numbers. A logarithm moves by 2 at most in a step, a factor of 7.
+    pub(in crate::gap) fn limits(&self) -> Vec<Limits> {
+        let limits = |free: &Free| Limits {
+            lowest: free.lowest,
+            highest: free.highest,
+            longest_step: if free.logarithmic { 2.0 } else { f64::INFINITY },
+        };
+        self.free.iter().map(limits).collect()
+    }
+
     /// A law with these effects: free is what the base model does not fix.
     pub(in crate::gap) fn new(
         base: &model::Environment,

@@ -6,9 +6,10 @@ use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
 use crate::gap::model::{
-    basis::add_column, basis::dot, basis::project_out, fit::Fit, fit::blocked, problem::Problem,
-    shape::Shape, shape::Term, start::starts,
+    basis::add_column, basis::dot, basis::project_out, fit::Fit, problem::Problem, shape::Shape,
+    shape::Term, start::starts,
 };
+use crate::lsq::minimize::blocked;
 
 /// An effect with numbers to start from.
 #[derive(Clone, Debug)]
@@ -45,7 +46,7 @@ impl<'a> LinearizedModel<'a> {
             column.iter().zip(&roots).map(|(c, w)| c * w).collect()
         };
         let normal = problem.normal_equations(&linear);
-        let blocked = blocked(&fit.shape, &fit.numbers, &normal.downhill);
+        let blocked = blocked(&fit.shape.limits(), &fit.numbers, &normal.downhill);
         let mut basis: Vec<Vec<f64>> = Vec::new();
         // A number that its bound keeps from moving can do nothing: a damping of 0 that a lag would have
         // negative.

@@ -53,15 +53,8 @@ pub(crate) fn inverse(factor: &[f64], n: usize) -> Vec<f64> {
 
 /// A·B.
 pub(crate) fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
-    let mut out = vec![0.0; n * n];
-    for row in 0..n {
-        for k in 0..n {
-            for column in 0..n {
-                out[row * n + column] += a[row * n + k] * b[k * n + column];
-            }
-        }
-    }
-    out
+    let entry = |at: usize| (0..n).map(|k| a[at / n * n + k] * b[k * n + at % n]).sum();
+    (0..n * n).map(entry).collect()
 }
 
 /// gᵀCg.
