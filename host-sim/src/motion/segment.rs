@@ -194,26 +194,38 @@ impl Segment {
         moved
     }
 
-    pub(super) fn check(&self) -> Result<(), Diagnostic> {
-        let (lengths, positive): (Vec<f64>, Vec<f64>) = match self {
-            Segment::Ramp { to_m, speed_mps } => (vec![*to_m], vec![*speed_mps]),
-            Segment::Hold { seconds } => (vec![], vec![*seconds]),
+    /// The kind, and the numbers but for frequencies in a list, as a motion file names them.
+    pub(super) fn numbers(&self) -> (&'static str, Vec<(&'static str, f64)>) {
+        let (kind, numbers): (_, &[_]) = match self {
+            Segment::Ramp { to_m, speed_mps } => ("ramp", &[("to", to_m), ("speed", speed_mps)]),
+            Segment::Hold { seconds } => ("hold", &[("seconds", seconds)]),
             Segment::Sine {
                 mean_m,
                 amplitude_m,
                 frequency_hz,
                 seconds,
-            } => (vec![*mean_m], vec![*amplitude_m, *frequency_hz, *seconds]),
+            } => (
+                "sine",
+                &[
+                    ("mean", mean_m),
+                    ("amplitude", amplitude_m),
+                    ("frequency", frequency_hz),
+                    ("seconds", seconds),
+                ],
+            ),
             Segment::Multisine {
                 mean_m,
                 amplitude_m,
-                frequencies_hz,
                 seconds,
-            } => {
-                let mut positive = frequencies_hz.clone();
-                positive.extend([*amplitude_m, *seconds, frequencies_hz.len() as f64]);
-                (vec![*mean_m], positive)
-            }
+                ..
+            } => (
+                "multisine",
+                &[
+                    ("mean", mean_m),
+                    ("amplitude", amplitude_m),
+                    ("seconds", seconds),
+                ],
+            ),
             Segment::Chirp {
                 mean_m,
                 amplitude_m,
@@ -221,15 +233,37 @@ impl Segment {
                 to_hz,
                 seconds,
             } => (
-                vec![*mean_m],
-                vec![*amplitude_m, *from_hz, *to_hz, *seconds],
+                "chirp",
+                &[
+                    ("mean", mean_m),
+                    ("amplitude", amplitude_m),
+                    ("from", from_hz),
+                    ("to", to_hz),
+                    ("seconds", seconds),
+                ],
             ),
         };
-        let bad_length = lengths.iter().find(|value| !value.is_finite());
-        let bad_positive = positive
+        let numbers = numbers.iter().map(|(name, number)| (*name, **number));
+        (kind, numbers.collect())
+    }
+
+    pub(super) fn check(&self) -> Result<(), Diagnostic> {
+        let (_, numbers) = self.numbers();
+        let numbers: Vec<f64> = numbers.into_iter().map(|(_, number)| number).collect();
+        // All but a hold begin with a place, which may be negative.
+        let (place, positive) = numbers.split_at(usize::from(numbers.len() > 1));
+        let frequencies_hz = match self {
+            Segment::Multisine { frequencies_hz, .. } => frequencies_hz.as_slice(),
+            _ => &[1.0],
+        };
+        let count = frequencies_hz.len() as f64;
+        let bad_place = place.iter().find(|value| !value.is_finite());
+        let bad_positive = frequencies_hz
             .iter()
+            .chain(positive)
+            .chain([&count])
             .find(|value| !(value.is_finite() && **value > 0.0));
-        match bad_length.or(bad_positive) {
+        match bad_place.or(bad_positive) {
             None => Ok(()),
             Some(value) => Err(Diagnostic::new("a segment holds a number that it cannot use")
                 .value(value)

@@ -16,64 +16,14 @@ impl Motion {
 }
 
 fn table(segment: &Segment) -> Table {
-    match segment {
-        Segment::Ramp { to_m, speed_mps } => of("ramp", &[("to", *to_m), ("speed", *speed_mps)]),
-        Segment::Hold { seconds } => of("hold", &[("seconds", *seconds)]),
-        Segment::Sine {
-            mean_m,
-            amplitude_m,
-            frequency_hz,
-            seconds,
-        } => of(
-            "sine",
-            &[
-                ("mean", *mean_m),
-                ("amplitude", *amplitude_m),
-                ("frequency", *frequency_hz),
-                ("seconds", *seconds),
-            ],
-        ),
-        Segment::Multisine {
-            mean_m,
-            amplitude_m,
-            frequencies_hz,
-            seconds,
-        } => {
-            let mut table = of(
-                "multisine",
-                &[
-                    ("mean", *mean_m),
-                    ("amplitude", *amplitude_m),
-                    ("seconds", *seconds),
-                ],
-            );
-            table["frequencies"] = value(frequencies_hz.iter().copied().collect::<Array>());
-            table
-        }
-        Segment::Chirp {
-            mean_m,
-            amplitude_m,
-            from_hz,
-            to_hz,
-            seconds,
-        } => of(
-            "chirp",
-            &[
-                ("mean", *mean_m),
-                ("amplitude", *amplitude_m),
-                ("from", *from_hz),
-                ("to", *to_hz),
-                ("seconds", *seconds),
-            ],
-        ),
-    }
-}
-
-fn of(kind: &str, numbers: &[(&str, f64)]) -> Table {
+    let (kind, numbers) = segment.numbers();
     let mut table = Table::new();
     table["kind"] = value(kind);
     for (name, number) in numbers {
-        table[name] = value(*number);
+        table[name] = value(number);
+    }
+    if let Segment::Multisine { frequencies_hz, .. } = segment {
+        table["frequencies"] = value(frequencies_hz.iter().copied().collect::<Array>());
     }
     table
 }
