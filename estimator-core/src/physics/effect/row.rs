@@ -190,12 +190,15 @@ pub struct EffectInfo {
 }
 
 impl EffectInfo {
+    /// Whether these values choose another law than the plain one.
+    pub fn is_switched(&self, row: &[f64; MOST_PARAMETERS]) -> bool {
+        let mut each = self.fits.iter().zip(row);
+        each.any(|(fit, value)| matches!(fit.role, Role::Switch(_)) && *value > 0.0)
+    }
+
     /// Whether the force with these values is proportional to the sizes among them.
     pub fn is_proportional(&self, row: &[f64; MOST_PARAMETERS]) -> bool {
-        let mut each = self.fits.iter().zip(row);
-        let is_switched =
-            each.any(|(fit, value)| matches!(fit.role, Role::Switch(_)) && *value > 0.0);
-        self.proportional && !is_switched
+        self.proportional && !self.is_switched(row)
     }
 }
 

@@ -49,33 +49,26 @@ impl Choice {
     /// Whether an added term could take the form on. A switch that is on has chosen another law: adhesion that
     /// is a bond has a memory already.
     fn is_open_to(&self, term: &Term) -> bool {
-        let mut each = term.id.info().fits.iter().zip(term.row);
-        let is_switched =
-            each.any(|(fit, value)| matches!(fit.role, Role::Switch(_)) && value > 0.0);
-        term.id == self.id && !term.given && !term.free[self.place] && !is_switched
-    }
-
-    /// The factor on the first number of an effect that takes the form on.
-    fn first(&self) -> f64 {
-        match self.form {
-            Form::TakenOn { first, .. } => first,
-            Form::OfTheStart | Form::Dropped => 1.0,
-        }
+        term.id == self.id
+            && !term.given
+            && !term.free[self.place]
+            && !term.id.info().is_switched(&term.row)
     }
 
     fn take_on(&self, term: &mut Term, scales: &Scales) {
-        let Form::TakenOn { start, .. } = self.form else {
-            return;
-        };
-        term.row[self.place] = start.value(|scale| scales.size(scale));
-        term.free[self.place] = true;
-        term.row[0] *= self.first();
+        if let Form::TakenOn { start, first } = self.form {
+            term.row[self.place] = start.value(|scale| scales.size(scale));
+            term.free[self.place] = true;
+            term.row[0] *= first;
+        }
     }
 
     fn drop_from(&self, term: &mut Term) {
         term.row[self.place] = 0.0;
         term.free[self.place] = false;
-        term.row[0] /= self.first();
+        if let Form::TakenOn { first, .. } = self.form {
+            term.row[0] /= first;
+        }
     }
 }
 
