@@ -92,11 +92,6 @@ fn write(folder: &Path, name: &str, logs: &[(&str, &Log, f64)]) -> Result<(), Bo
                 .map(|t| log.finals((t * RATE_HZ) as usize - 200))
         })
         .collect();
-    let segments: Vec<Vec<Segment>> = (0..logs.len())
-        .map(|i| segments(logs[i].1, before[i].as_deref(), &finals[i]))
-        .collect();
-    let trajectories: Vec<Vec<Trajectory>> =
-        logs.iter().map(|(_, log, _)| trajectories(log)).collect();
     let runs: Vec<Run> = (0..logs.len())
         .map(|i| {
             let (name, log, noise_n) = logs[i];
@@ -105,29 +100,29 @@ fn write(folder: &Path, name: &str, logs: &[(&str, &Log, f64)]) -> Result<(), Bo
             Run {
                 name,
                 law: "hunt_crossley",
-                time_s: &log.time_s,
-                depth_m: &log.depth_m,
-                speed_mps: &log.speed_mps,
-                measured_n: &log.measured_n,
-                estimated_n: &log.estimated_n,
-                innovation_n: &log.innovation_n,
-                forgetting: &log.forgetting,
-                status: &log.status,
+                time_s: (&log.time_s).into(),
+                depth_m: (&log.depth_m).into(),
+                speed_mps: (&log.speed_mps).into(),
+                measured_n: (&log.measured_n).into(),
+                estimated_n: (&log.estimated_n).into(),
+                innovation_n: (&log.innovation_n).into(),
+                forgetting: (&log.forgetting).into(),
+                status: (&log.status).into(),
                 noise_n: Some(noise_n),
                 forgetting_law: Some(ForgettingLaw {
                     alpha_2_per_n: FORGETTING.alpha_2_per_n * scale,
                     alpha_3_n: FORGETTING.alpha_3_n / scale,
                     ..FORGETTING
                 }),
-                parameters: &trajectories[i],
-                finals: &finals[i],
-                segments: &segments[i],
-                touches: &log.touches,
-                events: &log.events,
+                parameters: trajectories(log),
+                finals: finals[i].clone(),
+                segments: segments(log, before[i].as_deref(), &finals[i]),
+                touches: (&log.touches).into(),
+                events: (&log.events).into(),
                 elastic: Some(Elastic {
-                    depth_m,
-                    estimated_n,
-                    true_n,
+                    depth_m: depth_m.into(),
+                    estimated_n: estimated_n.into(),
+                    true_n: true_n.into(),
                 }),
                 force_rmse_n: Some(1.07 * noise_n),
                 settled_at_s: Some(0.81),
@@ -177,16 +172,13 @@ fn sentence(finals: &[FinalParameter]) -> String {
 }
 
 fn trajectories(log: &Log) -> Vec<Trajectory<'_>> {
-    let of = |((name, unit), values): (&(&'static str, &'static str), _)| Trajectory {
+    let each = NAMES.iter().zip(&log.parameters);
+    each.map(|((name, unit), values)| Trajectory {
         name,
         unit,
-        values,
-    };
-    NAMES
-        .iter()
-        .zip(log.parameters.iter().map(Vec::as_slice))
-        .map(of)
-        .collect()
+        values: values.into(),
+    })
+    .collect()
 }
 
 fn segments<'a>(
@@ -200,18 +192,18 @@ fn segments<'a>(
             Segment {
                 from_s: log.touches[0].from_s,
                 to_s: t,
-                parameters: before,
+                parameters: before.to_vec(),
             },
             Segment {
                 from_s: t,
                 to_s: end,
-                parameters: finals,
+                parameters: finals.to_vec(),
             },
         ],
         _ => vec![Segment {
             from_s: log.touches[0].from_s,
             to_s: end,
-            parameters: finals,
+            parameters: finals.to_vec(),
         }],
     }
 }

@@ -15,7 +15,9 @@ mod tables;
 mod window;
 
 pub(super) use run::label;
-pub use run::{Elastic, EstimateReport, FinalParameter, ForgettingLaw, Run, Segment, Trajectory};
+pub use run::{
+    Column, Elastic, EstimateReport, FinalParameter, ForgettingLaw, Run, Segment, Trajectory,
+};
 
 use super::{Document, Section};
 

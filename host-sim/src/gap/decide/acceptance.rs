@@ -37,9 +37,7 @@ pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
 /// the held-out part hardly misses it. Of 810 effects that were right one was that badly known, of 36
 /// wrong ones ten.
 pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
-    let Decision {
-        best, std_errors, ..
-    } = decision;
+    let (best, std_errors) = (&decision.best, &decision.std_errors);
     let is_known = |number: usize| {
         let owner = Owner::Effect(number, 0);
         let at = best.shape.free.iter().position(|free| free.owner == owner);

@@ -68,12 +68,7 @@ impl Sizes<'_> {
     /// Starts of what acts between the depth and the contact force.
     fn of_contact(&self, id: EffectId, shape: &Shape) -> Vec<Term> {
         use EffectId as E;
-        let Sizes {
-            force_n,
-            depth_m,
-            scales: s,
-            ..
-        } = *self;
+        let (force_n, depth_m, s) = (self.force_n, self.depth_m, self.scales);
         let exponential = shape.base.has("stiffening_rate");
         let viscous = shape.base.law == LawId::KelvinVoigt;
         let linear = !exponential && !shape.base.has("exponent");
@@ -130,24 +125,17 @@ impl Sizes<'_> {
     /// Starts of what acts between the contact and the load cell.
     fn of_load_path(&self, id: EffectId) -> Vec<Term> {
         use EffectId as E;
-        let Sizes {
-            force_n,
-            depth_m,
-            scales: s,
-            ..
-        } = *self;
+        let (force_n, depth_m, s) = (self.force_n, self.depth_m, self.scales);
         let (speed, least) = (s.speed_mps, f64::MIN_POSITIVE);
         match id {
             E::CoulombFriction => {
-                let sliding = |times: f64| Term {
-                    row: [
-                        force_n,
-                        0.0,
-                        (times * s.speed_noise_mps).max(2e-3 * speed),
-                        0.0,
-                    ],
-                    free: [true, false, true, false],
-                    ..start(id, &[])
+                let sliding = |times: f64| {
+                    let transition = (times * s.speed_noise_mps).max(2e-3 * speed);
+                    Term {
+                        row: [force_n, 0.0, transition, 0.0],
+                        free: [true, false, true, false],
+                        ..start(id, &[])
+                    }
                 };
                 let sticking =
                     [3e-3, 1e-2, 3e-2].map(|width| start(id, &[force_n, width * depth_m]));
@@ -183,12 +171,7 @@ impl Sizes<'_> {
     /// reading.
     fn of_transmission_and_reading(&self, id: EffectId) -> Vec<Term> {
         use EffectId as E;
-        let Sizes {
-            depth_m,
-            stiffness_n_per_m: stiffness,
-            scales: s,
-            ..
-        } = *self;
+        let (depth_m, stiffness, s) = (self.depth_m, self.stiffness_n_per_m, self.scales);
         let each = |values: [f64; 3]| values.map(|one| start(id, &[one])).to_vec();
         match id {
             E::SeriesCompliance => vec![

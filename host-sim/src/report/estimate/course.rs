@@ -7,15 +7,21 @@ use crate::report::{Figure, plot::Axis, plot::Chart, plot::Ink, plot::Series, pl
 pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
     let force =
         Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero()).size(layout.over_time);
-    let force = compare(force, run, run.time_s, run.measured_n, run.estimated_n);
+    let force = compare(
+        force,
+        run,
+        &run.time_s[..],
+        &run.measured_n[..],
+        &run.estimated_n[..],
+    );
     let depth = Chart::new(Axis::time(), Axis::new("Depth δ", "m").with_zero())
         .size(layout.slim)
         .series(Series::new(
             "",
             Ink::Measured,
             Stroke::Solid,
-            run.time_s,
-            run.depth_m,
+            &run.time_s[..],
+            &run.depth_m[..],
         ));
     let mut caption = String::from(
         "Measured force and the replay with the estimated parameters. Shaded: in touch.",
@@ -32,7 +38,7 @@ pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
 
 /// What the law leaves unexplained, against the noise.
 pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
-    let forces = run.measured_n.iter().zip(run.estimated_n);
+    let forces = run.measured_n.iter().zip(run.estimated_n.iter());
     let residual: Vec<f64> = forces
         .map(|(measured, estimated)| measured - estimated)
         .collect();
@@ -44,10 +50,10 @@ pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
             "residual",
             Ink::Muted,
             Stroke::Thin,
-            run.time_s,
+            &run.time_s[..],
             residual,
         ))
-        .series(Series::estimated("running mean", run.time_s, mean));
+        .series(Series::estimated("running mean", &run.time_s[..], mean));
     let mut caption = format!(
         "What the estimate leaves unexplained; running mean over 1/{MEANS} of the log. A mean with \
          a pattern is something that the law does not know."

@@ -20,8 +20,8 @@ pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
                 "",
                 Ink::First,
                 Stroke::Thin,
-                run.time_s,
-                run.forgetting,
+                &run.time_s[..],
+                &run.forgetting[..],
             ));
         figures.push(
             Figure::new(layout.title(run, "β over time", ""), &annotate(chart, run))
@@ -58,7 +58,7 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
         Ink::First,
         Stroke::Dots,
         errors,
-        run.forgetting,
+        &run.forgetting[..],
     ));
     let caption = format!(
         "The larger the error of the predicted force, the faster the past is forgotten: α₁ = {}, α₂ = {} per N, \

@@ -21,15 +21,15 @@ pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
 }
 
 fn hysteresis(run: &Run, layout: &Layout, window: &Window) -> Figure {
-    let range = window.of(run.time_s);
-    let depth = part(run.depth_m, &range);
+    let range = window.of(&run.time_s);
+    let depth = part(&run.depth_m, &range);
     // In free air both forces are zero, and the approach would be most of the picture.
     let in_contact = |force: &[f64]| -> Vec<f64> {
         let value = |(f, d): (&f64, &f64)| if *d >= 0.0 { *f } else { f64::NAN };
         force.iter().zip(depth).map(value).collect()
     };
-    let measured = in_contact(part(run.measured_n, &range));
-    let estimated = in_contact(part(run.estimated_n, &range));
+    let measured = in_contact(part(&run.measured_n, &range));
+    let estimated = in_contact(part(&run.estimated_n, &range));
     let chart = Chart::new(
         Axis::new("Depth δ", "m"),
         Axis::new("Force F", "N").with_zero(),
@@ -51,29 +51,33 @@ fn shown(window: &Window) -> String {
 }
 
 fn elastic(run: &Run, layout: &Layout) -> Option<Figure> {
-    let elastic = run.elastic?;
+    let elastic = run.elastic.as_ref()?;
     let mut chart = Chart::new(
         Axis::new("Depth δ", "m"),
         Axis::new("Elastic force", "N").with_zero(),
     )
     .series(Series::estimated(
         "estimated",
-        elastic.depth_m,
-        elastic.estimated_n,
+        &elastic.depth_m[..],
+        &elastic.estimated_n[..],
     ));
     let mut caption = String::from("Force over depth at rest, from the final parameters.");
     if !elastic.true_n.is_empty() {
-        chart = chart.series(Series::measured("true", elastic.depth_m, elastic.true_n));
+        chart = chart.series(Series::measured(
+            "true",
+            &elastic.depth_m[..],
+            &elastic.true_n[..],
+        ));
         caption += " Dashed: the true curve of the simulated rig.";
     }
     Some(Figure::new(layout.title(run, "Elastic response", ""), &chart).caption(caption))
 }
 
 fn power(run: &Run, layout: &Layout, window: &Window, wide: bool) -> Figure {
-    let range = window.of(run.time_s);
-    let (time, speed) = (part(run.time_s, &range), part(run.speed_mps, &range));
-    let measured = product(part(run.measured_n, &range), speed);
-    let estimated = product(part(run.estimated_n, &range), speed);
+    let range = window.of(&run.time_s);
+    let (time, speed) = (part(&run.time_s, &range), part(&run.speed_mps, &range));
+    let measured = product(part(&run.measured_n, &range), speed);
+    let estimated = product(part(&run.estimated_n, &range), speed);
     let chart = Chart::new(Axis::time(), Axis::new("Power F dδ/dt", "W").with_zero())
         .size(if wide { layout.over_time } else { Size::Half });
     let chart = compare(chart, run, time, measured, estimated);

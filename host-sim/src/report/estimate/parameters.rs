@@ -35,7 +35,7 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
     let chart = Chart::new(Axis::time(), axis)
         .size(layout.slim)
         .strip(status_spans(run))
-        .series(Series::estimated("", run.time_s, values).band(errors));
+        .series(Series::estimated("", &run.time_s[..], values).band(errors));
     Figure::new(
         layout.title(run, &label(trajectory.name), ""),
         &annotate(chart, run),
@@ -69,7 +69,7 @@ fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
 /// Runs of equal status.
 fn status_spans(run: &Run) -> Vec<Span> {
     let mut spans: Vec<(Status, f64, f64)> = Vec::new();
-    for (status, time) in run.status.iter().zip(run.time_s) {
+    for (status, time) in run.status.iter().zip(run.time_s.iter()) {
         match spans.last_mut() {
             Some((last, _, to)) => {
                 *to = *time;

@@ -1,4 +1,6 @@
-//! What the report shows: borrowed columns of one log or several.
+//! What the report shows: columns of one log or several.
+
+use std::borrow::Cow;
 
 use estimator_core::estimate::{Estimated, status::Status};
 
@@ -25,43 +27,46 @@ pub struct EstimateReport<'a> {
     pub provenance: Provenance,
 }
 
+/// One entry per sample, the report's own or borrowed.
+pub type Column<'a, T = f64> = Cow<'a, [T]>;
+
 /// One log and what was estimated from it. One entry per sample, in SI units.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Run<'a> {
     /// What was touched, or the name of the log; may be empty for a single run.
     pub name: &'a str,
     /// The law, as in files: `hunt_crossley`.
     pub law: &'a str,
     /// Time (s).
-    pub time_s: &'a [f64],
+    pub time_s: Column<'a>,
     /// Penetration (m).
-    pub depth_m: &'a [f64],
+    pub depth_m: Column<'a>,
     /// Rate of penetration (m/s).
-    pub speed_mps: &'a [f64],
+    pub speed_mps: Column<'a>,
     /// Measured force (N).
-    pub measured_n: &'a [f64],
+    pub measured_n: Column<'a>,
     /// Force of a replay with the estimated parameters (N); NaN where there is none.
-    pub estimated_n: &'a [f64],
+    pub estimated_n: Column<'a>,
     /// F − F̂ before the sample was learned from (N): the argument of (24).
-    pub innovation_n: &'a [f64],
+    pub innovation_n: Column<'a>,
     /// β of (24) that was used.
-    pub forgetting: &'a [f64],
+    pub forgetting: Column<'a>,
     /// How far the estimate could be trusted.
-    pub status: &'a [Status],
+    pub status: Column<'a, Status>,
     /// Standard deviation of the force noise (N).
     pub noise_n: Option<f64>,
     /// The settings of (24).
     pub forgetting_law: Option<ForgettingLaw>,
     /// The parameters over time.
-    pub parameters: &'a [Trajectory<'a>],
+    pub parameters: Vec<Trajectory<'a>>,
     /// The parameters at the end, in the order of the table.
-    pub finals: &'a [FinalParameter<'a>],
+    pub finals: Vec<FinalParameter<'a>>,
     /// Between changes of material.
-    pub segments: &'a [Segment<'a>],
+    pub segments: Vec<Segment<'a>>,
     /// The touches in order.
-    pub touches: &'a [Touch],
+    pub touches: Column<'a, Touch>,
     /// What happened when, in order.
-    pub events: &'a [EventMark],
+    pub events: Column<'a, EventMark>,
     /// Force over depth at rest.
     pub elastic: Option<Elastic<'a>>,
     /// Raw measured force against the replay with the final parameters, in contact (N).
@@ -73,14 +78,14 @@ pub struct Run<'a> {
 }
 
 /// A parameter over time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Trajectory<'a> {
     /// As in files: `stiffness`.
     pub name: &'a str,
     /// Without prefix: `N/m`, `1`.
     pub unit: &'a str,
     /// One a sample; `None` where it is not observable.
-    pub values: &'a [Option<Estimated<f64>>],
+    pub values: Column<'a, Option<Estimated<f64>>>,
 }
 
 /// A parameter at the end.
@@ -95,14 +100,14 @@ pub struct FinalParameter<'a> {
 }
 
 /// One material from a change to the next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Segment<'a> {
     /// From (s).
     pub from_s: f64,
     /// To (s).
     pub to_s: f64,
     /// The parameters at its end.
-    pub parameters: &'a [FinalParameter<'a>],
+    pub parameters: Vec<FinalParameter<'a>>,
 }
 
 /// The settings of (24).
@@ -125,14 +130,14 @@ impl ForgettingLaw {
 }
 
 /// Force over depth without damping.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Elastic<'a> {
     /// Depth (m).
-    pub depth_m: &'a [f64],
+    pub depth_m: Column<'a>,
     /// Estimated elastic force (N).
-    pub estimated_n: &'a [f64],
+    pub estimated_n: Column<'a>,
     /// The true one (N), where it is known (a simulated rig); else empty.
-    pub true_n: &'a [f64],
+    pub true_n: Column<'a>,
 }
 
 /// Name of a parameter for people, with its symbol in the equations.

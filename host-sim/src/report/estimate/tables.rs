@@ -80,7 +80,7 @@ fn merits(runs: &[Run]) -> Vec<Vec<Cell>> {
 /// Names of all parameters of all runs, in the order in which they come.
 fn parameter_names<'a>(runs: &[Run<'a>]) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
-    for parameter in runs.iter().flat_map(|run| run.finals) {
+    for parameter in runs.iter().flat_map(|run| &run.finals) {
         if !names.contains(&parameter.name) {
             names.push(parameter.name);
         }
@@ -111,7 +111,7 @@ fn caption(run: &Run, text: &str) -> String {
 
 /// Only where the material changed: one segment repeats the result.
 fn segments(run: &Run) -> Option<Table> {
-    let all = run.segments.iter().flat_map(|segment| segment.parameters);
+    let all = run.segments.iter().flat_map(|segment| &segment.parameters);
     let mut names: Vec<&str> = Vec::new();
     for parameter in all {
         if !names.contains(&parameter.name) {
@@ -161,7 +161,7 @@ fn touches(run: &Run) -> Option<Table> {
 /// the touches and the materials.
 fn faults(run: &Run) -> Option<Table> {
     let mut kinds: BTreeMap<u8, (&str, usize, f64, f64)> = BTreeMap::new();
-    for event in run.events {
+    for event in run.events.iter() {
         if let EventKind::Fault { code, description } = &event.kind {
             let first = (description.as_str(), 0, event.time_s, event.time_s);
             let (_, count, _, last) = kinds.entry(*code).or_insert(first);

@@ -68,12 +68,12 @@ impl Log {
     }
 
     fn html(&self, names: &[&str]) -> String {
-        let parameters = [Trajectory {
+        let parameters = vec![Trajectory {
             name: "stiffness",
             unit: "N/m",
-            values: &self.stiffness,
+            values: (&self.stiffness).into(),
         }];
-        let finals = [
+        let finals = vec![
             FinalParameter {
                 name: "stiffness",
                 unit: "N/m",
@@ -87,23 +87,29 @@ impl Log {
         ];
         let run = Run {
             law: "hunt_crossley",
-            time_s: &self.time,
-            depth_m: &self.depth,
-            speed_mps: &self.depth,
-            measured_n: &self.force,
-            estimated_n: &self.force,
-            innovation_n: &self.wiggle,
-            forgetting: &self.force,
-            status: &self.status,
+            time_s: (&self.time).into(),
+            depth_m: (&self.depth).into(),
+            speed_mps: (&self.depth).into(),
+            measured_n: (&self.force).into(),
+            estimated_n: (&self.force).into(),
+            innovation_n: (&self.wiggle).into(),
+            forgetting: (&self.force).into(),
+            status: (&self.status).into(),
             noise_n: Some(0.02),
             forgetting_law: Some(FORGETTING),
-            parameters: &parameters,
-            finals: &finals,
-            touches: &self.touches,
-            events: &self.events,
+            parameters,
+            finals,
+            touches: (&self.touches).into(),
+            events: (&self.events).into(),
             ..Run::default()
         };
-        let runs: Vec<Run> = names.iter().map(|name| Run { name, ..run }).collect();
+        let runs: Vec<Run> = names
+            .iter()
+            .map(|name| Run {
+                name,
+                ..run.clone()
+            })
+            .collect();
         report(&runs, &[]).document().to_html()
     }
 }
@@ -136,24 +142,24 @@ fn nothing_at_all_is_still_a_report() {
 fn a_log_of_nan_constants_and_slices_of_different_length_is_still_a_report() {
     let (nan, one) = ([f64::NAN; 50], [1.0; 7]);
     let run = Run {
-        time_s: &one,
-        depth_m: &nan,
-        speed_mps: &one,
-        measured_n: &one,
-        estimated_n: &nan,
-        innovation_n: &nan,
-        forgetting: &one,
-        status: &[Status::Converged],
+        time_s: (&one[..]).into(),
+        depth_m: (&nan[..]).into(),
+        speed_mps: (&one[..]).into(),
+        measured_n: (&one[..]).into(),
+        estimated_n: (&nan[..]).into(),
+        innovation_n: (&nan[..]).into(),
+        forgetting: (&one[..]).into(),
+        status: vec![Status::Converged].into(),
         noise_n: Some(f64::NAN),
         forgetting_law: Some(ForgettingLaw {
             alpha_1: f64::NAN,
             alpha_2_per_n: f64::INFINITY,
             alpha_3_n: -1.0,
         }),
-        parameters: &[Trajectory {
+        parameters: vec![Trajectory {
             name: "",
             unit: "",
-            values: &[None, None],
+            values: vec![None, None].into(),
         }],
         ..Run::default()
     };

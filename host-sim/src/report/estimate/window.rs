@@ -34,7 +34,7 @@ impl Window {
 
 /// The whole run, or its first and last touches.
 pub(super) fn windows(run: &Run) -> Vec<Window> {
-    let touches = run.touches;
+    let touches = &run.touches;
     let contact_s: f64 = touches.iter().map(|t| t.to_s - t.from_s).sum();
     if touches.len() <= MOST_TOUCHES && contact_s <= MOST_CONTACT_S {
         return vec![Window {
@@ -79,7 +79,7 @@ mod tests {
 
     fn names(touches: &[Touch]) -> Vec<String> {
         let run = Run {
-            touches,
+            touches: touches.into(),
             ..Run::default()
         };
         windows(&run).into_iter().map(|w| w.name).collect()
@@ -103,7 +103,7 @@ mod tests {
             ["first 30 s of contact", "last 30 s of contact"]
         );
         let run = Run {
-            touches: &one,
+            touches: (&one).into(),
             ..Run::default()
         };
         let last = &windows(&run)[1];
