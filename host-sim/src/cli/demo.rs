@@ -115,7 +115,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
         shown.push(columns.with_true_elastic(|depth_m| law.force_n(depth_m, 0.0)));
     }
     let report = args.out.join("report.html");
-    document(&shown, "Palpating gel and plastic", &[])?.write(&report)?;
+    document(shown, "Palpating gel and plastic", &[])?.write(&report)?;
     hidden(args)?;
     say(format!(
         "report: {}\nnext:   palpate estimate {}\n        palpate gap --model {} --log {} --out result\n",

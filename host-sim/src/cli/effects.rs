@@ -61,8 +61,7 @@ pub fn run(args: &EffectsArgs) -> Result<(), Box<dyn Error>> {
         fs::create_dir_all(out)
             .map_err(|error| format!("cannot make the folder {}: {error}", out.display()))?;
         let path = out.join("report.html");
-        let command: Vec<String> = std::env::args().skip(1).collect();
-        let provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
+        let provenance = Provenance::of_this_process();
         let provenance = provenance.setting("seed", args.seed.to_string());
         page::document(&shown, provenance).write(&path)?;
         say(format!("report: {}\n", path.display()))?;

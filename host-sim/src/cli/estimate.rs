@@ -85,6 +85,6 @@ fn write(
     files::write_csv(&folder.join("estimate.csv"), &estimation.replay, every)?;
     let title = format!("Estimate of {}", inputs[0].display());
     let shown = Shown::new("", log, estimation);
-    document(&[shown], &title, inputs)?.write(&folder.join("report.html"))?;
+    document(vec![shown], &title, inputs)?.write(&folder.join("report.html"))?;
     Ok(())
 }

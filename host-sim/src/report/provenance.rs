@@ -68,6 +68,12 @@ impl Provenance {
         }
     }
 
+    /// The command that this process was started with.
+    pub fn of_this_process() -> Provenance {
+        let arguments: Vec<String> = std::env::args().skip(1).collect();
+        Provenance::new(format!("palpate {}", arguments.join(" ")).trim_end())
+    }
+
     /// Adds a file that was read.
     pub fn input(mut self, input: Input) -> Provenance {
         self.inputs.push(input);

@@ -175,14 +175,15 @@ impl Shown {
             }
         }
     }
+}
 
-    fn tone(&self) -> Tone {
-        match self.status {
-            Status::Converged => Tone::Good,
-            Status::ModelSuspect => Tone::Bad,
-            Status::NoContact => Tone::Neutral,
-            _ => Tone::Warning,
-        }
+/// How good the news of a status is.
+pub(super) fn tone(status: Status) -> Tone {
+    match status {
+        Status::Converged => Tone::Good,
+        Status::ModelSuspect => Tone::Bad,
+        Status::NoContact => Tone::Neutral,
+        _ => Tone::Warning,
     }
 }
 
@@ -206,17 +207,15 @@ fn elastic(estimation: &Estimation) -> Option<report::Elastic<'static>> {
 ///
 /// # Errors
 /// If an input cannot be read again for its hash.
-pub fn document(shown: &[Shown], title: &str, inputs: &[&Path]) -> io::Result<Document> {
-    let runs: Vec<report::Run> = shown.iter().map(|one| one.run.clone()).collect();
+pub fn document(shown: Vec<Shown>, title: &str, inputs: &[&Path]) -> io::Result<Document> {
     let verdict: Vec<String> = shown.iter().map(Shown::verdict).collect();
     let notes: Vec<String> = shown.iter().flat_map(|one| one.notes.clone()).collect();
-    let badge = shown
-        .first()
-        .map_or("nothing", |one| one.status.name())
-        .replace('_', " ");
+    let first = shown.first().map(|one| one.status);
+    let badge = first.map_or("nothing", Status::name).replace('_', " ");
+    let runs: Vec<report::Run> = shown.into_iter().map(|one| one.run).collect();
     let report = report::EstimateReport {
         title,
-        tone: shown.first().map_or(Tone::Neutral, Shown::tone),
+        tone: first.map_or(Tone::Neutral, tone),
         badge: &badge,
         verdict: &verdict.join(" "),
         runs: &runs,
@@ -227,8 +226,7 @@ pub fn document(shown: &[Shown], title: &str, inputs: &[&Path]) -> io::Result<Do
 }
 
 fn provenance(inputs: &[&Path]) -> io::Result<Provenance> {
-    let command: Vec<String> = std::env::args().skip(1).collect();
-    let mut provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
+    let mut provenance = Provenance::of_this_process();
     for path in inputs {
         provenance = provenance.input(Input::of_file(path)?);
     }

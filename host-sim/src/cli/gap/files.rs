@@ -66,8 +66,7 @@ fn name(path: &Path) -> String {
 
 fn report(finding: &Finding, inputs: &Inputs<'_>) -> io::Result<Document> {
     let names: Vec<String> = inputs.logs.iter().map(|path| name(path)).collect();
-    let command: Vec<String> = std::env::args().skip(1).collect();
-    let mut provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
+    let mut provenance = Provenance::of_this_process();
     for path in std::iter::once(inputs.model).chain(inputs.logs.iter().map(PathBuf::as_path)) {
         provenance = provenance.input(Input::of_file(path)?);
     }

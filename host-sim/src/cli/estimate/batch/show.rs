@@ -7,10 +7,11 @@ use estimator_core::Status;
 
 use super::print::name;
 use crate::batch::{Batch, Parameter};
+use crate::cli::estimate::show::tone;
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::fixed;
-use crate::report::{Cell, Document, Input, Provenance, Section, Table, Tone, estimate as report};
+use crate::report::{Cell, Document, Input, Provenance, Section, Table, estimate as report};
 
 /// Of touches, so many rows are shown.
 const MOST_ROWS: usize = 14;
@@ -47,8 +48,7 @@ pub(super) fn document(log: &UniformLog, batch: &Batch, path: &Path) -> io::Resu
     let title = format!("Estimate of {}", path.display());
     let badge = batch.status.name().replace('_', " ");
     let verdict = verdict(batch);
-    let command: Vec<String> = std::env::args().skip(1).collect();
-    let provenance = Provenance::new(format!("palpate {}", command.join(" ")).trim_end());
+    let provenance = Provenance::of_this_process();
     let document = report::EstimateReport {
         title: &title,
         tone: tone(batch.status),
@@ -72,15 +72,6 @@ fn finals(parameters: &[Parameter]) -> Vec<report::FinalParameter<'_>> {
         estimate: parameter.estimate,
     })
     .collect()
-}
-
-fn tone(status: Status) -> Tone {
-    match status {
-        Status::Converged => Tone::Good,
-        Status::ModelSuspect => Tone::Bad,
-        Status::NoContact => Tone::Neutral,
-        _ => Tone::Warning,
-    }
 }
 
 /// One sentence: what was found and whether to trust it.
