@@ -233,8 +233,10 @@ fn e6_the_estimated_elastic_response_lies_on_the_real_one() {
         assert_within("elastic responses apart (N)", apart_n, tolerance::E6_N);
         // The report draws this curve.
         let page = palpate::cli::estimate::document(
-            &[Shown::new("polyurethane", &log, &estimation)
-                .with_true_elastic(|d| POLYURETHANE.elastic_n(d))],
+            vec![
+                Shown::new("polyurethane", &log, &estimation)
+                    .with_true_elastic(|d| POLYURETHANE.elastic_n(d)),
+            ],
             "E6",
             &[],
         );
