@@ -7,7 +7,8 @@
 //! `kinematics` takes depth and speed from the position, `course` makes block means of them and of
 //! the raw force, `start` scans for where to begin, `fit` walks to the minimum over the parameters of
 //! a `family`, `select` compares the laws, `error` says how well the parameters are known, `touch`
-//! looks at each touch by itself, and `modulus` makes a material constant of it.
+//! looks at each touch by itself, and `modulus` makes a material constant of it. What decides is in
+//! `thresholds`.
 
 mod assemble;
 mod course;
@@ -20,6 +21,7 @@ mod options;
 mod result;
 mod select;
 mod start;
+mod thresholds;
 mod touch;
 
 use estimator_core::estimate::method::Method;
@@ -29,6 +31,7 @@ pub use family::Family;
 pub use modulus::Indenter;
 pub use options::{Options, all_families};
 pub use result::{Batch, Columns, Modulus, Parameter, TouchFit, Tried};
+pub use thresholds::Thresholds;
 
 use crate::kinematics::kinematics;
 use assemble::Given;
@@ -63,7 +66,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
     })?;
     let motion = kinematics(log);
     let mut empty = nothing(log, &replay, notes);
-    let Some(course) = Course::of(log, &motion, &replay) else {
+    let Some(course) = Course::of(log, &motion, &replay, options.thresholds) else {
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);
     };

@@ -23,5 +23,6 @@ pub mod settings;
 pub mod signal;
 mod spectral;
 mod stats;
+pub mod threshold;
 pub mod toml_reader;
 pub mod wrap;

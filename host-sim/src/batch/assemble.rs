@@ -6,16 +6,13 @@ use estimator_core::estimate::Estimated;
 use super::touch;
 use super::{
     course::Course, course::Node, course::Use, family::Family, family::natural, fit::Fit,
-    fit::Problem, modulus::Indenter, options::EXPLAINED, result::Batch, result::Columns,
-    result::Modulus, result::Parameter, result::Tried, select::Candidate, select::Fixed,
-    select::candidates,
+    fit::Problem, modulus::Indenter, result::Batch, result::Columns, result::Modulus,
+    result::Parameter, result::Tried, select::Candidate, select::Fixed, select::candidates,
 };
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::stats::rms;
 
-/// A parameter that must be positive and is known no better than this share of itself is not known.
-const KNOWN: f64 = 0.7;
 /// Points of the elastic curve.
 const CURVE_POINTS: usize = 200;
 
@@ -91,7 +88,7 @@ impl Given<'_> {
         });
         Batch {
             family: best.fit.family,
-            status: status(&best.fit, &parameters, rmse, empty.noise_n),
+            status: self.status(&best.fit, &parameters, rmse, empty.noise_n),
             parameters: sorted(best.fit.family, parameters),
             offset,
             skew,
@@ -105,13 +102,28 @@ impl Given<'_> {
         }
     }
 
+    fn status(&self, fit: &Fit, parameters: &[Parameter], rmse: f64, noise_n: f64) -> Status {
+        if parameters
+            .iter()
+            .any(|parameter| parameter.estimate.is_none())
+        {
+            Status::Unobservable
+        } else if rmse > self.course.thresholds.report.explained * noise_n {
+            Status::ModelSuspect
+        } else if fit.converged {
+            Status::Converged
+        } else {
+            Status::Converging
+        }
+    }
+
     /// Names to values; none to what the log does not tell.
     fn named(&self, family: Family, values: &[Estimated<f64>]) -> Vec<Parameter> {
         let known = |name: &str, estimate: &Estimated<f64>| {
             let far = match name {
                 "surface" => self.course.scales.depth_m,
                 "damping" if family != Family::ZENER => f64::INFINITY,
-                _ => KNOWN * estimate.value.abs(),
+                _ => self.course.thresholds.report.unknown_share * estimate.value.abs(),
             };
             estimate.value.is_finite() && estimate.std_error < far
         };
@@ -226,21 +238,6 @@ impl Given<'_> {
             exponent_assumed: exponent,
             force_rmse_n: self.rmse(&again.fit),
         })
-    }
-}
-
-fn status(fit: &Fit, parameters: &[Parameter], rmse: f64, noise_n: f64) -> Status {
-    if parameters
-        .iter()
-        .any(|parameter| parameter.estimate.is_none())
-    {
-        Status::Unobservable
-    } else if rmse > EXPLAINED * noise_n {
-        Status::ModelSuspect
-    } else if fit.converged {
-        Status::Converged
-    } else {
-        Status::Converging
     }
 }
 

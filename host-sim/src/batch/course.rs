@@ -20,17 +20,14 @@
 
 use std::ops::Range;
 
+use super::thresholds::{Samples, Thresholds};
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::replay::Replay;
 use crate::stats::{highest, lowest, median};
 
-/// Of the peak force of a touch: below it on the way out, samples are left out.
-const LET_GO: f64 = 0.03;
 /// Half-width of the moving mean that decides about it (samples): 7 samples.
 const MEAN_HALF_WIDTH: usize = 3;
-/// A mean of the force above this many of its standard deviations is contact.
-const CONTACT_SIGMAS: f64 = 6.0;
 /// Change of depth within a block, of the depth.
 const DEPTH_SHARE: f64 = 0.04;
 /// Duration of a block, of the time since the motion ended.
@@ -42,10 +39,6 @@ const MOST_FREE: usize = 64;
 const HOLD_SPEED: f64 = 0.02;
 /// Before the first force, of the deepest depth: there the surface may be.
 const NEAR: f64 = 0.3;
-/// The probe is out of the material this far before the first force, of the deepest depth.
-const OUTSIDE: f64 = 0.05;
-/// Touches of less than this share of the hardest do not say where the surface is.
-const FIRM: f64 = 0.2;
 
 /// What a sample is good for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,21 +108,35 @@ pub(super) struct Course {
     pub(super) scales: Scales,
     /// Touches as ranges of samples.
     pub(super) touches: Vec<Range<usize>>,
+    /// What decides about it.
+    pub(super) thresholds: Thresholds,
 }
 
 impl Course {
     /// Lays the course of a log; `None` if nothing is touched.
-    pub(super) fn of(log: &UniformLog, motion: &Kinematics, replay: &Replay) -> Option<Course> {
+    pub(super) fn of(
+        log: &UniformLog,
+        motion: &Kinematics,
+        replay: &Replay,
+        thresholds: Thresholds,
+    ) -> Option<Course> {
         let touches = replay.contacts();
         let force_n = moving_mean(&log.force_n);
-        let scales = scales(log, motion, &force_n, &touches)?;
-        let uses = uses(log, motion, &force_n, &touches, &scales);
+        let scales = scales(
+            log,
+            motion,
+            &force_n,
+            &touches,
+            thresholds.samples.firm_touch,
+        )?;
+        let uses = uses(log, motion, &force_n, &touches, &scales, thresholds.samples);
         let nodes = nodes(log, motion, &uses, &scales);
         Some(Course {
             nodes,
             uses,
             scales,
             touches,
+            thresholds,
         })
     }
 
@@ -163,12 +170,13 @@ fn scales(
     motion: &Kinematics,
     force_n: &[f64],
     touches: &[Range<usize>],
+    firm: f64,
 ) -> Option<Scales> {
     let first = touches.first()?.start;
     let rest_n = median(log.force_n[..first].iter().copied());
     let peak = |touch: &Range<usize>| highest(force_n[touch.clone()].iter().copied()) - rest_n;
     let hardest = touches.iter().map(peak).fold(0.0, f64::max);
-    let firm = touches.iter().filter(|touch| peak(touch) >= FIRM * hardest);
+    let firm = touches.iter().filter(|touch| peak(touch) >= firm * hardest);
     let touch_m = lowest(firm.map(|touch| motion.position_m[touch.start]));
     let samples = || touches.iter().cloned().flatten();
     let depth_m = highest(samples().map(|at| motion.position_m[at])) - touch_m;
@@ -200,12 +208,14 @@ fn uses(
     force_n: &[f64],
     touches: &[Range<usize>],
     scales: &Scales,
+    decide: Samples,
 ) -> Vec<Use> {
     let mut uses = vec![Use::Free; log.len()];
     let mean_noise = scales.noise_n / ((2 * MEAN_HALF_WIDTH + 1) as f64).sqrt();
     for (number, touch) in touches.iter().enumerate() {
         let peak = highest(force_n[touch.clone()].iter().copied()) - scales.rest_n;
-        let let_go = scales.rest_n + (LET_GO * peak).max(CONTACT_SIGMAS * mean_noise);
+        let let_go =
+            scales.rest_n + (decide.released_force * peak).max(decide.contact_sigmas * mean_noise);
         let mut gone_in = false;
         for at in touch.clone() {
             let pressed = force_n[at] >= let_go;
@@ -217,8 +227,8 @@ fn uses(
             };
         }
         let next = touches.get(number + 1).map_or(log.len(), |next| next.start);
-        let pulls = |at: usize| force_n[at] < scales.rest_n - CONTACT_SIGMAS * mean_noise;
-        let out_m = scales.touch_m - OUTSIDE * scales.depth_m;
+        let pulls = |at: usize| force_n[at] < scales.rest_n - decide.contact_sigmas * mean_noise;
+        let out_m = scales.touch_m - decide.outside_depth * scales.depth_m;
         let out = (touch.end..next).find(|at| motion.position_m[*at] < out_m && !pulls(*at));
         let out = out.unwrap_or_else(|| {
             // It never left: the way in again begins where it was farthest out.
@@ -372,7 +382,7 @@ mod tests {
         )
         .config;
         let replay = crate::replay::replay(&log, &config).unwrap();
-        let course = Course::of(&log, &kinematics(&log), &replay).unwrap();
+        let course = Course::of(&log, &kinematics(&log), &replay, Thresholds::default()).unwrap();
         (log, course)
     }
 

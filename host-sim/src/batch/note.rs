@@ -2,15 +2,12 @@
 
 use estimator_core::estimate::Event;
 
-use super::{course::Course, options::EXPLAINED, options::Options, result::Batch};
+use super::{course::Course, options::Options, result::Batch, thresholds::Report};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::{Measured, quantity};
 use crate::replay::{EventKind, EventMark};
-
-/// Fewer measurements than this are no free air.
-const FEWEST_FREE: f64 = 10.0;
 
 /// Whether an event is the recursion's opinion about the material.
 pub(super) fn is_material_change(event: &EventMark) -> bool {
@@ -34,12 +31,13 @@ pub(super) fn notes(
     batch: &Batch,
     options: &Options,
 ) -> Vec<String> {
+    let decide = &course.thresholds.report;
     let mut notes = suspicions(log);
     notes.extend(left_out(log, course));
-    notes.extend(offset(course));
-    notes.extend(misfit(batch));
-    notes.extend(damping(batch));
-    notes.extend(skew(log, batch));
+    notes.extend(offset(course, decide));
+    notes.extend(misfit(batch, decide));
+    notes.extend(damping(batch, decide));
+    notes.extend(skew(log, batch, decide));
     notes.extend(adhesion(batch));
     notes.extend(surface(batch, options));
     notes.extend(modulus(batch));
@@ -57,25 +55,26 @@ fn left_out(log: &UniformLog, course: &Course) -> Option<String> {
     (out > 0).then(|| {
         format!(
             "{:.1} % of the samples in contact were left out: on the way out, from where the force \
-             has fallen to 3 % of the touch's peak, a surface that sticks or recovers slowly does \
+             has fallen to {} % of the touch's peak, a surface that sticks or recovers slowly does \
              what no law here says",
-            100.0 * out as f64 / all as f64
+            100.0 * out as f64 / all as f64,
+            (100.0 * course.thresholds.samples.released_force).round()
         )
     })
 }
 
-fn offset(course: &Course) -> Option<String> {
-    (course.free() < FEWEST_FREE).then(|| {
+fn offset(course: &Course, decide: &Report) -> Option<String> {
+    (course.free() < decide.fewest_free).then(|| {
         "no free air: the resting force was fitted with the parameters, and their standard errors \
          include it"
             .into()
     })
 }
 
-fn misfit(batch: &Batch) -> Option<String> {
+fn misfit(batch: &Batch, decide: &Report) -> Option<String> {
     let rmse = batch.force_rmse_n?;
     let multiple = rmse / batch.noise_n;
-    (multiple > EXPLAINED).then(|| {
+    (multiple > decide.explained).then(|| {
         format!(
             "{} leaves {} rms, {multiple:.1} times the noise: it does not explain this force within \
              its noise, and its parameters describe it on average",
@@ -85,19 +84,21 @@ fn misfit(batch: &Batch) -> Option<String> {
     })
 }
 
-fn damping(batch: &Batch) -> Option<String> {
+fn damping(batch: &Batch, decide: &Report) -> Option<String> {
     let damping = batch.value("damping")?;
-    (damping.value < -3.0 * damping.std_error).then(|| {
+    (damping.value < -decide.negative_damping * damping.std_error).then(|| {
         "the damping is negative: the force runs ahead of the position; a delay between the two \
          channels looks like that"
             .into()
     })
 }
 
-fn skew(log: &UniformLog, batch: &Batch) -> Option<String> {
+fn skew(log: &UniformLog, batch: &Batch, decide: &Report) -> Option<String> {
     let skew = batch.skew?;
     let late = skew.value.abs();
-    (late > 4.0 * skew.std_error && late > 0.1 * log.period_s()).then(|| {
+    let said =
+        late > decide.skew_sigmas * skew.std_error && late > decide.least_skew * log.period_s();
+    said.then(|| {
         format!(
             "the force is {} {} than the position; the damping would carry that otherwise",
             quantity(late, 3, "s"),

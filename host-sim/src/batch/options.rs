@@ -2,10 +2,7 @@
 
 use estimator_core::physics::law::LawId;
 
-use super::{family::Family, modulus::Indenter};
-
-/// A law that leaves this many times the noise does not explain the force.
-pub(super) const EXPLAINED: f64 = 3.0;
+use super::{family::Family, modulus::Indenter, thresholds::Thresholds};
 
 /// What to fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +17,8 @@ pub struct Options {
     pub indenter: Option<Indenter>,
     /// ν of the material; 0.5 does not change its volume.
     pub poisson: f64,
+    /// What decides about the fit.
+    pub thresholds: Thresholds,
 }
 
 impl Default for Options {
@@ -30,6 +29,7 @@ impl Default for Options {
             surface_m: None,
             indenter: None,
             poisson: 0.5,
+            thresholds: Thresholds::default(),
         }
     }
 }

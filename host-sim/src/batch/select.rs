@@ -21,13 +21,9 @@ use super::fit::{Fit, Problem, STILL};
 use super::start::{Given, Starts, scan};
 use crate::stats::correlation;
 
-/// A block on the surface within so many samples' travel may be on either side of it.
-const STRADDLE: f64 = 1.0;
 /// The first round ends where a step promises less than this of χ²; the second where it promises
 /// nothing any more (`STILL`).
 const ROUGH: f64 = 1e-2;
-/// A mode of two numbers must gain this times ln N of χ².
-const WORTH: f64 = 2.0;
 /// A mode that is added to a fit begins with this share of what does not relax.
 const SMALL_MODE: f64 = 0.03;
 
@@ -72,7 +68,7 @@ pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> 
         surface: fixed.surface,
         exponent: fixed.exponent,
     };
-    let starts = scan(families, nodes, &noise_only, scales, given);
+    let starts = scan(families, course, &noise_only, given);
     let round = Round {
         course,
         weights: &noise_only,
@@ -132,7 +128,8 @@ impl Round<'_> {
             };
             let before = last.map_or(f64::INFINITY, |fit| fit.cost);
             let gained = before - candidate.fit.cost;
-            let worth = WORTH * (self.course.nodes.len() as f64).ln();
+            let worth =
+                self.course.thresholds.selection.mode_worth * (self.course.nodes.len() as f64).ln();
             chain.push(candidate);
             if gained < worth {
                 break;
@@ -195,7 +192,8 @@ fn mask_surface(weights: &mut [f64], course: &Course, fit: &Fit) {
     let scales = &course.scales;
     let surface_m = natural(fit.family, &fit.free, scales).surface_m;
     for (weight, node) in weights.iter_mut().zip(&course.nodes) {
-        let travel_m = STRADDLE * node.speed_mps.abs() * scales.period_s;
+        let travel_m =
+            course.thresholds.samples.surface_travel * node.speed_mps.abs() * scales.period_s;
         if (node.position_m - surface_m).abs() <= travel_m + 2.0 * scales.position_noise_m {
             *weight = 0.0;
         }
@@ -240,14 +238,15 @@ fn second_weights(course: &Course, candidates: &[Candidate]) -> Vec<f64> {
         }
         (sum / f64::max(count, 1.0), count)
     };
-    weights(missed_n2(chi_2, scales.noise_n.powi(2)))
+    let sigmas = course.thresholds.selection.misfit_sigmas;
+    weights(missed_n2(chi_2, scales.noise_n.powi(2), sigmas))
 }
 
 /// s² (N²) with which the mean of χ² is 1; 0 if the noise alone explains it.
-fn missed_n2(chi_2: impl Fn(f64) -> (f64, f64), noise_n2: f64) -> f64 {
+fn missed_n2(chi_2: impl Fn(f64) -> (f64, f64), noise_n2: f64, sigmas: f64) -> f64 {
     let (mean, count) = chi_2(0.0);
     // χ²/N of pure noise scatters by √(2/N).
-    if mean < 1.0 + 3.0 * (2.0 / f64::max(count, 1.0)).sqrt() {
+    if mean < 1.0 + sigmas * (2.0 / f64::max(count, 1.0)).sqrt() {
         return 0.0;
     }
     let (mut low, mut high) = (1e-6 * noise_n2, noise_n2);

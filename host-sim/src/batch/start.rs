@@ -7,7 +7,7 @@
 
 use estimator_core::physics::law::{Elastic, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw};
 
-use super::course::{Node, Scales};
+use super::course::{Course, Node, Scales};
 use super::family::{Family, damping_unit, free_of_exponent, reference_m};
 use crate::lsq::dense;
 
@@ -16,9 +16,8 @@ const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];
 const SURFACES: [f64; 8] = [-0.02, 0.01, 0.04, 0.08, 0.13, 0.2, 0.32, 0.5];
 /// Rates that are scanned.
 const RATES: usize = 12;
-/// Between touches, forces below this share of the peak are not scanned from this share of the
-/// deepest depth before the surface on.
-const LOW: f64 = 0.03;
+/// Between touches, low forces are not scanned from this share of the deepest depth before the surface
+/// on.
 const NEAR: f64 = 0.5;
 /// The scan looks at about so many nodes: every k-th of a longer course.
 const SCANNED: usize = 4000;
@@ -67,13 +66,8 @@ impl Starts {
 }
 
 /// Scans exponents, surfaces and rates for the families.
-pub(super) fn scan(
-    families: &[Family],
-    nodes: &[Node],
-    weights: &[f64],
-    scales: &Scales,
-    given: Given,
-) -> Starts {
+pub(super) fn scan(families: &[Family], course: &Course, weights: &[f64], given: Given) -> Starts {
+    let (nodes, scales) = (&course.nodes, &course.scales);
     let mut starts = Starts {
         found: families
             .iter()
@@ -82,7 +76,7 @@ pub(super) fn scan(
     };
     let stride = nodes.len().div_ceil(SCANNED).max(1);
     let mut thinned = Thinned::every(stride, nodes, weights);
-    thinned.drop_unilateral(scales);
+    thinned.drop_unilateral(scales, course.thresholds.samples.released_force);
     let exponents = given.exponent.map_or(EXPONENTS.to_vec(), |n| vec![n]);
     let surfaces: Vec<f64> = match given.surface {
         Some(surface) => vec![surface],
@@ -132,9 +126,9 @@ impl Thinned {
 
     /// Between touches, near the surface, a law that remembers may be below zero and the probe free:
     /// what is linear here does not know that.
-    fn drop_unilateral(&mut self, scales: &Scales) {
+    fn drop_unilateral(&mut self, scales: &Scales, low: f64) {
         let free_m = scales.touch_m - NEAR * scales.depth_m;
-        let low_n = scales.rest_n + LOW * scales.force_n;
+        let low_n = scales.rest_n + low * scales.force_n;
         let mut touched = false;
         for (node, weight) in self.nodes.iter().zip(&mut self.weights) {
             touched |= node.force_n > low_n;

@@ -12,6 +12,7 @@ use super::*;
 use crate::log::{Log, ReadOptions};
 use crate::motion::Motion;
 use crate::plant::{Contact, GEL, Material, PLASTIC, Rig, Stage};
+use crate::threshold::Adjustable;
 use estimator_core::physics::law::LawId;
 
 /// Seeds of the sensors' noise.
@@ -379,4 +380,17 @@ fn invented_samples_in_gaps_do_not_count() {
     let fitted = found.columns.used.iter().zip(&holey.in_gap);
     assert!(fitted.clone().any(|(used, _)| *used));
     assert!(!fitted.clone().any(|(used, in_gap)| *used && *in_gap));
+}
+
+#[test]
+fn a_threshold_that_is_set_changes_the_answer_without_a_recompile() {
+    let log = palpated(GEL.at(0.0), GEL.peak_depth_m, SEED_RIG);
+    let mut options = with(&[Family::HUNT_CROSSLEY]);
+    assert_eq!(fitted(&log, &options).status, Status::Converged);
+    // WHEN three times the noise no longer is enough of an explanation, but a quarter of it
+    options
+        .thresholds
+        .set("report.explained", 1.0 / 12.0)
+        .unwrap();
+    assert_eq!(fitted(&log, &options).status, Status::ModelSuspect);
 }

@@ -16,12 +16,8 @@ use super::select::Candidate;
 use crate::log::UniformLog;
 use crate::stats::lowest;
 
-/// Fewest nodes that make a fit.
-const FEWEST: usize = 10;
 /// Time constants of the slowest mode that the memory reaches back: e^−10 of it is left.
 const REMEMBERED: f64 = 10.0;
-/// Of the peak force: below it a law that remembers may be saturated.
-const LOW: f64 = 0.03;
 /// Parameters that a touch has of its own.
 const OWN: [&str; 3] = ["stiffness", "damping", "exponent"];
 
@@ -89,7 +85,9 @@ impl OneTouch<'_> {
         let scales = &self.course.scales;
         let nodes = self.without_memory(scales);
         let mut weights = self.best.weights[self.range.clone()].to_vec();
-        let low_n = scales.rest_n + LOW * scales.force_n;
+        let decide = self.course.thresholds;
+        // Below it a law that remembers may be saturated.
+        let low_n = scales.rest_n + decide.samples.released_force * scales.force_n;
         let measured = &self.course.nodes[self.range.clone()];
         for (weight, node) in weights.iter_mut().zip(measured) {
             // Free of a material that has not recovered yet, perhaps: not the law's force.
@@ -97,7 +95,8 @@ impl OneTouch<'_> {
                 *weight = 0.0;
             }
         }
-        if weights.iter().filter(|weight| **weight > 0.0).count() < FEWEST {
+        let fitted = weights.iter().filter(|weight| **weight > 0.0).count();
+        if (fitted as f64) < decide.report.fewest_of_a_touch {
             return None;
         }
         let fixed = fixed(family);

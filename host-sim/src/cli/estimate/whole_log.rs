@@ -30,6 +30,7 @@ pub(super) fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
         surface_m: args.surface,
         indenter: args.batch.indenter,
         poisson: args.batch.poisson.unwrap_or(Options::default().poisson),
+        ..Options::default()
     };
     for (path, name) in args.logs.iter().zip(names(&args.logs)) {
         let log = args.read(path)?;
