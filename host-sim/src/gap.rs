@@ -23,6 +23,7 @@ mod options;
 mod progress;
 mod say;
 mod search;
+pub mod thresholds;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
@@ -47,6 +48,7 @@ use data::{budget, input};
 use decide::selection::decide;
 use say::{builder, plausibility};
 use search::run::Search;
+use thresholds::{Input, Rest};
 
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
@@ -79,12 +81,14 @@ pub fn gap_with_progress(
     model.rig()?;
     progress.at(0.0, "noise floor and motion");
     let given = given(model)?;
-    let mut notes = input_notes(model, logs)?;
+    let thresholds = &options.thresholds;
+    let mut notes = input_notes(model, logs, &thresholds.input)?;
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
-    let (logs, shortened) = budget::within(logs);
+    let (logs, shortened) = budget::within(logs, thresholds.rest);
     notes.extend(shortened);
-    let floors: Vec<NoiseFloor> = logs.par_iter().map(|log| NoiseFloor::of(log)).collect();
-    let (filtered, thinned) = fit_data(&logs, low_pass);
+    let floor = |log: &Cow<'_, UniformLog>| NoiseFloor::of(log, &thresholds.floor);
+    let floors: Vec<NoiseFloor> = logs.par_iter().map(floor).collect();
+    let (filtered, thinned) = fit_data(&logs, low_pass, thresholds.rest);
     notes.extend(thinned);
     let samples: usize = filtered.iter().map(FitData::len).sum();
     let coarse = at_most(&filtered, samples, SEARCHED_SAMPLES);
@@ -95,6 +99,7 @@ pub fn gap_with_progress(
         floors: &floors,
         low_pass,
         scales: &scales,
+        thresholds,
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);
     let mut search = Search {
@@ -118,16 +123,21 @@ pub fn gap_with_progress(
     let decision = decide(&dataset(&fine), &base, result, &ladder);
     progress.at(0.95, "regions and errors");
     let mut finding = builder::finding(model, &dataset(&fine), &decision, ladder, options);
-    notes.extend(plausibility::implausible(model, &finding));
+    let another_unit = thresholds.regions.another_unit;
+    notes.extend(plausibility::implausible(model, &finding, another_unit));
     finding.notes.splice(0..0, notes);
     Ok(finding)
 }
 
 /// What looks wrong in the logs, and what their reader noted.
-fn input_notes(model: &Model, logs: &[UniformLog]) -> Result<Vec<String>, Diagnostic> {
+fn input_notes(
+    model: &Model,
+    logs: &[UniformLog],
+    decide: &Input,
+) -> Result<Vec<String>, Diagnostic> {
     let mut notes = Vec::new();
     for log in logs {
-        notes.extend(input::suspected(model, log)?);
+        notes.extend(input::suspected(model, log, decide)?);
         notes.extend(log.notes.iter().cloned());
     }
     Ok(notes)
@@ -138,10 +148,11 @@ fn input_notes(model: &Model, logs: &[UniformLog]) -> Result<Vec<String>, Diagno
 fn fit_data(
     logs: &[Cow<'_, UniformLog>],
     low_pass: Option<LowPass>,
+    decide: Rest,
 ) -> (Vec<FitData>, Option<String>) {
     let mut data: Vec<FitData> = logs.par_iter().map(|log| FitData::of(log)).collect();
     let note = match low_pass {
-        None => budget::thin_rests(&mut data, FITTED_SAMPLES),
+        None => budget::thin_rests(&mut data, FITTED_SAMPLES, decide),
         Some(_) => None,
     };
     let filtered = data.iter().map(|log| log.filtered(low_pass)).collect();

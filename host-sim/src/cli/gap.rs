@@ -84,12 +84,7 @@ fn plan_motion(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         .as_ref()
         .filter(|path| path.as_os_str() != "palpation");
     let motion = named.map(|path| Motion::read(path)).transpose()?;
-    let plan = gap::plan(
-        &model,
-        motion.as_ref(),
-        args.noise,
-        &Options::default().catalogue,
-    )?;
+    let plan = gap::plan(&model, motion.as_ref(), args.noise, &Options::default())?;
     if let Some(folder) = &args.out {
         motion::put(folder, plan::motion(&plan).as_deref())?;
         write_json(&folder.join("plan.json"), &plan::json(&plan))?;

@@ -2,6 +2,8 @@
 
 use estimator_core::physics::effect::EffectId;
 
+use crate::gap::thresholds::Thresholds;
+
 /// Options of [`gap`](fn@crate::gap::gap).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -9,6 +11,8 @@ pub struct Options {
     pub bandwidth_hz: Option<f64>,
     /// The effects that may be named.
     pub catalogue: Vec<EffectId>,
+    /// What decides.
+    pub thresholds: Thresholds,
 }
 
 impl Default for Options {
@@ -16,6 +20,7 @@ impl Default for Options {
         Options {
             bandwidth_hz: None,
             catalogue: EffectId::ALL.to_vec(),
+            thresholds: Thresholds::default(),
         }
     }
 }

@@ -11,6 +11,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use crate::gap::data::fit_data::FitData;
+use crate::gap::thresholds::Rest;
 use crate::log::UniformLog;
 use crate::number::setting;
 use crate::signal;
@@ -20,26 +21,19 @@ use crate::stats::range;
 const MOST_SAMPLES: usize = 120_000;
 /// Blocks are not averaged below this rate.
 const SLOWEST_HZ: f64 = 100.0;
-/// A log is mostly rest if this share of it stands still.
-const MOSTLY_REST: f64 = 0.75;
 /// The step between samples within a rest, as a share of the time since it began.
 const STEP_GROWTH: f64 = 3e-3;
-/// A sample stands still if, within this many samples on either side, the position changes by less than
-/// `STILL_SIGMAS` standard deviations of its noise or by less than `STILL_SHARE` of the travel. A speed
-/// would not do: a position that is held by a loop trembles.
+/// Whether a sample stands still is decided on so many samples on either side.
 const NEAR_SAMPLES: usize = 25;
-const STILL_SIGMAS: f64 = 6.0;
-const STILL_SHARE: f64 = 2e-3;
 
 /// Returns the logs within the budget, and a note on each log that was not.
-pub(crate) fn within(logs: &[UniformLog]) -> (Vec<Cow<'_, UniformLog>>, Vec<String>) {
-    let each: Vec<(Cow<'_, UniformLog>, Option<String>)> =
-        logs.par_iter().map(within_budget).collect();
-    let (logs, notes): (Vec<_>, Vec<_>) = each.into_iter().unzip();
+pub(crate) fn within(logs: &[UniformLog], decide: Rest) -> (Vec<Cow<'_, UniformLog>>, Vec<String>) {
+    let each = logs.par_iter().map(|log| within_budget(log, decide));
+    let (logs, notes): (Vec<_>, Vec<_>) = each.unzip();
     (logs, notes.into_iter().flatten().collect())
 }
 
-fn within_budget(log: &UniformLog) -> (Cow<'_, UniformLog>, Option<String>) {
+fn within_budget(log: &UniformLog, decide: Rest) -> (Cow<'_, UniformLog>, Option<String>) {
     if log.len() <= MOST_SAMPLES {
         return (Cow::Borrowed(log), None);
     }
@@ -54,7 +48,7 @@ fn within_budget(log: &UniformLog) -> (Cow<'_, UniformLog>, Option<String>) {
         ));
     }
     // A log that is mostly rest stays whole here: `thin_rests` thins it.
-    if shorter.len() > MOST_SAMPLES && !is_mostly_rest(&shorter) {
+    if shorter.len() > MOST_SAMPLES && !is_mostly_rest(&shorter, decide) {
         let from = start_of_most_travel(&shorter);
         cut(&mut shorter, from);
         note.push_str(&format!(
@@ -106,15 +100,15 @@ fn block_means(channel: &[f64], in_gap: &[bool], factor: usize) -> Vec<f64> {
     blocks.map(mean).collect()
 }
 
-fn is_mostly_rest(log: &UniformLog) -> bool {
-    let still = standing_still(&log.position_m, signal::noise(&log.position_m));
-    still.iter().filter(|still| **still).count() as f64 > MOSTLY_REST * log.len() as f64
+fn is_mostly_rest(log: &UniformLog, decide: Rest) -> bool {
+    let still = standing_still(&log.position_m, signal::noise(&log.position_m), decide);
+    still.iter().filter(|still| **still).count() as f64 > decide.mostly * log.len() as f64
 }
 
 /// For each sample, whether the position stands still there.
-fn standing_still(position_m: &[f64], noise_m: f64) -> Vec<bool> {
+fn standing_still(position_m: &[f64], noise_m: f64, decide: Rest) -> Vec<bool> {
     let last = position_m.len().saturating_sub(1);
-    let most_m = (STILL_SIGMAS * noise_m).max(STILL_SHARE * range(position_m));
+    let most_m = (decide.still_sigmas * noise_m).max(decide.still_share * range(position_m));
     let change = |at: usize| {
         position_m[(at + NEAR_SAMPLES).min(last)] - position_m[at.saturating_sub(NEAR_SAMPLES)]
     };
@@ -148,14 +142,14 @@ fn cut(log: &mut UniformLog, from: usize) {
 }
 
 /// Thins the rests of logs that are mostly rest, if they have more than `most` samples, and says so.
-pub(crate) fn thin_rests(logs: &mut [FitData], most: usize) -> Option<String> {
+pub(crate) fn thin_rests(logs: &mut [FitData], most: usize, decide: Rest) -> Option<String> {
     let before: usize = logs.iter().map(FitData::len).sum();
     let still: Vec<Vec<bool>> = logs
         .iter()
-        .map(|log| standing_still(&log.position_m, log.position_noise_m))
+        .map(|log| standing_still(&log.position_m, log.position_noise_m, decide))
         .collect();
     let resting = still.iter().flatten().filter(|still| **still).count();
-    if before <= most || (resting as f64) < MOSTLY_REST * before as f64 {
+    if before <= most || (resting as f64) < decide.mostly * before as f64 {
         return None;
     }
     for (log, still) in logs.iter_mut().zip(&still) {
@@ -220,7 +214,7 @@ mod tests {
             |t| if t < 1800.0 { 1e-3 } else { 4e-3 } * (6.3 * t).sin(),
         );
         let logs = [hour];
-        let (shorter, notes) = within(&logs);
+        let (shorter, notes) = within(&logs, Rest::default());
         // THEN 120 000 means of ten samples, of the last half hour, and the note says so.
         assert_eq!(shorter[0].len(), MOST_SAMPLES);
         assert!((shorter[0].rate_hz - 100.0).abs() < 1e-9);
@@ -236,10 +230,10 @@ mod tests {
     #[test]
     fn a_log_within_the_budget_is_not_touched() {
         let logs = [log(30_000, 1000.0, |t| 2e-3 * (6.3 * t).sin())];
-        let (same, notes) = within(&logs);
+        let (same, notes) = within(&logs, Rest::default());
         assert!(matches!(same[0], Cow::Borrowed(_)) && notes.is_empty());
         let mut data = [FitData::of(&same[0])];
-        assert_eq!(thin_rests(&mut data, 5_000), None);
+        assert_eq!(thin_rests(&mut data, 5_000, Rest::default()), None);
         assert!(data[0].even);
     }
 
@@ -263,11 +257,11 @@ mod tests {
         // GIVEN 8 s of ramp, an hour of rest, 8 s back, at 50 Hz
         let long = log(180_800, 50.0, |t| 1e-4 * t.min(8.0).min(3616.0 - t));
         let logs = [long];
-        let (within, _) = within(&logs);
+        let (within, _) = within(&logs, Rest::default());
         // (The rate is below 100 Hz already, and the log rests: it stays whole.)
         assert_eq!(within[0].len(), 180_800);
         let mut data = [FitData::of(&within[0])];
-        let note = thin_rests(&mut data, 30_000).unwrap();
+        let note = thin_rests(&mut data, 30_000, Rest::default()).unwrap();
         assert!(note.contains("% of the log is rest"), "{note}");
         let thinned = &data[0];
         let between = |from: f64, to: f64| {

@@ -5,6 +5,7 @@
 //! looks wrong.
 
 use crate::diagnostic::Diagnostic;
+use crate::gap::thresholds::Input;
 use crate::inspect::{exchanged, suspicions, suspicions_without_contact};
 use crate::log::UniformLog;
 use crate::model::Model;
@@ -12,24 +13,19 @@ use crate::number::quantity;
 use crate::signal;
 use crate::stats::range;
 
-/// Fewest samples of a log: twelve windows, of which every third is held out, each as wide as half of the
-/// filter that finds the speed (15 samples) and one more.
-const FEWEST_SAMPLES: usize = 12 * 16;
-/// A position whose range is below this many standard deviations of its noise does not move: the range
-/// of 10⁵ normal samples is 8.8 standard deviations.
-const STILL: f64 = 10.0;
-/// A force whose range is below this many standard deviations of its noise shows no touch.
-const SILENT: f64 = 12.0;
-
 /// Describes what looks wrong in a log, a sentence for each suspicion.
 ///
 /// # Errors
 /// A log that nothing can be fitted to: it is too short, it has no motion, its force never changes, its
 /// columns are exchanged, or it has no contact although the model has one.
-pub(crate) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, Diagnostic> {
+pub(crate) fn suspected(
+    model: &Model,
+    log: &UniformLog,
+    decide: &Input,
+) -> Result<Vec<String>, Diagnostic> {
     let refuse =
         |what: String, remedy: &str| Err(Diagnostic::new(what).in_file(&log.path).remedy(remedy));
-    if let Some((what, remedy)) = unusable(log) {
+    if let Some((what, remedy)) = unusable(log, decide) {
         return refuse(what, remedy);
     }
     if model.environment.is_free() {
@@ -39,7 +35,7 @@ pub(crate) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, 
         return refuse(text, "give the columns as they are: --columns x=f_n,f=x_m");
     }
     let span_n = range(&log.force_n);
-    if span_n <= SILENT * log.force_noise_n() {
+    if span_n <= decide.silent_sigmas * log.force_noise_n() {
         return refuse(
             format!(
                 "the force never leaves its noise ({}): nothing is touched",
@@ -52,17 +48,18 @@ pub(crate) fn suspected(model: &Model, log: &UniformLog) -> Result<Vec<String>, 
 }
 
 /// Why no model at all can be fitted to a log, and what to do about it.
-fn unusable(log: &UniformLog) -> Option<(String, &'static str)> {
+fn unusable(log: &UniformLog, decide: &Input) -> Option<(String, &'static str)> {
     let travel_m = range(&log.position_m);
-    if log.len() < FEWEST_SAMPLES {
+    if (log.len() as f64) < decide.fewest_samples {
         Some((
             format!(
-                "{} samples, fewer than {FEWEST_SAMPLES}: a third of them must be held out",
-                log.len()
+                "{} samples, fewer than {}: a third of them must be held out",
+                log.len(),
+                decide.fewest_samples
             ),
             "record longer: free air, presses at several speeds and a hold take some seconds",
         ))
-    } else if travel_m <= STILL * signal::noise(&log.position_m) {
+    } else if travel_m <= decide.still_sigmas * signal::noise(&log.position_m) {
         let travel = quantity(travel_m, 2, "m");
         Some((
             format!("the position never changes by more than its noise: {travel}"),

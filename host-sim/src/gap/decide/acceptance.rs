@@ -6,27 +6,16 @@ use crate::gap::decide::{decision::Decision, rivals::discriminability_margin, ri
 use crate::gap::finding::Candidate;
 use crate::gap::model::{fit::Fit, shape::Owner};
 use crate::gap::search::sets::{added_effects, is_repeated};
-
-/// The share of the base's excess that effects must explain together to be accepted where something is left.
-const EXPLAINED: f64 = 0.95;
-/// Or they are accepted if they leave at most this share of the excess, and any other set as large
-/// leaves at least `LEAST_LEAD` times as much: 3.1 times for the nearest effect to a crackling that is
-/// in no catalogue, 4.7 times for a soft limit.
-const LARGEST_REMAINDER: f64 = 0.25;
-const LEAST_LEAD: f64 = 4.0;
-/// The share of what is left that an effect must take off at least where much is left.
-const IDLE: f64 = 0.01;
-/// The standard errors that the size of an effect must be.
-const KNOWN: f64 = 3.0;
-/// The share of the held-out squares that an effect takes off, to be worth telling from another.
-const MISSED: f64 = 0.1;
+use crate::gap::thresholds::Acceptance;
 
 /// The fit without the effect that is needed least, if that effect takes nothing off.
 pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
+    let decide = decision.thresholds;
     let count = decision.variances.iter().filter(|v| **v > 0.0).count() as f64;
     let cost = decision.best.cost;
-    let margin = discriminability_margin(&decision.best, count, decision.correlation);
-    let most = cost + margin.min(IDLE * cost);
+    let margin = decide.rivalry.margin;
+    let margin = discriminability_margin(&decision.best, count, decision.correlation, margin);
+    let most = cost + margin.min(decide.acceptance.idle * cost);
     let without = decision.without.iter();
     without
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
@@ -34,22 +23,22 @@ pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
 }
 
 /// The place of an added effect whose size may as well be 0, if nothing else could stand in its place or
-/// the held-out part hardly misses it. Of 810 effects that were right one was that badly known, of 36
-/// wrong ones ten.
+/// the held-out part hardly misses it.
 pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
+    let decide = &decision.thresholds.acceptance;
     let (best, std_errors) = (&decision.best, &decision.std_errors);
     let is_known = |number: usize| {
         let owner = Owner::Effect(number, 0);
         let at = best.shape.free.iter().position(|free| free.owner == owner);
         at.and_then(|at| Some((best.shape.natural(at, best.numbers[at]), std_errors[at]?)))
-            .is_none_or(|(size, error)| size.abs() >= KNOWN * error)
+            .is_none_or(|(size, error)| size.abs() >= decide.size_sigmas * error)
     };
     // Modes of one spectrum share their size, and no name depends on one of them.
     let is_single = |number: usize| !is_repeated(best.shape.terms[number].id, best);
     let rivalry = decision.alternatives.iter().zip(&decision.gains);
     let mut each = best.added().into_iter().zip(rivalry);
     each.position(|(number, (alternatives, gain))| {
-        let is_open = !alternatives.is_empty() && *gain > MISSED;
+        let is_open = !alternatives.is_empty() && *gain > decide.missed;
         !is_open && is_single(number) && !is_known(number)
     })
 }
@@ -61,14 +50,16 @@ fn excess(ratio: f64) -> f64 {
 
 /// Whether the effects of a decision are accepted though something is left.
 pub(crate) fn is_accepted(decision: &Decision, tried: &[Candidate]) -> bool {
+    let decide = &decision.thresholds.acceptance;
     let explained = 1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(1e-12);
-    explained >= EXPLAINED || is_far_ahead(&added_effects(&decision.best), tried)
+    explained >= decide.explained_share
+        || is_far_ahead(&added_effects(&decision.best), tried, decide)
 }
 
 /// Whether a set of effects that leaves something explains most of the excess, and every other set as
 /// large leaves several times as much: the form of one of the effects differs from that of the
 /// catalogue.
-fn is_far_ahead(ids: &[EffectId], tried: &[Candidate]) -> bool {
+fn is_far_ahead(ids: &[EffectId], tried: &[Candidate], decide: &Acceptance) -> bool {
     let left_by = |candidate: &Candidate| excess(candidate.ratio);
     let of = |ids: &[EffectId]| {
         let mut tried = tried.iter();
@@ -84,7 +75,7 @@ fn is_far_ahead(ids: &[EffectId], tried: &[Candidate]) -> bool {
         .filter(|other| !is_relative(&other.ids))
         .map(left_by)
         .fold(base, f64::min);
-    left <= LARGEST_REMAINDER * base && next >= LEAST_LEAD * left
+    left <= decide.largest_remainder * base && next >= decide.least_lead * left
 }
 
 #[cfg(test)]
@@ -128,6 +119,7 @@ mod tests {
         let std_errors = (0..environment).map(|_| Some(1e-9));
         Decision {
             verdict: Verdict::MissingEffects,
+            thresholds: Default::default(),
             base: fit(2.0 * SAMPLES as f64),
             best: fit(SAMPLES as f64),
             better: None,

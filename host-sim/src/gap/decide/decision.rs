@@ -4,14 +4,13 @@ use estimator_core::physics::effect::EffectId;
 
 use crate::gap::finding::Verdict;
 use crate::gap::model::fit::Fit;
-
-/// Held-out residuals within this many times what is allowed are explained. Errors of form, of the
-/// motion between samples, and of the noise floor itself are below.
-pub(crate) const ADEQUATE: f64 = 1.12;
+use crate::gap::thresholds::Thresholds;
 
 /// The decision on the effects of a search.
 pub(crate) struct Decision {
     pub(crate) verdict: Verdict,
+    /// What it was decided with.
+    pub(crate) thresholds: Thresholds,
     /// The fit of the base to the whole log.
     pub(crate) base: Fit,
     /// The fit with the effects to the whole log.

@@ -2,21 +2,16 @@
 
 use rayon::prelude::*;
 
-use super::decision::{ADEQUATE, Decision};
+use super::decision::Decision;
 use super::held_out::{HeldOutError, held_out, held_out_error};
 use super::rivals::{Rivals, rivals};
 use crate::gap::finding::Verdict;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem, weights::weights};
-use crate::gap::noise::floor::{FLOOR_ERRORS, NoiseFloor};
+use crate::gap::noise::floor::NoiseFloor;
 use crate::gap::search::run::SearchResult;
+use crate::gap::thresholds::Thresholds;
 use crate::stats::correlation;
 
-/// Residuals of a base model within this explain a log in which nothing more is found.
-const NOTHING_LEFT: f64 = 1.08;
-/// How much further both bounds go where the noise is coloured, since a rest of a second does not say
-/// what the noise does in ten: of 64 floors of pink noise the lowest was 0.82 of the truth.
-/// `FLOOR_ERRORS` standard errors of the floor count instead where they are more.
-const COLOURED: f64 = 1.25;
 /// Most steps of the fit without an effect, and of a fit to the part that is not held out.
 const STEPS_WITHOUT: usize = 12;
 const STEPS_TRAINING: usize = 8;
@@ -44,13 +39,15 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         .map(|error| 1.0 - (after.rmse_n / error.rmse_n).powi(2))
         .collect();
     let correlation = correlation(&white_residuals(&all, &best));
+    let decide = &dataset.thresholds.rivalry;
     let Rivals {
         alternatives,
         better,
-    } = rivals(&all, &best, result, correlation);
+    } = rivals(&all, &best, result, correlation, decide);
     let is_ambiguous = alternatives.iter().any(|ids| !ids.is_empty());
     Decision {
         verdict: verdict(dataset, after.ratio, !without.is_empty(), is_ambiguous),
+        thresholds: *dataset.thresholds,
         alternatives,
         gains,
         without,
@@ -101,7 +98,10 @@ fn white_residuals(all: &Problem<'_>, fit: &Fit) -> Vec<f64> {
 }
 
 fn verdict(dataset: &Dataset<'_>, ratio: f64, has_effects: bool, is_ambiguous: bool) -> Verdict {
-    let limit = allowance(dataset.floors) * if has_effects { ADEQUATE } else { NOTHING_LEFT };
+    let explained = &dataset.thresholds.explained;
+    let (with, without) = (explained.with_effects, explained.without_effects);
+    let most = if has_effects { with } else { without };
+    let limit = allowance(dataset.floors, dataset.thresholds) * most;
     if ratio > limit {
         Verdict::Unexplained
     } else if !has_effects {
@@ -114,7 +114,8 @@ fn verdict(dataset: &Dataset<'_>, ratio: f64, has_effects: bool, is_ambiguous: b
 }
 
 /// The factor by which residuals may be larger because of what the noise floors do not know.
-fn allowance(floors: &[NoiseFloor]) -> f64 {
+fn allowance(floors: &[NoiseFloor], thresholds: &Thresholds) -> f64 {
+    let (least, sigmas) = (thresholds.explained.coloured, thresholds.floor.sigmas);
     // Hum in a band is no effect of the catalogue, and no line either: the lines that rest shows may
     // stay, once a periodic disturbance has not taken them.
     let with_lines = |floor: &NoiseFloor| {
@@ -125,6 +126,6 @@ fn allowance(floors: &[NoiseFloor]) -> f64 {
     let coloured = floors.iter().filter(|floor| floor.coloured);
     lines
         * coloured
-            .map(|floor| COLOURED.max(1.0 + FLOOR_ERRORS * floor.uncertainty))
+            .map(|floor| least.max(1.0 + sigmas * floor.uncertainty))
             .fold(1.0, f64::max)
 }

@@ -6,26 +6,21 @@ use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, problem::Problem};
 use crate::gap::search::{run::SearchResult, sets::added_effects};
+use crate::gap::thresholds::Rivalry;
 
-/// Rivals whose Σ w r² is within this many squared standard errors of independent samples are not
-/// discriminated.
-const DISCRIMINABILITY_MARGIN: f64 = 12.0;
-/// A rival is followed if its Σ w r² at the search's resolution is within this factor of the best. Its
-/// distance may shrink at the log's own rate: a compliance that follows in 2 ms, seen every 4 ms, was
-/// off by 14 %.
-const FOLLOWED: f64 = 1.20;
 /// Most steps of the refit of a rival.
 const STEPS: usize = 30;
-/// Stretches of the logs for [`is_worse_throughout`], and the standard errors that it asks for.
+/// Stretches of the logs for [`is_worse_throughout`].
 const STRETCHES: usize = 48;
-const SURE: f64 = 2.0;
-/// A share of Σ w r² that errors which make the force late do not reach: it was 6.6 % and more for a lag
-/// that was one, mostly in the fastest of 48 stretches.
-const LATE: f64 = 0.05;
 
 /// The difference in Σ w r² within which two fits are not discriminated; `count` is the number of samples.
-pub(crate) fn discriminability_margin(best: &Fit, count: f64, correlation: f64) -> f64 {
-    DISCRIMINABILITY_MARGIN * correlation * (best.cost / count).max(1.0)
+pub(crate) fn discriminability_margin(
+    best: &Fit,
+    count: f64,
+    correlation: f64,
+    margin: f64,
+) -> f64 {
+    margin * correlation * (best.cost / count).max(1.0)
 }
 
 /// The fits with another effect in the place of one.
@@ -46,10 +41,11 @@ pub(super) fn rivals(
     best: &Fit,
     result: &SearchResult,
     correlation: f64,
+    decide: &Rivalry,
 ) -> Rivals {
     let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
-    let margin = discriminability_margin(best, count, correlation);
-    let most = result.best.cost * FOLLOWED + margin;
+    let margin = discriminability_margin(best, count, correlation, decide.margin);
+    let most = result.best.cost * decide.followed + margin;
     let close: Vec<&Fit> = result
         .rivals
         .iter()
@@ -69,7 +65,7 @@ pub(super) fn rivals(
     let added = best.added().into_iter();
     Rivals {
         alternatives: added
-            .map(|at| alternatives(all, best, best.shape.terms[at].id, &refitted, margin))
+            .map(|at| alternatives(all, best, at, &refitted, (margin, decide)))
             .collect(),
         better: better(best, &refitted, margin, per_number),
     }
@@ -79,10 +75,11 @@ pub(super) fn rivals(
 fn alternatives(
     all: &Problem<'_>,
     best: &Fit,
-    id: EffectId,
+    at: usize,
     rivals: &[Rival<'_>],
-    margin: f64,
+    (margin, decide): (f64, &Rivalry),
 ) -> Vec<EffectId> {
+    let id = best.shape.terms[at].id;
     let ids = added_effects(best);
     let mut alternatives = Vec::new();
     for (_, fit) in rivals {
@@ -90,8 +87,9 @@ fn alternatives(
             continue;
         };
         let more = fit.cost - best.cost;
-        let is_open =
-            are_late(id, other) && more < LATE * best.cost && !is_worse_throughout(all, best, fit);
+        let is_open = are_late(id, other)
+            && more < decide.late * best.cost
+            && !is_worse_throughout(all, best, fit, decide.throughout_sigmas);
         if (more < margin || is_open) && !related(id, other) && !alternatives.contains(&other) {
             alternatives.push(other);
         }
@@ -120,9 +118,8 @@ fn better(best: &Fit, rivals: &[Rival<'_>], margin: f64, per_number: f64) -> Opt
 
 /// Whether a rival is worse in most of the log and not by a few stretches of it. This is Vuong's test of
 /// two models of which none contains the other, on sums over stretches, so that errors which last (steps
-/// of the force channel, a touch) count once each. A delay of 4.5 ms under a sine of 0.2 Hz was worse
-/// than a lag by 80, 0.7 standard errors of that sum.
-fn is_worse_throughout(all: &Problem<'_>, best: &Fit, rival: &Fit) -> bool {
+/// of the force channel, a touch) count once each.
+fn is_worse_throughout(all: &Problem<'_>, best: &Fit, rival: &Fit, sigmas: f64) -> bool {
     let squares = |fit: &Fit| -> Vec<f64> {
         let residuals = all.residuals(&fit.shape, &fit.numbers);
         let each = residuals.iter().zip(all.weights);
@@ -133,7 +130,7 @@ fn is_worse_throughout(all: &Problem<'_>, best: &Fit, rival: &Fit) -> bool {
     let stretches = more.chunks(more.len().div_ceil(STRETCHES).max(1));
     let sums: Vec<f64> = stretches.map(|stretch| stretch.iter().sum()).collect();
     let error = sums.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-    sums.iter().sum::<f64>() > SURE * error
+    sums.iter().sum::<f64>() > sigmas * error
 }
 
 /// Whether both effects only make the force late: in slow motion they differ by less than the errors of

@@ -31,7 +31,8 @@ pub(crate) fn decide(
 fn with_standard_errors(dataset: &Dataset<'_>, decision: Decision) -> Decision {
     let weights = weights(&decision.variances);
     let problem = dataset.problem(&weights);
-    let best = corrected(&problem, &decision.best);
+    let most = decision.thresholds.acceptance.correction_cost;
+    let best = corrected(&problem, &decision.best, most);
     Decision {
         std_errors: std_errors(&problem, &best),
         best,

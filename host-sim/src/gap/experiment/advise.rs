@@ -12,20 +12,8 @@ use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Verdict, regions_in_wo
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, fit::RIDGE, shape::Owner, shape::Shape, shape::Term, start::repeats,
 };
-use crate::gap::search::significance::chi2_threshold;
 use crate::lsq::covariance::inverse;
 use crate::stats::lowest;
-
-/// A number with a standard error beyond this share of it is not observed by the log.
-const UNOBSERVED: f64 = 0.7;
-/// A motion this many times as fast as the log is said to be faster.
-const FASTER: f64 = 1.5;
-/// To be advised, a further motion must bring a standard error below this share of what it was, and below
-/// `UNOBSERVED`.
-const BETTER: f64 = 0.5;
-/// How many times the standard deviations that count a motion must promise between a lag and a delay,
-/// which lasting errors of a rig imitate.
-const SURE: f64 = 3.0;
 
 /// What to do next, in a sentence or two, and the motion to do it with.
 pub(crate) fn advice(
@@ -33,13 +21,14 @@ pub(crate) fn advice(
     dataset: &Dataset<'_>,
     decision: &Decision,
 ) -> (String, Option<AdvisedMotion>) {
+    let faster = dataset.thresholds.advice.faster;
     let mut effects = finding.effects.iter();
     let ambiguous = effects.find(|effect| !effect.alternatives.is_empty());
     let text = match (finding.verdict, ambiguous) {
         (Verdict::Ambiguous, Some(effect)) => {
             // One motion at a time: what it leaves unobserved, the next run says.
             if let Some(advised) = discriminating_motion(dataset, decision) {
-                return (record(&advised, finding), Some(advised));
+                return (record(&advised, finding, faster), Some(advised));
             }
             let gap = not_discriminated(effect.id, &effect.alternatives);
             format!("{gap} Record {}.", effect.id.info().motion)
@@ -48,7 +37,7 @@ pub(crate) fn advice(
     };
     match observing_motion(dataset, &decision.best, &decision.std_errors) {
         Some(advised) => (
-            format!("{text} {}", record(&advised, finding)),
+            format!("{text} {}", record(&advised, finding, faster)),
             Some(advised),
         ),
         None => (text, None),
@@ -84,9 +73,9 @@ fn advised(further: FurtherMotion, gap: &str, gain: &str) -> AdvisedMotion {
     }
 }
 
-fn record(advised: &AdvisedMotion, finding: &Finding) -> String {
+fn record(advised: &AdvisedMotion, finding: &Finding, faster: f64) -> String {
     let times = advised.motion.limits().fastest_mps / finding.limits().fastest_mps;
-    let caution = match times > FASTER {
+    let caution = match times > faster {
         true => format!(" It goes {times:.0} times as fast as the log: check that the rig may."),
         false => String::new(),
     };
@@ -119,17 +108,18 @@ fn discriminating_motion(dataset: &Dataset<'_>, decision: &Decision) -> Option<A
         numbers,
         cost: best.cost,
     };
+    let decide = dataset.thresholds;
     let design = ExperimentDesign::new(dataset, &base);
     let sigma = |excitation: &Excitation| {
         let both = design.with(excitation, &base);
-        let analysis = both.discriminability(&base.shape, &base.numbers, dataset.scales);
+        let analysis = both.discriminability(&base.shape, &base.numbers, dataset.scales, decide);
         nearest_rival_sigma(&analysis, &target, rivals)
     };
     // The run with both logs asks that one is better throughout. Where no motion promises that, the best
     // of those that promise a difference is taken.
-    let enough = chi2_threshold(rivals.len()).sqrt();
+    let enough = decide.significance.chi2_of(rivals.len()).sqrt();
     let sure = match rivals.iter().any(|id| are_late(target.id, *id)) {
-        true => SURE,
+        true => decide.advice.sure,
         false => 1.0,
     };
     let further = design
@@ -170,18 +160,18 @@ fn nearest_rival_sigma(
     Some(lowest(chi2).sqrt()).filter(|sigma| sigma.is_finite())
 }
 
-/// The motion for the first number of a fit whose standard error is more than 70 % of it, if a motion
-/// would help.
+/// The motion for the first number of a fit that the log does not observe, if a motion would help.
 fn observing_motion(
     dataset: &Dataset<'_>,
     fit: &Fit,
     errors: &[Option<f64>],
 ) -> Option<AdvisedMotion> {
+    let decide = &dataset.thresholds.advice;
     let at = (0..fit.numbers.len()).find(|at| {
         let value = fit.shape.natural(*at, fit.numbers[*at]).abs();
         has_size(&fit.shape, *at)
             && value > 0.0
-            && errors[*at].is_some_and(|e| e > UNOBSERVED * value)
+            && errors[*at].is_some_and(|e| e > decide.unobserved * value)
     })?;
     let design = ExperimentDesign::new(dataset, fit);
     let before = relative_error(&design.recordings, fit, dataset, at)?;
@@ -189,7 +179,7 @@ fn observing_motion(
         let both = design.with(excitation, fit);
         Some(1.0 / relative_error(&both, fit, dataset, at)?)
     };
-    let enough = f64::min(BETTER * before, UNOBSERVED);
+    let enough = f64::min(decide.better * before, decide.unobserved);
     let further = design.best(sigma, 1.0 / enough)?;
     let gap = format!("This log hardly observes the {}.", name(&fit.shape, at));
     let gain = format!(
@@ -229,7 +219,8 @@ fn relative_error(
     dataset: &Dataset<'_>,
     at: usize,
 ) -> Option<f64> {
-    let analysis = recordings.discriminability(&fit.shape, &fit.numbers, dataset.scales);
+    let analysis =
+        recordings.discriminability(&fit.shape, &fit.numbers, dataset.scales, dataset.thresholds);
     let n = fit.numbers.len();
     let curvature = analysis.curvature();
     let unseen: Vec<bool> = (0..n).map(|i| curvature[i * n + i] <= 0.0).collect();

@@ -16,7 +16,7 @@ use crate::gap::experiment::discriminability::{Discriminability, EffectSignature
 use crate::gap::experiment::excitations::{Excitation, ExcitationRange, excitations};
 use crate::gap::experiment::recordings::{Recordings, Sensor};
 use crate::gap::model::{given::given, shape::Shape, shape::Term, simulate::forces};
-use crate::gap::search::significance::chi2_threshold;
+use crate::gap::options::Options;
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::plant::depth_at_m;
@@ -123,9 +123,10 @@ pub fn plan(
     model: &Model,
     motion: Option<&Motion>,
     noise_n: Option<f64>,
-    catalogue: &[EffectId],
+    options: &Options,
 ) -> Result<Plan, Diagnostic> {
     model.rig()?;
+    let (catalogue, decide) = (&options.catalogue, &options.thresholds);
     let noise_n = noise_n.unwrap_or(model.sensors.force_noise_n);
     let sensor = Sensor {
         rate_hz: model.sensors.rate_hz,
@@ -142,8 +143,8 @@ pub fn plan(
     let scales = predict_base(&mut recordings, model, &terms, sensor);
     let shape = Shape::new(&model.environment, terms, &scales);
     let numbers = shape.start();
-    let analysis = recordings.discriminability(&shape, &numbers, &scales);
-    let least_sigma = chi2_threshold(catalogue.len()).sqrt();
+    let analysis = recordings.discriminability(&shape, &numbers, &scales, decide);
+    let least_sigma = decide.significance.chi2_of(catalogue.len()).sqrt();
     let (targets, mut effects) = planned_effects(&analysis, catalogue, sensor, least_sigma);
     let with_further: Vec<Vec<Option<f64>>> = excitations
         .par_iter()
@@ -151,7 +152,7 @@ pub fn plan(
             let mut both = recordings.and(&excitation.motion, sensor);
             predict_base(&mut both, model, &shape.terms, sensor);
             // With the scales of the first motion, so that the effects are the same and as strong.
-            let analysis = both.discriminability(&shape, &numbers, &scales);
+            let analysis = both.discriminability(&shape, &numbers, &scales, decide);
             sigmas_where_needed(&analysis, &targets, &effects, least_sigma)
         })
         .collect();

@@ -4,6 +4,7 @@ use crate::gap::data::{fit_data::FitData, scales::Scales};
 use crate::gap::experiment::discriminability::Discriminability;
 use crate::gap::model::{dataset::Dataset, shape::Shape};
 use crate::gap::noise::floor::NoiseFloor;
+use crate::gap::thresholds::Thresholds;
 use crate::log::UniformLog;
 use crate::motion::Motion;
 
@@ -58,12 +59,14 @@ impl Recordings {
         shape: &'a Shape,
         numbers: &'a [f64],
         scales: &'a Scales,
+        thresholds: &'a Thresholds,
     ) -> Discriminability<'a> {
         let dataset = Dataset {
             logs: &self.logs,
             floors: &self.floors,
             low_pass: None,
             scales,
+            thresholds,
         };
         Discriminability::new(shape, numbers, dataset, &self.repeats)
     }

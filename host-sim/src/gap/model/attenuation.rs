@@ -11,10 +11,6 @@ use crate::gap::model::problem::Problem;
 use crate::gap::model::weights::{with_acceleration_error, with_speed_error};
 use crate::lsq::covariance::inverse;
 
-/// The share of Σ w r² that a correction may cost. One that costs more is no small correction, and is
-/// not made.
-const LARGEST_COST: f64 = 0.02;
-
 /// How much too large the errors of the motion make the free numbers of a fit.
 pub(crate) fn bias(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
     let n = fit.numbers.len();
@@ -45,15 +41,15 @@ pub(crate) fn bias(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-/// The fit with its bias taken off, or the fit itself where that would cost too much.
-pub(crate) fn corrected(problem: &Problem<'_>, fit: &Fit) -> Fit {
+/// The fit with its bias taken off, or the fit itself where that would cost more than this share of Σ w r².
+pub(crate) fn corrected(problem: &Problem<'_>, fit: &Fit, largest_cost: f64) -> Fit {
     let mut corrected = fit.clone();
     let free = fit.shape.free.iter().zip(bias(problem, fit));
     for (number, (free, bias)) in corrected.numbers.iter_mut().zip(free) {
         *number = (*number - bias).clamp(free.lowest, free.highest);
     }
     corrected.cost = problem.cost(&corrected.shape, &corrected.numbers);
-    let most = problem.cost(&fit.shape, &fit.numbers) * (1.0 + LARGEST_COST);
+    let most = problem.cost(&fit.shape, &fit.numbers) * (1.0 + largest_cost);
     if corrected.cost <= most {
         corrected
     } else {
@@ -116,7 +112,7 @@ mod tests {
         };
         let fit = problem.fit(&shape, shape.start());
         let of = |fit: &Fit| fit.shape.terms_at(&fit.numbers)[0].row[0];
-        (of(&fit), of(&corrected(&problem, &fit)))
+        (of(&fit), of(&corrected(&problem, &fit, 0.02)))
     }
 
     #[test]

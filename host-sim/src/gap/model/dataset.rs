@@ -3,6 +3,7 @@
 use crate::gap::data::{fit_data::FitData, low_pass::LowPass, scales::Scales};
 use crate::gap::model::{fit::Fit, problem::Problem, weights::variances, weights::weights};
 use crate::gap::noise::floor::NoiseFloor;
+use crate::gap::thresholds::Thresholds;
 
 /// The logs that search, decision and experiments share.
 #[derive(Clone, Copy)]
@@ -13,6 +14,8 @@ pub(crate) struct Dataset<'a> {
     /// The low-pass that the forces of the logs have been through, and that predictions go through.
     pub(crate) low_pass: Option<LowPass>,
     pub(crate) scales: &'a Scales,
+    /// What decides.
+    pub(crate) thresholds: &'a Thresholds,
 }
 
 impl<'a> Dataset<'a> {

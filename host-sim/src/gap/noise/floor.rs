@@ -10,28 +10,17 @@ use std::ops::Range;
 
 use crate::gap::noise::line::Line;
 use crate::gap::noise::spectrum::{LowFrequencySlope, Spectrum, detrended, median_power};
+use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::{correlation, lowest, range, rms};
 
-/// Standard errors by which a noise floor may be off.
-pub(crate) const FLOOR_ERRORS: f64 = 3.0;
-
-/// Shortest rest that counts (samples).
-const SHORTEST_REST: usize = 128;
 /// Longest window of the spectrum at rest (samples).
 const LONGEST_WINDOW: usize = 2048;
 /// Windows of the whole log (samples).
 const WINDOW: usize = 256;
 /// Noise is fast from this frequency on (cycles per sample).
 const FAST: f64 = 1.0 / 16.0;
-/// A difference of this many standard errors is no scatter.
-const CERTAIN: f64 = 3.0;
-/// Noise is coloured from this ratio of the two estimates on.
-const COLOURED: f64 = 1.06;
-/// A disturbance holds at least this share of the power at rest. One that holds less is left in: the
-/// floor is then at most 1.4 times too high.
-const DISTURBED: f64 = 0.5;
 /// Most lines that are looked for; some of them repeat with the motion.
 const MOST_LINES: usize = 4;
 
@@ -58,28 +47,28 @@ pub struct NoiseFloor {
 
 impl NoiseFloor {
     /// Estimates the noise floor of a log.
-    pub fn of(log: &UniformLog) -> NoiseFloor {
-        let rests = rests(log);
-        let mut floor = NoiseFloor::with_disturbances(log, &rests);
+    pub fn of(log: &UniformLog, decide: &Floor) -> NoiseFloor {
+        let rests = rests(log, decide);
+        let mut floor = NoiseFloor::with_disturbances(log, &rests, decide);
         if rests.is_empty() {
             return floor;
         }
-        let is_free = in_free_air(log);
+        let is_free = in_free_air(log, decide);
         let take_out = |force_n: &mut [f64], line: &Line| {
             let each = force_n.iter_mut().enumerate();
             each.for_each(|(at, force)| *force -= line.at(at));
         };
         let (mut quiet, mut searched) = (log.clone(), log.force_n.clone());
         for _ in 0..MOST_LINES {
-            let Some(line) = Line::strongest(&searched, &is_free) else {
+            let Some(line) = Line::strongest(&searched, &is_free, decide.prominence) else {
                 break;
             };
             take_out(&mut searched, &line);
             let mut quieter = quiet.clone();
             take_out(&mut quieter.force_n, &line);
-            let without_line = NoiseFloor::with_disturbances(&quieter, &rests);
+            let without_line = NoiseFloor::with_disturbances(&quieter, &rests, decide);
             // A line that repeats with the motion is not there at rest.
-            if without_line.rest_power_n2() < DISTURBED * floor.rest_power_n2() {
+            if without_line.rest_power_n2() < decide.disturbed * floor.rest_power_n2() {
                 (floor, quiet) = (without_line, quieter);
             }
         }
@@ -87,16 +76,16 @@ impl NoiseFloor {
     }
 
     /// Estimates the noise floor without looking for disturbances.
-    fn with_disturbances(log: &UniformLog, rests: &[Range<usize>]) -> NoiseFloor {
-        let high_pass_n = high_pass_noise_n(log);
-        let rest = RestNoise::of(log, rests, high_pass_n);
+    fn with_disturbances(log: &UniformLog, rests: &[Range<usize>], decide: &Floor) -> NoiseFloor {
+        let high_pass_n = high_pass_noise_n(log, decide.spike_sigmas);
+        let rest = RestNoise::of(log, rests, high_pass_n, decide);
         let rest_n = rest.as_ref().map(|rest| rest.noise_n2.sqrt());
         let (used_n, why) = match rest_n {
             None => (
                 high_pass_n,
                 "from second differences: there is no rest in free air",
             ),
-            Some(rest) if rest > COLOURED * high_pass_n => {
+            Some(rest) if rest > decide.coloured * high_pass_n => {
                 (rest, "from rest in free air: the noise is coloured")
             }
             // Both see the same noise; second differences take it from all samples.
@@ -105,7 +94,7 @@ impl NoiseFloor {
                 "from second differences, and rest in free air agrees",
             ),
         };
-        let coloured = used_n > COLOURED * high_pass_n;
+        let coloured = used_n > decide.coloured * high_pass_n;
         let error = |rest: &RestNoise| 0.5 * rest.error_n2 / rest.noise_n2.max(f64::MIN_POSITIVE);
         NoiseFloor {
             coloured,
@@ -130,29 +119,31 @@ impl NoiseFloor {
 }
 
 /// For each sample, whether it is measured in free air: in the quarter of the travel that is furthest out.
-fn in_free_air(log: &UniformLog) -> Vec<bool> {
-    let deepest_m = deepest_in_free_air_m(&log.position_m);
+fn in_free_air(log: &UniformLog, decide: &Floor) -> Vec<bool> {
+    let deepest_m = deepest_in_free_air_m(&log.position_m, decide);
     let each = log.position_m.iter().zip(&log.in_gap);
     each.map(|(x, gap)| *x <= deepest_m && !gap).collect()
 }
 
-fn deepest_in_free_air_m(position_m: &[f64]) -> f64 {
+fn deepest_in_free_air_m(position_m: &[f64], decide: &Floor) -> f64 {
     let lowest = lowest(position_m.iter().copied());
-    lowest + 0.25 * range(position_m)
+    lowest + decide.free_air * range(position_m)
 }
 
 /// The rests in free air: stretches in which the position stays within two counts.
-fn rests(log: &UniformLog) -> Vec<Range<usize>> {
+fn rests(log: &UniformLog, decide: &Floor) -> Vec<Range<usize>> {
     let position = &log.position_m;
-    let deepest_m = deepest_in_free_air_m(position);
-    let still_m = 2.5 * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
+    let deepest_m = deepest_in_free_air_m(position, decide);
+    let counts = |samples: usize| samples as f64 >= decide.shortest_rest;
+    let still_m =
+        decide.rest_steps * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
     let mut rests = Vec::new();
     let mut from = 0;
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (at, x) in position.iter().copied().enumerate() {
         let (lower, higher) = (low.min(x), high.max(x));
         if higher - lower > still_m || x > deepest_m || log.in_gap[at] {
-            if at - from >= SHORTEST_REST {
+            if counts(at - from) {
                 rests.push(from..at);
             }
             from = at + 1;
@@ -161,17 +152,17 @@ fn rests(log: &UniformLog) -> Vec<Range<usize>> {
             (low, high) = (lower, higher);
         }
     }
-    if position.len() - from.min(position.len()) >= SHORTEST_REST {
+    if counts(position.len() - from.min(position.len())) {
         rests.push(from..position.len());
     }
     rests
 }
 
-/// The mean square of the second differences within four standard deviations of [`signal::noise`]. That
-/// function takes the median, which for a channel with coarse steps is good to half a step only.
-fn high_pass_noise_n(log: &UniformLog) -> f64 {
+/// The mean square of the second differences that are no spikes, with the standard deviation of
+/// [`signal::noise`]. That function takes the median, which for a channel with coarse steps is good to half a step only.
+fn high_pass_noise_n(log: &UniformLog, spike_sigmas: f64) -> f64 {
     let coarse = log.force_noise_n();
-    let limit = 4.0 * coarse * 6.0_f64.sqrt();
+    let limit = spike_sigmas * coarse * 6.0_f64.sqrt();
     let differences = log.force_n.windows(3).zip(log.in_gap.windows(3));
     let kept = differences
         .filter(|(_, gap)| !gap.contains(&true))
@@ -192,12 +183,17 @@ struct RestNoise {
 }
 
 impl RestNoise {
-    fn of(log: &UniformLog, rests: &[Range<usize>], noise_n: f64) -> Option<RestNoise> {
+    fn of(
+        log: &UniformLog,
+        rests: &[Range<usize>],
+        noise_n: f64,
+        decide: &Floor,
+    ) -> Option<RestNoise> {
         let spectra: Vec<Spectrum> = rests
             .iter()
             .flat_map(|rest| log.force_n[settled(rest)].chunks(LONGEST_WINDOW))
-            .filter(|window| window.len() >= SHORTEST_REST / 2)
-            .map(|window| Spectrum::of(window, noise_n))
+            .filter(|window| 2.0 * window.len() as f64 >= decide.shortest_rest)
+            .map(|window| Spectrum::of(window, noise_n, decide))
             .collect();
         if spectra.is_empty() {
             return None;
@@ -220,10 +216,10 @@ impl RestNoise {
             mean(&|one| one.above(0.0).0),
             mean(&|one| one.above(FAST).0),
         );
-        let below = mean(&|one| slope.power_below(one.samples, log.len()));
+        let below = mean(&|one| slope.power_below(one.samples, log.len(), decide));
         // Fast noise is the same in motion, of which there is more; what a motion adds to it is not noise.
         let fast_of_log = median_power(&log.force_n, &log.in_gap, WINDOW, FAST)
-            .filter(|power| *power < fast + CERTAIN * error_n2(FAST));
+            .filter(|power| *power < fast + decide.sigmas * error_n2(FAST));
         let correction = fast_of_log.map_or(0.0, |power| power - fast);
         Some(RestNoise {
             noise_n2: (all + below + correction).max(0.0),
@@ -319,7 +315,7 @@ mod tests {
         // GIVEN coloured noise of 0.6 codes: six in ten samples at rest are the same one
         let noise: Vec<f64> = slow(90.0, SAMPLES, 0).iter().map(|n| SIGMA_N * n).collect();
         let code_n = SIGMA_N / 0.6;
-        let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, code_n));
+        let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, code_n), &Floor::default());
         // THEN the floor is what noise and codes make together: not that of second differences, nor what
         // four medians of the sizes leave, 0.5 of it.
         let sigma_n = rms(noise).hypot(code_n / 12.0_f64.sqrt());
@@ -342,7 +338,7 @@ mod tests {
             .zip(white())
             .map(|(hump, white)| hump + 0.5_f64.sqrt() * white)
             .collect();
-        let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, 1e-5));
+        let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, 1e-5), &Floor::default());
         assert!(floor.coloured && floor.high_pass_n < 0.8 * SIGMA_N);
         assert_near(&floor, rms(noise), 0.03);
         assert!((0.01..0.06).contains(&floor.uncertainty), "{floor:?}");
@@ -352,13 +348,17 @@ mod tests {
     fn a_disturbance_is_no_noise_and_a_wander_of_its_size_is_none() {
         // GIVEN five times the noise at 2.7 Hz: one cycle and a half in a rest, where no bin shows a line
         let line = |t: f64, _: f64| 7.0 * SIGMA_N * (TAU * 2.7 * t + 1.0).sin();
-        assert_near(&NoiseFloor::of(&log(&white(), line, 1e-5)), SIGMA_N, 0.03);
+        assert_near(
+            &NoiseFloor::of(&log(&white(), line, 1e-5), &Floor::default()),
+            SIGMA_N,
+            0.03,
+        );
         // AND a noise of as much power below 6 Hz
         let wander: Vec<f64> = slow(6.0, SAMPLES, 3)
             .iter()
             .map(|wander| 5.0 * SIGMA_N * wander)
             .collect();
-        let floor = NoiseFloor::of(&log(&wander, |_, _| 0.0, 1e-5));
+        let floor = NoiseFloor::of(&log(&wander, |_, _| 0.0, 1e-5), &Floor::default());
         // THEN the one is taken out and the other is the floor, and known to be a rough one.
         assert_near(&floor, rms(wander), 0.35);
         assert!(floor.uncertainty > 0.05, "{floor:?}");
@@ -374,7 +374,11 @@ mod tests {
             };
             friction + 7.0 * SIGMA_N * (TAU * 2.7 * t + 1.0).sin()
         };
-        assert_near(&NoiseFloor::of(&log(&white(), both, 1e-5)), SIGMA_N, 0.05);
+        assert_near(
+            &NoiseFloor::of(&log(&white(), both, 1e-5), &Floor::default()),
+            SIGMA_N,
+            0.05,
+        );
     }
 
     #[test]
@@ -385,12 +389,16 @@ mod tests {
             if lasts { 40.0 * SIGMA_N } else { 0.0 }
         };
         // THEN the floor is that of the rest of the time, to a fifth (it was 17 times that).
-        assert_near(&NoiseFloor::of(&log(&white(), spikes, 1e-5)), SIGMA_N, 0.2);
+        assert_near(
+            &NoiseFloor::of(&log(&white(), spikes, 1e-5), &Floor::default()),
+            SIGMA_N,
+            0.2,
+        );
     }
 
     #[test]
     fn white_noise_is_white() {
-        let floor = NoiseFloor::of(&log(&white(), |_, _| 0.0, 1e-5));
+        let floor = NoiseFloor::of(&log(&white(), |_, _| 0.0, 1e-5), &Floor::default());
         assert!(!floor.coloured && floor.uncertainty == 0.0, "{floor:?}");
         assert_near(&floor, SIGMA_N, 0.02);
     }

@@ -5,9 +5,6 @@ use std::f64::consts::TAU;
 
 use crate::spectral;
 
-/// Least power of a line over the mean of what is left around it. Noise alone reaches it in e⁻³⁰ of the
-/// bins.
-const LEAST_PROMINENCE: f64 = 30.0;
 /// Bins of the padded spectrum for each bin of the log.
 const PADDING: usize = 4;
 /// Steps on either side of the highest bin, and in a bin, in which the frequency is refined.
@@ -27,8 +24,9 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// Finds the strongest line in the samples that are used, if it stands out from its surroundings.
-    pub(crate) fn strongest(force: &[f64], is_used: &[bool]) -> Option<Line> {
+    /// Finds the strongest line in the samples that are used, if its power is `prominence` times
+    /// the mean of what is left around it.
+    pub(crate) fn strongest(force: &[f64], is_used: &[bool], prominence: f64) -> Option<Line> {
         let used: Vec<usize> = (0..force.len()).filter(|at| is_used[*at]).collect();
         let mean = used.iter().map(|at| force[*at]).sum::<f64>() / used.len().max(1) as f64;
         let mut deviation = vec![0.0; force.len()];
@@ -50,7 +48,7 @@ impl Line {
             .flatten()
             .filter_map(|at| remainder.get(at));
         let (sum, count) = around.fold((0.0, 0.0), |(sum, n), power| (sum + power, n + 1.0));
-        (power[peak] * count > LEAST_PROMINENCE * sum).then_some(line)
+        (power[peak] * count > prominence * sum).then_some(line)
     }
 
     /// The least-squares line of a frequency (cycles per sample), and what it takes off the sum of squares.

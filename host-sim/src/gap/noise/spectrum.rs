@@ -1,16 +1,10 @@
 //! The power of a force at rest, bin by bin: what of it is noise, what is lines, and how much of a noise
 //! that rises towards low frequencies a window is too short to see.
 
+use crate::gap::thresholds::Floor;
 use crate::spectral;
 use crate::stats::median;
 
-/// A bin this many times the median of its neighbours is a line; noise alone reaches it in e⁻⁸ of the
-/// bins of one window.
-const LINE: f64 = 8.0;
-/// The least exponent a of a density f^−a that is more than scatter.
-const LEAST_EXPONENT: f64 = 0.3;
-/// The largest exponent that is noise: electronics make 1/f, and what is steeper is a drift.
-const LARGEST_EXPONENT: f64 = 1.0;
 /// Bins for each independent one: Hann's window makes neighbours of a bin repeat it.
 const BINS_PER_INDEPENDENT: f64 = 35.0 / 18.0;
 
@@ -25,13 +19,15 @@ pub(crate) struct Spectrum {
 }
 
 impl Spectrum {
-    /// The spectrum of a stretch without its trend and its long spikes. Other spikes are cut at four times
-    /// its robust standard deviation, or at four times `noise_n` where that is more: most samples of a noise
+    /// The spectrum of a stretch without its trend and its long spikes. Other spikes are cut at so many
+    /// times its robust standard deviation, or times `noise_n` where that is more: most samples of a noise
     /// below a converter's step are the same.
-    pub(crate) fn of(force: &[f64], noise_n: f64) -> Spectrum {
-        let power = periodogram(clipped(without_spikes(force, noise_n), noise_n));
+    pub(crate) fn of(force: &[f64], noise_n: f64, decide: &Floor) -> Spectrum {
+        let most = decide.long_spike_sigmas;
+        let without_spikes = without_spikes(force, noise_n, most);
+        let power = periodogram(clipped(without_spikes, noise_n, decide.spike_sigmas));
         let without_lines: Vec<f64> = (0..power.len())
-            .map(|at| without_line(&power, at))
+            .map(|at| without_line(&power, at, decide.line))
             .collect();
         Spectrum {
             samples: force.len(),
@@ -50,19 +46,19 @@ impl Spectrum {
 }
 
 /// The power of a bin, or the level of its neighbours where it is a line.
-fn without_line(power: &[f64], at: usize) -> f64 {
+fn without_line(power: &[f64], at: usize, line: f64) -> f64 {
     let near = at.saturating_sub(12)..(at + 13).min(power.len());
     // The bins of a periodogram are exponentially distributed: their median is ln 2 of their mean.
     let level = median(power[near].iter().copied()) / std::f64::consts::LN_2;
     // A pure line leaks into two bins on either side; what is broader is noise in a band.
     let is_high = |bin: Option<usize>| {
         bin.and_then(|bin| power.get(bin))
-            .is_some_and(|power| *power > LINE * level)
+            .is_some_and(|power| *power > line * level)
     };
     let is_broad = [3, 4, 5]
         .iter()
         .any(|offset| is_high(at.checked_sub(*offset)) || is_high(Some(at + offset)));
-    if power[at] > LINE * level && !is_broad {
+    if power[at] > line * level && !is_broad {
         level
     } else {
         power[at]
@@ -92,15 +88,15 @@ impl LowFrequencySlope {
     }
 
     /// Power (N²) below the lowest bin of a window, down to one period in the log; both lengths in samples.
-    pub(crate) fn power_below(&self, window: usize, log: usize) -> f64 {
+    pub(crate) fn power_below(&self, window: usize, log: usize, decide: &Floor) -> f64 {
         let [n, sx, sy, sxx, sxy] = self.sums;
         let determinant = n * sxx - sx * sx;
         if determinant <= 0.0 || log <= window {
             return 0.0;
         }
         let slope = (n * sxy - sx * sy) / determinant;
-        let exponent = (-slope).min(LARGEST_EXPONENT);
-        if exponent < LEAST_EXPONENT {
+        let exponent = (-slope).min(decide.largest_slope);
+        if exponent < decide.least_slope {
             return 0.0;
         }
         // The line's level at the lowest bin. The mean of an exponential distribution is 1.78 times the
@@ -157,8 +153,8 @@ fn robust_deviation(magnitudes: impl Iterator<Item = f64>, noise_n: f64) -> f64 
 
 /// Clips what stands out by more than noise does: spikes are no noise, and a floor that counts them would
 /// hide them. A line or a coloured noise has no such tails.
-fn clipped(mut detrended: Vec<f64>, noise_n: f64) -> Vec<f64> {
-    let most = 4.0 * robust_deviation(detrended.iter().map(|value| value.abs()), noise_n);
+fn clipped(mut detrended: Vec<f64>, noise_n: f64, sigmas: f64) -> Vec<f64> {
+    let most = sigmas * robust_deviation(detrended.iter().map(|value| value.abs()), noise_n);
     if most > 0.0 {
         detrended
             .iter_mut()
@@ -168,9 +164,9 @@ fn clipped(mut detrended: Vec<f64>, noise_n: f64) -> Vec<f64> {
 }
 
 /// Takes off the trend, and sets spikes to 0 that are so many and so long that they would be the trend: a
-/// quarter of a rest at 35 standard deviations. A sample counts as a spike if it is more than six standard
+/// quarter of a rest at 35 standard deviations. A sample counts as a spike if it is more than `sigmas` standard
 /// deviations from the line through the medians of the first and the last third.
-fn without_spikes(force: &[f64], noise_n: f64) -> Vec<f64> {
+fn without_spikes(force: &[f64], noise_n: f64, sigmas: f64) -> Vec<f64> {
     let third = force.len() / 3;
     let (first, last) = (&force[..third], &force[force.len() - third..]);
     let middle = |values: &[f64]| median(values.iter().copied());
@@ -179,7 +175,7 @@ fn without_spikes(force: &[f64], noise_n: f64) -> Vec<f64> {
     let flat: Vec<f64> = each.map(|(at, force)| force - slope * at as f64).collect();
     let level = middle(&flat);
     let magnitudes: Vec<f64> = flat.iter().map(|force| (force - level).abs()).collect();
-    let most = 6.0 * robust_deviation(magnitudes.iter().copied(), noise_n);
+    let most = sigmas * robust_deviation(magnitudes.iter().copied(), noise_n);
     let is_calm: Vec<bool> = magnitudes
         .iter()
         .map(|magnitude| *magnitude <= most)

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::gap::data::fit_data::FitData;
-use crate::gap::decide::decision::{ADEQUATE, Decision};
+use crate::gap::decide::decision::Decision;
 use crate::gap::experiment::advise::advice;
 use crate::gap::finding::{
     Candidate, Curves, Finding, MissingEffect, Region, Verdict, regions_in_words,
@@ -31,7 +31,8 @@ pub(crate) fn finding(
     let effects = builder.effects(&estimates);
     // If no part of the log stands out, held-out parts that are a little off show how well the other
     // parts determine the numbers, and nothing that is missing.
-    let is_nowhere = remaining.is_empty() && effects.is_empty() && decision.ratio.1 <= ADEQUATE;
+    let most = decision.thresholds.explained.with_effects;
+    let is_nowhere = remaining.is_empty() && effects.is_empty() && decision.ratio.1 <= most;
     let mut finding = Finding {
         verdict: match decision.verdict {
             Verdict::Unexplained if is_nowhere => Verdict::NoMissingEffect,
@@ -177,7 +178,8 @@ impl<'a> FindingBuilder<'a> {
                 variances: &variances[rows],
             })
             .collect();
-        regions(&logs, self.decision.correlation)
+        let decide = &self.decision.thresholds.regions;
+        regions(&logs, self.decision.correlation, decide)
     }
 
     /// The noise (N) of the force that was fitted, all logs together.

@@ -8,15 +8,13 @@ use crate::gap::say::log_residuals::LogResiduals;
 use crate::spectral;
 use crate::stats::range;
 
-/// A line must hold this share of the residual's energy.
-const LEAST_SHARE: f64 = 0.1;
 /// Most samples that lines along the travel are looked for in.
 const MOST_SAMPLES: usize = 3000;
 /// The first number of half cycles over the travel.
 const FIRST_HALVES: usize = 6;
 
-/// The lines of a log that hold a tenth of the energy of its residuals.
-pub(crate) fn lines(of_log: &LogResiduals<'_>) -> Vec<Region> {
+/// The lines of a log that hold more than a share of the energy of its residuals.
+pub(crate) fn lines(of_log: &LogResiduals<'_>, least_share: f64) -> Vec<Region> {
     let residuals: Vec<f64> = of_log
         .residuals
         .iter()
@@ -33,9 +31,12 @@ pub(crate) fn lines(of_log: &LogResiduals<'_>) -> Vec<Region> {
         hz,
         pitch_m,
     };
+    let is_line = |(share, _): &(f64, f64)| *share > least_share;
     let in_time = line_in_time(of_log.log, &residuals, energy)
+        .filter(is_line)
         .map(|(share, hz)| region("line", share, Some(hz), None));
     let along_travel = line_along_travel(of_log.log, &residuals)
+        .filter(is_line)
         .map(|(share, pitch_m)| region("pitch", share, None, Some(pitch_m)));
     in_time.into_iter().chain(along_travel).collect()
 }
@@ -50,7 +51,7 @@ fn line_in_time(log: &FitData, residuals: &[f64], energy: f64) -> Option<(f64, f
     let share = |at: usize| 2.0 * power[at] / (count * energy.max(f64::MIN_POSITIVE));
     let strongest = (4..residuals.len() / 2).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
     let hz = strongest as f64 / (count * log.period_s);
-    Some((share(strongest), hz)).filter(|(share, _)| *share > LEAST_SHARE)
+    Some((share(strongest), hz))
 }
 
 /// The share of the energy in the strongest line along the travel, and its pitch (m).
@@ -73,5 +74,5 @@ fn line_along_travel(log: &FitData, residuals: &[f64]) -> Option<(f64, f64)> {
     let shares: Vec<f64> = (FIRST_HALVES..2 * finest).map(share).collect();
     let at = (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
     let pitch_m = 2.0 * travel_m / (at + FIRST_HALVES) as f64;
-    Some((shares[at], pitch_m)).filter(|(share, _)| *share > LEAST_SHARE)
+    Some((shares[at], pitch_m))
 }

@@ -5,12 +5,9 @@ use crate::model::Model;
 use crate::number::quantity;
 use crate::stats::highest;
 
-/// A fitted stiffness this many times larger or smaller than that of the model is in another unit.
-const ANOTHER_UNIT: f64 = 100.0;
-
 /// Notes on what the result says about the input: a stiffness of another order, a surface that is never
 /// reached.
-pub(crate) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
+pub(crate) fn implausible(model: &Model, finding: &Finding, another_unit: f64) -> Vec<String> {
     let mut notes = Vec::new();
     for (given, found) in model
         .environment
@@ -19,7 +16,7 @@ pub(crate) fn implausible(model: &Model, finding: &Finding) -> Vec<String> {
         .zip(&finding.base_after)
     {
         let times = found.value / given.value;
-        if given.name == "stiffness" && !(1.0 / ANOTHER_UNIT..=ANOTHER_UNIT).contains(&times) {
+        if given.name == "stiffness" && !(1.0 / another_unit..=another_unit).contains(&times) {
             notes.push(format!(
                 "the fitted stiffness is {}, the model's {}: another unit or sign of position or force, or another \
                  rig's log? (--columns x=x_m*1e-3)",

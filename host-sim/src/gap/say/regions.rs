@@ -2,24 +2,19 @@
 //! contact, by depth, by speed and by time.
 //!
 //! A region is named when its excess is significant against the noise. Benjamini and Hochberg's
-//! procedure keeps the share of false names among them at 1 %.
+//! procedure keeps the share of false names among them low.
 
 use crate::gap::finding::Region;
 use crate::gap::say::{lines::lines, log_residuals::LogResiduals};
+use crate::gap::thresholds::Regions;
 use crate::stats::{median, quantile};
 
-/// Share of false names.
-const FALSE_DISCOVERIES: f64 = 0.01;
 /// Depths below this share of the deepest are touch and lift-off.
 const NEAR: f64 = 0.05;
 /// Speeds below this share of the fast ones are a hold.
 const STILL: f64 = 0.02;
 /// The quantile of the speeds that is fast.
 const FAST: f64 = 0.95;
-/// Fewest samples of a region.
-const FEWEST_SAMPLES: f64 = 10.0;
-/// Least share of the excess in a region.
-const LEAST_SHARE: f64 = 0.02;
 
 /// The phase of the contact at a depth (m) and a speed (m/s). `fast_mps` is the 95 % quantile of the speeds.
 pub(crate) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, fast_mps: f64) -> &'static str {
@@ -42,33 +37,38 @@ pub(crate) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, fast_mps: f64)
 }
 
 /// The regions in which the excess is significant, the largest share first.
-pub(crate) fn regions(logs: &[LogResiduals<'_>], correlation: f64) -> Vec<Region> {
+pub(crate) fn regions(
+    logs: &[LogResiduals<'_>],
+    correlation: f64,
+    decide: &Regions,
+) -> Vec<Region> {
     let mut tallies = Tallies::default();
     logs.iter().for_each(|log| tallies.add_log(log));
     let mut tested: Vec<(f64, Region)> = tallies
         .regions
         .into_iter()
-        .filter(|(_, tally)| tally.count >= FEWEST_SAMPLES)
+        .filter(|(_, tally)| tally.count >= decide.fewest_samples)
         .map(|(id, tally)| {
             let region = tally.region(id, &tallies.total);
             (tally.p_value(correlation), region)
         })
         .collect();
     tested.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut regions: Vec<Region> = discoveries(tested);
-    regions.retain(|region| region.share > LEAST_SHARE);
+    let mut regions: Vec<Region> = discoveries(tested, decide.false_discoveries);
+    regions.retain(|region| region.share > decide.least_share);
     regions.sort_by(|a, b| b.share.total_cmp(&a.share));
     if !regions.is_empty() {
-        regions.extend(logs.first().into_iter().flat_map(lines));
+        let first = logs.first().into_iter();
+        regions.extend(first.flat_map(|log| lines(log, decide.line_share)));
     }
     regions
 }
 
 /// Benjamini and Hochberg's procedure on regions that are sorted by their p-values.
-fn discoveries(tested: Vec<(f64, Region)>) -> Vec<Region> {
+fn discoveries(tested: Vec<(f64, Region)>, false_share: f64) -> Vec<Region> {
     let count = tested.len() as f64;
     let is_below = |(rank, (p_value, _)): &(usize, &(f64, Region))| {
-        *p_value <= FALSE_DISCOVERIES * (*rank as f64 + 1.0) / count
+        *p_value <= false_share * (*rank as f64 + 1.0) / count
     };
     let last = tested.iter().enumerate().rfind(is_below);
     let named = last.map_or(0, |(rank, _)| rank + 1);

@@ -8,7 +8,7 @@ use crate::gap::model::shape::{Shape, Term};
 use crate::gap::model::start::starts as starts_of;
 use crate::gap::search::physical::is_physical;
 use crate::gap::search::proposals::{LinearizedModel, Proposal};
-use crate::gap::search::run::{RAN_AWAY, Search};
+use crate::gap::search::run::Search;
 use crate::gap::search::sets::{added_effects, is_last_repeated, truncate};
 
 /// Effects that are refitted jointly in a forward step.
@@ -20,8 +20,6 @@ const FOLLOWED: [usize; 2] = [5, 3];
 const FROM_FILE: usize = 4;
 /// Steps of a joint refit before it has to be among the best, and before it has to be again.
 const FIRST_STEPS: [usize; 2] = [4, 8];
-/// An effect must promise at least this share of the excess to be refitted.
-const LEAST_GAIN: f64 = 1e-3;
 const EXPONENTIAL: EffectId = EffectId::ExponentialStiffening;
 
 /// A shape, where its fit starts, and how many steps it has.
@@ -70,7 +68,7 @@ impl Search<'_> {
         }
         starts.extend(self.exponential_start(from));
         // A base that ran away hides what is missing from its own linearization.
-        if from.cost > RAN_AWAY * self.noise_cost {
+        if from.cost > self.decide().ran_away * self.noise_cost {
             let from_file = self.with_file_values(from);
             for proposals in self.proposals(&from_file, FROM_FILE) {
                 let (shape, start) = self.with_term(&from_file, &proposals[0].term);
@@ -96,8 +94,8 @@ impl Search<'_> {
     /// The effects that promise most beside a fit, with their best starts.
     fn proposals(&self, from: &Fit, most: usize) -> Vec<Vec<Proposal>> {
         let model = LinearizedModel::new(self.problem(), from, self.dataset.scales);
-        let mut proposals = model.proposals(self.ids);
-        let least = LEAST_GAIN * (from.cost - self.noise_cost).max(0.0);
+        let mut proposals = model.proposals(self.ids, self.decide().wrong_sign);
+        let least = self.decide().least_promise * (from.cost - self.noise_cost).max(0.0);
         proposals.retain(|starts| starts[0].gain > least);
         // One more mode of a spectrum needs the others to make room. Neither a first order nor a few
         // steps show what it is worth, so that it always gets its refit.

@@ -67,8 +67,9 @@ impl<'a> LinearizedModel<'a> {
         }
     }
 
-    /// The two best starts of every effect, the best effects first.
-    pub(crate) fn proposals(&self, ids: &[EffectId]) -> Vec<Vec<Proposal>> {
+    /// The two best starts of every effect, the best effects first. An effect whose size would be negative
+    /// promises `wrong_sign` times as much.
+    pub(crate) fn proposals(&self, ids: &[EffectId], wrong_sign: f64) -> Vec<Vec<Proposal>> {
         let mut starts: Vec<Term> = ids
             .iter()
             .flat_map(|id| starts(*id, &self.fit.shape, self.scales))
@@ -76,7 +77,7 @@ impl<'a> LinearizedModel<'a> {
         starts.extend(self.periodic_starts(ids));
         let mut scored: Vec<Proposal> = starts
             .into_par_iter()
-            .map(|term| self.proposal(term))
+            .map(|term| self.proposal(term, wrong_sign))
             .collect();
         scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let mut ranked: Vec<Vec<Proposal>> = Vec::new();
@@ -92,7 +93,7 @@ impl<'a> LinearizedModel<'a> {
     }
 
     /// What a start promises, its size fitted where the force is proportional to one.
-    fn proposal(&self, term: Term) -> Proposal {
+    fn proposal(&self, term: Term, wrong_sign: f64) -> Proposal {
         let mut change = self.change_by(&term);
         let whole = dot(&change, &change);
         project_out(&mut change, &self.basis);
@@ -105,8 +106,7 @@ impl<'a> LinearizedModel<'a> {
         let share = along / left;
         let mut gain = along * along / left;
         if share < 0.0 && term.id.info().sign != Sign::Either {
-            // The size would be negative; the base may turn that round, but rarely.
-            gain *= 0.05;
+            gain *= wrong_sign;
         }
         Proposal {
             term: scaled(term, share),

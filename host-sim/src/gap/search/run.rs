@@ -10,22 +10,13 @@ use crate::gap::model::{
 };
 use crate::gap::progress::Progress;
 use crate::gap::search::{physical::is_fourier_series, sets::added_effects, sets::keep_first};
+use crate::gap::thresholds;
 use crate::model;
 
-/// A fit with more than this many times the Σ w r² of noise may have run away.
-pub(crate) const RAN_AWAY: f64 = 4.0;
 /// Fits that the next forward step goes on from.
 const BEAM: usize = 3;
-/// Fits of the beam leave at most this many times the excess of the best, if that is small.
-const LARGEST_BEHIND: f64 = 4.0;
 /// Most effects that are added.
 const MOST_ADDED: usize = 5;
-/// A fit within this factor of the Σ w r² of noise is adequate.
-const ADEQUATE: f64 = 1.02;
-/// The share of the base's excess that may be left after two effects, and after three, before the search
-/// ends with nothing named. True sets of three leave 4 % at most, what is in no catalogue 5 to 50 %, and
-/// three of the five effects of cells under a cantilever 17 %.
-const HOPELESS: [f64; 2] = [0.5, 0.25];
 
 /// A search over the catalogue on one resolution of the logs.
 pub(crate) struct Search<'a> {
@@ -75,6 +66,7 @@ struct Forward {
 impl Search<'_> {
     /// Finds the effects that are missing in the base.
     pub(crate) fn run(&mut self, base: Fit) -> SearchResult {
+        let prominent = self.decide().prominent_wave;
         let mut state = Forward {
             best: base.clone(),
             base_cost: base.cost,
@@ -84,7 +76,7 @@ impl Search<'_> {
             if self.is_adequate(&state.best) {
                 break;
             }
-            if self.is_hopeless(&state, level) || is_fourier_series(&state.best) {
+            if self.is_hopeless(&state, level) || is_fourier_series(&state.best, prominent) {
                 return SearchResult::alone(base);
             }
             if !self.forward_step(&mut state, &base, level) {
@@ -95,7 +87,7 @@ impl Search<'_> {
         let (best, base_cost) = (state.best, state.base_cost);
         let best = self.without_insignificant(best, base_cost);
         let best = self.with_form_instead_of_effect(best, base_cost);
-        if is_fourier_series(&best) {
+        if is_fourier_series(&best, prominent) {
             return SearchResult::alone(base);
         }
         let result = self.with_swaps(best, base_cost);
@@ -110,7 +102,9 @@ impl Search<'_> {
     fn is_hopeless(&self, state: &Forward, level: usize) -> bool {
         let excess = (state.base_cost - self.noise_cost).max(1.0);
         let left = (state.best.cost - self.noise_cost) / excess;
-        level >= 2 && left > HOPELESS[usize::from(level > 2)]
+        let decide = self.decide();
+        let most = [decide.hopeless_after_two, decide.hopeless_after_three];
+        level >= 2 && left > most[usize::from(level > 2)]
     }
 
     /// Adds one effect to each fit of the beam. Returns false if the search ends with this step.
@@ -142,10 +136,10 @@ impl Search<'_> {
         } else if level > 0 {
             return false;
         }
-        // Near the noise a fit that is far ahead is the right one; far from it none is.
-        let least = excess.max(0.25 * self.noise_cost);
-        if least < RAN_AWAY * self.noise_cost {
-            children.retain(|fit| fit.cost - self.noise_cost <= LARGEST_BEHIND * least);
+        let decide = self.decide();
+        let least = excess.max(decide.least_excess * self.noise_cost);
+        if least < decide.ran_away * self.noise_cost {
+            children.retain(|fit| fit.cost - self.noise_cost <= decide.behind * least);
         }
         children.truncate(BEAM);
         state.beam = children
@@ -164,6 +158,11 @@ impl Search<'_> {
             self.ids.len()
         );
         self.progress.at(share, &what);
+    }
+
+    /// What decides in a search.
+    pub(crate) fn decide(&self) -> &thresholds::Search {
+        &self.dataset.thresholds.search
     }
 
     /// The least-squares problem under the present weights.
@@ -244,6 +243,6 @@ impl Search<'_> {
 
     /// Whether a fit leaves hardly more than the noise.
     pub(crate) fn is_adequate(&self, fit: &Fit) -> bool {
-        fit.cost <= ADEQUATE * self.noise_cost
+        fit.cost <= self.dataset.thresholds.explained.nothing_more * self.noise_cost
     }
 }

@@ -3,22 +3,7 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::model::{error::rests, fit::Fit};
-use crate::gap::noise::floor::FLOOR_ERRORS;
 use crate::gap::search::{run::Search, sets::is_repeated};
-
-/// Effects suffice if they leave less than this many times the Σ w r² of noise: the square of the bound that
-/// `decide` has on residuals.
-const SUFFICIENT: f64 = 1.25;
-/// The share of what is left that is certainly no error of form if a new effect takes it.
-const CERTAIN_OF_NEW: f64 = 0.5;
-/// The same share if one more term of an effect takes it that the fit has already.
-const CERTAIN_OF_REPEATED: f64 = 0.2;
-
-/// The χ² by which a difference counts, for the best of a catalogue's effects: 5 σ, and twice the
-/// logarithm of its size.
-pub(crate) fn chi2_threshold(catalogue: usize) -> f64 {
-    25.0 + 2.0 * (catalogue as f64).ln()
-}
 
 impl Search<'_> {
     /// Whether an effect takes off what it must, and is significant even if every rest is off by what
@@ -40,7 +25,8 @@ impl Search<'_> {
 
     /// What noise alone does not take off Σ w r² with any effect of the catalogue.
     fn noise_threshold(&self, fit: &Fit) -> f64 {
-        self.correlation * chi2_threshold(self.ids.len()) * (fit.cost / self.noise_cost).max(1.0)
+        let chi2 = self.dataset.thresholds.significance.chi2_of(self.ids.len());
+        self.correlation * chi2 * (fit.cost / self.noise_cost).max(1.0)
     }
 
     /// What an offset of each rest would take off Σ w r², as large as the error of the position allows:
@@ -71,18 +57,17 @@ impl Search<'_> {
         fit: &Fit,
         base_cost: f64,
     ) -> f64 {
-        // 4 % of what is left, for the errors of the noise's own model; 10 % where that is coloured, and
-        // more where its slowest part is extrapolated: rests of a second do not show a wander.
+        let thresholds = self.dataset.thresholds;
+        let decide = &thresholds.significance;
         let floors = self.dataset.floors.iter();
         let coloured = floors
-            .filter(|floor| floor.coloured || floor.lines_n > 0.3 * floor.used_n)
-            .map(|floor| f64::max(0.10, FLOOR_ERRORS * floor.uncertainty))
-            .fold(0.04, f64::max);
-        // Beside effects that suffice another one has to take more: what is left then is mostly the form
-        // of the first (a Stribeck friction where the catalogue says Coulomb).
-        let suffices = without < SUFFICIENT * self.noise_cost && without < 0.5 * base_cost;
+            .filter(|floor| floor.coloured || floor.lines_n > decide.lines * floor.used_n)
+            .map(|floor| f64::max(decide.coloured, thresholds.floor.sigmas * floor.uncertainty))
+            .fold(decide.white, f64::max);
+        let suffices = without < thresholds.explained.sufficient * self.noise_cost
+            && without < decide.sufficient * base_cost;
         let least = if suffices {
-            coloured.max(0.15)
+            coloured.max(decide.beside_sufficient)
         } else {
             coloured
         };
@@ -98,14 +83,12 @@ impl Search<'_> {
         fit: &Fit,
         base_cost: f64,
     ) -> f64 {
-        // 2 % of what the base left, for the errors of the effects' forms.
-        let form = 0.02 * (base_cost - self.noise_cost).max(0.0);
-        // What takes most of all that is left is no error of form, however bad the base was; nor is one more
-        // mode of a spectrum, which adds no effect.
+        let decide = &self.dataset.thresholds.significance;
+        let form = decide.form * (base_cost - self.noise_cost).max(0.0);
         let certain = if is_repeated(id, fit) {
-            CERTAIN_OF_REPEATED
+            decide.certain_of_repeated
         } else {
-            CERTAIN_OF_NEW
+            decide.certain_of_new
         };
         self.noise_threshold(fit)
             .max(form.min(certain * (without - self.noise_cost).max(0.0)))
@@ -163,7 +146,7 @@ mod tests {
     /// What a cogging takes off Σ w r² in units of its threshold, and whether it is significant.
     fn taken(cogging_n: f64) -> (f64, bool) {
         let log = steps(cogging_n);
-        let floors = [NoiseFloor::of(&log)];
+        let floors = [NoiseFloor::of(&log, &Default::default())];
         let logs = [FitData::of(&log)];
         let scales = Scales::of(&logs);
         let base = Environment {
@@ -185,12 +168,14 @@ mod tests {
             fit: Kept::default(),
         };
         let options = Options::default();
+        let thresholds = &options.thresholds;
         let mut search = Search {
             dataset: Dataset {
                 logs: &logs,
                 floors: &floors,
                 low_pass: None,
                 scales: &scales,
+                thresholds,
             },
             weights: vec![1.0; log.len()],
             base: &base,

@@ -5,8 +5,6 @@ use crate::gap::search::{run::Search, run::SearchResult, sets::added_effects};
 
 /// Most rounds of swaps.
 const ROUNDS: usize = 3;
-/// How much better the score of a swap must be.
-const LEAST_GAIN: f64 = 6.0;
 
 impl Search<'_> {
     /// Tries every other effect in the place of each, and takes what is better. The rivals are the fits
@@ -22,7 +20,7 @@ impl Search<'_> {
                 .iter()
                 .flatten()
                 .min_by(|a, b| self.score(a).total_cmp(&self.score(b)))
-                .filter(|fit| self.score(fit) < self.score(&best) - LEAST_GAIN);
+                .filter(|fit| self.score(fit) < self.score(&best) - self.decide().swap_gain);
             match better {
                 Some(fit) => best = self.without_insignificant(fit.clone(), base_cost),
                 None => return SearchResult { best, rivals },

@@ -31,7 +31,7 @@ fn sigma_between(plan: &Plan, id: E, rival: E) -> f64 {
 #[test]
 fn a_palpation_shows_friction_and_a_slow_sine_in_contact_does_not_tell_drag_from_damping() {
     // GIVEN a palpation with free air, and one slow sine that never leaves the material
-    let palpation = plan(&gel(), None, None, E::ALL).unwrap();
+    let palpation = plan(&gel(), None, None, &Options::default()).unwrap();
     let sine = Motion::new(
         1e-3,
         vec![Segment::Sine {
@@ -42,7 +42,7 @@ fn a_palpation_shows_friction_and_a_slow_sine_in_contact_does_not_tell_drag_from
         }],
     )
     .unwrap();
-    let slow = plan(&gel(), Some(&sine), None, E::ALL).unwrap();
+    let slow = plan(&gel(), Some(&sine), None, &Options::default()).unwrap();
     // THEN the first shows friction and drag, and tells friction from everything
     for id in [
         E::CoulombFriction,
@@ -84,7 +84,7 @@ fn lag_and_series_compliance_are_one_group_on_a_linear_contact_that_lasts() {
         }],
     )
     .unwrap();
-    let plan = plan(&gel(), Some(&sine), Some(0.2), E::ALL).unwrap();
+    let plan = plan(&gel(), Some(&sine), Some(0.2), &Options::default()).unwrap();
     let groups = plan.groups();
     let lag = of(&plan, E::ForceLag);
     let together = |ids: &Vec<E>| ids.contains(&E::ForceLag) && ids.contains(&E::SeriesCompliance);
@@ -107,8 +107,8 @@ fn a_plan_is_the_same_at_any_scale() {
          [sensors]\nforce_noise = 0.02\nposition_step = 1e-6\nforce_step = 1e-3\n",
     );
     let (small, large) = (
-        plan(&small, None, None, E::ALL).unwrap(),
-        plan(&large, None, None, E::ALL).unwrap(),
+        plan(&small, None, None, &Options::default()).unwrap(),
+        plan(&large, None, None, &Options::default()).unwrap(),
     );
     for (a, b) in small.effects.iter().zip(&large.effects) {
         // 10 nm and 10 N over 5 mm are no exact multiples of the counts: a tenth.
