@@ -33,7 +33,7 @@ pub trait Adjustable: Default {
     /// No threshold has this name.
     fn set(&mut self, name: &str, factor: f64) -> Result<(), Diagnostic> {
         let mut all = self.all();
-        let names: Vec<&str> = all.iter().map(|threshold| threshold.name).collect();
+        let names: Vec<&'static str> = all.iter().map(|threshold| threshold.name).collect();
         let Some(found) = all.iter_mut().find(|threshold| threshold.name == name) else {
             return Err(unknown(name, &names));
         };
@@ -42,17 +42,21 @@ pub trait Adjustable: Default {
     }
 }
 
-fn unknown(name: &str, names: &[&str]) -> Diagnostic {
-    let fields = names.iter().filter_map(|own| own.split('.').next_back());
-    let near = nearest(name, names.iter().copied()).or_else(|| {
-        let field = nearest(name.split('.').next_back()?, fields)?;
-        names.iter().copied().find(|own| own.ends_with(field))
-    });
+/// A name without a decision is compared with the fields alone; the note lists the decision of the nearest.
+fn unknown(name: &str, names: &[&'static str]) -> Diagnostic {
+    let compared = |own: &&'static str| match own.split_once('.') {
+        Some((_, field)) if !name.contains('.') => field,
+        _ => own,
+    };
+    let near = nearest(name, names.iter().map(compared));
+    let near = near.and_then(|near| names.iter().find(|own| compared(own) == near));
+    let decision = near.map_or("", |near| near.split('.').next().unwrap_or_default());
+    let alike = names
+        .iter()
+        .copied()
+        .filter(|own| own.starts_with(decision));
     Diagnostic::new(format!("no threshold is called `{name}`"))
-        .note(format!(
-            "the thresholds are {}",
-            listed(names.iter().copied())
-        ))
+        .note(format!("near it are {}", listed(alike)))
         .remedy(near.map_or("name one of them".into(), |near| {
             format!("write \"{near}\"")
         }))

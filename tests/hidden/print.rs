@@ -1,18 +1,22 @@
 //! Writes rigs with hidden effects, and scores `palpate gap` on them:
 //! `cargo run --release -p tests --example hidden -- write DIR --cases 52 --kind single --seed 1`,
-//! `cargo run --release -p tests --example hidden -- score DIR --palpate target/release/palpate`.
+//! `cargo run --release -p tests --example hidden -- score DIR --palpate target/release/palpate`,
+//! `cargo run --release -p tests --example hidden -- sweep explained.with_effects --kind single --kind none --cases 26 --seed 1`.
 
 use std::path::{Path, PathBuf};
 use tests::hidden::rig::case::Case;
 use tests::hidden::rig::kind::Kind;
 use tests::hidden::rig::write::Units;
-use tests::hidden::score::{further, run, table};
+use tests::hidden::score::{further, run, sweep, table};
 
 const USAGE: &str = "\
 hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J] [--brief]
              [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
 hidden record RIG --motion FILE --out DIR   (the same rig under another motion, to DIR/further.csv)
-hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]";
+hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]
+hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--brief] [--out OUT]
+             (scores the library with the threshold NAME at -25 %, 0 and +25 %, on the rigs below DIR or, without
+             one, on N rigs of each kind; without NAME: all thresholds, their defaults and reasons)";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -20,6 +24,7 @@ fn main() {
         Some("write") => write(&arguments[1..]),
         Some("record") => record(&arguments[1..]),
         Some("score") => score(&arguments[1..]),
+        Some("sweep") => swept(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
     if let Err(message) = done {
@@ -62,26 +67,75 @@ fn write(arguments: &[String]) -> Result<(), String> {
         force: size("--force")?,
         time: size("--time")?,
     };
-    let kind = option(arguments, "--kind").unwrap_or("single");
-    let kind = if kind == "same" { "single" } else { kind };
-    let kind = Kind::ALL
-        .iter()
-        .find(|(_, name)| *name == kind)
-        .ok_or(USAGE)?
-        .0;
+    let kind = kind(option(arguments, "--kind").unwrap_or("single"))?;
     let brief = arguments.iter().any(|a| a == "--brief");
     let draw = if brief { Case::brief } else { Case::generate };
+    let drawn = |index| {
+        let mut case = draw(kind, seed, index);
+        case.units = units;
+        case
+    };
+    save_all(Path::new(dir), cases, jobs, drawn);
+    Ok(())
+}
+
+/// The kind of a name.
+fn kind(name: &str) -> Result<Kind, String> {
+    let name = if name == "same" { "single" } else { name };
+    let found = Kind::ALL.iter().find(|(_, known)| *known == name);
+    Ok(found.ok_or(USAGE)?.0)
+}
+
+/// Draws and saves cases, several at a time.
+fn save_all(dir: &Path, cases: u64, jobs: u64, draw: impl Fn(u64) -> Case + Sync) {
     std::thread::scope(|scope| {
         for job in 0..jobs {
+            let draw = &draw;
             scope.spawn(move || {
                 for index in (job..cases).step_by(jobs as usize) {
-                    let mut case = draw(kind, seed, index);
-                    case.units = units;
-                    save(Path::new(dir), &case, index);
+                    save(dir, &draw(index), index);
                 }
             });
         }
     });
+}
+
+/// Scores the library with a threshold changed, or lists the thresholds.
+fn swept(arguments: &[String]) -> Result<(), String> {
+    let mut words = arguments.iter().take_while(|a| !a.starts_with("--"));
+    let Some(name) = words.next() else {
+        print!("{}", sweep::list());
+        return Ok(());
+    };
+    sweep::known(name)?;
+    let (cases, seed) = (
+        number(arguments, "--cases", 13)?,
+        number(arguments, "--seed", 1)?,
+    );
+    let jobs = number(arguments, "--jobs", 2)?.max(1);
+    let mut dirs: Vec<PathBuf> = words.map(PathBuf::from).collect();
+    if dirs.is_empty() {
+        let brief = arguments.iter().any(|a| a == "--brief");
+        let draw = if brief { Case::brief } else { Case::generate };
+        let out = Path::new(option(arguments, "--out").unwrap_or("target/hidden-sweep"));
+        let after_kind = arguments.windows(2).filter(|pair| pair[0] == "--kind");
+        let mut kinds: Vec<&str> = after_kind.map(|pair| pair[1].as_str()).collect();
+        if kinds.is_empty() {
+            kinds = sweep::KINDS.to_vec();
+        }
+        for name in kinds {
+            let kind = kind(name)?;
+            let length = if brief { "brief" } else { "whole" };
+            let dir = out.join(format!("{name}-{seed}-{cases}-{length}"));
+            save_all(&dir, cases, jobs, |index| draw(kind, seed, index));
+            dirs.push(dir);
+        }
+    }
+    let rigs: Vec<PathBuf> = dirs.iter().flat_map(|dir| run::rigs(dir)).collect();
+    if rigs.is_empty() {
+        return Err(format!("no truth.json below the folders given\n{USAGE}"));
+    }
+    print!("{}", sweep::text(name, &rigs, jobs as usize)?);
     Ok(())
 }
 

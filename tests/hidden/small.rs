@@ -1,6 +1,7 @@
 //! The whole workflow on short rigs, with at least one for each kind of answer. The scorer of the full
 //! table judges them; nothing else knows what is hidden.
 
+use palpate::gap::Options;
 use std::path::{Path, PathBuf};
 use tests::hidden::rig::case::{Case, LEAST_RATIO};
 use tests::hidden::rig::kind::Kind;
@@ -32,7 +33,7 @@ fn scored(kind: Kind, index: u64) -> Scored {
     let folder = folder(&format!("{}-{index}", kind.name()));
     let written = Case::brief(kind, SEED, index).save(&folder);
     written.unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
-    library::score(&folder).unwrap_or_else(|e| panic!("{e}"))
+    library::score(&folder, &Options::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The answer names exactly what is hidden, is adequate, and is at the floor on the held-out part.

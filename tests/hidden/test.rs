@@ -6,6 +6,7 @@ mod catalogue;
 mod physics;
 mod scoring;
 mod small;
+mod sweeping;
 
 use std::path::Path;
 use tests::hidden::rig::case::{Case, LEAST_RATIO};

@@ -10,9 +10,9 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Reads the files of a rig's folder as `palpate gap` does, and scores what the library finds.
-pub fn score(rig: &Path) -> Result<Scored, String> {
+pub fn score(rig: &Path, options: &Options) -> Result<Scored, String> {
     let started = Instant::now();
-    let answer = answer(rig).map(|found| Answer {
+    let answer = answer(rig, options).map(|found| Answer {
         seconds: started.elapsed().as_secs_f64(),
         ..found
     });
@@ -24,11 +24,11 @@ pub fn score(rig: &Path) -> Result<Scored, String> {
     })
 }
 
-fn answer(rig: &Path) -> Result<Answer, String> {
+fn answer(rig: &Path, options: &Options) -> Result<Answer, String> {
     let model = Model::read(&rig.join("base.toml")).map_err(|e| e.to_string())?;
     let log = Log::read(&rig.join("measured.csv"), &ReadOptions::default());
     let log = log.and_then(|log| log.uniform());
     let log = log.map_err(|e| e.to_string())?;
-    let found = gap(&model, &[log], &Options::default()).map_err(|e| e.to_string())?;
+    let found = gap(&model, &[log], options).map_err(|e| e.to_string())?;
     Ok(Answer::of(&found, f64::NAN))
 }

@@ -8,5 +8,6 @@ pub mod process;
 pub mod run;
 pub mod scored;
 pub mod share;
+pub mod sweep;
 pub mod table;
 pub mod truth;

@@ -41,15 +41,24 @@ pub fn rigs(dir: &Path) -> Vec<PathBuf> {
 
 /// Runs the command on all rigs and scores its answers, in the order of the rigs.
 pub fn all(rigs: &[PathBuf], options: &Options) -> Result<Vec<Scored>, String> {
+    each(rigs, options.jobs, |rig, index| score(rig, index, options))
+}
+
+/// Scores rigs, several at a time, in their order.
+pub(crate) fn each(
+    rigs: &[PathBuf],
+    jobs: usize,
+    score: impl Fn(&Path, usize) -> Result<Scored, String> + Sync,
+) -> Result<Vec<Scored>, String> {
     let next = AtomicUsize::new(0);
     let scored: Mutex<Vec<(usize, Result<Scored, String>)>> = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
-        for _ in 0..options.jobs.max(1) {
+        for _ in 0..jobs.max(1) {
             scope.spawn(|| {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(rig) = rigs.get(index) else { break };
-                    let one = score(rig, index, options);
+                    let one = score(rig, index);
                     eprint!("\r{} of {} ", index + 1, rigs.len());
                     if let Ok(mut scored) = scored.lock() {
                         scored.push((index, one));

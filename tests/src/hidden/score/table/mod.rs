@@ -80,7 +80,7 @@ fn with_forms<'a>(kind: &'static str, runs: Runs<'a>) -> Vec<(&'static str, Runs
 
 /// The text in lines of at most [`WIDE`] columns, all but the first indented by four; a word that is
 /// longer has a line to itself.
-fn wrapped(lead: &str, text: &str) -> String {
+pub(super) fn wrapped(lead: &str, text: &str) -> String {
     let mut lines = String::new();
     let mut line = lead.to_string();
     for word in text.split(' ') {
