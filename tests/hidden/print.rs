@@ -75,7 +75,9 @@ fn write(arguments: &[String]) -> Result<(), String> {
         case.units = units;
         case
     };
-    save_all(Path::new(dir), cases, jobs, drawn);
+    save_all(Path::new(dir), cases, jobs, drawn, |line| {
+        println!("{line}")
+    });
     Ok(())
 }
 
@@ -87,13 +89,13 @@ fn kind(name: &str) -> Result<Kind, String> {
 }
 
 /// Draws and saves cases, several at a time.
-fn save_all(dir: &Path, cases: u64, jobs: u64, draw: impl Fn(u64) -> Case + Sync) {
+fn save_all(dir: &Path, cases: u64, jobs: u64, draw: impl Fn(u64) -> Case + Sync, say: fn(&str)) {
     std::thread::scope(|scope| {
         for job in 0..jobs {
             let draw = &draw;
             scope.spawn(move || {
                 for index in (job..cases).step_by(jobs as usize) {
-                    save(dir, &draw(index), index);
+                    say(&save(dir, &draw(index), index));
                 }
             });
         }
@@ -127,7 +129,8 @@ fn swept(arguments: &[String]) -> Result<(), String> {
             let kind = kind(name)?;
             let length = if brief { "brief" } else { "whole" };
             let dir = out.join(format!("{name}-{seed}-{cases}-{length}"));
-            save_all(&dir, cases, jobs, |index| draw(kind, seed, index));
+            let drawn = |index| draw(kind, seed, index);
+            save_all(&dir, cases, jobs, drawn, |line| eprintln!("{line}"));
             dirs.push(dir);
         }
     }
@@ -174,11 +177,12 @@ fn score(arguments: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-fn save(dir: &Path, case: &Case, index: u64) {
+/// Writes the files of a case, and says which.
+fn save(dir: &Path, case: &Case, index: u64) -> String {
     let to: PathBuf = dir.join(format!("rig-{:03}", index + 1));
     if let Err(error) = case.save(&to) {
         eprintln!("{}: {error}", to.display());
         std::process::exit(1);
     }
-    println!("{} {case}", to.display());
+    format!("{} {case}", to.display())
 }

@@ -92,6 +92,8 @@ pub fn table(name: &str, runs: &[Swept]) -> String {
             let _ = writeln!(text, "{kind:<16}{change:>6}{value:>9.4}{}", figures(&of));
         }
     }
+    text += "wrong name: as a certainty; wrong open: in an answer that is `ambiguous` or `unexplained`; called\n\
+             null: something is there; a threshold that says how far over 1 something is changes by that.\n";
     let Some((_, _, usual)) = runs.iter().find(|(change, ..)| *change == "0") else {
         return text;
     };
