@@ -43,6 +43,7 @@ mod power_law_stiffness;
 mod row;
 mod series_compliance;
 mod shapes;
+mod starts;
 mod stress_relaxation;
 mod stribeck_friction;
 mod surface_motion;
@@ -55,8 +56,9 @@ use crate::maths::scalar::Scalar;
 use catalogue::catalogue;
 pub use motion::Motion;
 pub use row::{
-    ChainStage, EffectInfo, Family, Form, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
+    ChainStage, EffectInfo, Family, Form, Laws, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
 };
+pub use starts::{Series, StartValues, Starts};
 
 catalogue! {
     stress_relaxation::StressRelaxation = 1,

@@ -41,7 +41,7 @@ fn remaining_errors(effects: &[(EffectId, [f64; 4])]) -> [f64; 2] {
     let mut chain = rig;
     let moves = |effect: &Effect<f64>| effect.id() != EffectId::EncoderPeriodicError;
     chain.effects = chain.effects.map(|slot| slot.filter(moves));
-    let shift_s = rig.delay_s();
+    let shift_s = rig.delay_s().unwrap_or(0.0);
     let (mut now, mut late) = (chain.at_rest(), chain.at_rest());
     let mut state = compensation.at_rest();
     let mut worst = [0.0_f64; 2];

@@ -49,6 +49,30 @@ fn optional_forms_are_0_by_default_and_an_extension_names_a_relative() {
 }
 
 #[test]
+fn an_example_is_within_its_bounds_and_a_start_has_no_more_values_than_parameters() {
+    for id in EffectId::ALL {
+        let info = id.info();
+        for (value, parameter) in info.example.iter().zip(info.parameters) {
+            assert!(
+                parameter.bounds.allow(*value),
+                "{} {}",
+                id.name(),
+                parameter.name
+            );
+        }
+        let fits = |starts: &Starts| starts.values.len() <= info.parameters.len();
+        assert!(info.starts.iter().all(fits), "{}", id.name());
+        // A wave starts from a spectrum.
+        assert_eq!(
+            info.starts.is_empty(),
+            info.repeats != Repeats::Never,
+            "{}",
+            id.name()
+        );
+    }
+}
+
+#[test]
 fn what_a_board_compensates_belongs_to_the_rig_and_counts_no_time() {
     for id in EffectId::ALL.iter().copied() {
         let info = id.info();
