@@ -169,11 +169,10 @@ fn several_effects_are_removed_together_and_those_of_the_material_stay() {
 
 #[test]
 fn every_effect_is_the_rigs_or_the_materials() {
-    let rigs = EffectId::ALL
-        .iter()
-        .filter(|id| id.belongs_to_rig())
-        .count();
-    assert_eq!((rigs, EffectId::ALL.len() - rigs), (16, 10));
+    // Of the first 26, ten are the material's; later ones have any number.
+    for id in EffectId::ALL.iter().take(26) {
+        assert_eq!(id.belongs_to_rig(), *id as u8 > 10, "{}", id.name());
+    }
     assert!(!EffectId::SurfaceMotion.belongs_to_rig());
 }
 
