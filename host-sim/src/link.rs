@@ -1,5 +1,4 @@
-//! The host's side of a board: a port to it, the frames that come over it, and what a person does
-//! with them.
+//! The host's side of a board: the port, the frames that come over it, recordings and settings.
 //!
 //! A port is a serial line, the working directory of the emulator, or a simulated board that runs
 //! the core's own protocol, sampling and settings code.

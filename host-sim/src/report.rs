@@ -1,8 +1,9 @@
 //! Reports for people: one HTML file that needs nothing else, verdict first.
 //!
 //! [`Document`] takes the parts (verdict, [`Section`]s of text, [`Table`]s and [`Figure`]s,
-//! [`Provenance`]) and writes them; [`plot`] draws; [`estimate`] and [`gap`] are the reports of the
-//! verbs of those names. Every text is escaped, every number is rounded to what its standard error leaves.
+//! [`Provenance`]) and writes them; [`plot`] draws the charts; [`estimate`] and [`gap`] are the reports of
+//! the verbs of those names. Every text is escaped, and every number is rounded to the digits that its
+//! standard error supports.
 
 mod document;
 pub mod estimate;

@@ -65,7 +65,7 @@ fn effect(case: &Case) -> Effect<f64> {
 fn theirs(case: &Case) -> Vec<f64> {
     let rig = Rig::bare(environment(case)).with(effect(case));
     let (track, mut state) = (&case.track, rig.at_rest());
-    let late = (rig.delay_s() * FINE_HZ).round() as i64;
+    let late = (rig.delay_s().unwrap_or(0.0) * FINE_HZ).round() as i64;
     // v_read/v
     let gain = |x: f64| (case.plant.read_m(x + 1e-9) - case.plant.read_m(x - 1e-9)) / 2e-9;
     let force: Vec<f64> = (0..track.x.len())

@@ -3,8 +3,7 @@
 //! An effect is a law and, beside it, a row of facts ([`EffectInfo`]): id, parameters with units and
 //! bounds, the stage of the rig's signal chain at which it enters ([`crate::physics::rig`]), and what
 //! a fit and a board have to know of it. The same law simulates the effect, gives a fit its gradients
-//! (dual numbers) and compensates the effect on the board. A new effect is a file and a line of the
-//! catalogue below.
+//! (dual numbers) and compensates the effect on the board.
 //!
 //! The order of the chain:
 //!
@@ -18,6 +17,39 @@
 //! | contact force | depth_dependent_damping, hysteretic_damping, adhesion |
 //! | load path | coulomb_friction, stribeck_friction, viscous_drag, asymmetric_drag, tool_inertia, cable_stiffness, cogging, periodic_disturbance, force_offset, force_drift |
 //! | force reading | force_lag, time_delay, force_saturation |
+//!
+//! # Adding an effect
+//!
+//! An effect is added in three files. The worked example is `tip_magnet`, an invented effect that the
+//! feature `example-effect` turns on for one test, `tests/example_effect.rs`. The test hides it in a
+//! simulated log; `palpate gap` names it alone with its true numbers; the model file, the compensation
+//! and the settings of a board have it as well.
+//!
+//! 1. `effect/tip_magnet.rs`: the law, and the row of facts beside it.
+//!    ```text
+//!    effect! {
+//!        /// A magnet below the encoder's zero, which pulls at the tip as it passes.
+//!        TipMagnet = "tip_magnet" {
+//!            /// F (N), at x = 0
+//!            force_n = "force", Newton, Positive, Size, FitRange::up_to(Times(1.0, Force));
+//!            /// d (m): where half of the pull is left
+//!            reach_m = "reach", Metre, Positive, Shape, Logarithmic(Times(0.02, Travel), Times(0.5, Travel));
+//!        }
+//!        stage: LoadPath, sign: OneWay, proportional: true, …
+//!        example: [0.3, 5e-4, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce)), Each(&[…])])],
+//!        law: "−F/(1 + (x/d)²)", …
+//!    }
+//!    ```
+//!    Bounds, ranges, starts, sign, relatives, optional forms and physical limits are facts of the row; a
+//!    row that lacks one does not compile. The file `row.rs` says what each fact means.
+//! 2. This file: `mod tip_magnet`, a line `tip_magnet::TipMagnet = 50` of the catalogue with a number that
+//!    never changes, and the place in the signal chain: `load_n` for the load path, the rig
+//!    ([`crate::physics::rig`]) for the other stages.
+//! 3. `tests/src/hidden/rig/draw/mod.rs`: the effect in the generator of hidden rigs, by its own formula
+//!    (`Effect::Load`) and not by that of the row, and its id in the generator's catalogue. A memory of
+//!    its own is a field of the generator's `Drive`.
+//!
+//! Simulation, fit, report, model file, compensation and settings need no change: they read the row.
 
 mod adhesion;
 mod asymmetric_drag;
@@ -43,10 +75,13 @@ mod power_law_stiffness;
 mod row;
 mod series_compliance;
 mod shapes;
+mod starts;
 mod stress_relaxation;
 mod stribeck_friction;
 mod surface_motion;
 mod time_delay;
+#[cfg(feature = "example-effect")]
+mod tip_magnet;
 mod tool_inertia;
 mod viscous_drag;
 
@@ -55,8 +90,9 @@ use crate::maths::scalar::Scalar;
 use catalogue::catalogue;
 pub use motion::Motion;
 pub use row::{
-    ChainStage, EffectInfo, Family, Form, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
+    ChainStage, EffectInfo, Family, Form, Laws, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
 };
+pub use starts::{Series, StartValues, Starts};
 
 catalogue! {
     stress_relaxation::StressRelaxation = 1,
@@ -85,6 +121,9 @@ catalogue! {
     time_delay::TimeDelay = 24,
     force_saturation::ForceSaturation = 25,
     encoder_periodic_error::EncoderPeriodicError = 26,
+    // The last number that a board has settings for: it stays out of the way of real effects.
+    #[cfg(feature = "example-effect")]
+    tip_magnet::TipMagnet = 50,
 }
 
 impl EffectId {
@@ -114,6 +153,8 @@ impl<S: Scalar> Effect<S> {
             Effect::PeriodicDisturbance(effect) => effect.force_n(motor.time_s),
             Effect::ForceOffset(effect) => effect.force_n(),
             Effect::ForceDrift(effect) => effect.force_n(motor.time_s),
+            #[cfg(feature = "example-effect")]
+            Effect::TipMagnet(effect) => effect.force_n(motor.position_m),
             _ => S::zero(),
         }
     }

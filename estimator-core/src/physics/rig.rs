@@ -93,12 +93,14 @@ impl<S: Scalar> Rig<S> {
         self.effects.iter().flatten()
     }
 
-    /// How late the force is read (s), of all `time_delay`: for the caller to shift the motion by.
-    pub fn delay_s(&self) -> S {
-        self.effects().fold(S::zero(), |sum, effect| match effect {
-            Effect::TimeDelay(delay) => sum + delay.delay_s,
-            _ => sum,
-        })
+    /// How late the force is read (s), of all `time_delay`, for the caller to shift the motion by;
+    /// `None` without one.
+    pub fn delay_s(&self) -> Option<S> {
+        let delays = self.effects().filter_map(|effect| match effect {
+            Effect::TimeDelay(delay) => Some(delay.delay_s),
+            _ => None,
+        });
+        delays.reduce(|sum, delay_s| sum + delay_s)
     }
 
     /// Standing still out of contact, for ever.

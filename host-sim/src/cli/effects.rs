@@ -12,7 +12,7 @@ use clap::Args;
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-pub use ignored::{Ignored, example, ignored};
+pub use ignored::{Ignored, ignored};
 
 use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::output::say;

@@ -1,4 +1,4 @@
-//! A board's settings as a file: TOML, a section for each part, every value with its unit.
+//! The settings of a board as a TOML file, with a section for each part and a unit for each value.
 
 use std::error::Error;
 use std::io;
@@ -35,17 +35,18 @@ pub fn text(settings: &Settings, unknown: &[Key], of: &str) -> String {
 /// Writes a backup.
 ///
 /// # Errors
-/// What the file system says.
+/// The file cannot be written.
 pub fn write(path: &Path, settings: &Settings, unknown: &[Key], of: &str) -> io::Result<()> {
     write_atomically(path, |writer| {
         writer.write_all(text(settings, unknown, of).as_bytes())
     })
 }
 
-/// Reads a backup over `settings`: what it does not name stays.
+/// Reads a backup into `settings`. A setting that the file does not name keeps its value.
 ///
 /// # Errors
-/// Unknown keys, no numbers, and values that a board cannot use, with their line.
+/// The file cannot be read, or has an unknown key, a value that is no number, or a value that a board
+/// cannot use. The error gives the line.
 pub fn read(path: &Path, settings: Settings) -> Result<Settings, Diagnostic> {
     parse(&TomlFile::read(path)?, settings)
 }
@@ -95,7 +96,7 @@ fn section<'a>(
     }
 }
 
-/// The error of a value, at its line.
+/// The error about a value, with its line.
 fn unusable(
     root: &Table,
     compensation: Option<&Table>,
@@ -110,12 +111,12 @@ fn unusable(
     Ok(diagnostic.remedy(invalid.to_string()))
 }
 
-/// Section, whose own parts are sections of it, and name.
+/// The section and the name of a setting. A section may have sections of its own.
 fn split(name: &'static str) -> (&'static str, &'static str) {
     name.rsplit_once('.').unwrap_or(("", name))
 }
 
-/// Gives every setting its new value, all of them at once, and saves. If one is refused, or the line
+/// Gives all settings their new values at once, and saves them. If a value is refused, or the connection
 /// breaks on the way, nothing has changed.
 pub fn restore<P: Port>(
     device: &mut Device<P>,
@@ -124,14 +125,14 @@ pub fn restore<P: Port>(
 ) -> Result<usize, Box<dyn Error>> {
     let differs = |key: &Key| now.get(*key) != wanted.get(*key);
     let changed: Vec<Key> = Key::ALL.into_iter().filter(differs).collect();
-    // Whatever an earlier host left half said.
+    // An earlier host may have left some values that it never committed.
     device.order(Command::Discard)?;
     for key in &changed {
         device.prepare(*key, wanted.get(*key))?;
     }
     device.order(Command::Commit)?;
     device.order(Command::Save).map_err(|error| {
-        format!("{error}\nthe new values are in force, and gone with the power")
+        format!("{error}\nthe new values are in force but not saved: the board loses them when its power goes off")
     })?;
     Ok(changed.len())
 }

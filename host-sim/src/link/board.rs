@@ -21,14 +21,14 @@ use estimator_core::{Estimate, Faults};
 
 use super::world::World;
 
-/// Bytes that wait for the line at most: two chunks, as in the firmware.
+/// The most bytes that wait for the line: two chunks, as in the firmware.
 const LINE: usize = 1024;
-/// A tick on the stopwatch (ns).
+/// The length of a tick on the stopwatch (ns).
 const TICK_NS: u32 = 1_000_000_000 / RATE_HZ;
-/// The surroundings of the simulated tick.
+/// The hardware around the simulated tick.
 #[derive(Default)]
 struct SimulatedPorts {
-    /// Reading of the stopwatch in this tick (ns): the simulated task takes no time.
+    /// The reading of the stopwatch in this tick (ns). The simulated task takes no time.
     now_ns: u32,
     packet: Option<Packet>,
     force_code: u16,
@@ -75,7 +75,7 @@ pub struct SimulatedBoard {
     ticks: u64,
     last: Option<Estimate<f32>>,
     faults: Faults,
-    /// Settings that this board's firmware does not know yet.
+    /// The settings that the firmware of this board does not know yet.
     unknown: Vec<Key>,
 }
 
@@ -175,7 +175,7 @@ impl SimulatedBoard {
         let codes = self
             .world
             .lock()
-            .expect("nobody panics with the world in hand")
+            .expect("no thread panics while it holds the world")
             .codes(self.ticks);
         let start = (self.ticks * u64::from(TICK_NS)) as u32;
         self.ports.now_ns = start;

@@ -1,4 +1,5 @@
-//! A board at the other end of a port: frames in, commands out and answered, and what got lost.
+//! A board at the other end of a port: the frames that it sends, the commands and their answers, and the
+//! count of what was lost.
 
 use std::collections::VecDeque;
 use std::io;
@@ -11,39 +12,40 @@ use estimator_core::board::settings::{Key, Settings};
 use super::port::Port;
 use crate::diagnostic::Diagnostic;
 
-/// An answer comes within milliseconds; one to a save may wait for an erase of the flash, 4 s.
+/// How long the host waits for an answer. An answer comes within milliseconds; the answer to a save may wait
+/// 4 s until the flash is erased.
 const PATIENCE: Duration = Duration::from_millis(500);
 const PATIENCE_FOR_FLASH: Duration = Duration::from_secs(6);
-/// Times that a command is sent when no answer comes: every command may be repeated.
+/// How often a command is sent if no answer comes. Every command may be repeated.
 const ATTEMPTS: usize = 3;
-/// Times that a command is asked again that the board was too busy for.
+/// How often a command is repeated if the board is too busy for it.
 const BUSY_ATTEMPTS: usize = 50;
 
-/// What has come over a link so far.
+/// The counts of what has come over a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
-    /// Good frames.
+    /// Frames with a correct check sum.
     pub frames: u64,
-    /// Stretches of bytes that were no frame.
+    /// Stretches of bytes that are no frame.
     pub garbled: u64,
     /// Frames that are missing from the sequence.
     pub lost: u64,
 }
 
-/// A board.
+/// A board behind a port.
 pub struct Device<P> {
     port: P,
     decoder: Decoder,
     waiting: VecDeque<Frame>,
     expected: Option<u16>,
     sequence: u16,
-    /// Whether the first zero has come: before it is the rest of a frame that began earlier.
+    /// Whether the first zero byte has come. Before it stands the rest of a frame that began earlier.
     in_step: bool,
     statistics: Statistics,
     tap: Option<Tap>,
 }
 
-/// Takes bytes as they come, such as into a file.
+/// A function that takes the bytes as they come, for example into a file.
 pub type Tap = Box<dyn FnMut(&[u8]) -> io::Result<()>>;
 
 impl<P: Port> Device<P> {
@@ -54,7 +56,7 @@ impl<P: Port> Device<P> {
             decoder: Decoder::new(),
             waiting: VecDeque::new(),
             expected: None,
-            // Anywhere: an answer that is still on its way to another host must not be taken for ours.
+            // It starts at a random number, so that a late answer to another host is not taken for ours.
             sequence: anywhere(),
             in_step: false,
             statistics: Statistics::default(),
@@ -62,7 +64,7 @@ impl<P: Port> Device<P> {
         }
     }
 
-    /// What has come so far.
+    /// The counts of what has come so far.
     pub fn statistics(&self) -> Statistics {
         self.statistics
     }
@@ -75,7 +77,7 @@ impl<P: Port> Device<P> {
     /// The next frame, if one has come.
     ///
     /// # Errors
-    /// What the port says.
+    /// The port fails.
     pub fn next_frame(&mut self) -> io::Result<Option<Frame>> {
         if self.waiting.is_empty() {
             self.listen()?;
@@ -83,7 +85,7 @@ impl<P: Port> Device<P> {
         Ok(self.waiting.pop_front())
     }
 
-    /// From now on, gives every byte to `tap` as it comes, whoever asked for it; `None`: to nobody.
+    /// From now on gives every byte that comes to `tap` as well; `None` ends that.
     pub fn tap(&mut self, tap: Option<Tap>) {
         self.tap = tap;
     }
@@ -112,10 +114,10 @@ impl<P: Port> Device<P> {
         Ok(())
     }
 
-    /// Sends a command and waits for its answer; other frames that come meanwhile are dropped.
+    /// Sends a command and waits for its answer. Other frames that come meanwhile are dropped.
     ///
     /// # Errors
-    /// What the port says, or that no answer comes.
+    /// The port fails, or no answer comes.
     pub fn ask(&mut self, command: Command) -> io::Result<Answer> {
         let patience = match command {
             Command::Save => PATIENCE_FOR_FLASH,
@@ -125,7 +127,7 @@ impl<P: Port> Device<P> {
             let to = self.sequence;
             self.sequence = self.sequence.wrapping_add(1);
             let mut bytes = [0; MAX_ENCODED + 1];
-            // A zero first: whatever garbage the line began with is no part of the command.
+            // A zero byte comes first, so that garbage at the start of the line is no part of the command.
             let mut encoded = [0; MAX_ENCODED];
             let length = encode(&Frame::Command(command), to, &mut encoded);
             bytes[1..=length].copy_from_slice(&encoded[..length]);
@@ -155,10 +157,10 @@ impl<P: Port> Device<P> {
         Ok(None)
     }
 
-    /// The same for a command that must not be refused.
+    /// Sends a command as [`Device::ask`] does, and takes a refusal for an error.
     ///
     /// # Errors
-    /// [`Device::ask`]'s, or a [`Diagnostic`] with the board's reason.
+    /// As [`Device::ask`], or a [`Diagnostic`] with the reason why the board refuses.
     pub fn order(&mut self, command: Command) -> Result<Answer, Box<dyn std::error::Error>> {
         for _ in 0..BUSY_ATTEMPTS {
             match self.ask(command)? {
@@ -170,10 +172,10 @@ impl<P: Port> Device<P> {
         Err(refused(command, Refusal::Busy, 0).into())
     }
 
-    /// Who is there.
+    /// Asks which board and which firmware it is.
     ///
     /// # Errors
-    /// [`Device::order`]'s, or that it is something else.
+    /// As [`Device::order`], or the answer is no identity.
     pub fn identity(&mut self) -> Result<Identity, Box<dyn std::error::Error>> {
         match self.order(Command::Identify)? {
             Answer::Identity(identity) => Ok(identity),
@@ -181,7 +183,7 @@ impl<P: Port> Device<P> {
         }
     }
 
-    /// A setting's value.
+    /// Asks for the value of a setting.
     ///
     /// # Errors
     /// [`Device::order`]'s.
@@ -192,7 +194,7 @@ impl<P: Port> Device<P> {
         }
     }
 
-    /// Gives a setting a value, in force at once and not saved.
+    /// Gives a setting a value, which is in force at once and is not saved.
     ///
     /// # Errors
     /// [`Device::order`]'s.
@@ -203,7 +205,7 @@ impl<P: Port> Device<P> {
         }
     }
 
-    /// A value that is to come into force together with others, at [`Command::Commit`].
+    /// Gives a setting a value that comes into force together with others, at [`Command::Commit`].
     ///
     /// # Errors
     /// [`Device::order`]'s.
@@ -214,8 +216,8 @@ impl<P: Port> Device<P> {
         }
     }
 
-    /// All settings that the board knows. One that an older firmware does not know has its default
-    /// here, with which the board does what it did before there was such a setting.
+    /// Asks for all settings. A setting that an older firmware does not know has its default, with which a
+    /// newer firmware does what the older one does.
     ///
     /// # Errors
     /// [`Device::order`]'s.
@@ -223,7 +225,7 @@ impl<P: Port> Device<P> {
         self.known_settings().map(|(settings, _)| settings)
     }
 
-    /// The same, and which settings the board does not know.
+    /// Asks for all settings, and says which ones the board does not know.
     ///
     /// # Errors
     /// [`Device::order`]'s.
@@ -233,7 +235,7 @@ impl<P: Port> Device<P> {
             match self.ask(Command::Get(key.id()))? {
                 Answer::Refused(Refusal::UnknownSetting, _) => unknown.push(key),
                 Answer::Value(id, value) if id == key.id() => settings.put(key, value),
-                // Busy, or refused for a reason: asked again, and said.
+                // If the board is busy, this asks again; a refusal becomes an error.
                 _ => settings.put(key, self.get(key)?),
             }
         }
@@ -241,15 +243,15 @@ impl<P: Port> Device<P> {
     }
 }
 
-/// A number that the next start hardly has as well.
+/// A number that the next start of the program is unlikely to have as well.
 fn anywhere() -> u16 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
-    // Nanoseconds in units of 1.024 µs: clocks of 1 µs still give every number.
+    // The nanoseconds in units of 1.024 µs: a clock with steps of 1 µs still gives every number.
     now.map_or(0, |now| (now.subsec_nanos() >> 10) as u16)
 }
 
 fn unexpected(answer: &Answer) -> io::Error {
-    io::Error::other(format!("the board answers something else: {answer:?}"))
+    io::Error::other(format!("the board gave an unexpected answer: {answer:?}"))
 }
 
 fn refused(command: Command, reason: Refusal, id: u8) -> Diagnostic {
@@ -265,7 +267,7 @@ fn refused(command: Command, reason: Refusal, id: u8) -> Diagnostic {
         );
     }
     if reason == Refusal::InContact {
-        return diagnostic.remedy("if it is in free air, its zero has crept: `config restart`");
+        return diagnostic.remedy("if the probe is in free air, the zero of the load cell has drifted: run `config restart`");
     }
     match Key::from_id(id) {
         Some(key) => {

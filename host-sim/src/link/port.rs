@@ -1,4 +1,4 @@
-//! Bytes to and from a board.
+//! Ports: bytes to a board and from it.
 
 use std::error::Error;
 use std::fs::{File, OpenOptions};
@@ -19,16 +19,16 @@ const WAIT: Duration = Duration::from_millis(20);
 
 /// Bytes to and from a board.
 pub trait Port {
-    /// Takes what has come, and waits a little if nothing has; 0: nothing now.
+    /// Takes the bytes that have come, and waits a little if there are none. It returns 0 if none came.
     ///
     /// # Errors
-    /// What the system says, when the line is gone.
+    /// The connection is lost.
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize>;
 
     /// Sends all bytes.
     ///
     /// # Errors
-    /// What the system says.
+    /// The bytes cannot be sent.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
@@ -42,10 +42,11 @@ impl Port for Box<dyn Port> {
     }
 }
 
-/// What `--port` means: `simulated`, a directory (the emulator's), or the name of a serial port.
+/// Opens the port that `--port` names: `simulated`, the working directory of the emulator, or a serial
+/// port.
 ///
 /// # Errors
-/// A [`Diagnostic`] for a port that is not there, with those that are.
+/// A port that cannot be opened; the [`Diagnostic`] lists the serial ports that there are.
 pub fn open(name: &str) -> Result<Box<dyn Port>, Box<dyn Error>> {
     if name == "simulated" {
         let world = Arc::new(Mutex::new(World::default()));
@@ -62,17 +63,17 @@ pub fn open(name: &str) -> Result<Box<dyn Port>, Box<dyn Error>> {
 pub struct Serial(Box<dyn SerialPort>);
 
 impl Serial {
-    /// Opens it at [`BAUD`].
+    /// Opens the serial port at [`BAUD`].
     ///
     /// # Errors
-    /// Not there, taken, or no serial port.
+    /// The port does not exist, is in use, or is no serial port.
     pub fn open(name: &str) -> Result<Self, Diagnostic> {
         let opened = serialport::new(name, BAUD).timeout(WAIT).open();
         opened.map(Serial).map_err(|error| {
             let there = serialport::available_ports().unwrap_or_default();
             let names: Vec<&str> = there.iter().map(|port| port.port_name.as_str()).collect();
             let there = match names.is_empty() {
-                true => "no serial port is there".to_string(),
+                true => "there is no serial port".to_string(),
                 false => format!("the serial ports are {}", names.join(", ")),
             };
             Diagnostic::new(format!("cannot open the port: {error}"))
@@ -107,7 +108,8 @@ impl Port for Serial {
     }
 }
 
-/// The emulator's working directory: its frames are a file that grows, commands are another.
+/// The working directory of the emulator. Its frames come in a file that grows; commands go into another
+/// file.
 #[derive(Debug)]
 pub struct Files {
     telemetry: File,
@@ -115,14 +117,14 @@ pub struct Files {
 }
 
 impl Files {
-    /// Opens `telemetry.frames` and `commands.frames` in `directory`. Commands reach an emulator that
-    /// was started while the latter was there.
+    /// Opens `telemetry.frames` and `commands.frames` in `directory`. Commands reach an emulator only if
+    /// `commands.frames` existed when it was started.
     ///
     /// # Errors
-    /// A [`Diagnostic`] where there is no `telemetry.frames`.
+    /// There is no `telemetry.frames`, or `commands.frames` cannot be opened.
     pub fn open(directory: &Path) -> Result<Self, Diagnostic> {
         let wrong = |name: &str, error: &io::Error| {
-            Diagnostic::new(format!("cannot open it: {error}"))
+            Diagnostic::new(format!("cannot open the file: {error}"))
                 .in_file(&directory.join(name))
                 .remedy("name the directory in which QEMU runs the firmware, `target/qemu`")
         };
@@ -145,7 +147,7 @@ impl Port for Files {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         let count = self.telemetry.read(into)?;
         if count == 0 {
-            // A new run has made the file anew: from its start.
+            // A new run has made the file anew: it is read from its start.
             if self.telemetry.metadata()?.len() < self.telemetry.stream_position()? {
                 self.telemetry.seek(SeekFrom::Start(0))?;
             }
@@ -159,24 +161,24 @@ impl Port for Files {
     }
 }
 
-/// What passes on a simulated board at most while its host looks away.
+/// The longest time that passes on a simulated board between two looks of its host.
 const MOST_AT_ONCE_MS: u64 = 10;
 
 /// A simulated board behind a line of its own speed.
 pub struct Simulated {
     board: SimulatedBoard,
-    /// Start and milliseconds so far, where the board runs in real time.
+    /// The start and the milliseconds so far, if the board runs in real time.
     clock: Option<(Instant, u64)>,
 }
 
 impl Simulated {
-    /// As fast as a board, on a machine that is busy slower: for people.
+    /// A board that runs in real time, for people. On a busy machine it is slower.
     pub fn in_real_time(board: SimulatedBoard) -> Self {
         let clock = Some((Instant::now(), 0));
         Simulated { board, clock }
     }
 
-    /// As fast as it is read, so much a time: for tests.
+    /// A board that goes on by 10 ms at each read, for tests.
     pub fn at_once(board: SimulatedBoard) -> Self {
         Simulated { board, clock: None }
     }
@@ -194,7 +196,7 @@ impl Simulated {
         let now = start.elapsed().as_millis() as u64;
         let due = now - *so_far;
         *so_far = now;
-        // A host that was away for a second would find itself in contact, its next word refused.
+        // If a second passed unseen, the board could be in contact, and refuse the next command.
         due.min(MOST_AT_ONCE_MS)
     }
 }

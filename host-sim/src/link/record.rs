@@ -1,7 +1,7 @@
-//! A recording: a board's bytes into a file as they come, and that file as a log.
+//! Recordings: the bytes of a board go into a file as they come, and the file becomes a log.
 //!
-//! The bytes are appended as they are and brought to the disk once a second: after a crash or a power
-//! cut, all but the last second is there, and `--convert` makes the log of it.
+//! The bytes are appended unchanged and are brought to the disk once a second. After a crash or a power cut
+//! all but the last second is on the disk, and `--convert` makes a log of it.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -27,7 +27,7 @@ const TO_DISK: Duration = Duration::from_secs(1);
 /// Records until the board's own time has advanced by `length_us`, or until it falls silent.
 ///
 /// # Errors
-/// A recording that is there already; whatever port and disk say; nothing that comes.
+/// The folder has a recording already, the port or the disk fails, or no frame comes.
 pub fn record<P: Port>(
     device: &mut Device<P>,
     folder: &Path,
@@ -36,14 +36,14 @@ pub fn record<P: Port>(
     fs::create_dir_all(folder)?;
     let path = folder.join(RECORDING);
     if path.exists() {
-        return Err(Diagnostic::new("a recording is there already")
+        return Err(Diagnostic::new("the folder has a recording already")
             .in_file(&path)
             .remedy("name another folder with --out")
             .into());
     }
     let file = File::create_new(&path)?;
     let mut bytes = file.try_clone()?;
-    // From here on every byte is kept, also those that come while the settings are asked for.
+    // From here on every byte is kept, also those that come while the settings are read.
     device.tap(Some(Box::new(move |come| bytes.write_all(come))));
     let recorded = keep_settings(device, folder).and_then(|()| listen(device, &file, length_us));
     device.tap(None);
@@ -52,7 +52,7 @@ pub fn record<P: Port>(
     Ok(device.statistics())
 }
 
-/// Until the board's own time has advanced so far, or it falls silent.
+/// Listens until the time of the board has advanced by `length_us`, or until the board falls silent.
 fn listen<P: Port>(
     device: &mut Device<P>,
     file: &File,
@@ -79,7 +79,7 @@ fn listen<P: Port>(
     Ok(())
 }
 
-/// The settings that the samples were taken with. A board that only sends is recorded without.
+/// Writes the settings that the samples are taken with. A board that only sends is recorded without them.
 fn keep_settings<P: Port>(device: &mut Device<P>, folder: &Path) -> Result<(), Box<dyn Error>> {
     match device.identity() {
         Ok(identity) => {
@@ -100,10 +100,10 @@ struct Row {
     innovation_n: Option<f32>,
 }
 
-/// What a recording holds.
+/// The content of a recording.
 #[derive(Debug, Default)]
 struct Content {
-    /// A run each: a board that was reset starts its time anew.
+    /// The runs. A board that was reset starts its time anew, and with it a run.
     runs: Vec<Vec<Row>>,
     codes: Option<Codes>,
     garbled: u64,
@@ -135,26 +135,26 @@ impl Content {
                 self.missing += ((sample.time_us - before + 500) / 1000).saturating_sub(1);
                 run.push(instant);
             }
-            // The same instant twice is one of them.
+            // Of two samples of the same instant one is kept.
             (Some(before), Some(_)) if before == sample.time_us => {}
             _ => self.runs.push(vec![instant]),
         }
     }
 
-    /// The estimate follows its sample.
+    /// Adds an estimate, which follows its sample.
     fn estimate(&mut self, estimate: &Estimate<f32>) {
         if let Some(instant) = self.runs.last_mut().and_then(|run| run.last_mut()) {
-            // In free air nothing is predicted.
+            // In free air no force is predicted.
             let in_contact = estimate.phase == Phase::Contact;
             instant.innovation_n = in_contact.then_some(estimate.innovation.innovation_n);
         }
     }
 }
 
-/// Makes `log.csv` of `recording.frames` in a folder, and further logs if the board was reset.
+/// Makes `log.csv` from `recording.frames` in a folder, and further logs if the board was reset.
 ///
 /// # Errors
-/// No recording, or fewer samples than a log needs.
+/// There is no recording, or it has too few samples for a log.
 pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
     let path = folder.join(RECORDING);
     let file = File::open(&path).map_err(|error| {
@@ -182,7 +182,7 @@ pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
         ));
     }
     if text.is_empty() {
-        return Err(Diagnostic::new("fewer samples than make a log")
+        return Err(Diagnostic::new("too few samples for a log")
             .in_file(&path)
             .remedy(format!("record {FEWEST_SAMPLES} samples or more"))
             .into());
@@ -215,7 +215,7 @@ fn decoded(mut file: impl Read) -> io::Result<Content> {
         for byte in bytes.iter().take(count) {
             match decoder.push(*byte) {
                 Some(Ok((_, frame))) => content.take(&frame),
-                // The rest of a frame that began before the recording is none.
+                // The rest of a frame that began before the recording does not count.
                 Some(Err(_)) => content.garbled += u64::from(in_step),
                 None => {}
             }

@@ -1,4 +1,4 @@
-//! What a simulated board's sensors are connected to: a probe, what it touches, and who moves it.
+//! What the sensors of a simulated board are connected to: a probe, what it touches, and who moves it.
 
 use estimator_core::board::sensing::Codes;
 use estimator_core::estimate::fault::Faults;
@@ -10,18 +10,18 @@ use rand_pcg::Pcg64;
 /// Who holds the probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hand {
-    /// Presses into the chapter's gel, 3.5 mm deep, once a second after a second of rest.
+    /// The hand rests for a second, and then presses 3.5 mm deep into the chapter's gel once a second.
     Palpating,
-    /// Holds still at a position (m), with a weight (N) on the load cell.
+    /// The hand holds still, with a weight on the load cell.
     Holding {
-        /// m
+        /// The position (m).
         position_m: f64,
-        /// N
+        /// The weight (N).
         force_n: f64,
     },
-    /// Does what was recorded of another rig, from this millisecond on, and rests before and after.
+    /// The hand repeats what was recorded of another rig, and rests before and after it.
     Repeating {
-        /// ms from the start
+        /// The start of the recorded motion (ms from the start of the board).
         from: u64,
     },
 }
@@ -31,23 +31,23 @@ pub enum Hand {
 pub struct World {
     /// Who moves the probe.
     pub hand: Hand,
-    /// Newtons per code of the sum of 32 conversions.
+    /// The force per code of the sum of 32 conversions (N).
     pub n_per_code: f64,
     /// The code at 0 N.
     pub zero_code: f64,
-    /// Codes that the cell is bent by at 20 N.
+    /// The nonlinearity of the cell at 20 N (codes).
     pub bend_codes: f64,
-    /// Noise of the sum (codes rms).
+    /// The noise of the sum (codes rms).
     pub noise_codes: f64,
-    /// Metres per code of the encoder.
+    /// The way per code of the encoder (m).
     pub m_per_code: f64,
-    /// Positions (m) and forces (N), a millisecond each, for [`Hand::Repeating`].
+    /// The positions (m) and forces (N) of each millisecond, for [`Hand::Repeating`].
     pub recorded: Vec<(f64, f64)>,
     noise: Pcg64,
 }
 
 impl Default for World {
-    /// A cell that is not quite what its data sheet says: 3 % steeper, and its zero 400 codes off.
+    /// A load cell that differs from its data sheet: it is 3 % steeper, and its zero is 400 codes off.
     fn default() -> Self {
         World {
             hand: Hand::Palpating,
@@ -62,12 +62,12 @@ impl Default for World {
     }
 }
 
-/// A conversion of 12 bits.
+/// The range of a conversion of 12 bits.
 const CODES: i32 = 4096;
 const SUMMED: i32 = 32;
 
 impl World {
-    /// What the converters say at millisecond `tick` from the start.
+    /// The codes of the converters at millisecond `tick` from the start.
     pub fn codes(&mut self, tick: u64) -> Codes {
         let (position_m, force_n) = match self.hand {
             Hand::Holding {
@@ -85,7 +85,7 @@ impl World {
         let bend = self.bend_codes * (force_n / 20.0).powi(2);
         let code = self.zero_code + force_n / self.n_per_code + bend + self.noise_codes * normal;
         let force = (code.round() as i32).clamp(0, SUMMED * (CODES - 1));
-        // The noise of a single conversion: √32 times less than that of the sum.
+        // The noise of a single conversion is √32 times less than that of the sum.
         let spread = (3.0 * self.noise_codes / f64::from(SUMMED).sqrt()).ceil() as i32;
         let single = force / SUMMED;
         Codes {
@@ -99,7 +99,7 @@ impl World {
     }
 }
 
-/// Position (m) and force (N) of the palpation.
+/// The position (m) and the force (N) of the palpation.
 fn palpated(tick: u64) -> (f64, f64) {
     let gel = HuntCrossley::new(1350.0_f64, 36.0, 1.35, 1e-3);
     let turn = std::f64::consts::TAU;

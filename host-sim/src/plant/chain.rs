@@ -37,7 +37,7 @@ impl Chain {
             }),
         };
         Chain {
-            late_s: (-rig.delay_s()).max(0.0),
+            late_s: (-rig.delay_s().unwrap_or(0.0)).max(0.0),
             rig,
         }
     }

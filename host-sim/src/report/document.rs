@@ -1,4 +1,4 @@
-//! The page: verdict first, then what supports it, then where it comes from.
+//! The page of a report: the verdict, the tables and figures that support it, the provenance.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -10,16 +10,16 @@ use super::{Figure, HeatMap, Provenance, Table};
 
 const STYLE: &str = include_str!("style.css");
 
-/// How good the news is; a shape and a word beside the colour.
+/// How good the result is. The page shows it by a sign and a word as well as by a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// As it should be.
+    /// The result is as it should be.
     Good,
-    /// Usable, with a reservation.
+    /// The result is usable with a reservation.
     Warning,
-    /// Not usable.
+    /// The result is not usable.
     Bad,
-    /// Neither.
+    /// There is no result to judge.
     Neutral,
 }
 
@@ -75,7 +75,7 @@ impl Document {
         }
     }
 
-    /// The sentence to read if only one is read, with a badge of one or two words before it.
+    /// The sentence that says the result, with a badge of one or two words before it.
     pub fn verdict(
         mut self,
         tone: Tone,
@@ -92,7 +92,7 @@ impl Document {
         self
     }
 
-    /// What the report was made from; stands at the end.
+    /// Adds what the report was made from, which stands at the end.
     pub fn provenance(mut self, provenance: Provenance) -> Document {
         self.provenance = Some(provenance);
         self
@@ -133,7 +133,7 @@ impl Document {
         out
     }
 
-    /// Writes the page; a reader of `path` sees the old file or the new one, never half of it.
+    /// Writes the page. A reader of `path` sees the old file or the new one, never half of a file.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
@@ -144,7 +144,7 @@ impl Document {
             })
             .and_then(|()| fs::rename(&temporary, path));
         written.map_err(|error| {
-            // Nothing to add if that fails too: the first error says what is wrong.
+            // If the clean-up fails as well, the first error says what is wrong.
             let _ = fs::remove_file(&temporary);
             io::Error::new(
                 error.kind(),
@@ -164,7 +164,7 @@ enum Block {
 }
 
 impl Block {
-    /// Tables stand beside each other where there is room, and figures.
+    /// Tables stand beside each other where there is room, and so do figures.
     fn group(&self) -> Option<&'static str> {
         match self {
             Block::Table(_) | Block::HeatMap(_) => Some("tables"),
@@ -182,7 +182,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// A section without contents; with an empty heading it continues the one before.
+    /// A section without contents. A section with an empty heading continues the one before it.
     pub fn new(heading: impl Into<String>) -> Section {
         Section {
             heading: heading.into(),
@@ -190,7 +190,7 @@ impl Section {
         }
     }
 
-    /// Adds a paragraph; nothing if it is empty.
+    /// Adds a paragraph, unless it is empty.
     pub fn text(mut self, text: impl Into<String>) -> Section {
         let text = text.into();
         if !text.is_empty() {
@@ -199,7 +199,7 @@ impl Section {
         self
     }
 
-    /// Adds a list; nothing if it is empty.
+    /// Adds a list, unless it is empty.
     pub fn list<T: Into<String>>(mut self, items: impl IntoIterator<Item = T>) -> Section {
         let items: Vec<String> = items.into_iter().map(Into::into).collect();
         if !items.is_empty() {
@@ -226,7 +226,7 @@ impl Section {
         self
     }
 
-    /// Whether there is nothing in it.
+    /// Whether the section has no contents.
     pub fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }

@@ -1,4 +1,4 @@
-//! The report of `palpate estimate`: what a touch says about the material.
+//! The report of `palpate estimate`: what the touches of a log say about the material.
 //!
 //! [`EstimateReport`] borrows what the replay of a log has recorded; [`EstimateReport::document`]
 //! makes tables and the figures that readers of the chapter know: hysteresis loop, power exchange,
@@ -63,7 +63,8 @@ impl EstimateReport<'_> {
     }
 }
 
-/// First figures of all runs, then second ones, …: the same kind beside each other.
+/// The first figures of all runs, then the second ones, and so on: figures of one kind stand beside each
+/// other.
 fn interleave<T>(runs: Vec<Vec<T>>) -> Vec<T> {
     let mut runs: Vec<_> = runs.into_iter().map(Vec::into_iter).collect();
     let mut out = Vec::new();

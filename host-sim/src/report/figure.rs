@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{html::escape, plot::Chart, plot::Size};
 
-/// A figure of a [`Section`](super::Section); numbered when the document is written.
+/// A figure of a [`Section`](super::Section). It gets its number when the document is written.
 #[derive(Clone, Debug)]
 pub struct Figure {
     title: String,
@@ -30,7 +30,7 @@ impl Figure {
         }
     }
 
-    /// What there is to see, and what to know about it.
+    /// Adds the caption: what the figure shows, and what to know about it.
     pub fn caption(mut self, caption: impl Into<String>) -> Figure {
         self.caption = caption.into();
         self
@@ -59,7 +59,7 @@ impl Figure {
     }
 }
 
-/// A short piece of the line.
+/// A short piece of a curve, for the legend.
 fn swatch(class: &str) -> String {
     let path = match class.starts_with("dots") {
         true => "M4 5h0m10 0h0m10 0h0",

@@ -1,8 +1,9 @@
-//! The report of `palpate gap`: what is missing, where that shows, and what is left with it.
+//! The report of `palpate gap`: the missing effects, where they show, and what remains unexplained with
+//! them.
 //!
-//! [`GapReport`] borrows a [`Finding`]; [`GapReport::document`] says the verdict first, then the
-//! proof: tables of regions, effects and parameters, and for every log residuals over time, depth,
-//! speed and frequency, before and after.
+//! [`GapReport`] borrows a [`Finding`]. [`GapReport::document`] says the verdict first, and then shows the
+//! evidence: tables of regions, effects and parameters, and for every log the residuals over time, depth,
+//! speed and frequency, before and after the effects were added.
 
 mod bins;
 mod figures;
@@ -17,7 +18,7 @@ use super::estimate::label;
 use super::{Document, Provenance, Section};
 use crate::gap::{Curves, Finding};
 
-/// Of more logs than this only the first are drawn: the tables hold for all.
+/// The most logs that are drawn. The tables hold for all logs.
 const MOST_LOGS: usize = 4;
 
 /// What the report is made of.
@@ -29,7 +30,7 @@ pub struct GapReport<'a> {
     pub finding: &'a Finding,
     /// Names of the logs, in the order of [`Finding::curves`].
     pub names: &'a [String],
-    /// Where it comes from.
+    /// What the report was made from.
     pub provenance: Provenance,
 }
 

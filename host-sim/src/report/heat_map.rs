@@ -1,12 +1,12 @@
-//! A table whose cells are shaded by how much stands in them: where on a plane something happens.
+//! A table whose cells are shaded by their values, as a map of two quantities.
 //!
-//! A table and no drawing: every cell can be read, by a screen reader as well.
+//! It is a table and no drawing, so that every cell can be read, also by a screen reader.
 
 use std::fmt::Write;
 
 use super::html::escape;
 
-/// Shades from nothing to the strongest; the style sheet has a colour for each.
+/// The number of shades. The style sheet has a colour for each.
 pub(crate) const SHADES: usize = 7;
 
 /// One cell.
@@ -14,9 +14,9 @@ pub(crate) const SHADES: usize = 7;
 pub struct Shaded {
     /// The number.
     pub text: String,
-    /// Under it, smaller; may be empty.
+    /// A smaller text under the number; it may be empty.
     pub small: String,
-    /// 0 (none) to 6.
+    /// The shade, from 0 (none) to 6.
     pub shade: usize,
 }
 
@@ -30,7 +30,7 @@ pub struct HeatMap {
 }
 
 impl HeatMap {
-    /// A map without rows; `corner` says what rows and columns are.
+    /// A map without rows; `corner` names what the rows and the columns are.
     pub fn new<T: Into<String>>(
         corner: impl Into<String>,
         columns: impl IntoIterator<Item = T>,
@@ -43,13 +43,13 @@ impl HeatMap {
         }
     }
 
-    /// What it shows.
+    /// Adds the caption, which says what the map shows.
     pub fn caption(mut self, caption: impl Into<String>) -> HeatMap {
         self.caption = caption.into();
         self
     }
 
-    /// Adds a row; `None` where there is nothing to say.
+    /// Adds a row; a cell that is `None` has no value.
     pub fn row(mut self, name: impl Into<String>, cells: Vec<Option<Shaded>>) -> HeatMap {
         self.rows.push((name.into(), cells));
         self

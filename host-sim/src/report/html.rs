@@ -1,9 +1,9 @@
-//! Text that goes into HTML or SVG.
+//! Escaping of text that goes into HTML or SVG.
 
 use std::borrow::Cow;
 
-/// Escapes what has a meaning in markup, in text and in attributes; control characters, which XML
-/// forbids, become the replacement character.
+/// Escapes the characters that have a meaning in markup, for texts and for attributes. Control characters,
+/// which XML forbids, become the replacement character.
 pub fn escape(text: &str) -> Cow<'_, str> {
     let special = |c: char| matches!(c, '&' | '<' | '>' | '"' | '\'') || is_forbidden(c);
     if !text.contains(special) {

@@ -1,4 +1,4 @@
-//! Charts as SVG for a [`Document`](super::Document): what is drawn, not how.
+//! Charts as SVG for a [`Document`](super::Document).
 //!
 //! ```
 //! use palpate::report::plot::{Axis, Chart, Series};
@@ -10,8 +10,8 @@
 //! assert!(svg.starts_with("<svg") && svg.contains("Force [N]"));
 //! ```
 //!
-//! A chart never fails: no data gives an empty frame that says so, values that are not finite break
-//! the line, and long series are thinned to what can be seen.
+//! A chart never fails: without data it is an empty frame that says so, values that are not finite break
+//! the line, and long series are thinned to the points that can be seen.
 
 mod annotate;
 mod area;
@@ -29,7 +29,7 @@ pub use chart::{Chart, Marker, Series, Size, Span};
 pub use ink::{Ink, StripTone, Stroke};
 
 impl Chart<'_> {
-    /// The SVG element; `title` is what a screen reader says it shows.
+    /// The SVG element; a screen reader reads `title`.
     pub fn to_svg(&self, title: &str) -> String {
         draw::to_svg(self, title)
     }

@@ -1,4 +1,4 @@
-//! Where a report comes from: enough to make it again.
+//! The provenance of a report: everything that is needed to make it again.
 
 use std::fmt::Write;
 use std::fs::File;
@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use super::html::escape;
 
-/// A file that went in.
+/// A file that a report was made from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
     name: String,
@@ -25,8 +25,8 @@ impl Input {
         }
     }
 
-    /// Reads the file for its SHA-256; the hash is that of the bytes on disk, so `sha256sum` gives
-    /// the same for a `.csv.gz`.
+    /// Reads the file and calculates its SHA-256. The hash is that of the bytes on disk: `sha256sum` gives
+    /// the same, also for a `.csv.gz`.
     pub fn of_file(path: &Path) -> io::Result<Input> {
         let mut file = File::open(path)?;
         let mut hasher = Sha256::new();
@@ -60,7 +60,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// The command as it was given; the version of this package is added.
+    /// The provenance of a command as it was given; the version of this package is added.
     pub fn new(command: impl Into<String>) -> Provenance {
         Provenance {
             command: command.into(),
@@ -68,7 +68,7 @@ impl Provenance {
         }
     }
 
-    /// The command that this process was started with.
+    /// The provenance of the command that started this process.
     pub fn of_this_process() -> Provenance {
         let arguments: Vec<String> = std::env::args().skip(1).collect();
         Provenance::new(format!("palpate {}", arguments.join(" ")).trim_end())

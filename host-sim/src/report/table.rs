@@ -1,4 +1,4 @@
-//! Tables: what a row is about on the left, numbers aligned on the right.
+//! Tables: each row has its name on the left, and numbers are aligned on the right.
 
 use std::fmt::Write;
 
@@ -8,13 +8,13 @@ use crate::number::{Measured, quantity};
 /// One cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Words.
+    /// A text.
     Text(String),
     /// A number that is already formatted.
     Number(String),
     /// A value with its standard error.
     Measured(Measured),
-    /// No value, and why.
+    /// The reason why there is no value.
     Missing(String),
 }
 
@@ -24,7 +24,7 @@ impl Cell {
         Cell::Measured(Measured::new(value, std_error, unit))
     }
 
-    /// A value with so many significant digits.
+    /// A value with this number of significant digits.
     pub fn quantity(value: f64, digits: i32, unit: &str) -> Cell {
         Cell::Number(quantity(value, digits, unit))
     }
@@ -95,13 +95,13 @@ impl Table {
         self
     }
 
-    /// What it shows.
+    /// Adds the caption, which says what the table shows.
     pub fn caption(mut self, caption: impl Into<String>) -> Table {
         self.caption = caption.into();
         self
     }
 
-    /// Adds a row; cells that are missing stay empty, surplus ones are shown.
+    /// Adds a row. Cells that are missing stay empty, and surplus cells are shown.
     pub fn row(mut self, cells: impl IntoIterator<Item = Cell>) -> Table {
         self.rows.push(cells.into_iter().collect());
         self
@@ -117,7 +117,8 @@ impl Table {
         self
     }
 
-    /// Of a longer table only the first and last rows are shown, and how many were left out.
+    /// Sets the largest number of rows. A longer table shows its first and last rows, and how many rows
+    /// were left out.
     pub fn at_most(mut self, rows: usize) -> Table {
         self.most_rows = rows.max(2);
         self
@@ -155,7 +156,7 @@ impl Table {
         out.push_str("</tbody>\n</table></div>\n");
     }
 
-    /// How many rows come before the gap, and how many are left out in it.
+    /// The number of rows before the gap, and the number of rows that are left out in it.
     fn split(&self) -> (usize, usize) {
         match self.rows.len().checked_sub(self.most_rows) {
             // The gap takes a line as well, so one row alone is not left out.

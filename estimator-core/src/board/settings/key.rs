@@ -252,7 +252,8 @@ mod tests {
             ids[COUNT - BEHIND.len()..],
             [128, 144, 145, 146, 147, 148, 149, 150, 151]
         );
-        assert!(ids.is_sorted());
+        // The effects from 27 on have numbers from 160 on, and stand with the others of their section.
+        assert!(ids.iter().filter(|id| **id < 160).is_sorted());
         for key in Key::ALL {
             assert_eq!(Key::from_id(key.id()), Some(key));
             assert_eq!(Key::from_name(key.info().name), Some(key));

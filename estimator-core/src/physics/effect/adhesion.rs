@@ -19,7 +19,13 @@ effect! {
             Form("it pulls as much both ways", TakenOn { start: Number(0.3), first: 1.0 }), FitRange::up_to(Number(1.0));
     }
     stage: Contact, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [0.3, 4e-4, 0.0, 0.0], starts: &[
+        Starts::at(&[At(Times(1.0, SmallForce)), Each(&[Times(0.015, Travel), Times(0.05, Travel), Times(0.15, Travel)])]),
+        // A bond carries what was pulled at most.
+        Starts::at(&[At(Times(-1.0, LowestForce)), Each(&[Times(0.05, Travel), Times(0.15, Travel)]), Held(1.0)])
+            .where_exceeds(Times(-1.0, LowestForce), Times(0.5, SmallForce)),
+    ],
     law: "−F_a in contact; on the way out −F_a(1 + δ/d_a) for −d_a < δ < 0; bond = 1: none in contact, which pulls up to F_a; hysteresis h: F_a(1 − h) on the way in",
     signature: "negative force after lift-off, none before touch",
     motion: "leave the contact slowly, and well clear of it",

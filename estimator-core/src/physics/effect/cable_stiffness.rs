@@ -10,7 +10,8 @@ effect! {
         stiffness_n_per_m = "stiffness", NewtonPerMetre, Any, Size, FitRange::ANY;
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [100.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Reach))])],
     law: "k_c·x",
     signature: "linear in x, also in free motion",
     motion: "free motion over a long way",

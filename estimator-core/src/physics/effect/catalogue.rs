@@ -2,14 +2,15 @@
 
 /// Makes `EffectId` and `Effect` of the catalogue's list.
 macro_rules! catalogue {
-    ($($module:ident::$Effect:ident = $code:literal),+ $(,)?) => {
-        $(pub use $module::$Effect;)+
+    ($($(#[$cfg:meta])* $module:ident::$Effect:ident = $code:literal),+ $(,)?) => {
+        $($(#[$cfg])* pub use $module::$Effect;)+
 
         /// An effect of the catalogue by its stable number.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[repr(u8)]
         pub enum EffectId {
             $(
+                $(#[$cfg])*
                 #[doc = concat!("See [`", stringify!($Effect), "`].")]
                 $Effect = $code,
             )+
@@ -19,6 +20,7 @@ macro_rules! catalogue {
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Effect<S> {
             $(
+                $(#[$cfg])*
                 #[doc = concat!("See [`", stringify!($Effect), "`].")]
                 $Effect($Effect<S>),
             )+
@@ -26,12 +28,12 @@ macro_rules! catalogue {
 
         impl EffectId {
             /// The whole catalogue, in the order of the numbers.
-            pub const ALL: &'static [EffectId] = &[$(EffectId::$Effect),+];
+            pub const ALL: &'static [EffectId] = &[$($(#[$cfg])* EffectId::$Effect),+];
 
             /// The facts of the effect.
             pub const fn info(self) -> &'static EffectInfo {
                 match self {
-                    $(EffectId::$Effect => &$Effect::<f64>::INFO,)+
+                    $($(#[$cfg])* EffectId::$Effect => &$Effect::<f64>::INFO,)+
                 }
             }
 
@@ -40,7 +42,7 @@ macro_rules! catalogue {
             /// own: through [`EffectId::info`] a board would have the catalogue's texts in its flash.
             pub const fn belongs_to_rig(self) -> bool {
                 match self {
-                    $(EffectId::$Effect => const { $Effect::<f64>::INFO.stage.belongs_to_rig() },)+
+                    $($(#[$cfg])* EffectId::$Effect => const { $Effect::<f64>::INFO.stage.belongs_to_rig() },)+
                 }
             }
 
@@ -49,7 +51,7 @@ macro_rules! catalogue {
             pub const fn is_for_boards(self) -> bool {
                 self.belongs_to_rig()
                     && match self {
-                        $(EffectId::$Effect => const { !$Effect::<f64>::INFO.timed },)+
+                        $($(#[$cfg])* EffectId::$Effect => const { !$Effect::<f64>::INFO.timed },)+
                     }
             }
 
@@ -57,7 +59,7 @@ macro_rules! catalogue {
             /// or the rate of the force.
             pub const fn needs_derivative(self) -> bool {
                 match self {
-                    $(EffectId::$Effect => const { $Effect::<f64>::INFO.needs_derivative },)+
+                    $($(#[$cfg])* EffectId::$Effect => const { $Effect::<f64>::INFO.needs_derivative },)+
                 }
             }
         }
@@ -66,21 +68,21 @@ macro_rules! catalogue {
             /// The effect with the values of a row, in the order of [`EffectInfo::parameters`].
             pub fn new(id: EffectId, row: &[S; MOST_PARAMETERS]) -> Effect<S> {
                 match id {
-                    $(EffectId::$Effect => Effect::$Effect($Effect::from_row(row)),)+
+                    $($(#[$cfg])* EffectId::$Effect => Effect::$Effect($Effect::from_row(row)),)+
                 }
             }
 
             /// The id of the effect.
             pub const fn id(&self) -> EffectId {
                 match self {
-                    $(Effect::$Effect(_) => EffectId::$Effect,)+
+                    $($(#[$cfg])* Effect::$Effect(_) => EffectId::$Effect,)+
                 }
             }
 
             /// The values of its parameters, in the order of [`EffectInfo::parameters`].
             pub fn row(&self) -> [S; MOST_PARAMETERS] {
                 match self {
-                    $(Effect::$Effect(effect) => effect.row(),)+
+                    $($(#[$cfg])* Effect::$Effect(effect) => effect.row(),)+
                 }
             }
         }

@@ -14,7 +14,8 @@ effect! {
         phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }
     stage: LoadPath, sign: Either, proportional: false, several: true, repeats: AlongTheWay, timed: false,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [0.15, 1e-3, 0.3, 0.0], starts: &[],
     law: "A sin(2πx/p + φ)",
     signature: "periodic in x, also in free motion",
     motion: "free motion over many pitches",

@@ -17,7 +17,13 @@ effect! {
             Form("it reverses at once", Dropped), Logarithmic(Times(1e-3, Speed), Times(0.5, Speed));
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    needs_derivative: true, family: DryFriction, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: true, family: DryFriction, simpler: None, is_physical: |_| true,
+    example: [0.4, 1e-5, 0.0, 0.0], starts: &[
+        Starts::at(&[At(Times(1.0, SmallForce)), Held(0.0), Each(&[
+            Largest([(1.0, SpeedNoise), (2e-3, Speed)]), Largest([(4.0, SpeedNoise), (2e-3, Speed)]),
+        ])]),
+        Starts::at(&[At(Times(1.0, SmallForce)), Each(&[Times(1.5e-3, Travel), Times(5e-3, Travel), Times(1.5e-2, Travel)])]),
+    ],
     law: "F_c·sgn(v); width > 0: elastic before it slides",
     signature: "a step at each reversal, also in free motion; whether it stays in a hold tells sliding from pre-sliding",
     motion: "free motion with reversals, and a hold",

@@ -14,7 +14,14 @@ effect! {
             Form("its rate is constant", TakenOn { start: Number(1.3), first: 0.5 }), FitRange::up_to(Number(10.0));
     }
     stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: NotExponential, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [60.0, 0.0, 0.0, 0.0], starts: &[
+        Starts::at(&[At(Per(0.2, Travel))]),
+        // A power of the depth imitates an exponential, and its residuals show nothing of one: an exponent of
+        // 4.4 for 1.5 and e^{1.2}.
+        Starts::at(&[At(Per(1.0, Travel))]).also_from_the_file(),
+        Starts::at(&[At(Per(0.4, Travel)), At(Number(0.5))]),
+    ],
     law: "Fᵉ·e^{bδ}; with a bend q: Fᵉ·e^{bδ(1 + q·bδ)}",
     signature: "misfit grows at the deepest strokes",
     motion: "press deep",

@@ -13,7 +13,12 @@ effect! {
             Form("it is a ramp", OfTheStart), Logarithmic(Times(10.0, Period), Times(3.0, Duration));
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: true,
-    needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
+    example: [0.03, 20.0, 0.0, 0.0], starts: &[
+        Starts::at(&[At(Ratio(1.0, SmallForce, Duration))]),
+        Starts::at(&[At(Ratio(3.0, SmallForce, Duration)), At(Times(0.2, Duration))]),
+        Starts::at(&[At(Ratio(10.0, SmallForce, Duration)), At(Times(0.05, Duration))]),
+    ],
     law: "r·t, or r·τ(1 − e^{−t/τ})",
     signature: "free-motion force wanders",
     motion: "rest in free air at the beginning and at the end",

@@ -11,7 +11,8 @@ effect! {
         time_constant_s = "time_constant", Second, Positive, Size, Linear(Times(0.02, Period), Part(Duration, 20.0));
     }
     stage: ForceReading, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    needs_derivative: true, family: Lateness, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: true, family: Lateness, simpler: None, is_physical: |_| true,
+    example: [8e-3, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Times(1.5, Period), Times(6.0, Period), Times(25.0, Period)])])],
     law: "first-order low-pass on F",
     signature: "force late at every rate, high frequencies damped",
     motion: "fast strokes, and a step",

@@ -10,7 +10,8 @@ effect! {
         force_n = "force", Newton, Any, Size, FitRange::ANY;
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
-    needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
+    example: [0.3, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce))])],
     law: "constant",
     signature: "nonzero force at rest in free motion",
     motion: "rest in free air",

@@ -13,7 +13,11 @@ effect! {
             Form("the limit is sharp", OfTheStart), Logarithmic(Times(1e-4, HighestForce), Times(0.3, HighestForce));
     }
     stage: ForceReading, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [7.0, 0.0, 0.0, 0.0], starts: &[
+        Starts::at(&[Each(&[Times(0.97, HighestForce), Times(0.9, HighestForce)])]),
+        Starts::at(&[At(Times(1.0, HighestForce)), At(Times(0.03, HighestForce))]),
+    ],
     law: "min(F, F_max); softness > 0: rounded over it",
     signature: "flat tops",
     motion: "press harder than the range",

@@ -14,7 +14,8 @@ effect! {
         phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }
     stage: LoadPath, sign: Either, proportional: false, several: true, repeats: InTime, timed: true,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [0.15, 12.0, 0.3, 0.0], starts: &[],
     law: "A sin(2πft + φ)",
     signature: "a line in the spectrum whatever the motion",
     motion: "rest in free air",

@@ -3,7 +3,8 @@
 //! The simulator, the fits and the board read an effect's row; none of them lists effects by name.
 //! The macro `effect` defines an effect with its row, and a row that lacks a fact does not compile.
 
-use crate::physics::{fit_range::FitRange, fit_range::Limit, parameter::ParameterInfo};
+use super::starts::Starts;
+use crate::physics::{fit_range::FitRange, fit_range::Scaled, parameter::ParameterInfo};
 
 /// The largest number of parameters that an effect has.
 pub const MOST_PARAMETERS: usize = 4;
@@ -107,6 +108,26 @@ impl Family {
     }
 }
 
+/// The contact laws on which an effect means anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Laws {
+    /// Every law.
+    AnyLaw,
+    /// Laws whose elastic force is proportional to the depth.
+    LinearElasticity,
+    /// The law whose damping is the same at every depth: Kelvin and Voigt's.
+    LinearDamping,
+    /// Laws whose elastic force is not exponential in the depth.
+    NotExponential,
+}
+
+impl Laws {
+    /// Whether the effect bends what is linear, so that Kelvin and Voigt's law shows it.
+    pub const fn are_linear(self) -> bool {
+        matches!(self, Laws::LinearElasticity | Laws::LinearDamping)
+    }
+}
+
 /// What a fit does with an optional form of an effect, whose parameter is 0 in the plain form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
@@ -117,7 +138,7 @@ pub enum Form {
     /// The fit takes the form on where it is significant, and drops it where it is not.
     TakenOn {
         /// The value of the parameter at which it starts.
-        start: Limit,
+        start: Scaled,
         /// The factor on the effect's first parameter when the form is taken on: the form's share
         /// of what the plain effect explained is the rest.
         first: f64,
@@ -173,6 +194,8 @@ pub struct EffectInfo {
     /// Whether it depends on the time since the start of a log, of which a board that was switched
     /// on knows nothing.
     pub timed: bool,
+    /// The contact laws on which it means anything.
+    pub laws: Laws,
     /// Whether its plain form can be compensated only with speed, acceleration or the rate of the force.
     pub needs_derivative: bool,
     /// The effects that it is mistaken for.
@@ -181,6 +204,10 @@ pub struct EffectInfo {
     pub simpler: Option<&'static str>,
     /// Whether values within their ranges mean together what the parameters' names say.
     pub is_physical: fn(&[f64; MOST_PARAMETERS]) -> bool,
+    /// Where a fit starts it; a wave starts from the spectrum of the residuals instead.
+    pub starts: &'static [Starts],
+    /// Parameters of a size that a palpation rig can have.
+    pub example: [f64; MOST_PARAMETERS],
     /// The law, in one line.
     pub law: &'static str,
     /// What the effect shows in a log.
@@ -207,12 +234,14 @@ pub(super) mod words {
     pub(in super::super) use super::ChainStage::*;
     pub(in super::super) use super::Family::*;
     pub(in super::super) use super::Form::*;
+    pub(in super::super) use super::Laws::*;
     pub(in super::super) use super::Repeats::*;
     pub(in super::super) use super::Role::*;
     pub(in super::super) use super::Sign::*;
+    pub(in super::super) use crate::physics::effect::starts::{Series, StartValues::*, Starts};
     pub(in super::super) use crate::physics::fit_range::FitRange::{self, *};
-    pub(in super::super) use crate::physics::fit_range::Limit::*;
     pub(in super::super) use crate::physics::fit_range::Scale::*;
+    pub(in super::super) use crate::physics::fit_range::Scaled::*;
 }
 
 /// Defines an effect: its struct, its row of facts, and the conversion from and to a row of values.

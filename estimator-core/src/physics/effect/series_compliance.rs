@@ -15,7 +15,12 @@ effect! {
             Logarithmic(Times(0.02, Force), Times(20.0, Force));
     }
     stage: Transmission, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [12_000.0, 0.0, 0.0, 0.0], starts: &[
+        Starts::at(&[Each(&[Times(8.0, Stiffness), Times(40.0, Stiffness)])]),
+        Starts::at(&[At(Times(4.0, Stiffness)), At(Times(0.1, Force))]),
+        Starts::at(&[At(Times(12.0, Stiffness)), At(Times(0.3, Force))]),
+    ],
     law: "tip = x − F_contact/k_s; with a hardening force F_h the stiffness is k_s(1 + |F|/F_h)",
     signature: "a softer and less damped contact at high force; couples force into depth",
     motion: "fast and slow strokes of the same depth",

@@ -13,7 +13,8 @@ effect! {
         rate_per_s = "rate", PerSecond, Positive, Shape, Logarithmic(Per(0.1, Duration), Per(0.5, Period));
     }
     stage: Relaxation, sign: OneWay, proportional: true, several: true, repeats: Never, timed: false,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [0.2, 2.0, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Series(Series { first: Per(0.3, Duration), ratio: 4.0, powers: [0, 8], below: Per(0.2, Period) })])],
     law: "Fᵉ − c(Fᵉ − w), ẇ = Ḟᵉ − νw",
     signature: "force decays in a hold, slow tail after a step",
     motion: "press and hold for several time constants; press at different speeds",

@@ -17,9 +17,15 @@ effect! {
             Form("it reverses at once", OfTheStart), Logarithmic(Times(1e-3, Speed), Times(0.5, Speed));
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    needs_derivative: true, family: DryFriction, simpler: Some("coulomb_friction"),
+    laws: AnyLaw, needs_derivative: true, family: DryFriction, simpler: Some("coulomb_friction"),
     // A friction that is smaller at rest than sliding imitates a drag.
     is_physical: |[kinetic_n, static_n, ..]| static_n >= kinetic_n,
+    example: [0.3, 0.6, 2e-3, 1e-4], starts: &[
+        Starts::at(&[
+            At(Times(1.0, SmallForce)), At(Times(1.5, SmallForce)), Each(&[Times(0.03, Speed), Times(0.1, Speed), Times(0.3, Speed)]),
+            At(Largest([(1.0, SpeedNoise), (3e-3, Speed)])),
+        ]),
+    ],
     law: "[F_c + (F_s − F_c)e^{−(v/v_s)²}]·sgn(v)",
     signature: "a step at each reversal, also in free motion, larger near v = 0",
     motion: "free motion with slow and fast reversals",

@@ -14,7 +14,8 @@ effect! {
         phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }
     stage: Depth, sign: OneWay, proportional: false, several: true, repeats: InTime, timed: true,
-    needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [5e-5, 3.0, 0.4, 0.0], starts: &[],
     law: "δ = tip − surface − A sin(2πft + φ)",
     signature: "in contact only, scales with the local stiffness, periodic in time",
     motion: "hold in contact for several periods",

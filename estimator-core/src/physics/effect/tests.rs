@@ -2,9 +2,9 @@ use super::*;
 
 #[test]
 fn ids_and_keys_are_unique_and_lead_back_to_their_effect() {
-    for (at, id) in EffectId::ALL.iter().enumerate() {
+    assert!(EffectId::ALL.is_sorted_by_key(|id| *id as u8));
+    for id in EffectId::ALL {
         assert_eq!(EffectId::from_name(id.name()), Some(*id));
-        assert_eq!(*id as usize, at + 1, "{}", id.name());
         let info = id.info();
         assert!(info.parameters.len() <= MOST_PARAMETERS);
         for (at, parameter) in info.parameters.iter().enumerate() {
@@ -45,6 +45,30 @@ fn optional_forms_are_0_by_default_and_an_extension_names_a_relative() {
             assert_eq!(simpler.info().family, info.family);
             assert!(info.family.is_nested());
         }
+    }
+}
+
+#[test]
+fn an_example_is_within_its_bounds_and_a_start_has_no_more_values_than_parameters() {
+    for id in EffectId::ALL {
+        let info = id.info();
+        for (value, parameter) in info.example.iter().zip(info.parameters) {
+            assert!(
+                parameter.bounds.allow(*value),
+                "{} {}",
+                id.name(),
+                parameter.name
+            );
+        }
+        let fits = |starts: &Starts| starts.values.len() <= info.parameters.len();
+        assert!(info.starts.iter().all(fits), "{}", id.name());
+        // A wave starts from a spectrum.
+        assert_eq!(
+            info.starts.is_empty(),
+            info.repeats != Repeats::Never,
+            "{}",
+            id.name()
+        );
     }
 }
 

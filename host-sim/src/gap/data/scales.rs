@@ -41,9 +41,15 @@ impl Scales {
         match scale {
             Scale::Travel => self.travel_m,
             Scale::Force => self.force_n,
+            Scale::SmallForce => 0.05 * self.force_n,
             Scale::HighestForce => self.highest_n,
+            Scale::LowestForce => self.lowest_n,
             Scale::Stiffness => self.force_n / self.travel_m,
             Scale::Speed => self.speed_mps,
+            Scale::SpeedNoise => self.speed_noise_mps,
+            // What divides by these is finite on a log that stands still at 0.
+            Scale::Acceleration => self.acceleration_mps2.max(f64::MIN_POSITIVE),
+            Scale::Reach => self.reach_m.max(f64::MIN_POSITIVE),
             Scale::Duration => self.duration_s,
             Scale::Period => self.period_s,
             Scale::PositionNoise => self.position_noise_m,

@@ -6,7 +6,8 @@
 //! by which the two differ. All of it is linear, at the best of the rival's starts. A rival that could
 //! imitate only beyond its bounds counts as one all the same, so that the answer is on the careful side.
 
-use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Repeats};
+use estimator_core::physics::fit_range::Scale;
 use rayon::prelude::*;
 
 use crate::gap::model::{
@@ -145,16 +146,18 @@ impl<'a> Discriminability<'a> {
 
     /// The starts of the search; for an effect that repeats, one period that no stroke has.
     fn starts(&self, id: EffectId) -> Vec<Term> {
-        use EffectId as E;
-        let s = self.dataset.scales;
-        let force = 0.05 * s.force_n;
-        let length = force * s.travel_m / s.force_n;
-        let (amplitude, period) = match id {
-            E::PeriodicDisturbance => (force, 37.3 / s.duration_s),
-            E::SurfaceMotion => (0.1 * length, 37.3 / s.duration_s),
-            E::Cogging => (force, s.travel_m / 7.3),
-            E::EncoderPeriodicError => (0.1 * length, s.travel_m / 7.3),
-            _ => return starts(id, self.shape, s),
+        let (info, s) = (id.info(), self.dataset.scales);
+        let period = match info.repeats {
+            Repeats::Never => return starts(id, self.shape, s),
+            Repeats::InTime => 37.3 / s.duration_s,
+            Repeats::AlongTheWay => s.travel_m / 7.3,
+        };
+        let force = s.size(Scale::SmallForce);
+        let amplitude = if info.stage.acts_in_free_air() {
+            force
+        } else {
+            // It displaces.
+            0.1 * (force * s.travel_m / s.force_n)
         };
         if !is_possible(id, self.shape) {
             return Vec::new();

@@ -1,10 +1,10 @@
 //! The force that a law with effects predicts along the motion of a log.
 
 use estimator_core::maths::Scalar;
-use estimator_core::physics::{effect::EffectId, rig::Reading};
+use estimator_core::physics::rig::Reading;
 
 use crate::gap::data::fit_data::FitData;
-use crate::gap::model::shape::{Shape, Term};
+use crate::gap::model::shape::Shape;
 
 /// Runs a rig along a log and hands over its reading at each sample.
 pub(crate) fn run_rig<S: Scalar>(
@@ -16,13 +16,10 @@ pub(crate) fn run_rig<S: Scalar>(
     let rig = shape.rig(numbers);
     let mut state = rig.at_rest();
     let delay_s = rig.delay_s();
-    let is_delay = |term: &Term| term.id == EffectId::TimeDelay;
-    let delayed = shape.terms.iter().any(is_delay);
     for at in 0..log.len() {
-        let motion = if delayed {
-            log.delayed_motion(at, delay_s)
-        } else {
-            log.motion(at)
+        let motion = match delay_s {
+            Some(delay_s) => log.delayed_motion(at, delay_s),
+            None => log.motion(at),
         };
         let step_s = S::from_f64(log.step_s(at));
         each(at, rig.step(&mut state, motion, step_s));

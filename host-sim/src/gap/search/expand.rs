@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::gap::model::fit::{Fit, MOST_STEPS};
 use crate::gap::model::shape::{Shape, Term};
-use crate::gap::model::start::starts as starts_of;
+use crate::gap::model::start::starts_from_file;
 use crate::gap::search::physical::is_physical;
 use crate::gap::search::proposals::{LinearizedModel, Proposal};
 use crate::gap::search::run::Search;
@@ -20,7 +20,6 @@ const FOLLOWED: [usize; 2] = [5, 3];
 const FROM_FILE: usize = 4;
 /// Steps of a joint refit before it has to be among the best, and before it has to be again.
 const FIRST_STEPS: [usize; 2] = [4, 8];
-const EXPONENTIAL: EffectId = EffectId::ExponentialStiffening;
 
 /// A shape, where its fit starts, and how many steps it has.
 type Start = (Shape, Vec<f64>, usize);
@@ -66,7 +65,7 @@ impl Search<'_> {
                 starts.push((shape, start, FIRST_STEPS[0]));
             }
         }
-        starts.extend(self.exponential_start(from));
+        starts.extend(self.starts_from_file(from));
         // A base that ran away hides what is missing from its own linearization.
         if from.cost > self.decide().ran_away * self.noise_cost {
             let from_file = self.with_file_values(from);
@@ -78,17 +77,16 @@ impl Search<'_> {
         starts
     }
 
-    /// A start of an exponential from the values of the model file. A power of the depth imitates an
-    /// exponential, and its residuals show nothing of one: an exponent of 4.4 for 1.5 and e^{1.2}. The
-    /// way from the file is longer and has more steps.
-    fn exponential_start(&self, from: &Fit) -> Option<Start> {
-        if !self.ids.contains(&EXPONENTIAL) {
-            return None;
-        }
-        let starts = starts_of(EXPONENTIAL, &from.shape, self.dataset.scales);
-        let (shape, _) = self.with_term(from, starts.get(1)?);
-        let from_file = shape.start();
-        Some((shape, from_file, FIRST_STEPS.iter().sum()))
+    /// Starts with the values of the model file, of effects that the fitted law imitates so well that its
+    /// residuals show nothing of them. The way from the file is longer and has more steps.
+    fn starts_from_file(&self, from: &Fit) -> impl Iterator<Item = Start> {
+        let scales = self.dataset.scales;
+        let terms = (self.ids.iter()).flat_map(|id| starts_from_file(*id, &from.shape, scales));
+        terms.map(|term| {
+            let (shape, _) = self.with_term(from, &term);
+            let from_file = shape.start();
+            (shape, from_file, FIRST_STEPS.iter().sum())
+        })
     }
 
     /// The effects that promise most beside a fit, with their best starts.

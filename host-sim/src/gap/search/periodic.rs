@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Repeats};
 
 use crate::gap::model::basis::{dot, project_out};
 use crate::gap::model::shape::Term;
 use crate::gap::model::simulate::{forces, forces_of_changed};
-use crate::gap::model::start::{is_possible, whole};
+use crate::gap::model::start::{is_possible, repeats, whole};
 use crate::gap::search::proposals::LinearizedModel;
 use crate::spectral;
 
@@ -26,19 +26,21 @@ struct Wave {
 impl LinearizedModel<'_> {
     /// Starts of the effects that repeat.
     pub(super) fn periodic_starts(&self, ids: &[EffectId]) -> Vec<Term> {
-        use EffectId as E;
         let slope = self.stiffness_n_per_m();
         let mut found = Vec::new();
-        for id in ids.iter().filter(|id| is_possible(**id, &self.fit.shape)) {
-            let carrier = match id {
-                E::PeriodicDisturbance | E::Cogging => vec![1.0; self.roots.len()],
-                // A surface that comes forward presses as a probe that goes in.
-                E::SurfaceMotion | E::EncoderPeriodicError => slope.iter().map(|s| -s).collect(),
-                _ => continue,
+        let possible = |id: &&EffectId| repeats(**id) && is_possible(**id, &self.fit.shape);
+        for id in ids.iter().filter(possible) {
+            let info = id.info();
+            let carrier = if info.stage.acts_in_free_air() {
+                vec![1.0; self.roots.len()]
+            } else {
+                // It displaces. A surface that comes forward presses as a probe that goes in.
+                slope.iter().map(|s| -s).collect()
             };
-            let waves = match id {
-                E::PeriodicDisturbance | E::SurfaceMotion => self.waves_in_time(&carrier),
-                _ => self.waves_along_travel(&carrier),
+            let waves = if info.repeats == Repeats::InTime {
+                self.waves_in_time(&carrier)
+            } else {
+                self.waves_along_travel(&carrier)
             };
             for wave in waves {
                 let mut row = [0.0; MOST_PARAMETERS];

@@ -3,7 +3,7 @@
 use super::{figures::Layout, figures::annotate, figures::compare, run::Run, window::windows};
 use crate::report::{Figure, plot::Axis, plot::Chart, plot::Ink, plot::Series, plot::Stroke};
 
-/// Force above displacement.
+/// The force over time, and the displacement below it.
 pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
     let force =
         Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero()).size(layout.over_time);
@@ -24,19 +24,19 @@ pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
             &run.depth_m[..],
         ));
     let mut caption = String::from(
-        "Measured force and the replay with the estimated parameters. Shaded: in touch.",
+        "Measured force and the replay with the estimated parameters. Shaded: in contact.",
     );
     if windows(run).len() > 1 {
-        caption += " In a log of this length touches may merge into the area that they cover.";
+        caption += " In a log of this length neighbouring touches may merge into one shaded area.";
     }
     vec![
         Figure::new(layout.title(run, "Force", ""), &annotate(force, run)).caption(caption),
         Figure::new(layout.title(run, "Displacement", ""), &annotate(depth, run))
-            .caption("Penetration; negative in free air. Shaded: in touch."),
+            .caption("Penetration; it is negative in free air. Shaded: in contact."),
     ]
 }
 
-/// What the law leaves unexplained, against the noise.
+/// The residual of the law, compared with the noise of the force.
 pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
     let forces = run.measured_n.iter().zip(run.estimated_n.iter());
     let residual: Vec<f64> = forces
@@ -55,8 +55,8 @@ pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
         ))
         .series(Series::estimated("running mean", &run.time_s[..], mean));
     let mut caption = format!(
-        "What the estimate leaves unexplained; running mean over 1/{MEANS} of the log. A mean with \
-         a pattern is something that the law does not know."
+        "Measured minus estimated force, and its running mean over 1/{MEANS} of the log. A pattern in \
+         the mean is an effect that the law does not contain."
     );
     if let Some(noise) = run.noise_n {
         chart = chart.level_band(-noise, noise);
@@ -65,12 +65,12 @@ pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
     vec![Figure::new(layout.title(run, "Residual", ""), &annotate(chart, run)).caption(caption)]
 }
 
-/// The running mean of a residual has so many independent values: a pattern within a touch of a
-/// 10 s log shows, noise is down to a sixth.
+/// The number of independent values that the running mean of a residual has. A pattern within one touch
+/// of a log of 10 s is visible, and noise is reduced to a sixth.
 const MEANS: usize = 250;
 
-/// Mean over `width` values around each; values that are not finite do not count, and where the
-/// value itself is not finite there is none.
+/// The mean over `width` values around each value. Values that are not finite do not count; where the
+/// value itself is not finite the mean is NaN.
 fn running_mean(values: &[f64], width: usize) -> Vec<f64> {
     let half = width / 2;
     let mut sums = vec![(0.0, 0.0)];

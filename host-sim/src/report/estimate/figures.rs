@@ -1,4 +1,4 @@
-//! What the figures of a run have in common: their size, their title, what is marked in them.
+//! What the figures of a run have in common: their sizes, their titles, and the marks of events.
 
 use std::borrow::Cow;
 
@@ -11,16 +11,17 @@ use crate::report::{Figure, plot::Chart, plot::Marker, plot::Series, plot::Size}
 /// Makes the figures of one kind for one run.
 pub(super) type Kind = for<'a> fn(&'a Run<'a>, &Layout) -> Vec<Figure>;
 
-/// How much room a run has.
+/// How much of the page the figures of a run take.
 pub(super) struct Layout {
-    /// Of a figure over time, and of one of several above each other.
+    /// The size of a figure over time.
     pub(super) over_time: Size,
+    /// The size of one of several figures above each other.
     pub(super) slim: Size,
     named: bool,
 }
 
 impl Layout {
-    /// A single run has the whole width, several stand beside each other.
+    /// A single run has the whole width; several runs stand beside each other.
     pub(super) fn new(runs: usize) -> Layout {
         Layout {
             over_time: if runs > 1 { Size::Half } else { Size::Wide },
@@ -29,7 +30,7 @@ impl Layout {
         }
     }
 
-    /// What it shows, of which run, and which part of it.
+    /// The title of a figure: what it shows, the run, and the part of the run.
     pub(super) fn title(&self, run: &Run, what: &str, part: &str) -> String {
         let mut title = what.to_string();
         if self.named && !run.name.is_empty() {
@@ -42,10 +43,10 @@ impl Layout {
     }
 }
 
-/// More faults than this are left to their table.
+/// With more faults than this a figure marks none; the table of faults has them all.
 const MOST_FAULTS: usize = 50;
 
-/// Touches, and the lines of what happened.
+/// The chart with the touches shaded and the events marked by lines.
 pub(super) fn annotate<'a>(chart: Chart<'a>, run: &Run) -> Chart<'a> {
     let is_fault = |event: &&EventMark| matches!(event.kind, EventKind::Fault { .. });
     let mark_faults = run.events.iter().filter(is_fault).count() <= MOST_FAULTS;
@@ -74,8 +75,8 @@ pub(super) fn annotate<'a>(chart: Chart<'a>, run: &Run) -> Chart<'a> {
 /// Above this ratio of noise to largest force the measured curve covers the estimated one.
 const NOISY: f64 = 0.005;
 
-/// Measured and estimated values in one chart. The measured dashes lie on top, where they let the
-/// estimate through; a noisy curve would not, and lies below.
+/// Measured and estimated values in one chart. The dashed measured curve lies on top, since the estimate
+/// shows through its gaps; a noisy measured curve would hide the estimate, and lies below.
 pub(super) fn compare<'a>(
     chart: Chart<'a>,
     run: &Run,

@@ -1,4 +1,4 @@
-//! β of (24): what it does with an error, and when it did.
+//! The forgetting factor β of (24), over the error of the force and over time.
 
 use super::{figures::Layout, figures::annotate, run::Run};
 use crate::number::setting;
@@ -25,7 +25,7 @@ pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
             ));
         figures.push(
             Figure::new(layout.title(run, "β over time", ""), &annotate(chart, run))
-                .caption("1: everything is remembered, or nothing is being learned."),
+                .caption("At β = 1 everything is remembered, or nothing is being learned."),
         );
     }
     figures
@@ -62,7 +62,7 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
     ));
     let caption = format!(
         "The larger the error of the predicted force, the faster the past is forgotten: α₁ = {}, α₂ = {} per N, \
-         α₃ = {}. Dots at β = 1: samples that were not learned from.",
+         α₃ = {}. Dots at β = 1 are samples that the estimator did not learn from.",
         setting(law.alpha_1, "1"),
         setting(law.alpha_2_per_n, "1"),
         setting(law.alpha_3_n, "N"),

@@ -1,4 +1,4 @@
-//! What a contact does with work: hysteresis loop, power exchange, elastic response.
+//! The energy of a contact: hysteresis loop, power exchange, elastic response.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
     let loops = windows.iter().map(|w| hysteresis(run, layout, w));
     let is_whole = windows.len() == 1;
     let powers = windows.iter().map(|w| power(run, layout, w, is_whole));
-    // The order that leaves no gaps: one loop and the elastic response share a row, or two loops.
+    // This order leaves no gaps: one loop and the elastic response share a row, or two loops do.
     match is_whole {
         true => loops.chain(elastic(run, layout)).chain(powers).collect(),
         false => loops.chain(powers).chain(elastic(run, layout)).collect(),
@@ -23,7 +23,7 @@ pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
 fn hysteresis(run: &Run, layout: &Layout, window: &Window) -> Figure {
     let range = window.of(&run.time_s);
     let depth = part(&run.depth_m, &range);
-    // In free air both forces are zero, and the approach would be most of the picture.
+    // In free air both forces are zero, and the approach would take most of the figure.
     let in_contact = |force: &[f64]| -> Vec<f64> {
         let value = |(f, d): (&f64, &f64)| if *d >= 0.0 { *f } else { f64::NAN };
         force.iter().zip(depth).map(value).collect()
@@ -46,7 +46,7 @@ fn hysteresis(run: &Run, layout: &Layout, window: &Window) -> Figure {
 fn shown(window: &Window) -> String {
     match window.name.as_str() {
         "" => String::new(),
-        name => format!(" Of this long log: the {name}."),
+        name => format!(" Shown: the {name} of this long log."),
     }
 }
 
@@ -86,8 +86,8 @@ fn power(run: &Run, layout: &Layout, window: &Window, wide: bool) -> Figure {
         &annotate(chart, run),
     )
     .caption(format!(
-        "Power into the material while loading (positive) and back out of it while unloading; \
-         shaded: in touch.{}",
+        "Power that goes into the material while loading (positive) and comes back while unloading. \
+         Shaded: in contact.{}",
         shown(window)
     ))
 }

@@ -8,9 +8,9 @@ use crate::stats::quantile;
 
 /// How to read the figures of the parameters.
 pub(super) const HOW_TO_READ: &str = "Line: estimate; band around it: ± one standard error; strip \
-    above: status of the estimate; shaded: in touch.";
+    above: status of the estimate; shaded: in contact.";
 
-/// Every parameter with its standard error, and the status above.
+/// A figure of each parameter with its standard error, and the status above it.
 pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
     run.parameters
         .iter()
@@ -29,7 +29,7 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
     if let Some((low, high)) = range_that_matters(&values, &errors) {
         axis = axis.range(low, high);
         if values.iter().any(|v| *v < low || *v > high) {
-            caption += " The axis shows where the estimate ends up; the transient leaves it.";
+            caption += " The axis shows where the estimate settles; the transient leaves it.";
         }
     }
     let chart = Chart::new(Axis::time(), axis)
@@ -43,9 +43,9 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
     .caption(caption)
 }
 
-/// The range in which a trajectory spends its time, with room for a transient, if it is smaller than
-/// all that it visits. The first estimates may be wrong by orders of magnitude; on an axis with room
-/// for them nothing else could be read.
+/// The range in which a trajectory spends most of its time, with room for a transient; it is no larger
+/// than the range of all values. The first estimates may be wrong by orders of magnitude, and on an axis
+/// that holds them nothing else could be read.
 fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
     let finite: Vec<(f64, f64)> = values
         .iter()
@@ -53,7 +53,7 @@ fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
         .filter(|(v, _)| v.is_finite())
         .map(|(v, e)| (*v, if e.is_finite() { *e } else { 0.0 }))
         .collect();
-    // The last four fifths; a material that is touched for a hundredth of them still counts.
+    // The last four fifths of the log. A material that is touched for a hundredth of them still counts.
     let late = &finite[finite.len() / 5..];
     let low = quantile(late.iter().map(|(v, e)| v - e), 0.01);
     let high = quantile(late.iter().map(|(v, e)| v + e), 0.99);
@@ -66,7 +66,7 @@ fn range_that_matters(values: &[f64], errors: &[f64]) -> Option<(f64, f64)> {
     Some((low - margin, high + margin))
 }
 
-/// Runs of equal status.
+/// The intervals of equal status.
 fn status_spans(run: &Run) -> Vec<Span> {
     let mut spans: Vec<(Status, f64, f64)> = Vec::new();
     for (status, time) in run.status.iter().zip(run.time_s.iter()) {

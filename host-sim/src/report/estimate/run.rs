@@ -1,4 +1,4 @@
-//! What the report shows: columns of one log or several.
+//! The data of the report: the columns and results of one log or several.
 
 use std::borrow::Cow;
 
@@ -7,30 +7,30 @@ use estimator_core::estimate::{Estimated, status::Status};
 use crate::replay::{EventMark, Touch};
 use crate::report::{Provenance, Tone};
 
-/// Everything that the report shows. Slices of a [`Run`] may be empty, and where they should have
-/// the same length the shortest counts: a figure without data says so.
+/// Everything that the report shows. Columns of a [`Run`] may be empty; of columns that should have the
+/// same length the shortest counts. A figure without data says so.
 #[derive(Clone, Debug)]
 pub struct EstimateReport<'a> {
     /// The heading: what was estimated from what.
     pub title: &'a str,
-    /// How good the news is.
+    /// How good the result is.
     pub tone: Tone,
     /// The badge: a status in one or two words.
     pub badge: &'a str,
-    /// The sentence to read if only one is read.
+    /// The sentence that says the result.
     pub verdict: &'a str,
     /// One log, or several to compare.
     pub runs: &'a [Run<'a>],
     /// What a reader should know before trusting the numbers.
     pub notes: &'a [String],
-    /// Where it comes from.
+    /// What the report was made from.
     pub provenance: Provenance,
 }
 
-/// One entry per sample, the report's own or borrowed.
+/// A column with one entry per sample, owned by the report or borrowed.
 pub type Column<'a, T = f64> = Cow<'a, [T]>;
 
-/// One log and what was estimated from it. One entry per sample, in SI units.
+/// One log and what was estimated from it. The columns have one entry per sample, in SI units.
 #[derive(Clone, Debug, Default)]
 pub struct Run<'a> {
     /// What was touched, or the name of the log; may be empty for a single run.
@@ -51,7 +51,7 @@ pub struct Run<'a> {
     pub innovation_n: Column<'a>,
     /// β of (24) that was used.
     pub forgetting: Column<'a>,
-    /// How far the estimate could be trusted.
+    /// The status of the estimate, which says how far it can be trusted.
     pub status: Column<'a, Status>,
     /// Standard deviation of the force noise (N).
     pub noise_n: Option<f64>,
@@ -61,19 +61,20 @@ pub struct Run<'a> {
     pub parameters: Vec<Trajectory<'a>>,
     /// The parameters at the end, in the order of the table.
     pub finals: Vec<FinalParameter<'a>>,
-    /// Between changes of material.
+    /// The stretches between changes of material.
     pub segments: Vec<Segment<'a>>,
     /// The touches in order.
     pub touches: Column<'a, Touch>,
-    /// What happened when, in order.
+    /// The events in order of time.
     pub events: Column<'a, EventMark>,
     /// Force over depth at rest.
     pub elastic: Option<Elastic<'a>>,
-    /// Raw measured force against the replay with the final parameters, in contact (N).
+    /// Root mean square of the raw measured force minus the replay with the final parameters, in contact
+    /// (N).
     pub force_rmse_n: Option<f64>,
-    /// From first contact until every parameter stays within 5 % of its final value (s).
+    /// The time from the first contact until every parameter stays within 5 % of its final value (s).
     pub settled_at_s: Option<f64>,
-    /// δ₀, where stiffness and damping are reported (m).
+    /// δ₀ (m), the depth at which stiffness and damping are reported.
     pub reference_depth_m: Option<f64>,
 }
 
@@ -84,7 +85,7 @@ pub struct Trajectory<'a> {
     pub name: &'a str,
     /// Without prefix: `N/m`, `1`.
     pub unit: &'a str,
-    /// One a sample; `None` where it is not observable.
+    /// One estimate per sample; `None` where the parameter is not observable.
     pub values: Column<'a, Option<Estimated<f64>>>,
 }
 
@@ -95,16 +96,16 @@ pub struct FinalParameter<'a> {
     pub name: &'a str,
     /// Without prefix: `N/m`, `1`.
     pub unit: &'a str,
-    /// `None` if it is not observable.
+    /// The estimate; `None` if the parameter is not observable.
     pub estimate: Option<Estimated<f64>>,
 }
 
-/// One material from a change to the next.
+/// The stretch from one change of material to the next.
 #[derive(Clone, Debug)]
 pub struct Segment<'a> {
-    /// From (s).
+    /// The start of the stretch (s).
     pub from_s: f64,
-    /// To (s).
+    /// The end of the stretch (s).
     pub to_s: f64,
     /// The parameters at its end.
     pub parameters: Vec<FinalParameter<'a>>,
@@ -129,14 +130,14 @@ impl ForgettingLaw {
     }
 }
 
-/// Force over depth without damping.
+/// The elastic force over the depth, without damping.
 #[derive(Clone, Debug)]
 pub struct Elastic<'a> {
     /// Depth (m).
     pub depth_m: Column<'a>,
     /// Estimated elastic force (N).
     pub estimated_n: Column<'a>,
-    /// The true one (N), where it is known (a simulated rig); else empty.
+    /// The true elastic force (N) of a simulated rig; empty where it is not known.
     pub true_n: Column<'a>,
 }
 

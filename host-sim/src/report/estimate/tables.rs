@@ -10,10 +10,10 @@ use crate::number::{column, fixed, setting};
 use crate::replay::{EventKind, Touch};
 use crate::report::{Cell, Section, Table};
 
-/// Of touches and materials, so many rows are shown.
+/// The most rows that a table of touches or materials shows.
 const MOST_ROWS: usize = 14;
 
-/// Law, parameters and figures of merit, a column a run; then what happened in each run.
+/// Law, parameters and figures of merit, with a column for each run; then what happened in each run.
 pub(super) fn result(report: &EstimateReport) -> Section {
     let runs = report.runs;
     let names = runs.iter().map(|run| match run.name {
@@ -45,7 +45,7 @@ pub(super) fn result(report: &EstimateReport) -> Section {
         .fold(Section::new("Result").table(table), Section::table)
 }
 
-/// A row of the result; a dash for a run that has no such value.
+/// A row of the result. A run that has no such value gets a dash.
 fn row(runs: &[Run], name: &str, cell: &dyn Fn(&Run) -> Option<Cell>) -> Vec<Cell> {
     let cell = |run: &Run| cell(run).unwrap_or(Cell::Missing("–".into()));
     std::iter::once(Cell::from(name))
@@ -53,7 +53,7 @@ fn row(runs: &[Run], name: &str, cell: &dyn Fn(&Run) -> Option<Cell>) -> Vec<Cel
         .collect()
 }
 
-/// Figures of merit that at least one run has.
+/// The figures of merit that at least one run has.
 fn merits(runs: &[Run]) -> Vec<Vec<Cell>> {
     type Merit = fn(&Run) -> Option<Cell>;
     let settled: Merit = |run| run.settled_at_s.map(|t| Cell::quantity(t, 2, "s"));
@@ -77,7 +77,7 @@ fn merits(runs: &[Run]) -> Vec<Vec<Cell>> {
     known.map(|(name, merit)| row(runs, name, merit)).collect()
 }
 
-/// Names of all parameters of all runs, in the order in which they come.
+/// The names of all parameters of all runs, in the order in which they appear.
 fn parameter_names<'a>(runs: &[Run<'a>]) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for parameter in runs.iter().flat_map(|run| &run.finals) {
@@ -97,7 +97,7 @@ fn value(parameter: &FinalParameter) -> Cell {
     }
 }
 
-/// What to know before trusting the numbers.
+/// The notes, which a reader should know before trusting the numbers.
 pub(super) fn notes(report: &EstimateReport) -> Section {
     Section::new("Notes").list(report.notes.iter().map(String::as_str))
 }
@@ -109,7 +109,7 @@ fn caption(run: &Run, text: &str) -> String {
     }
 }
 
-/// Only where the material changed: one segment repeats the result.
+/// The materials, where the material changed. A single segment would repeat the result.
 fn segments(run: &Run) -> Option<Table> {
     let all = run.segments.iter().flat_map(|segment| &segment.parameters);
     let mut names: Vec<&str> = Vec::new();
@@ -157,8 +157,8 @@ fn touches(run: &Run) -> Option<Table> {
     (!run.touches.is_empty()).then(|| table.rows(rows))
 }
 
-/// What went wrong, a row a kind: a log may have a fault in every sample. Other events stand among
-/// the touches and the materials.
+/// The faults, with a row for each kind, since a log may have a fault in every sample. The other events
+/// stand in the tables of touches and materials.
 fn faults(run: &Run) -> Option<Table> {
     let mut kinds: BTreeMap<u8, (&str, usize, f64, f64)> = BTreeMap::new();
     for event in run.events.iter() {
@@ -183,7 +183,7 @@ fn faults(run: &Run) -> Option<Table> {
     (!kinds.is_empty()).then(|| table.caption(caption(run, "Faults")).rows(rows))
 }
 
-/// An instant, to the millisecond: the sampling period of the board.
+/// An instant (s) to the millisecond, which is the sampling period of the board.
 fn time(at_s: f64) -> Cell {
     Cell::Number(fixed(at_s, -3))
 }

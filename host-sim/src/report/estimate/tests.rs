@@ -204,8 +204,8 @@ fn an_hour_at_1_khz_stays_below_half_a_megabyte_and_says_what_it_leaves_out() {
     well_formed(&html);
     // Measured: 172 kB.
     assert!((60_000..500_000).contains(&html.len()), "{}", html.len());
-    assert!(html.contains("Of this long log: the first 3 touches."));
-    assert!(html.contains("Of this long log: the last 3 touches."));
+    assert!(html.contains("Shown: the first 3 touches of this long log."));
+    assert!(html.contains("Shown: the last 3 touches of this long log."));
     assert!(html.contains("… 1786 more …"));
 }
 

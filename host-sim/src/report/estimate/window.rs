@@ -1,26 +1,26 @@
-//! Which part of a long log a figure of loops shows.
+//! The parts of a long log that the figures of loops show.
 
 use super::run::Run;
 use crate::replay::Touch;
 
-/// With more touches than this, or longer in contact, the loops would cover each other.
+/// With more touches than this, or with a longer contact, the loops would cover each other.
 const MOST_TOUCHES: usize = 8;
 const MOST_CONTACT_S: f64 = 120.0;
-/// So many touches stand at either end of a long log, and at most so long.
+/// The number of touches that are shown of either end of a long log, and the longest stretch of them.
 const SHOWN_TOUCHES: usize = 3;
 const SHOWN_S: f64 = 30.0;
 
-/// A part of a run, and what to call it.
+/// A part of a run with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Window {
     pub(super) from_s: f64,
     pub(super) to_s: f64,
-    /// Empty if it is everything.
+    /// The name; empty for the whole run.
     pub(super) name: String,
 }
 
 impl Window {
-    /// Index range of the samples inside.
+    /// The indices of the samples in the window.
     pub(super) fn of(&self, time_s: &[f64]) -> std::ops::Range<usize> {
         let inside = |t: &f64| *t >= self.from_s && *t <= self.to_s;
         let from = time_s.iter().position(inside).unwrap_or(0);

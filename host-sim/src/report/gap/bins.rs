@@ -1,21 +1,22 @@
-//! The residuals of a log, and their means over depth or speed, which a cloud of dots would hide.
+//! The residuals of a log, and their means over depth or speed, which a scatter plot would hide.
 
 use crate::gap::{Curves, phase};
 use crate::stats::{median, quantile};
 
-/// Fewest samples of a mean.
+/// A mean is taken over at least this many samples.
 const FEWEST: usize = 8;
-/// Speeds below this share of the fast ones are no motion; the regions use the same share.
+/// Below this share of the 95 % quantile of the speeds the probe counts as standing still; the regions
+/// use the same share.
 const STILL: f64 = 0.02;
 
-/// The curves of a log, and what figures derive from them.
+/// The curves of a log, and what the figures derive from them.
 pub(super) struct LogCurves<'a> {
     pub(super) curves: &'a Curves,
-    /// Measured minus predicted force (N) of the base model; NaN where the sample says nothing.
+    /// Measured force minus that of the base model (N); NaN where the sample has no weight.
     pub(super) before_n: Vec<f64>,
-    /// The same with the effects.
+    /// Measured force minus that of the model with the effects (N).
     pub(super) after_n: Vec<f64>,
-    /// Whether the two differ. If not, there is one model to show.
+    /// Whether the two models differ. If they do not, there is only one model to show.
     pub(super) changed: bool,
     /// Largest penetration (m); 0 without contact.
     pub(super) deepest_m: f64,
@@ -72,7 +73,7 @@ impl<'a> LogCurves<'a> {
         runs
     }
 
-    /// The parts that the RMSE was taken on (s).
+    /// The parts of the log (s) on which the RMSE was taken.
     pub(super) fn held_out(&self) -> Vec<(f64, f64)> {
         let mut parts: Vec<(f64, f64)> = Vec::new();
         let mut before = false;
@@ -87,7 +88,7 @@ impl<'a> LogCurves<'a> {
         parts
     }
 
-    /// −1 outward, 0 still, 1 inward, of a sample.
+    /// The direction of motion at a sample: −1 outward, 0 still, 1 inward.
     pub(super) fn direction(&self, at: usize) -> i8 {
         let speed = self.curves.speed_mps[at];
         match speed.abs() <= STILL * self.fast_mps {
@@ -97,7 +98,7 @@ impl<'a> LogCurves<'a> {
     }
 
     /// Mean of `residuals` (N) in `count` equal bins of `x` over the range [low, high], for the samples
-    /// that are `wanted`: middles and means, NaN where there are too few.
+    /// that are `wanted`: the middles and the means of the bins. A bin with too few samples has NaN.
     pub(super) fn means(
         &self,
         residuals: &[f64],

@@ -1,4 +1,4 @@
-//! Residuals over time, over depth and over speed, forces over time, and the loop of one touch.
+//! The residuals over time, depth and speed, the forces over time, and the loop of one touch.
 
 use std::ops::Range;
 
@@ -12,7 +12,8 @@ const BINS: usize = 40;
 const BEFORE: Ink = Ink::Second;
 const AFTER: Ink = Ink::First;
 
-/// Residuals before and after under a band of the phases, and those after compared with what is allowed.
+/// The residuals before and after, below a strip of the phases of the contact; and the residuals after,
+/// compared with what is allowed.
 pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     let time = &log.curves.time_s;
     let drawn = |shown: &[&'a [f64]]| {
@@ -36,7 +37,7 @@ pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     let after = |name: &str| Series::new(name, AFTER, Stroke::Thin, time, &log.after_n);
     if !log.changed {
         let chart = allowed(drawn(&[&log.after_n]).size(Size::Wide)).series(after("base model"));
-        let caption = format!("Measured less modelled force. {ALLOWED} {SHADED}");
+        let caption = format!("Measured minus modelled force. {ALLOWED} {SHADED}");
         return vec![Figure::new("Residual over time", &chart).caption(caption)];
     }
     let both = drawn(&[&log.before_n, &log.after_n])
@@ -52,17 +53,17 @@ pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     let with_effects = allowed(drawn(&[&log.after_n]).size(Size::Slim)).series(after("after"));
     vec![
         Figure::new("Residual over time", &both).caption(format!(
-            "Measured less modelled force: the base model (before) and with the effects (after), each \
+            "Measured minus modelled force: of the base model (before) and with the effects (after), each \
              fitted to the whole log. {SHADED}"
         )),
-        Figure::new("Residual with the effects", &with_effects).caption(format!("What is left, larger. {ALLOWED}")),
+        Figure::new("Residual with the effects", &with_effects).caption(format!("The residual after, on a scale of its own. {ALLOWED}")),
     ]
 }
 
 const ALLOWED: &str =
     "Grey: two standard deviations of what noise and the errors of the motion allow.";
-const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green unloading. Shaded: held out \
-    when the errors of the verdict were taken.";
+const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green unloading. Shaded: the \
+    held-out parts, on which the errors of the verdict were taken.";
 
 /// An axis that shows all but the worst thousandth of the residuals.
 fn axis(shown: &[&[f64]]) -> Axis {
@@ -95,7 +96,7 @@ pub(super) fn force_over_time<'a>(log: &'a LogCurves<'a>) -> Figure {
         .touches(log.held_out());
     let chart = models(log, chart, 0..time.len(), time);
     Figure::new("Force over time", &chart)
-        .caption("What was measured, and what the models say. Shaded: held out.")
+        .caption("The measured force and the forces of the models. Shaded: the held-out parts.")
 }
 
 /// The forces of the models and the measured force over `x`, in a part of the log.
@@ -164,9 +165,9 @@ fn hysteresis<'a>(log: &'a LogCurves<'a>) -> Figure {
     let caption = match (worst, part(&curves.time_s)) {
         (Some(_), [from, .., to]) => format!(
             "The touch from {from:.2} to {to:.2} s, where the base model is furthest off. The area inside \
-             a loop is the work that is dissipated."
+             a loop is the work that the contact dissipates."
         ),
-        _ => "Forces over the speed of the motor side.".into(),
+        _ => "The forces over the speed of the motor side.".into(),
     };
     Figure::new(title, &chart).caption(caption)
 }
@@ -211,7 +212,7 @@ fn over_depth<'a>(log: &'a LogCurves<'a>) -> Figure {
     }
     Figure::new("Residual over depth", &chart).caption(
         "Means over the samples of the same depth, on the way in and on the way out. Two lines of \
-         opposite sign: friction, play or a delay; one common shape: another law or compliance.",
+         opposite sign mean friction, play or a delay; one common shape means another law or compliance.",
     )
 }
 
@@ -243,8 +244,8 @@ fn over_speed<'a>(log: &'a LogCurves<'a>) -> Figure {
         }
     }
     Figure::new("Residual over speed", &chart).caption(
-        "Means over the samples of the same speed; inward is positive. A step at zero is friction, a \
-         slope is drag.",
+        "Means over the samples of the same speed; inward is positive. A step at zero means \
+         friction, a slope means drag.",
     )
 }
 

@@ -1,15 +1,15 @@
-//! Where on the plane of depth and speed the residuals exceed what is allowed.
+//! Maps of depth and speed that show where the residuals exceed what is allowed.
 
 use super::bins::LogCurves;
 use crate::number::quantity;
 use crate::report::{HeatMap, Shaded};
 
-/// Rows of equal depth in contact.
+/// The number of rows in contact; each covers the same range of depths.
 const DEPTHS: usize = 5;
 const COLUMNS: [&str; 5] = ["out, fast", "out, slow", "still", "in, slow", "in, fast"];
-/// Fewest samples of a cell.
+/// A cell is shown if it has at least this many samples.
 const FEWEST: f64 = 20.0;
-/// Ratios from which on a cell is one shade darker.
+/// Above each of these ratios a cell is one shade darker.
 const SHADES: [f64; 6] = [1.15, 1.5, 2.5, 5.0, 10.0, 25.0];
 
 #[derive(Clone, Copy, Default)]
@@ -37,7 +37,7 @@ pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
     let first = if log.changed { "Before" } else { "Base model" };
     let mut maps = vec![map(log, &before, all).caption(format!("{first}: {what}"))];
     if log.changed {
-        let caption = "After: the same, on the same scale, as shares of the excess before";
+        let caption = "After: the same on the same scale; the shares are of the excess before";
         maps.push(map(log, &after, all).caption(caption));
     }
     maps
@@ -82,7 +82,7 @@ fn map(log: &LogCurves<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> 
     )
 }
 
-/// The depths of a row, with both ends in the unit of the deepest.
+/// The name of a row: free air, or the depth at its lower end.
 fn depth(row: usize, deepest_m: f64) -> String {
     let end = |at: usize| at as f64 / DEPTHS as f64 * deepest_m;
     match row {

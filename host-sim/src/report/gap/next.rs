@@ -1,11 +1,11 @@
-//! The motion to record next: its curve, and how far and how fast it goes compared with the log.
+//! The motion to record next: its curve, and how far and how fast it goes compared with the logs.
 
 use crate::gap::Finding;
 use crate::motion::Limits;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 use crate::report::{Cell, Figure, Section, Table};
 
-/// Points of the curve: the fastest motions have a few hundred cycles.
+/// Points of the curve. The fastest motions have a few hundred cycles.
 const POINTS: u32 = 8_000;
 
 /// The section on the motion; empty where no motion is advised.

@@ -1,4 +1,4 @@
-//! Where the base model and the log disagree, and what remains.
+//! The regions in which the base model and the log disagree, and those that remain with the effects.
 
 use super::tables::spaced;
 use crate::gap::{Finding, Region, Verdict, regions_in_words};
@@ -10,8 +10,8 @@ pub(super) fn place(finding: &Finding) -> Section {
     let section = Section::new("Where the base model and the measurement disagree");
     if finding.disagreement.is_empty() {
         return section.text(
-            "Nowhere: in no phase, at no depth, speed, time or frequency are the residuals significantly \
-             larger than noise and the errors of the motion allow (false discoveries below 1 %).",
+            "In no phase, at no depth, speed, time or frequency are the residuals significantly larger than \
+             noise and the errors of the motion allow (false discoveries below 1 %).",
         );
     }
     let section = section.text(spaced(&format!(
@@ -24,7 +24,7 @@ pub(super) fn place(finding: &Finding) -> Section {
         finding.remaining.is_empty(),
     ) {
         (Verdict::NoMissingEffect, ..) => {
-            section.text("All of it is within what the floor itself may be wrong by.")
+            section.text("All of it lies within the uncertainty of the noise floor itself.")
         }
         (_, true, _) => section,
         (_, _, true) => section.text("With the effects, nothing significant remains anywhere."),
@@ -48,7 +48,7 @@ fn remaining_share(finding: &Finding) -> String {
     }
 }
 
-/// The order for readers: phase of the contact, depth, speed, time, lines.
+/// The order of the rows: phases of the contact, depth, speed, time, lines of the spectrum.
 const ORDER: [&str; 15] = [
     "free",
     "touch",
@@ -124,7 +124,7 @@ fn table(finding: &Finding) -> Table {
             .chain(last),
     )
     .caption(
-        "Regions in which the residual is significantly larger than what is allowed; –: it is not.",
+        "Regions in which the residual is significantly larger than what is allowed; – where it is not.",
     )
     .rows(cells)
 }
@@ -134,7 +134,7 @@ fn name(region: &Region) -> String {
         return format!("Line at {}", quantity(hz, 4, "Hz"));
     }
     if let Some(pitch_m) = region.pitch_m {
-        return format!("Repeats every {} of way", quantity(pitch_m, 4, "m"));
+        return format!("Repeats every {} of travel", quantity(pitch_m, 4, "m"));
     }
     match region.id {
         "free" => "Free air",

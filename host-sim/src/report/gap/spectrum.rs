@@ -5,7 +5,7 @@ use crate::gap::Finding;
 use crate::report::{Figure, plot::Axis, plot::Chart, plot::Ink, plot::Series, plot::Stroke};
 use crate::spectral;
 
-/// Longest segment: eight bins below 1 Hz at 500 Hz.
+/// The longest segment. At 500 Hz it gives eight bins below 1 Hz.
 const LONGEST: usize = 4096;
 /// Points of a curve, equally spaced on the logarithmic axis.
 const POINTS: f64 = 160.0;
@@ -37,7 +37,7 @@ pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
     ];
     let chart = Chart::new(
         Axis::new("Frequency", "Hz").log(),
-        Axis::new("Residual's density", "N/√Hz").log(),
+        Axis::new("Density of the residual", "N/√Hz").log(),
     )
     .series(Series::new(
         "floor",
@@ -49,14 +49,14 @@ pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
     .series(before)
     .series(after);
     Figure::new("Spectrum of the residual", &chart).caption(
-        "Amplitude density over frequency; dashed: the floor as white noise. What stands above the \
-         floor after is unexplained, or an error of the motion. A peak is a line: hum, or cogging at \
-         a constant speed.",
+        "Amplitude density over frequency; dashed: the noise floor as white noise. Where the residual \
+         after stands above the floor it is unexplained, or an error of the motion. A peak is a line of \
+         the spectrum: hum, or cogging at a constant speed.",
     )
 }
 
-/// Frequencies (Hz) and densities (N/√Hz) up to a highest frequency, means over equal steps of the
-/// logarithm.
+/// Frequencies (Hz) and densities (N/√Hz) up to a highest frequency. The densities are means over equal
+/// steps of the logarithm of the frequency.
 fn density(residuals: &[f64], period_s: f64, most_hz: f64) -> (Vec<f64>, Vec<f64>) {
     let length = LONGEST.min(residuals.len());
     if length < 16 {
@@ -68,7 +68,7 @@ fn density(residuals: &[f64], period_s: f64, most_hz: f64) -> (Vec<f64>, Vec<f64
     let (mut hz, mut out) = (Vec::new(), Vec::new());
     let mut at = 1;
     while at < power.len() {
-        // The next point, a bin further at least.
+        // The next point is at least one bin further.
         let next = ((at as f64) * (decades / POINTS).exp()).ceil() as usize;
         let next = next.clamp(at + 1, power.len());
         let middle_hz = 0.5 * (at + next - 1) as f64 * step_hz;
@@ -83,7 +83,7 @@ fn density(residuals: &[f64], period_s: f64, most_hz: f64) -> (Vec<f64>, Vec<f64
 }
 
 /// Mean power of the bins of half-overlapping segments under Hann's window: 1 for white noise of unit
-/// variance. A sample that says nothing counts as 0.
+/// variance. A sample that is not finite counts as 0.
 fn welch(residuals: &[f64], length: usize) -> Vec<f64> {
     let window: Vec<f64> = (0..length)
         .map(|at| spectral::hann(at, length) * (2.0_f64 / 3.0).sqrt())

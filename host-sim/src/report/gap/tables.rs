@@ -6,14 +6,14 @@ use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, times_lar
 use crate::number::Measured;
 use crate::report::{Cell, Section, Table};
 
-/// A parameter has moved when it did so by more than this many of its standard errors.
+/// A parameter has moved if it changed by more than this many standard errors.
 const MOVED: f64 = 3.0;
 /// Half a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
-/// Sets of the ladder that are shown.
+/// The most sets of effects that are shown.
 const MOST_SETS: usize = 14;
 
-/// Errors before and after, advice and notes.
+/// The errors before and after, the advice and the notes.
 pub(super) fn summary(finding: &Finding) -> Section {
     let has_effects = !finding.effects.is_empty();
     let errors = super::verdict::errors(finding);
@@ -47,19 +47,19 @@ pub(super) fn summary(finding: &Finding) -> Section {
         Some(hz) => format!("both forces below {hz} Hz"),
     };
     let said = match has_effects {
-        true => "Before: the base model, refitted. After: with the effects, everything refitted.",
-        false => "The base model, refitted.",
+        true => "Before: the base model, refitted. After: the same with the effects, all refitted.",
+        false => "The base model is refitted.",
     };
     Section::new("What to know")
         .text(spaced(&finding.advice))
         .list(finding.notes.iter().map(|note| spaced(note)))
         .text(format!(
-            "Errors are taken of {what}, on parts of the log that the fits do not see. {said}"
+            "The errors are those of {what}, on parts of the log that the fits do not see. {said}"
         ))
         .table(table)
 }
 
-/// The text with numbers that are not separated from their percent signs.
+/// The text with no-break spaces before percent signs.
 pub(super) fn spaced(text: &str) -> String {
     text.replace(" %", "\u{a0}%")
 }
@@ -107,14 +107,14 @@ fn description(effect: &MissingEffect, finding: &Finding) -> String {
             None => effect.id.info().motion,
         };
         text += &format!(
-            " This log explains as well: {}. To tell them apart, record {motion}.",
+            " This log is explained as well by: {}. To tell them apart, record {motion}.",
             others.join(", "),
         );
     }
     spaced(&text)
 }
 
-/// What leaving an effect out costs, from `1 − (RMSE with/without)²`.
+/// How much larger the squared error is without an effect; `gain` is 1 − (RMSE with/RMSE without)².
 fn share_larger(gain: f64) -> String {
     format!(
         "{} (held-out gain {:.1} %)",
@@ -125,7 +125,7 @@ fn share_larger(gain: f64) -> String {
 
 fn where_it_shows(place: &str) -> String {
     match place {
-        "" => "It shows nowhere in particular".into(),
+        "" => "It shows in no particular region".into(),
         place => format!(
             "Of what it explains, {}",
             place.replace("of the excess ", "")
@@ -137,7 +137,7 @@ fn measured(estimate: &ParameterEstimate) -> Cell {
     Cell::measured(estimate.value, estimate.std_error, estimate.unit)
 }
 
-/// The interval of a parameter, with both ends in the digits and the unit of the value.
+/// The 95 % interval of a parameter, with both ends in the digits and the unit of the value.
 fn interval(estimate: &ParameterEstimate) -> Cell {
     let Some(error) = estimate
         .std_error
@@ -193,7 +193,7 @@ fn environment(finding: &Finding) -> Section {
         });
         let table = Table::new(["Parameter", "Value ± standard error", "95 % interval"]).rows(rows);
         return Section::new("The base model's parameters")
-            .text("The whole log, fitted.")
+            .text("The base model is fitted to the whole log.")
             .table(table);
     }
     let rows = pairs.map(|(before, after)| {
@@ -217,7 +217,7 @@ fn environment(finding: &Finding) -> Section {
     Section::new("What that does to the base model's parameters")
         .text(
             "A model without the effect bends its own parameters to imitate it, and its standard errors do \
-             not tell. Moved: by more than three standard errors (σ) of both fits together.",
+             not show that. Moved: by more than three standard errors (σ) of both fits together.",
         )
         .table(Table::new(columns).rows(rows))
 }
@@ -225,7 +225,7 @@ fn environment(finding: &Finding) -> Section {
 fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> String {
     let change = (after.value - before.value) / before.value.abs();
     match change {
-        // Of what may lie at 0, such as the surface, no share says anything.
+        // A parameter that may be 0, such as the surface, has no meaningful relative change.
         c if !c.is_finite() || before.name == "surface" => {
             let difference = after.value - before.value;
             let sign = if difference > 0.0 { "+" } else { "" };
@@ -254,7 +254,7 @@ fn moved(before: &ParameterEstimate, after: &ParameterEstimate) -> Cell {
     }
 }
 
-/// The sets that were tried, best first.
+/// The sets of effects that were tried, the best first.
 pub(super) fn ladder(finding: &Finding) -> Section {
     if finding.ladder.is_empty() {
         return Section::new("");
@@ -272,7 +272,7 @@ pub(super) fn ladder(finding: &Finding) -> Section {
         "Residual over what is allowed",
         "",
     ])
-    .caption("Everything refitted jointly, on the whole log, at the resolution of the search.")
+    .caption("All numbers are refitted jointly, on the whole log, at the resolution of the search.")
     .rows(rows)
     .at_most(MOST_SETS);
     Section::new("What was tried").table(table)
@@ -319,7 +319,7 @@ fn role(
         })
     });
     if swapped {
-        "not told apart from it"
+        "an alternative to the answer"
     } else {
         ""
     }
@@ -333,7 +333,7 @@ pub(super) fn floors(finding: &Finding, names: &[String]) -> Section {
             Cell::quantity(floor.high_pass_n, 3, "N"),
             match floor.rest_n {
                 Some(rest) => Cell::quantity(rest, 3, "N"),
-                None => Cell::Missing("no rest".into()),
+                None => Cell::Missing("never at rest".into()),
             },
             Cell::quantity(floor.used_n, 3, "N"),
             Cell::from(floor.why.as_str()),
@@ -346,7 +346,7 @@ pub(super) fn floors(finding: &Finding, names: &[String]) -> Section {
         "Used",
         "Why",
     ];
-    Section::new("The floor of the noise")
-        .text("What the force does without any cause, found without a model.")
+    Section::new("The noise floor")
+        .text("The scatter of the force that no motion causes. It is measured without a model.")
         .table(Table::new(columns).rows(rows).at_most(MOST_SETS))
 }

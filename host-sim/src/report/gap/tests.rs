@@ -180,7 +180,7 @@ fn every_verdict_gives_a_well_formed_page_that_says_it_first() {
 fn the_page_shows_what_moved_what_was_tried_and_every_picture() {
     let html = html(&finding(Verdict::Ambiguous)).replace(['\u{a0}', '\u{202f}'], " ");
     for words in [
-        "not told apart from it",
+        "an alternative to the answer",
         "the answer",
         "base model",
         "yes, by 28 σ",

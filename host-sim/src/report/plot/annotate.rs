@@ -1,4 +1,4 @@
-//! What stands around the curves: shaded touches, lines and labels of events, the strip of states.
+//! What is drawn beside the curves: shaded touches, lines and labels of events, the strip of states.
 
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -9,21 +9,21 @@ use super::{
     layout::Layout, layout::STRIP_HEIGHT, marks::of_rank, marks::visible,
 };
 
-/// Width of a letter of a label [px].
+/// The width of a letter of a label [px].
 const LETTER_PX: f64 = 6.2;
 
 pub(super) fn text_style(role: Role) -> TextStyle<'static> {
     ("sans-serif", 12 * PX).into_font().color(&role.color())
 }
 
-/// Text centred on a point [px].
+/// Draws a text centred on a point [px].
 pub(super) fn text(root: &Root, text: &str, role: Role, (x, y): (f64, f64)) -> Result<(), Error> {
     let style = text_style(role).pos(Pos::new(HPos::Center, VPos::Center));
     let at = [x, y].map(|v| (v * f64::from(PX)).round() as i32);
     root.draw(&Text::new(text.to_string(), (at[0], at[1]), style))
 }
 
-/// Touches and the lines of events, behind the curves.
+/// Draws the touches and the lines of events behind the curves.
 pub(super) fn behind(chart: &Chart, layout: &Layout, plot: &Plot) -> Result<(), Error> {
     let (low, high) = (layout.y.low, layout.y.high);
     let area = plot.plotting_area();
@@ -39,7 +39,7 @@ pub(super) fn behind(chart: &Chart, layout: &Layout, plot: &Plot) -> Result<(), 
     Ok(())
 }
 
-/// Touches within the axis, joined where less than half a pixel lies between.
+/// The touches within the axis. Touches with less than half a pixel between them are joined.
 fn merge(touches: &[(f64, f64)], layout: &Layout) -> Vec<(f64, f64)> {
     let (low, high) = (layout.x.low, layout.x.high);
     let gap = 0.5 * (high - low) / layout.view().size_px.0;
@@ -57,14 +57,14 @@ fn merge(touches: &[(f64, f64)], layout: &Layout) -> Vec<(f64, f64)> {
     out
 }
 
-/// Labels of events, and the strip of states.
+/// Draws the labels of events and the strip of states.
 pub(super) fn above(chart: &Chart, layout: &Layout, root: &Root) -> Result<(), Error> {
     let mut labels = Labels::new(layout);
     for marker in of_rank(chart, &layout.x, true) {
         labels.add_if_free(marker);
     }
-    // Every second of a row of equal labels would say that only every second touch was released:
-    // all of them, or the first of each kind.
+    // If every second label of a kind were left out, it would seem that only every second touch was
+    // released: either all labels of a kind are shown, or only the first one.
     let before = labels.placed.len();
     if !of_rank(chart, &layout.x, false).all(|marker| labels.add_if_free(marker)) {
         labels.placed.truncate(before);
@@ -85,7 +85,7 @@ pub(super) fn above(chart: &Chart, layout: &Layout, root: &Root) -> Result<(), E
     strip(chart, layout, root)
 }
 
-/// Labels in one row that do not cover each other: middle, half width, marker.
+/// The labels in one row that do not cover each other, each with its middle, half width and marker.
 struct Labels<'c> {
     ends: (f64, f64),
     layout: &'c Layout,
@@ -124,7 +124,7 @@ fn strip(chart: &Chart, layout: &Layout, root: &Root) -> Result<(), Error> {
     for span in &chart.strip {
         let from = layout.x_px(span.from).max(drawn_to);
         let to = layout.x_px(span.to);
-        // Shorter than half a pixel: not seen, and a flickering state could fill the file.
+        // A state of less than half a pixel cannot be seen, and a flickering one could fill the file.
         if to - from < 0.5 || to.is_nan() || from.is_nan() {
             continue;
         }

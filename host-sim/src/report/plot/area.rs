@@ -1,4 +1,4 @@
-//! What is drawn on, with our canvas and scales.
+//! The drawing area of plotters with the canvas and the scales of this room.
 
 use std::convert::Infallible;
 

@@ -1,4 +1,4 @@
-//! Axes: the range that shows the data, a prefix for the unit, ticks at round numbers.
+//! Axes: a range that shows the data, a prefix for the unit, ticks at round numbers.
 
 use std::ops::Range;
 
@@ -18,8 +18,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis for values in `unit` (without prefix: `m`, `N`, `N s/m`, `1`); prefix, range and
-    /// ticks follow the data.
+    /// An axis for values in `unit` (without prefix: `m`, `N`, `N s/m`, `1`). The prefix, the range and
+    /// the ticks follow the data.
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Axis {
         Axis {
             label: label.into(),
@@ -31,7 +31,7 @@ impl Axis {
         }
     }
 
-    /// Time in seconds, from the first to the last sample without margins.
+    /// The axis of time in seconds, which runs from the first to the last sample without margins.
     pub fn time() -> Axis {
         Axis {
             tight: true,
@@ -39,19 +39,20 @@ impl Axis {
         }
     }
 
-    /// Logarithmic; values that are not positive are not shown.
+    /// Makes the axis logarithmic. Values that are not positive are not shown.
     pub fn log(mut self) -> Axis {
         self.log = true;
         self
     }
 
-    /// Shows this range whatever the data; ignored if it is not two different finite numbers.
+    /// Makes the axis show this range whatever the data. The range is ignored unless its ends are two
+    /// different finite numbers.
     pub fn range(mut self, low: f64, high: f64) -> Axis {
         self.range = Some((low, high));
         self
     }
 
-    /// Zero is on the axis whatever the data.
+    /// Makes the axis show zero whatever the data.
     pub fn with_zero(mut self) -> Axis {
         self.zero = true;
         self
@@ -61,7 +62,7 @@ impl Axis {
         self.tight
     }
 
-    /// Fits the axis to the data (`None` if there is none) on a length of so many ticks.
+    /// Fits the axis to the range of the data (`None` without data), with at most this number of ticks.
     pub(crate) fn resolve(&self, data: Option<(f64, f64)>, most_ticks: usize) -> Scale {
         let data = data.map(|(low, high)| match self.zero && !self.log {
             true => (low.min(0.0), high.max(0.0)),
@@ -117,24 +118,25 @@ impl Axis {
     }
 }
 
-/// An axis that knows its data.
+/// An axis that is fitted to its data.
 #[derive(Clone, Debug)]
 pub(crate) struct Scale {
     factor: f64,
     log: bool,
-    /// Ends of the axis in units of the scale: prefixed, or log₁₀.
+    /// The ends of the axis in units of the scale: prefixed units, or log₁₀.
     pub(crate) low: f64,
     pub(crate) high: f64,
-    /// Where a labelled tick stands, and what it says.
+    /// The labelled ticks, each with its position and its label.
     pub(crate) ticks: Vec<(f64, String)>,
-    /// Grid lines without label.
+    /// The positions of grid lines without a label.
     pub(crate) minor: Vec<f64>,
     /// Label and unit.
     pub(crate) name: String,
 }
 
 impl Scale {
-    /// From the unit of the data to units of the scale. Not finite where nothing can be shown.
+    /// Converts a value from the unit of the data to the unit of the scale. The result is not finite where
+    /// nothing can be shown.
     pub(crate) fn map(&self, value: f64) -> f64 {
         match self.log {
             true if value > 0.0 => value.log10(),
@@ -144,8 +146,8 @@ impl Scale {
     }
 }
 
-/// What plotters needs to know of a scale. Its own key points have no upper bound on their number
-/// and stop at NaN; these come from [`Axis::resolve`].
+/// What plotters needs to know of a scale. The number of key points that plotters finds by itself has no
+/// upper bound, and they stop at NaN; these key points come from [`Axis::resolve`].
 impl Ranged for Scale {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
@@ -174,7 +176,8 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-/// Range with a margin on either side; something sensible for no data and for a constant.
+/// The range with a margin on either side. Without data, or for a constant, it is a range of finite
+/// width.
 fn widen(data: Option<(f64, f64)>, margin: f64) -> (f64, f64) {
     let Some((low, high)) = data else {
         return (0.0, 1.0);
@@ -208,7 +211,7 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// Decades, thinned to at most ten; with 2 and 5 between where there are fewer than two decades.
+/// The decades, thinned to at most ten, with the multiples by 2 and 5 if there are fewer than two decades.
 fn log_ticks(low: f64, high: f64) -> (Vec<(f64, String)>, Vec<f64>) {
     let (first, last) = (low.floor() as i32, high.ceil() as i32);
     let every = (last - first) / 10 + 1;

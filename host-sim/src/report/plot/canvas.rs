@@ -1,8 +1,8 @@
 //! A plotters backend that writes roles instead of colours, so that one style sheet decides how a
-//! grid line or the measured force looks: in light, in dark and on paper.
+//! grid line or the measured force looks on a light screen, on a dark one and on paper.
 //!
-//! The SVG backend of plotters writes fixed colours and whole pixels. Here the unit is a tenth of a
-//! pixel, paths are relative (half the bytes), and what belongs to the data is clipped to the plot.
+//! The SVG backend of plotters writes fixed colours and whole pixels. In this one the unit is a tenth of a
+//! pixel, paths are relative, which halves their bytes, and the curves are clipped to the plot.
 
 use std::convert::Infallible;
 use std::fmt::Write;
@@ -17,10 +17,10 @@ use plotters_backend::{
 use super::ink::{Ink, StripTone, Stroke};
 use crate::report::html::escape;
 
-/// Units of the canvas in a pixel.
+/// The number of units of the canvas in a pixel.
 pub(crate) const PX: i32 = 10;
 
-/// What a thing on the canvas is; the style sheet knows how that looks.
+/// What an element of the canvas is. The style sheet decides how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Role(u8);
 
@@ -54,7 +54,7 @@ const INK_CLASSES: [&str; 6] = [
     "band",
     "envelope",
 ];
-/// Number of the first role of the first ink.
+/// The number of the first role of the first ink.
 const FIRST_INK: u8 = 32;
 
 impl Role {
@@ -101,7 +101,7 @@ impl Role {
         Role(color.rgb.0)
     }
 
-    /// Class attribute in the SVG and in the legend.
+    /// The class attribute in the SVG and in the legend.
     pub(crate) fn class(self) -> String {
         match self.of_ink() {
             None => CLASSES.get(self.0 as usize).copied().unwrap_or("").into(),
@@ -109,7 +109,7 @@ impl Role {
         }
     }
 
-    /// Numbers of the ink and of what is drawn in it.
+    /// The numbers of the ink and of the kind of element that is drawn in it.
     fn of_ink(self) -> Option<(usize, usize)> {
         let number = usize::from(self.0.checked_sub(FIRST_INK)?);
         Some((number / INK_CLASSES.len(), number % INK_CLASSES.len()))
@@ -121,7 +121,7 @@ impl Role {
     }
 }
 
-/// What has been drawn, from the back to the front. Only the data is clipped to the plot.
+/// The layers of what has been drawn, from the back to the front. Only the data is clipped to the plot.
 #[derive(Debug, Default)]
 pub(crate) struct Layers {
     pub(crate) back: String,
@@ -129,7 +129,7 @@ pub(crate) struct Layers {
     pub(crate) data: String,
 }
 
-/// The backend; draws into [`Layers`].
+/// The backend, which draws into [`Layers`].
 pub(crate) struct Canvas<'a> {
     layers: &'a mut Layers,
     size: (u32, u32),
@@ -138,7 +138,7 @@ pub(crate) struct Canvas<'a> {
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
 impl<'a> Canvas<'a> {
-    /// A canvas of so many units.
+    /// A canvas of this size in units.
     pub(crate) fn new(layers: &'a mut Layers, size: (u32, u32)) -> Self {
         Canvas { layers, size }
     }
@@ -180,7 +180,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// A number in a list of a path: the sign separates as well as a space does.
+/// Appends a number to the list of a path. A minus sign separates numbers as well as a space does.
 struct Step(i32);
 
 impl std::fmt::Display for Step {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{axis::Axis, canvas::Role, ink::Ink, ink::StripTone, ink::Stroke};
 
-/// One curve, with a band around it if it has one.
+/// One curve, which may have a band around it.
 #[derive(Clone, Debug)]
 pub struct Series<'a> {
     pub(super) name: String,
@@ -16,7 +16,7 @@ pub struct Series<'a> {
 }
 
 impl<'a> Series<'a> {
-    /// A curve through the points (x, y), as many as the shorter of the two has.
+    /// A curve through the points (x, y). The shorter of the two decides the number of points.
     pub fn new(
         name: impl Into<String>,
         ink: Ink,
@@ -34,7 +34,7 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// What was measured: dashed and neutral.
+    /// A curve of what was measured, which is dashed and neutral.
     pub fn measured(
         name: impl Into<String>,
         x: impl Into<Cow<'a, [f64]>>,
@@ -43,7 +43,7 @@ impl<'a> Series<'a> {
         Series::new(name, Ink::Measured, Stroke::Dashed, x, y)
     }
 
-    /// What was estimated: solid, in the first colour.
+    /// A curve of what was estimated, which is solid and in the first colour.
     pub fn estimated(
         name: impl Into<String>,
         x: impl Into<Cow<'a, [f64]>>,
@@ -52,34 +52,34 @@ impl<'a> Series<'a> {
         Series::new(name, Ink::First, Stroke::Solid, x, y)
     }
 
-    /// A band of y ± `half_width` around it: a standard error.
+    /// Adds a band of y ± `half_width` around the curve, such as a standard error.
     pub fn band(mut self, half_width: impl Into<Cow<'a, [f64]>>) -> Self {
         self.half_width = Some(half_width.into());
         self
     }
 }
 
-/// Something that happened at one instant: a vertical line with a label above the plot.
+/// An event at one instant, drawn as a vertical line with a label above the plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marker {
-    /// Where, in the unit of the x axis.
+    /// Where the event is, in the unit of the x axis.
     pub at: f64,
-    /// What.
+    /// What the event is.
     pub label: String,
-    /// Major markers are drawn strong, and their labels first where there is no room for all.
+    /// Major markers are drawn stronger, and their labels come first where there is no room for all.
     pub major: bool,
 }
 
-/// A state that holds from one instant to another, in the strip above the plot.
+/// A state that holds from one instant to another, drawn in the strip above the plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Span {
-    /// From, in the unit of the x axis.
+    /// The start, in the unit of the x axis.
     pub from: f64,
-    /// To.
+    /// The end, in the unit of the x axis.
     pub to: f64,
-    /// Written inside where there is room.
+    /// The label, which is written inside where there is room.
     pub label: String,
-    /// Its colour.
+    /// The colour of the state.
     pub tone: StripTone,
 }
 
@@ -93,11 +93,11 @@ pub(super) struct Level {
 /// How much of the page a chart takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// The whole width, for anything over time.
+    /// The chart takes the whole width, for curves over time.
     Wide,
-    /// The whole width and less high, for several above each other.
+    /// The chart takes the whole width and is lower, for several charts above each other.
     Slim,
-    /// Half the width, for loops and for two beside each other.
+    /// The chart takes half the width, for loops and for two charts beside each other.
     Half,
 }
 
@@ -129,13 +129,13 @@ impl<'a> Chart<'a> {
         }
     }
 
-    /// How much of the page it takes.
+    /// Sets how much of the page the chart takes.
     pub fn size(mut self, size: Size) -> Self {
         self.size = size;
         self
     }
 
-    /// Adds a curve; later ones lie on top.
+    /// Adds a curve. Later curves lie on top of earlier ones.
     pub fn series(mut self, series: Series<'a>) -> Self {
         self.series.push(series);
         self
@@ -153,20 +153,20 @@ impl<'a> Chart<'a> {
         self
     }
 
-    /// Shades intervals of x: the touches.
+    /// Shades intervals of x, such as the touches.
     pub fn touches(mut self, touches: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.touches.extend(touches);
         self
     }
 
-    /// States over x, in a strip above the plot.
+    /// Adds the states over x in a strip above the plot.
     pub fn strip(mut self, spans: impl IntoIterator<Item = Span>) -> Self {
         self.strip.extend(spans);
         self
     }
 
-    /// Class and name of what a legend has to explain, in the order of drawing; curves that share a
-    /// name share an entry. Empty when a single curve needs no explanation.
+    /// The classes and names that a legend has to explain, in the order of drawing. Curves that share a
+    /// name share an entry. The list is empty if a single curve needs no explanation.
     pub(crate) fn legend(&self) -> Vec<(String, &str)> {
         let mut entries: Vec<(String, &str)> = Vec::new();
         for series in self.series.iter().filter(|s| !s.name.is_empty()) {

@@ -1,4 +1,4 @@
-//! From a [`Chart`] to SVG: frame, bands, curves.
+//! Draws a [`Chart`] as SVG: frame, bands, curves.
 
 use plotters::chart::{ChartBuilder, LabelAreaPosition};
 use plotters::drawing::IntoDrawingArea;
@@ -11,8 +11,8 @@ use super::{
     layout::Layout, thin, thin::View,
 };
 
-/// Curves leave the plot by at most this many of its sizes: plotters counts in i32, and the clip
-/// hides the rest.
+/// Curves leave the plot by at most this multiple of its size, since plotters counts in i32; what lies
+/// outside the plot is clipped anyway.
 const FAR: f64 = 20.0;
 
 /// The chart as an SVG element.
@@ -54,14 +54,14 @@ fn draw(chart: &Chart, layout: &Layout, layers: &mut Layers) -> Result<(), Error
     for series in &chart.series {
         curve(series, layout, &view, &plot)?;
     }
-    // In front of a dense curve the edges still tell where the band is.
+    // In front of a dense curve the edges still show where the band is.
     for level in &chart.levels {
         level_edges(level, layout, &plot)?;
     }
     Ok(())
 }
 
-/// Axes, grid, tick labels, names.
+/// Draws the axes, the grid, the tick labels and the names.
 fn frame(layout: &Layout, plot: &mut Plot) -> Result<(), Error> {
     plot.configure_mesh()
         .bold_line_style(Role::GRID.color())
@@ -143,7 +143,8 @@ fn curve(series: &Series, layout: &Layout, view: &View, plot: &Plot) -> Result<(
     Ok(())
 }
 
-/// Keeps a value near enough to the axis for plotters' whole numbers; what is not finite becomes NaN.
+/// Keeps a value near enough to the axis for the whole numbers of plotters. A value that is not finite
+/// becomes NaN.
 fn clamp(value: f64, (low, high): (f64, f64)) -> f64 {
     let far = FAR * (high - low);
     value.max(low - far).min(high + far) + 0.0 * value

@@ -1,13 +1,13 @@
-//! What curves and strips look like.
+//! The colours and strokes of curves and strips.
 
-/// The colour of a series. The style sheet gives them colours that people with any colour vision
-/// tell apart (Okabe & Ito), others in dark mode.
+/// The colour of a series. The style sheet chooses colours that people with any colour vision tell apart
+/// (Okabe & Ito), and others in dark mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Ink {
-    /// What was measured: neutral, dark on light.
+    /// The colour of what was measured, which is neutral and dark on light.
     Measured = 0,
-    /// The first colour: the estimate, the better model.
+    /// The first colour, for the estimate or the better model.
     First = 1,
     /// The second colour.
     Second = 2,
@@ -15,7 +15,7 @@ pub enum Ink {
     Third = 3,
     /// The fourth colour.
     Fourth = 4,
-    /// Background: noise bands, references.
+    /// The colour of what stays in the background, such as noise bands and references.
     Muted = 5,
 }
 
@@ -43,14 +43,14 @@ pub enum Stroke {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum StripTone {
-    /// As it should be.
+    /// The state is as it should be.
     Good = 0,
-    /// On its way, or to be looked at.
+    /// The state is on its way, or should be looked at.
     Warning = 1,
-    /// Not to be trusted.
+    /// The state is not to be trusted.
     Bad = 2,
-    /// Nothing to say.
+    /// The state says neither good nor bad.
     Neutral = 3,
-    /// News.
+    /// The state is new information.
     Info = 4,
 }

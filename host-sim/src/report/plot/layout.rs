@@ -1,4 +1,4 @@
-//! Where the parts of a chart stand, and what its axes span.
+//! The places of the parts of a chart, and the ranges of its axes.
 
 use std::fmt::Write;
 
@@ -7,18 +7,18 @@ use super::{
 };
 use crate::report::html::escape;
 
-/// Height of the strip of states, and of a row of labels above the plot [px].
+/// The height of the strip of states, and of a row of labels above the plot [px].
 pub(super) const STRIP_HEIGHT: i32 = 15;
 const LABEL_HEIGHT: i32 = 18;
-/// Room for tick labels and name below the plot [px].
+/// The room for tick labels and the name of the axis below the plot [px].
 const BOTTOM: i32 = 43;
 const RIGHT: i32 = 14;
-/// Width of a digit of the tick labels [px], for 12 px of any common sans-serif.
+/// The width of a digit of the tick labels [px], for 12 px of any common sans-serif.
 const DIGIT_PX: f64 = 6.8;
-/// A labelled tick takes this much of the x axis, and of the y axis [px].
+/// The length that a labelled tick takes of the x axis, and of the y axis [px].
 const TICK_PX: (i32, i32) = (65, 32);
 
-/// Sizes in pixels, and the axes.
+/// The sizes in pixels, and the fitted axes.
 pub(super) struct Layout {
     pub(super) width: i32,
     pub(super) height: i32,
@@ -43,7 +43,7 @@ impl Layout {
             .resolve(extent.y, (plot_height / TICK_PX.1) as usize);
         let longest = y.ticks.iter().map(|(_, t)| t.chars().count()).max();
         let labels = (longest.unwrap_or(1) as f64 * DIGIT_PX).ceil() as i32;
-        // Charts above each other share their left edge while their labels are not longer than this.
+        // Charts above each other share their left edge as long as their labels are no longer than this.
         let usual = if chart.size == Size::Half { 28 } else { 41 };
         let left = 36 + labels.max(usual);
         let ticks = ((width - left - RIGHT) / TICK_PX.0).min(10);
@@ -82,14 +82,14 @@ impl Layout {
         }
     }
 
-    /// Position [px] of a value on the x axis, kept within the plot.
+    /// The position [px] of a value on the x axis, kept within the plot.
     pub(super) fn x_px(&self, at: f64) -> f64 {
         let view = self.view();
         let px = (self.x.map(at) - view.x.0) / (view.x.1 - view.x.0) * view.size_px.0;
         f64::from(self.left) + px.clamp(0.0, view.size_px.0)
     }
 
-    /// The element with what has been drawn; the plot is an element of its own because that clips.
+    /// The SVG element with the layers. The plot is an element of its own, which clips the curves.
     pub(super) fn assemble(&self, chart: &Chart, title: &str, layers: &Layers) -> String {
         let (w, h) = (self.width * PX, self.height * PX);
         let (width, height) = self.view().size_px;
@@ -119,7 +119,7 @@ impl Layout {
     }
 }
 
-/// What the data spans.
+/// The range of the data.
 #[derive(Default)]
 struct Extent {
     x: Option<(f64, f64)>,
@@ -131,7 +131,7 @@ impl Extent {
         let mut extent = Extent::default();
         for series in &chart.series {
             for (i, (x, y)) in series.x.iter().zip(series.y.iter()).enumerate() {
-                // A time axis shows all of the log, also where this curve has nothing to say.
+                // A time axis shows all of the log, also where this curve has no values.
                 if x.is_finite() && (y.is_finite() || chart.x.is_tight()) {
                     grow(&mut extent.x, *x);
                 }

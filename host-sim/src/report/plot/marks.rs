@@ -1,10 +1,11 @@
-//! Which markers of a chart are shown.
+//! Chooses the markers of a chart that are shown.
 
 use super::{axis::Scale, chart::Chart, chart::Marker};
 
-/// And more major ones than this.
+/// With more major markers than this none of them is shown.
 const MOST_MAJOR: usize = 200;
-/// More minor markers than this would be a grey wall; the shading tells touches as well.
+/// With more minor markers than this none of them is shown: they would be a grey wall, and the shading shows
+/// the touches as well.
 const MOST_MINOR: usize = 40;
 
 /// Markers that are on the axis, major ones first.

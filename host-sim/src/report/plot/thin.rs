@@ -1,9 +1,9 @@
-//! Fewer points for the same picture: a log of an hour has 3.6 million samples, a figure some
+//! Thins a series without a visible change: a log of an hour has 3.6 million samples, and a figure has some
 //! hundred pixel columns.
 
 use std::collections::HashSet;
 
-/// Where the data lands on paper: ranges of the axes and the size of the plot in pixels.
+/// The mapping from the data to the picture: the ranges of the axes and the size of the plot in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) x: (f64, f64),
@@ -14,7 +14,7 @@ pub(crate) struct View {
 impl View {
     fn column(&self, x: f64) -> i64 {
         let column = (x - self.x.0) / (self.x.1 - self.x.0) * self.size_px.0;
-        // What lies outside is needed only for the line that leads there.
+        // A point outside the plot is needed only for the line that leads to it.
         column.floor().clamp(-1.0, self.size_px.0 + 1.0) as i64
     }
 
@@ -33,33 +33,34 @@ impl View {
 
 /// A point in the units of the axes.
 pub(crate) type Point = (f64, f64);
-/// Points that a line joins; a series is several where values that are not finite break it.
+/// Points that a line joins. Values that are not finite break a series into several pieces.
 pub(crate) type Piece = Vec<Point>;
 
-/// Farther apart than this on paper, points of a loop are kept [px]: less than half the width of
-/// the line (1.6 px).
+/// Points of a loop that lie farther apart than this are kept [px]. It is less than half the width of the
+/// line (1.6 px).
 const LOOP_STEP_PX: f64 = 0.7;
-/// The largest such distance [px].
+/// The largest distance to which a loop is thinned [px].
 const LOOP_STEP_MOST_PX: f64 = 4.0;
 /// A loop with more points than this is thinned further; 8000 points are about 60 kB.
 const LOOP_POINTS: usize = 8000;
-/// A line that is so many times as long as the picture is wide fills it. Six touches are 3 times as
-/// long, a residual of white noise 30 to 60 times, a thousand touches 200 times.
+/// A line that is longer than this multiple of the width of the picture fills it. The line of six touches
+/// is 3 times as long as the picture is wide, a residual of white noise 30 to 60 times, a thousand touches
+/// 200 times.
 const DENSE_PX: f64 = 80.0;
-/// Dots closer than this fall on each other [px].
+/// Dots closer than this cover each other [px].
 const DOT_CELL_PX: f64 = 1.5;
 
 fn is_finite(point: Point) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
-/// Whether x never steps back, so that min and max of a pixel column say all.
+/// Whether x never steps back, so that the extremes of each pixel column give the whole picture.
 pub(crate) fn is_time_series(x: &[f64]) -> bool {
     let finite = x.iter().filter(|x| x.is_finite());
     finite.clone().zip(finite.skip(1)).all(|(a, b)| b >= a)
 }
 
-/// A line over time: first, lowest, highest and last point of each pixel column.
+/// Thins a line over time to the first, lowest, highest and last point of each pixel column.
 pub(crate) fn over_time(points: impl Iterator<Item = Point>, view: &View) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::new();
     let mut column: Option<Column> = None;
@@ -145,7 +146,7 @@ impl Column {
     }
 }
 
-/// A curve of y over x that may turn back: points that have moved on paper since the last one kept.
+/// Thins a curve that may turn back: a point is kept if it is far enough from the last one that was kept.
 pub(crate) fn along_path(points: impl Iterator<Item = Point> + Clone, view: &View) -> Vec<Piece> {
     let mut step = LOOP_STEP_PX;
     loop {
@@ -154,7 +155,7 @@ pub(crate) fn along_path(points: impl Iterator<Item = Point> + Clone, view: &Vie
         if count <= LOOP_POINTS {
             return pieces;
         }
-        // Noise from one end of the picture to the other: no distance thins it.
+        // Noise that reaches from one end of the picture to the other is not thinned by any distance.
         if step > LOOP_STEP_MOST_PX {
             let every = count.div_ceil(LOOP_POINTS);
             let thinned = pieces
@@ -201,22 +202,22 @@ fn start(pieces: &mut Vec<Piece>, point: Point, view: &View) {
     }
 }
 
-/// The end of a piece is kept wherever it is: a loop must close.
+/// Keeps the end of a piece wherever it is, since a loop must close.
 fn finish(pieces: &mut [Piece], kept: Option<Point>, last: Option<Point>) {
     if let (Some(piece), Some(last), true) = (pieces.last_mut(), last, kept != last) {
         piece.push(last);
     }
 }
 
-/// Whether a line over time goes up and down so often that it would fill its picture: then the area
-/// between its extremes is what there is to see.
+/// Whether a line over time goes up and down so often that it would fill its picture, so that only the area
+/// between its extremes can be seen.
 pub(crate) fn is_dense(pieces: &[Piece], view: &View) -> bool {
     let steps = pieces.iter().flat_map(|piece| piece.windows(2));
     let length: f64 = steps.map(|step| view.distance(step[0], step[1])).sum();
     length > DENSE_PX * view.size_px.0
 }
 
-/// Dots: one for each cell of the paper that has any.
+/// Thins dots to one for each cell of the picture that has any.
 pub(crate) fn dots(points: impl Iterator<Item = Point>, view: &View) -> Vec<Point> {
     let mut seen = HashSet::new();
     let cell = |point| {
@@ -231,7 +232,7 @@ pub(crate) fn dots(points: impl Iterator<Item = Point>, view: &View) -> Vec<Poin
         .collect()
 }
 
-/// A band between two curves over time: lowest lower and highest upper edge of each pixel column.
+/// Thins a band between two curves over time to its lowest and highest edges in each pixel column.
 /// Each outline runs along the lower edge and back along the upper one.
 pub(crate) fn band(
     points: impl Iterator<Item = (f64, f64, f64)> + Clone,
@@ -254,7 +255,7 @@ pub(crate) fn band(
         .collect()
 }
 
-/// One point a column: the extreme.
+/// The extreme point of each pixel column.
 fn extremes(piece: &Piece, view: &View, extreme: fn(f64, f64) -> f64) -> Piece {
     let mut out: Piece = Vec::new();
     for &(x, y) in piece {

@@ -246,6 +246,7 @@ fn swing(state: &mut [f64; 2], a: f64, hz: f64, damping: f64, dt: f64) -> f64 {
 fn plain_load(effect: &Effect, t: f64, x: f64, v: f64) -> f64 {
     let tau = std::f64::consts::TAU;
     match effect {
+        Effect::Load { formula, params } => formula.0(params, t, x, v),
         Effect::Drag { linear, quadratic } => linear * v + quadratic * v * v.abs(),
         Effect::AsymmetricDrag {
             coefficient,

@@ -5,7 +5,7 @@
 
 /// A hidden effect with its parameters (SI).
 #[allow(missing_docs, reason = "the formula of an effect names its fields")]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Effect {
     /// Relaxation modes: fraction, rate ν; [one].
     Modes(Vec<(f64, f64)>),
@@ -120,6 +120,9 @@ pub enum Effect {
     Delay { seconds: f64, jitter: f64 },
     /// F/(1 + (F/limit)^sharpness)^(1/sharpness); infinite sharpness is min(F, limit) [sharpness ∞].
     Saturation { limit: f64, sharpness: f64 },
+    /// A force in the load path that is a formula of time, position and speed: of any effect that needs no
+    /// more, with its parameters.
+    Load { formula: Formula, params: Vec<f64> },
     /// x_read = x + amplitude·sin(2πx/pitch + phase) with a second harmonic [second 0].
     Encoder {
         amplitude: f64,
@@ -128,6 +131,10 @@ pub enum Effect {
         second: f64,
     },
 }
+
+/// A force (N) from the parameters of an effect, the time (s), the position (m) and the speed (m/s).
+#[derive(Clone, Copy, Debug)]
+pub struct Formula(pub(crate) fn(&[f64], f64, f64, f64) -> f64);
 
 /// Friction in every form: the steady force g(v) = F_c + (F_s−F_c)·k(v/v_s), and the way to it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -112,6 +112,10 @@ fn behind_encoder(material: Material, encoder: Effect, read: &[f64]) -> Vec<f64>
 fn start(hidden: &Hidden) -> (Vec<f64>, Vec<Limit>) {
     let p: Vec<f64> = hidden.params.iter().map(|(_, value)| *value).collect();
     let relative = |share: f64, of: f64| Limit::free(share * of.abs());
+    if matches!(hidden.effect, Effect::Load { .. }) {
+        let limits = vec![Limit::Scaled; p.len()];
+        return (p, limits);
+    }
     match (hidden.id, hidden.form) {
         ("stress_relaxation", "two_branches") => {
             (vec![p[0], (p[1] * p[2]).sqrt()], vec![Limit::Scaled; 2])
@@ -161,6 +165,10 @@ fn elastic(hidden: &Hidden) -> bool {
 
 /// The effect in the catalogue's form with these parameters.
 fn catalogue_form(hidden: &Hidden, p: &[f64]) -> Effect {
+    if let Effect::Load { formula, .. } = hidden.effect {
+        let params = p.to_vec();
+        return Effect::Load { formula, params };
+    }
     let second = 0.0;
     match hidden.id {
         "stress_relaxation" => Effect::Modes(vec![(p[0], p[1])]),

@@ -101,7 +101,7 @@ pub(super) fn ids(kind: Kind, index: u64, random: &mut Random) -> Vec<&'static s
             let count = if kind == Kind::Triple { 3 } else { 2 };
             let mut ids = vec![CATALOGUE[index % CATALOGUE.len()]];
             while ids.len() < count {
-                let next = *random.pick(&CATALOGUE);
+                let next = *random.pick(CATALOGUE);
                 if ids.iter().all(|id| compatible(id, next)) {
                     ids.push(next);
                 }

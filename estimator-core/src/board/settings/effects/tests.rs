@@ -23,8 +23,7 @@ fn every_parameter_of_every_effect_of_the_rig_has_its_place_and_no_other() {
     for id in EffectId::ALL.iter().copied() {
         for (place, info) in id.info().parameters.iter().enumerate() {
             let Some(parameter) = Parameter::of(id, place) else {
-                let timed = [EffectId::ForceDrift, EffectId::PeriodicDisturbance];
-                assert!(!id.belongs_to_rig() || timed.contains(&id), "{id:?}");
+                assert!(!id.belongs_to_rig() || id.info().timed, "{id:?}");
                 continue;
             };
             let key = Key::Compensation(parameter);
@@ -42,8 +41,9 @@ fn every_parameter_of_every_effect_of_the_rig_has_its_place_and_no_other() {
 #[test]
 fn the_numbers_are_stable() {
     let ids = Parameter::ALL.map(Parameter::id);
+    // A further effect adds numbers behind these.
     assert_eq!(
-        ids,
+        ids[..25],
         [
             64, 65, 66, 68, 69, 70, 71, 72, 76, 80, 84, 92, 96, 97, 98, 104, 105, 108, 112, 116,
             120, 121, 124, 125, 126

@@ -1,4 +1,6 @@
 use super::*;
+use crate::board::settings::compensation::Parameter;
+use crate::physics::{effect::EffectId, rig::MOST_EFFECTS};
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
@@ -409,18 +411,18 @@ fn every_value_of_every_setting_survives() {
     // Three pairs must be in order.
     settings.put(Key::ForceLowestCode, -5.0);
     settings.put(Key::RenderZero, 0.5);
-    // No more than eight effects at once: a half of them, then the other.
-    let own = Key::ALL.into_iter();
-    let own = own.filter(|key| matches!(key, Key::Compensation(_)));
-    let own: Vec<Key> = own.collect();
-    for half in [|id: u8| id < 88, |id: u8| id >= 88] {
+    // No more than eight effects at once.
+    let effects: Vec<EffectId> = Parameter::effects().collect();
+    assert!(effects.contains(&EffectId::TimeDelay));
+    for at_once in effects.chunks(MOST_EFFECTS) {
         let mut settings = settings;
-        for key in own.iter().filter(|key| !half(key.id())) {
-            settings.put(*key, 0.0);
+        for parameter in Parameter::ALL {
+            if !at_once.contains(&parameter.effect()) {
+                settings.put(Key::Compensation(parameter), 0.0);
+            }
         }
         // As late as a compensation can be.
-        if half(116) {
-            assert!(own.iter().any(|key| key.id() == 116));
+        if at_once.contains(&EffectId::TimeDelay) {
             settings.put(Key::from_id(116).unwrap(), 0.064);
         }
         let mut store = store(RamFlash::new(0xff));

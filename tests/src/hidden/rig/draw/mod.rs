@@ -14,7 +14,7 @@ use super::material::{Law, Material};
 use super::random::Random;
 
 /// The ids of the catalogue.
-pub const CATALOGUE: [&str; 26] = [
+pub const CATALOGUE: &[&str] = &[
     "stress_relaxation",
     "power_law_stiffness",
     "depth_dependent_damping",
@@ -41,6 +41,8 @@ pub const CATALOGUE: [&str; 26] = [
     "time_delay",
     "force_saturation",
     "encoder_periodic_error",
+    #[cfg(feature = "example-effect")]
+    "tip_magnet",
 ];
 
 /// The scales that make a strength comparable between rigs.
@@ -108,6 +110,8 @@ pub(crate) fn build(
         guide::draw,
         world::draw,
         sensing::draw,
+        #[cfg(feature = "example-effect")]
+        tip_magnet,
     ];
     let drawn = from
         .iter()
@@ -119,6 +123,18 @@ pub(crate) fn build(
         effect,
         params,
     }
+}
+
+/// The invented effect of the worked example: −force/(1 + (x/reach)²).
+#[cfg(feature = "example-effect")]
+fn tip_magnet(id: &str, _: bool, s: f64, scale: &Scale, r: &mut Random) -> Option<Drawn> {
+    let force = (0.05 * s * r.between(0.8, 1.2)).min(0.5) * scale.peak_n;
+    let params = vec![("force", force), ("reach", r.log_between(0.3e-3, 0.6e-3))];
+    let effect = Effect::Load {
+        formula: super::effect::Formula(|p, _, x, _| -p[0] / (1.0 + (x / p[1]).powi(2))),
+        params: params.iter().map(|(_, value)| *value).collect(),
+    };
+    (id == "tip_magnet").then_some(("catalogue", effect, params))
 }
 
 /// The name of the form of an effect that is a sine in the catalogue.
