@@ -8,6 +8,8 @@
 pub mod acceptance;
 pub mod emulator;
 #[cfg(all(feature = "rigs", not(test)))]
+pub mod faults;
+#[cfg(all(feature = "rigs", not(test)))]
 pub mod hidden;
 pub mod house;
 pub mod signal;

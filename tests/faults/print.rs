@@ -1,0 +1,92 @@
+//! Prints the fault table, or writes single logs of it:
+//! `cargo run --release -p tests --example faults -- table --logs 24`,
+//! `cargo run --release -p tests --example faults -- write DIR --fault skew --severity 1`.
+
+use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use tests::faults::rig::fault::{self, Fault};
+use tests::faults::score::cell::Cell;
+use tests::faults::score::table;
+
+const USAGE: &str = "\
+faults table [--logs N] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2]   (N logs a cell, 100 unless given)
+faults list  (the faults, with their severities)";
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.first().map(String::as_str) {
+        Some("table") => print(&arguments[1..]),
+        Some("list") => list(),
+        _ => Err(USAGE.into()),
+    };
+    if let Err(message) = done {
+        eprintln!("{message}");
+        std::process::exit(2);
+    }
+}
+
+/// The value after `--name`.
+fn option<'a>(arguments: &'a [String], name: &str) -> Option<&'a str> {
+    let at = arguments.iter().position(|a| a == name)?;
+    arguments.get(at + 1).map(String::as_str)
+}
+
+fn number(arguments: &[String], name: &str, default: u64) -> Result<u64, String> {
+    option(arguments, name).map_or(Ok(default), |text| {
+        text.parse()
+            .map_err(|_| format!("{name} {text}: a whole number is expected"))
+    })
+}
+
+fn faults(arguments: &[String]) -> Result<Vec<&'static Fault>, String> {
+    let Some(names) = option(arguments, "--fault") else {
+        return Ok(fault::all().collect());
+    };
+    let named = |name: &str| {
+        fault::named(name).ok_or_else(|| format!("--fault {name}: no such fault; `faults list` names all"))
+    };
+    names.split(',').map(named).collect()
+}
+
+fn severities(arguments: &[String]) -> Result<Vec<usize>, String> {
+    Ok(match option(arguments, "--severity") {
+        None => vec![0, 1, 2],
+        Some(_) => match number(arguments, "--severity", 0)? {
+            one @ 0..=2 => vec![one as usize],
+            other => return Err(format!("--severity {other}: 0, 1 or 2 is expected")),
+        },
+    })
+}
+
+fn list() -> Result<(), String> {
+    for fault in fault::all() {
+        println!("{:<20} {}", fault.name, fault.severities);
+    }
+    Ok(())
+}
+
+fn print(arguments: &[String]) -> Result<(), String> {
+    let (faults, severities) = (faults(arguments)?, severities(arguments)?);
+    let logs = number(arguments, "--logs", 100)?;
+    let seed = number(arguments, "--seed", 1)?;
+    let all = faults.len() * severities.len() * logs as usize;
+    let (count, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
+    let done = || {
+        let number = count.fetch_add(1, Ordering::Relaxed) + 1;
+        if shown && number.is_multiple_of(10) {
+            eprint!("\r{number} of {all} logs ");
+        }
+    };
+    print!("{}", table::head());
+    let mut cells = Vec::new();
+    for fault in faults {
+        for severity in &severities {
+            let cell = Cell::run(fault, *severity, seed, logs, done);
+            print!("{}", table::row(&cell));
+            let _ = std::io::stdout().flush();
+            cells.push(cell);
+        }
+    }
+    print!("\n{}", table::summary(&cells));
+    Ok(())
+}

@@ -1,0 +1,3 @@
+//! The fault table.
+pub mod rig;
+pub mod score;

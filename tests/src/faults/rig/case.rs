@@ -1,0 +1,165 @@
+//! One log with one fault, and the same log without it.
+
+use super::fault::{Fault, Scene};
+use super::material::Material;
+use super::motion::{Reach, path};
+use super::plan::{Force, Plan, Position, World};
+use super::sensors::{Rows, read};
+use super::world::{Stage, forces};
+use super::{FINE_HZ, RATE_HZ, SUBSTEPS};
+use crate::hidden::rig::random::Random;
+
+/// Length of a log (s).
+pub const SECONDS: f64 = 10.0;
+/// The surface lies within this (m).
+const SURFACE_M: f64 = 3e-4;
+/// A change of the force shows when it is so many standard deviations of the noise.
+const SHOWS: f64 = 3.0;
+
+/// A log with a fault, and its truth.
+pub struct Case {
+    /// The fault.
+    pub fault: &'static Fault,
+    /// 0, 1 or 2.
+    pub severity: usize,
+    /// Index into the materials.
+    pub kind: usize,
+    /// Index into the motions.
+    pub motion: usize,
+    /// The seed.
+    pub seed: u64,
+    /// Position of the surface (m).
+    pub surface_m: f64,
+    /// What the fault does.
+    pub plan: Plan,
+    /// The material over time.
+    pub stages: Vec<Stage>,
+    /// What was recorded.
+    pub rows: Rows,
+    /// Depth at every sub-step (m).
+    path: Vec<f64>,
+    /// Depth at every nominal sample (m).
+    pub depth_m: Vec<f64>,
+    /// The estimate counts from here on (s): from the start, or when the force shows the fault.
+    pub counts_from_s: f64,
+}
+
+/// The streams of a seed.
+const SCENE: u64 = 1;
+const MOTION: u64 = 2;
+const FAULT: u64 = 3;
+
+impl Case {
+    /// The log `index` of a cell: materials and motions take turns, and the same index of other faults
+    /// is the same palpation.
+    pub fn new(fault: &'static Fault, severity: usize, seed: u64, index: u64) -> Case {
+        let (kind, motion) = ((index % 4) as usize, (index / 4 % 3) as usize);
+        let seed = seed.wrapping_mul(1_000_003).wrapping_add(index);
+        let mut random = Random::new(seed, SCENE);
+        let material = Material::draw(kind, &mut random);
+        let surface_m = random.between(-SURFACE_M, SURFACE_M);
+        let peak_n = random.between(6.0, 11.0);
+        let reach = Reach {
+            depth_m: material.depth_m(peak_n),
+            speed_mps: 0.75 * material.speed_mps(),
+            seconds: SECONDS,
+        };
+        let special = (fault.motion)(severity);
+        let path = path(special, motion, &reach, &mut Random::new(seed, MOTION)).x;
+        let mut scene = Scene {
+            severity,
+            material,
+            depth_m: reach.depth_m,
+            peak_n,
+            path: &path,
+            random: Random::new(seed, FAULT),
+        };
+        let plan = (fault.plan)(&mut scene);
+        let stages = stages(material, &plan);
+        let honest = World::default();
+        let force = forces(&path, &stages, &plan.world);
+        let shows_s = fault
+            .meets
+            .then(|| shows_s(&force, &forces(&path, &stages[..1], &honest), &plan));
+        let position: Vec<f64> = path.iter().map(|x| x + surface_m).collect();
+        let rows = read(&position, &force, &plan, seed);
+        Case {
+            fault,
+            severity,
+            kind,
+            motion,
+            seed,
+            surface_m,
+            stages,
+            rows,
+            depth_m: path.iter().step_by(SUBSTEPS).copied().collect(),
+            counts_from_s: shows_s.unwrap_or(0.0),
+            path,
+            plan,
+        }
+    }
+
+    /// K, λ and n at a time (s).
+    pub fn truth(&self, time_s: f64) -> [f64; 3] {
+        let stage = self.stages.iter().rev().find(|s| s.from_s <= time_s);
+        stage.unwrap_or(&self.stages[0]).material.numbers
+    }
+
+    /// The rows of the same palpation with the same noise, steps and counts, and without the fault.
+    pub fn honest_rows(&self) -> Rows {
+        let (force, position) = (&self.plan.force, &self.plan.position);
+        let plan = Plan {
+            force: Force {
+                noise_n: force.noise_n,
+                step_n: force.step_n,
+                ..Force::default()
+            },
+            position: Position {
+                count_m: position.count_m,
+                ..Position::default()
+            },
+            ..Plan::default()
+        };
+        let force = forces(&self.path, &self.stages[..1], &plan.world);
+        let position: Vec<f64> = self.path.iter().map(|x| x + self.surface_m).collect();
+        read(&position, &force, &plan, self.seed)
+    }
+
+    /// Whether an estimate at this time (s) counts.
+    pub fn counts(&self, time_s: f64) -> bool {
+        time_s < self.plan.onset_s || time_s >= self.counts_from_s
+    }
+}
+
+/// The material, and the one after a swap.
+fn stages(material: Material, plan: &Plan) -> Vec<Stage> {
+    let mut stages = vec![Stage {
+        from_s: 0.0,
+        material,
+    }];
+    if let Some(swap) = plan.swap {
+        let [stiffness, damping, exponent] = material.numbers;
+        stages.push(Stage {
+            from_s: swap.from_s,
+            material: Material {
+                numbers: [
+                    stiffness * swap.stiffness,
+                    damping * swap.damping,
+                    exponent,
+                ],
+            },
+        });
+    }
+    stages
+}
+
+/// When the force first shows the fault (s).
+fn shows_s(with: &[f64], without: &[f64], plan: &Plan) -> f64 {
+    let differs = SHOWS * plan.force.noise_n;
+    let samples = (with.len() as f64 / FINE_HZ * RATE_HZ) as usize;
+    let first = (0..samples).find(|index| {
+        let at = index * SUBSTEPS;
+        (with[at] - without[at]).abs() > differs
+    });
+    first.map_or(f64::INFINITY, |index| index as f64 / RATE_HZ)
+}
