@@ -3,19 +3,26 @@
 //! `cargo run --release -p tests --example faults -- write DIR --fault skew --severity 1`.
 
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use tests::faults::rig::case::Case;
 use tests::faults::rig::fault::{self, Fault};
 use tests::faults::score::cell::Cell;
+use tests::faults::score::judge::Look;
 use tests::faults::score::table;
 
 const USAGE: &str = "\
-faults table [--logs N] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2]   (N logs a cell, 100 unless given)
+faults table [--logs N] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2] [--list]
+             (N logs a cell, 100 unless given; --list names each log that is wrong)
+faults write DIR [--logs N] [--log INDEX] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2]
+             (NAME.csv and NAME.json of the first N logs of each cell, 1 unless given, or of one)
 faults list  (the faults, with their severities)";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.first().map(String::as_str) {
         Some("table") => print(&arguments[1..]),
+        Some("write") => write(&arguments[1..]),
         Some("list") => list(),
         _ => Err(USAGE.into()),
     };
@@ -43,7 +50,8 @@ fn faults(arguments: &[String]) -> Result<Vec<&'static Fault>, String> {
         return Ok(fault::all().collect());
     };
     let named = |name: &str| {
-        fault::named(name).ok_or_else(|| format!("--fault {name}: no such fault; `faults list` names all"))
+        fault::named(name)
+            .ok_or_else(|| format!("--fault {name}: no such fault; `faults list` names all"))
     };
     names.split(',').map(named).collect()
 }
@@ -65,10 +73,34 @@ fn list() -> Result<(), String> {
     Ok(())
 }
 
+fn write(arguments: &[String]) -> Result<(), String> {
+    let named = |a: &&String| !a.starts_with("--");
+    let folder = Path::new(arguments.first().filter(named).ok_or(USAGE)?);
+    let seed = number(arguments, "--seed", 1)?;
+    let indices = match option(arguments, "--log") {
+        Some(_) => {
+            let one = number(arguments, "--log", 0)?;
+            one..one + 1
+        }
+        None => 0..number(arguments, "--logs", 1)?,
+    };
+    for fault in faults(arguments)? {
+        for severity in severities(arguments)? {
+            for index in indices.clone() {
+                let saved = Case::new(fault, severity, seed, index).save(folder);
+                let path = saved.map_err(|e| format!("{}: {e}", folder.display()))?;
+                println!("{}", path.display());
+            }
+        }
+    }
+    Ok(())
+}
+
 fn print(arguments: &[String]) -> Result<(), String> {
     let (faults, severities) = (faults(arguments)?, severities(arguments)?);
     let logs = number(arguments, "--logs", 100)?;
     let seed = number(arguments, "--seed", 1)?;
+    let list = arguments.iter().any(|a| a == "--list");
     let all = faults.len() * severities.len() * logs as usize;
     let (count, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
     let done = || {
@@ -81,8 +113,11 @@ fn print(arguments: &[String]) -> Result<(), String> {
     let mut cells = Vec::new();
     for fault in faults {
         for severity in &severities {
-            let cell = Cell::run(fault, *severity, seed, logs, done);
+            let cell = Cell::run(fault, *severity, seed, logs, Look::Everywhere, done);
             print!("{}", table::row(&cell));
+            if list {
+                print!("{}", table::wrong_logs(&cell));
+            }
             let _ = std::io::stdout().flush();
             cells.push(cell);
         }

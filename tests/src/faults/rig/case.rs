@@ -1,9 +1,9 @@
 //! One log with one fault, and the same log without it.
 
 use super::fault::{Fault, Scene};
-use super::material::Material;
-use super::motion::{Reach, path};
-use super::plan::{Force, Plan, Position, World};
+use super::material::{MATERIALS, Material};
+use super::motion::{MOTIONS, Reach, path};
+use super::plan::{Clock, Force, Plan, Position, World};
 use super::sensors::{Rows, read};
 use super::world::{Stage, forces};
 use super::{FINE_HZ, RATE_HZ, SUBSTEPS};
@@ -22,10 +22,8 @@ pub struct Case {
     pub fault: &'static Fault,
     /// 0, 1 or 2.
     pub severity: usize,
-    /// Index into the materials.
-    pub kind: usize,
-    /// Index into the motions.
-    pub motion: usize,
+    /// Number in its cell.
+    pub index: u64,
     /// The seed.
     pub seed: u64,
     /// Position of the surface (m).
@@ -44,6 +42,17 @@ pub struct Case {
     pub counts_from_s: f64,
 }
 
+/// Material and motion of the log `index` of a cell: they take turns.
+pub fn names(index: u64) -> (&'static str, &'static str) {
+    let (kind, motion) = turns(index);
+    (MATERIALS[kind].0, MOTIONS[motion])
+}
+
+fn turns(index: u64) -> (usize, usize) {
+    let (kinds, motions) = (MATERIALS.len() as u64, MOTIONS.len() as u64);
+    ((index % kinds) as usize, (index / kinds % motions) as usize)
+}
+
 /// The streams of a seed.
 const SCENE: u64 = 1;
 const MOTION: u64 = 2;
@@ -53,7 +62,7 @@ impl Case {
     /// The log `index` of a cell: materials and motions take turns, and the same index of other faults
     /// is the same palpation.
     pub fn new(fault: &'static Fault, severity: usize, seed: u64, index: u64) -> Case {
-        let (kind, motion) = ((index % 4) as usize, (index / 4 % 3) as usize);
+        let (kind, motion) = turns(index);
         let seed = seed.wrapping_mul(1_000_003).wrapping_add(index);
         let mut random = Random::new(seed, SCENE);
         let material = Material::draw(kind, &mut random);
@@ -86,8 +95,7 @@ impl Case {
         Case {
             fault,
             severity,
-            kind,
-            motion,
+            index,
             seed,
             surface_m,
             stages,
@@ -97,6 +105,11 @@ impl Case {
             path,
             plan,
         }
+    }
+
+    /// Between two samples (s).
+    pub fn period_s(&self) -> f64 {
+        1.0 / self.plan.clock.rate_hz
     }
 
     /// K, λ and n at a time (s).
@@ -110,13 +123,23 @@ impl Case {
         let (force, position) = (&self.plan.force, &self.plan.position);
         let plan = Plan {
             force: Force {
-                noise_n: force.noise_n,
+                // A gain from the start on scales the noise, too.
+                noise_n: force.noise_n
+                    * if self.plan.onset_s > 0.0 {
+                        1.0
+                    } else {
+                        force.gain.abs()
+                    },
                 step_n: force.step_n,
                 ..Force::default()
             },
             position: Position {
                 count_m: position.count_m,
                 ..Position::default()
+            },
+            clock: Clock {
+                rate_hz: self.plan.clock.rate_hz,
+                ..Clock::default()
             },
             ..Plan::default()
         };
@@ -142,11 +165,7 @@ fn stages(material: Material, plan: &Plan) -> Vec<Stage> {
         stages.push(Stage {
             from_s: swap.from_s,
             material: Material {
-                numbers: [
-                    stiffness * swap.stiffness,
-                    damping * swap.damping,
-                    exponent,
-                ],
+                numbers: [stiffness * swap.stiffness, damping * swap.damping, exponent],
             },
         });
     }

@@ -57,11 +57,17 @@ const fn row(name: &'static str, severities: &'static str, plan: fn(&mut Scene) 
 
 impl Fault {
     const fn meets(self) -> Fault {
-        Fault { meets: true, ..self }
+        Fault {
+            meets: true,
+            ..self
+        }
     }
 
     const fn passes(self) -> Fault {
-        Fault { passes: true, ..self }
+        Fault {
+            passes: true,
+            ..self
+        }
     }
 }
 

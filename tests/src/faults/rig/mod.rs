@@ -9,6 +9,7 @@ pub mod motion;
 pub mod plan;
 pub mod sensors;
 pub mod world;
+pub mod write;
 
 /// Sub-steps a second.
 pub const FINE_HZ: f64 = 20_000.0;

@@ -45,8 +45,7 @@ impl Path {
 
     fn push(&mut self, seconds: f64, at: impl Fn(f64) -> f64) {
         let steps = (seconds * FINE_HZ).round() as usize;
-        self.x
-            .extend((1..=steps).map(|k| at(k as f64 / FINE_HZ)));
+        self.x.extend((1..=steps).map(|k| at(k as f64 / FINE_HZ)));
     }
 
     fn hold(&mut self, seconds: f64) {
@@ -105,7 +104,11 @@ pub fn usual(kind: usize, reach: &Reach, random: &mut Random) -> Path {
 
 /// 0.9–1.6 Hz, out of contact once a cycle, with a little 5 Hz tone.
 fn sine(reach: &Reach, random: &mut Random) -> Path {
-    let Reach { depth_m, speed_mps, seconds } = *reach;
+    let Reach {
+        depth_m,
+        speed_mps,
+        seconds,
+    } = *reach;
     let amplitude = depth_m * (1.0 + AIR) / 2.0;
     let fastest = speed_mps / (TAU * amplitude * 1.1);
     let hz = random.between(0.9, 1.6).min(fastest);
@@ -122,7 +125,11 @@ fn sine(reach: &Reach, random: &mut Random) -> Path {
 
 /// Ramp, hold, ramp at three speeds to several depths.
 fn ramps(reach: &Reach, random: &mut Random) -> Path {
-    let Reach { depth_m, speed_mps, seconds } = *reach;
+    let Reach {
+        depth_m,
+        speed_mps,
+        seconds,
+    } = *reach;
     let mut path = Path::from(-AIR * depth_m);
     path.hold(random.between(0.45, 0.7));
     let first = random.between(0.0, 3.0) as usize;
@@ -142,7 +149,11 @@ fn ramps(reach: &Reach, random: &mut Random) -> Path {
 
 /// Presses of a hand: other depths and speeds every time, now and then held, with a tremor of 8 Hz.
 fn human(reach: &Reach, random: &mut Random) -> Path {
-    let Reach { depth_m, speed_mps, seconds } = *reach;
+    let Reach {
+        depth_m,
+        speed_mps,
+        seconds,
+    } = *reach;
     let mut path = Path::from(-AIR * depth_m);
     path.hold(random.between(0.45, 0.8));
     let rest = path.x.len();
@@ -176,6 +187,8 @@ pub enum Special {
     /// The usual motion.
     #[default]
     Usual,
+    /// The usual motion, so many times as fast.
+    Fast(f64),
     /// The usual motion, but only so deep.
     Shallow(f64),
     /// A slow approach, then the usual motion so small around 0.85 depths.
@@ -203,13 +216,26 @@ pub fn path(special: Special, kind: usize, reach: &Reach, random: &mut Random) -
         Special::Slow(speed_mps) => return slow(speed_mps, kind, reach),
         Special::Taps(seconds) => return taps(seconds, reach, random),
         Special::OneDepth(often, per_s) => return one_depth(often, per_s, reach),
-        Special::StartsAt(_) | Special::FreeAir(_) => {
-            let longer = Reach { seconds: reach.seconds + 3.0, ..*reach };
+        Special::Fast(_) | Special::StartsAt(_) | Special::FreeAir(_) => {
+            let longer = Reach {
+                seconds: reach.seconds + 3.0,
+                ..*reach
+            };
             usual(kind, &longer, random)
         }
         _ => usual(kind, reach, random),
     };
     match special {
+        Special::Fast(times) => {
+            let steps = (reach.seconds * FINE_HZ) as usize;
+            path.x = (0..steps)
+                .map(|k| {
+                    let (place, last) = (k as f64 * times, path.x.len() - 2);
+                    let left = (place as usize).min(last);
+                    path.x[left] + (place - left as f64) * (path.x[left + 1] - path.x[left])
+                })
+                .collect();
+        }
         Special::Shallow(share) => path.x.iter_mut().for_each(|x| *x *= share),
         Special::Tiny(share) => {
             let approach_s = 1.2 / 0.4;
@@ -233,7 +259,8 @@ pub fn path(special: Special, kind: usize, reach: &Reach, random: &mut Random) -
         }
         Special::FreeAir(seconds) => {
             let at = path.x.iter().position(|x| *x >= 0.0).unwrap_or(0);
-            path.x.drain(..at.saturating_sub((seconds * FINE_HZ) as usize));
+            path.x
+                .drain(..at.saturating_sub((seconds * FINE_HZ) as usize));
             path = path.until(reach.seconds);
         }
         Special::Vibration(share) => {

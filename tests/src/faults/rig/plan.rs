@@ -1,7 +1,7 @@
 //! What a fault does to one log, in numbers.
 
 use super::motion::Special;
-use super::{COUNT_M, FORCE_STEP_N, NOISE_N};
+use super::{COUNT_M, FORCE_STEP_N, NOISE_N, RATE_HZ};
 use std::f64::consts::TAU;
 
 /// What differs from an honest log. The default is an honest log.
@@ -200,8 +200,10 @@ impl Default for Position {
 }
 
 /// Instants and stamps.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Clock {
+    /// Samples a second (Hz).
+    pub rate_hz: f64,
     /// Jitter of both channels (s rms), with regular stamps.
     pub both_s: f64,
     /// Jitter of the force alone (s rms), with regular stamps.
@@ -219,5 +221,22 @@ pub struct Clock {
     /// Whether the stamps are numbered anew after rows went missing.
     pub renumbered: bool,
     /// Seconds of the stamps in a second.
-    pub speed: Option<f64>,
+    pub speed: f64,
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Clock {
+            rate_hz: RATE_HZ,
+            both_s: 0.0,
+            force_s: 0.0,
+            stamps_s: 0.0,
+            late: 0.0,
+            late_s: 0.0,
+            dropped: Spans::new(),
+            dropped_share: 0.0,
+            renumbered: false,
+            speed: 1.0,
+        }
+    }
 }

@@ -34,13 +34,14 @@ pub fn read(position_m: &[f64], force_n: &[f64], plan: &Plan, seed: u64) -> Rows
         }
         false => force_n,
     };
-    let samples = (position_m.len() as f64 / FINE_HZ * RATE_HZ) as usize;
+    let rate_hz = plan.clock.rate_hz;
+    let samples = (position_m.len() as f64 / FINE_HZ * rate_hz) as usize;
     let mut load_cell = LoadCell::new(&plan.force, plan.onset_s, seed);
     let mut encoder = Encoder::new(&plan.position, plan.onset_s, seed);
     let mut clock = Instants::new(&plan.clock, seed);
     let mut rows = Rows::default();
     for index in 0..samples {
-        let nominal_s = index as f64 / RATE_HZ;
+        let nominal_s = index as f64 / rate_hz;
         let (taken_s, force_s, stamp_s) = clock.next(nominal_s);
         let force = load_cell.read(at(force_n, force_s - plan.force.late_s), nominal_s);
         let position = encoder.read(at(position_m, taken_s), nominal_s);
@@ -48,13 +49,17 @@ pub fn read(position_m: &[f64], force_n: &[f64], plan: &Plan, seed: u64) -> Rows
             continue;
         }
         let stamp_s = match plan.clock.renumbered {
-            true => rows.time_s.len() as f64 / RATE_HZ,
+            true => rows.time_s.len() as f64 / rate_hz,
             false => stamp_s,
         };
         // A stamp has six digits.
         let stamp_s = (stamp_s * 1e6).round() * 1e-6;
         // Stamps that run backward are no log.
-        if rows.time_s.last().is_some_and(|last| stamp_s <= last + 1e-6) {
+        if rows
+            .time_s
+            .last()
+            .is_some_and(|last| stamp_s <= last + 1e-6)
+        {
             continue;
         }
         rows.time_s.push(stamp_s);
@@ -81,7 +86,9 @@ fn within(spans: &Spans, t: f64) -> bool {
 
 /// What is added to the sample at `t`.
 fn spike(spikes: &Spikes, t: f64) -> f64 {
-    let here = spikes.iter().filter(|(when, _)| (when - t).abs() < 0.5 / RATE_HZ);
+    let here = spikes
+        .iter()
+        .filter(|(when, _)| (when - t).abs() < 0.5 / RATE_HZ);
     here.map(|(_, size)| size).sum()
 }
 
@@ -222,7 +229,7 @@ impl<'a> Instants<'a> {
             false => 0.0,
         };
         let taken_s = nominal_s + both + late;
-        let stamp_s = (nominal_s + stamp) * clock.speed.unwrap_or(1.0);
+        let stamp_s = (nominal_s + stamp) * clock.speed;
         (taken_s, taken_s + force, stamp_s)
     }
 

@@ -57,7 +57,10 @@ impl State {
         let dt = 1.0 / FINE_HZ;
         let surface = self.moved_m + world.surface_m(t);
         let tip = self.follow(x, surface, material, world);
-        let (depth, speed) = (tip - surface, (tip - self.tip_m) / dt - world.surface_mps(t));
+        let (depth, speed) = (
+            tip - surface,
+            (tip - self.tip_m) / dt - world.surface_mps(t),
+        );
         self.tip_m = tip;
         let elastic = material.force_n(depth, 0.0);
         let mut force = material.force_n(depth, speed);

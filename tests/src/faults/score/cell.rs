@@ -1,6 +1,6 @@
 //! A cell of the table: one fault at one severity, over materials, motions and seeds.
 
-use super::judge::{Verdict, judge};
+use super::judge::{Look, Verdict, judge};
 use super::run::Flag;
 use crate::acceptance::score::quantile;
 use crate::faults::rig::case::Case;
@@ -30,10 +30,11 @@ impl Cell {
         severity: usize,
         seed: u64,
         logs: u64,
+        look: Look,
         done: impl Fn() + Sync,
     ) -> Cell {
         let one = |index: u64| {
-            let verdict = judge(&Case::new(fault, severity, seed, index));
+            let verdict = judge(&Case::new(fault, severity, seed, index), look);
             done();
             verdict
         };
@@ -89,9 +90,10 @@ impl Cell {
         self.count(|v| v.status == Some(status))
     }
 
-    /// Changes of material that were reported, an hour.
-    pub fn changes_an_hour(&self) -> f64 {
-        let hours = self.verdicts.iter().map(|v| v.seconds).sum::<f64>() / 3600.0;
-        self.verdicts.iter().map(|v| v.changes).sum::<usize>() as f64 / hours
+    /// Changes of material that were reported, and the hours of the logs.
+    pub fn changes(&self) -> (usize, f64) {
+        let seconds: f64 = self.verdicts.iter().map(|v| v.seconds).sum();
+        let changes = self.verdicts.iter().map(|v| v.changes).sum();
+        (changes, seconds / 3600.0)
     }
 }

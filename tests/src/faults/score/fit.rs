@@ -101,7 +101,10 @@ fn model(p: &Numbers, row: &Row) -> (f64, Vector4<f64>) {
     }
     let force = inner * shape;
     let slope = -1e-3 * p[2] * force / depth;
-    (force, Vector4::new(shape, row.v * shape, force * log, slope))
+    (
+        force,
+        Vector4::new(shape, row.v * shape, force * log, slope),
+    )
 }
 
 fn normal(p: &Numbers, rows: &[Row]) -> (f64, Matrix4<f64>, Vector4<f64>) {

@@ -4,18 +4,48 @@ use super::cell::Cell;
 use super::judge::Verdict;
 use super::run::Flag;
 use crate::acceptance::score::quantile;
+use crate::faults::rig::case::names;
 use crate::tolerance::CLOSE;
 use estimator_core::Status;
 use std::fmt::Write;
+
+/// Rows without a fault: what they report as a change is false.
+const HONEST: [&str; 3] = ["none", "fast_touches", "rate"];
 
 /// The head of the table.
 pub fn head() -> String {
     format!(
         "{:<20} {} {:>4} {:>4} {:>9} {:>5} {:>4} | {:^26} | {:>11} | {:^24} | {:>4} {:>4}\n{:<20} {} {:>4} {:>4} {:>9} {:>5} {:>4} | {:>8} {:>8} {:>8} | {:>11} | {:>4} {:>4} {:>4} {:>4} {:>4} | {:>4} {:>4}\n",
-        "", " ", "", "", "wrong and", "not", "over",
-        "first remark: logs, after s", "recovered", "ends (%)", "in %", "",
-        "fault", "#", "logs", "n", "longest s", "seen", "bar",
-        "suspect", "change", "fault", "in 1 s", "conv", "susp", "chng", "cing", "else", "<1%", "<5%",
+        "",
+        " ",
+        "",
+        "",
+        "wrong and",
+        "not",
+        "over",
+        "first remark: logs, after s",
+        "recovered",
+        "ends (%)",
+        "in %",
+        "",
+        "fault",
+        "#",
+        "logs",
+        "n",
+        "longest s",
+        "seen",
+        "bar",
+        "suspect",
+        "change",
+        "fault",
+        "in 1 s",
+        "conv",
+        "susp",
+        "chng",
+        "cing",
+        "else",
+        "<1%",
+        "<5%",
     )
 }
 
@@ -63,6 +93,44 @@ pub fn row(cell: &Cell) -> String {
     row
 }
 
+/// Why logs of a cell were left out: what the law offline makes of them, K, λ and n (medians).
+pub fn left_out(cell: &Cell) -> Option<String> {
+    let shifts = || cell.verdicts.iter().filter_map(|v| v.unseeable);
+    let number = shifts().count();
+    let median = |slot: usize| 100.0 * quantile(shifts().map(|u| u.shift[slot]), 0.5);
+    (number > 0).then(|| {
+        format!(
+            "  {:<20} {} {number:>4}: the law fits to the noise with K {:+.1} %, λ {:+.1} %, n {:+.1} %\n",
+            cell.fault.name,
+            cell.severity,
+            median(0),
+            median(1),
+            median(2)
+        )
+    })
+}
+
+/// The logs of a cell that count and are wrong, one a line.
+pub fn wrong_logs(cell: &Cell) -> String {
+    let numbered = cell.verdicts.iter().enumerate();
+    let wrong = numbered.filter(|(_, verdict)| verdict.wrong_and_seeable());
+    let line = |(index, verdict): (usize, &Verdict)| {
+        let (material, motion) = names(index as u64);
+        let flag = verdict
+            .flag
+            .map_or("no remark".to_string(), |(flag, after_s)| {
+                format!("{flag:?} after {after_s:.2} s")
+            });
+        format!(
+            "    log {index:>3} {material:<7} {motion:<5} wrong from {:.2} s for {:.2} s by {:.0} %, {flag}\n",
+            verdict.wrong_from_s,
+            verdict.wrong_s,
+            100.0 * verdict.wrong_by,
+        )
+    };
+    wrong.map(line).collect()
+}
+
 /// What all cells come to.
 pub fn summary(cells: &[Cell]) -> String {
     let sum = |of: fn(&Cell) -> usize| cells.iter().map(of).sum::<usize>();
@@ -85,17 +153,25 @@ pub fn summary(cells: &[Cell]) -> String {
             100.0 * timely as f64 / asked as f64
         );
     }
-    let honest: Vec<&Cell> = cells.iter().filter(|c| c.fault.name == "none").collect();
-    for cell in honest {
+    for cell in cells
+        .iter()
+        .filter(|cell| HONEST.contains(&cell.fault.name))
+    {
         let settles = |share| quantile(cell.verdicts.iter().map(|v| v.settled_s), share);
+        let (number, hours) = cell.changes();
         let _ = writeln!(
             text,
-            "none {}: false changes {:.1} an hour; settles {:.2} s median, {:.2} s p95",
+            "{} {}: {number} false changes in {hours:.2} h, {:.1} an hour; settles {:.2} s median, {:.2} s p95",
+            cell.fault.name,
             cell.severity,
-            cell.changes_an_hour(),
+            number as f64 / hours,
             settles(0.5),
             settles(0.95)
         );
+    }
+    let left: Vec<String> = cells.iter().filter_map(left_out).collect();
+    if !left.is_empty() {
+        let _ = write!(text, "not to be seen in the data:\n{}", left.concat());
     }
     text
 }

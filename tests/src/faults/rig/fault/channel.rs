@@ -109,10 +109,14 @@ pub(super) const FORCE: &[Fault] = &[
         stuck_force(scene.span(seconds))
     })
     .passes(),
-    row("stuck_adc_first", "5, 50, 500 ms in the first press", |scene| {
-        let (from, seconds) = (scene.first_press(), scene.of(STUCK_S));
-        stuck_force(vec![from..from + seconds])
-    }),
+    row(
+        "stuck_adc_first",
+        "5, 50, 500 ms in the first press",
+        |scene| {
+            let (from, seconds) = (scene.first_press(), scene.of(STUCK_S));
+            stuck_force(vec![from..from + seconds])
+        },
+    ),
     row("stuck_adc_often", "5, 50, 500 ms every 1 s", |scene| {
         let seconds = scene.of(STUCK_S);
         let spans = scene.spans(seconds, 1.0);
@@ -178,18 +182,22 @@ pub(super) const FORCE: &[Fault] = &[
         let onset_s = scene.middle();
         Plan { onset_s, ..plan }
     }),
-    row("reversed_force", "from the start, from the middle in air, in a press", |scene| {
-        let onset_s = match scene.severity {
-            0 => 0.0,
-            1 => scene.in_air(),
-            _ => scene.pressing(),
-        };
-        let plan = force(Force {
-            gain: -1.0,
-            ..Force::default()
-        });
-        Plan { onset_s, ..plan }
-    }),
+    row(
+        "reversed_force",
+        "from the start, from the middle in air, in a press",
+        |scene| {
+            let onset_s = match scene.severity {
+                0 => 0.0,
+                1 => scene.in_air(),
+                _ => scene.pressing(),
+            };
+            let plan = force(Force {
+                gain: -1.0,
+                ..Force::default()
+            });
+            Plan { onset_s, ..plan }
+        },
+    ),
     row("scaled_force", "force × 1.1, 1.5, 3", |scene| {
         let gain = scene.of([1.1, 1.5, 3.0]);
         force(Force {
@@ -207,23 +215,31 @@ pub(super) const POSITION: &[Fault] = &[
             ..Position::default()
         })
     }),
-    row("toggling", "0.15 counts of noise, counts of 1, 5, 20 µm", |scene| {
-        let count_m = scene.of([1e-6, 5e-6, 2e-5]);
-        position(Position {
-            count_m,
-            noise_counts: 0.15,
-            ..Position::default()
-        })
-    }),
+    row(
+        "toggling",
+        "0.15 counts of noise, counts of 1, 5, 20 µm",
+        |scene| {
+            let count_m = scene.of([1e-6, 5e-6, 2e-5]);
+            position(Position {
+                count_m,
+                noise_counts: 0.15,
+                ..Position::default()
+            })
+        },
+    ),
     row("stuck_enc", "5, 50, 500 ms in a press", |scene| {
         let seconds = scene.of(STUCK_S);
         stuck_position(scene.span(seconds))
     })
     .passes(),
-    row("stuck_enc_first", "5, 50, 500 ms in the first press", |scene| {
-        let (from, seconds) = (scene.first_press(), scene.of(STUCK_S));
-        stuck_position(vec![from..from + seconds])
-    }),
+    row(
+        "stuck_enc_first",
+        "5, 50, 500 ms in the first press",
+        |scene| {
+            let (from, seconds) = (scene.first_press(), scene.of(STUCK_S));
+            stuck_position(vec![from..from + seconds])
+        },
+    ),
     row("stuck_enc_often", "5, 50, 500 ms every 1 s", |scene| {
         let seconds = scene.of(STUCK_S);
         let spans = scene.spans(seconds, 1.0);
@@ -233,23 +249,31 @@ pub(super) const POSITION: &[Fault] = &[
             ..plan
         }
     }),
-    row("spikes_position", "0.05, 0.5, 50 mm, five a second", |scene| {
-        let spikes = scene.spikes(scene.of([5e-5, 5e-4, 5e-2]), 5.0);
-        position(Position {
-            spikes,
-            ..Position::default()
-        })
-    }),
-    row("spike_one_position", "0.05, 0.5, 50 mm, once in a press", |scene| {
-        let spike = one(scene, scene.of([5e-5, 5e-4, 5e-2]));
-        during(
-            &[spike.0..spike.0 + 1e-3],
+    row(
+        "spikes_position",
+        "0.05, 0.5, 50 mm, five a second",
+        |scene| {
+            let spikes = scene.spikes(scene.of([5e-5, 5e-4, 5e-2]), 5.0);
             position(Position {
-                spikes: vec![spike],
+                spikes,
                 ..Position::default()
-            }),
-        )
-    })
+            })
+        },
+    ),
+    row(
+        "spike_one_position",
+        "0.05, 0.5, 50 mm, once in a press",
+        |scene| {
+            let spike = one(scene, scene.of([5e-5, 5e-4, 5e-2]));
+            during(
+                &[spike.0..spike.0 + 1e-3],
+                position(Position {
+                    spikes: vec![spike],
+                    ..Position::default()
+                }),
+            )
+        },
+    )
     .passes(),
     row("enc_jump", "10, 50, 250 µm in a press", |scene| {
         let jump_m = scene.of([1e-5, 5e-5, 2.5e-4]) * scene.random.sign();
@@ -279,18 +303,22 @@ pub(super) const POSITION: &[Fault] = &[
         }
     })
     .passes(),
-    row("reversed_position", "from the start, from the middle in air, in a press", |scene| {
-        let onset_s = match scene.severity {
-            0 => 0.0,
-            1 => scene.in_air(),
-            _ => scene.pressing(),
-        };
-        let plan = position(Position {
-            gain: -1.0,
-            ..Position::default()
-        });
-        Plan { onset_s, ..plan }
-    }),
+    row(
+        "reversed_position",
+        "from the start, from the middle in air, in a press",
+        |scene| {
+            let onset_s = match scene.severity {
+                0 => 0.0,
+                1 => scene.in_air(),
+                _ => scene.pressing(),
+            };
+            let plan = position(Position {
+                gain: -1.0,
+                ..Position::default()
+            });
+            Plan { onset_s, ..plan }
+        },
+    ),
     row("scaled_position", "position × 1.1, 1.5, 3", |scene| {
         let gain = scene.of([1.1, 1.5, 3.0]);
         position(Position {
@@ -298,24 +326,28 @@ pub(super) const POSITION: &[Fault] = &[
             ..Position::default()
         })
     }),
-    row("power_cycle", "in a press, zero taken anew: of the force, of the encoder, of both", |scene| {
-        let (tared, restarted) = scene.of([(true, false), (false, true), (true, true)]);
-        let onset_s = scene.pressing();
-        Plan {
-            onset_s,
-            force: Force {
-                tared,
-                ..Force::default()
-            },
-            position: Position {
-                restarted,
-                ..Position::default()
-            },
-            clock: crate::faults::rig::plan::Clock {
-                dropped: vec![onset_s - 0.2..onset_s],
-                ..Default::default()
-            },
-            ..Plan::default()
-        }
-    }),
+    row(
+        "power_cycle",
+        "in a press, zero taken anew: of the force, of the encoder, of both",
+        |scene| {
+            let (tared, restarted) = scene.of([(true, false), (false, true), (true, true)]);
+            let onset_s = scene.pressing();
+            Plan {
+                onset_s,
+                force: Force {
+                    tared,
+                    ..Force::default()
+                },
+                position: Position {
+                    restarted,
+                    ..Position::default()
+                },
+                clock: crate::faults::rig::plan::Clock {
+                    dropped: vec![onset_s - 0.2..onset_s],
+                    ..Default::default()
+                },
+                ..Plan::default()
+            }
+        },
+    ),
 ];

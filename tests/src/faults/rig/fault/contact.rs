@@ -72,13 +72,17 @@ pub(super) const ROWS: &[Fault] = &[
         })
     })
     .meets(),
-    row("yields", "0.1, 0.4, 1.5 depths/s at twice 60 % of the peak", |scene| {
-        world(World {
-            yields_at_n: 0.6 * scene.peak_n,
-            yields_mps: scene.depth_m * scene.of([0.1, 0.4, 1.5]),
-            ..World::default()
-        })
-    })
+    row(
+        "yields",
+        "0.1, 0.4, 1.5 depths/s at twice 60 % of the peak",
+        |scene| {
+            world(World {
+                yields_at_n: 0.6 * scene.peak_n,
+                yields_mps: scene.depth_m * scene.of([0.1, 0.4, 1.5]),
+                ..World::default()
+            })
+        },
+    )
     .meets(),
     row("adhesion", "0.05, 0.2, 0.8 N", |scene| {
         world(World {
@@ -87,13 +91,17 @@ pub(super) const ROWS: &[Fault] = &[
         })
     })
     .meets(),
-    row("compliance", "3, 10, 30 % of the depth at the peak", |scene| {
-        let give = scene.of([0.03, 0.1, 0.3]);
-        world(World {
-            compliance_m_per_n: give * scene.depth_m / scene.peak_n,
-            ..World::default()
-        })
-    })
+    row(
+        "compliance",
+        "3, 10, 30 % of the depth at the peak",
+        |scene| {
+            let give = scene.of([0.03, 0.1, 0.3]);
+            world(World {
+                compliance_m_per_n: give * scene.depth_m / scene.peak_n,
+                ..World::default()
+            })
+        },
+    )
     .meets(),
     row("backlash", "10, 30, 100 µm", |scene| {
         world(World {

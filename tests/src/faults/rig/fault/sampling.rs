@@ -22,34 +22,56 @@ fn holes(scene: &mut Scene) -> super::Spans {
 }
 
 pub(super) const ROWS: &[Fault] = &[
-    row("lost_rows", "holes of 10, 50, 250 ms, stamps kept", |scene| {
-        let dropped = holes(scene);
+    row("rate", "200, 5000, 10 000 Hz, honest", |scene| {
         clock(Clock {
-            dropped,
+            rate_hz: scene.of([200.0, 5000.0, 10_000.0]),
             ..Clock::default()
         })
     }),
-    row("thinned_rows", "0.5, 5, 30 % of the rows missing, stamps kept", |scene| {
-        clock(Clock {
-            dropped_share: scene.of([0.005, 0.05, 0.3]),
-            ..Clock::default()
-        })
-    }),
-    row("renumbered", "holes of 10, 50, 250 ms, stamps anew", |scene| {
-        let dropped = holes(scene);
-        clock(Clock {
-            dropped,
-            renumbered: true,
-            ..Clock::default()
-        })
-    }),
-    row("thinned_renumbered", "0.5, 5, 30 % of the rows missing, stamps anew", |scene| {
-        clock(Clock {
-            dropped_share: scene.of([0.005, 0.05, 0.3]),
-            renumbered: true,
-            ..Clock::default()
-        })
-    }),
+    row(
+        "lost_rows",
+        "holes of 10, 50, 250 ms, stamps kept",
+        |scene| {
+            let dropped = holes(scene);
+            clock(Clock {
+                dropped,
+                ..Clock::default()
+            })
+        },
+    ),
+    row(
+        "thinned_rows",
+        "0.5, 5, 30 % of the rows missing, stamps kept",
+        |scene| {
+            clock(Clock {
+                dropped_share: scene.of([0.005, 0.05, 0.3]),
+                ..Clock::default()
+            })
+        },
+    ),
+    row(
+        "renumbered",
+        "holes of 10, 50, 250 ms, stamps anew",
+        |scene| {
+            let dropped = holes(scene);
+            clock(Clock {
+                dropped,
+                renumbered: true,
+                ..Clock::default()
+            })
+        },
+    ),
+    row(
+        "thinned_renumbered",
+        "0.5, 5, 30 % of the rows missing, stamps anew",
+        |scene| {
+            clock(Clock {
+                dropped_share: scene.of([0.005, 0.05, 0.3]),
+                renumbered: true,
+                ..Clock::default()
+            })
+        },
+    ),
     row("late_samples", "5 % up to 0.5, 2, 10 ms late", |scene| {
         clock(Clock {
             late: 0.05,
@@ -77,7 +99,7 @@ pub(super) const ROWS: &[Fault] = &[
     }),
     row("clock_speed", "1, 5, 20 % fast", |scene| {
         clock(Clock {
-            speed: Some(scene.of([1.01, 1.05, 1.2])),
+            speed: scene.of([1.01, 1.05, 1.2]),
             ..Clock::default()
         })
     }),
