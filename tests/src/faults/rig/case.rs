@@ -107,6 +107,14 @@ impl Case {
         }
     }
 
+    /// What the noise of the force is multiplied by from the start on.
+    pub fn noise_gain(&self) -> f64 {
+        match self.plan.onset_s > 0.0 {
+            true => 1.0,
+            false => self.plan.force.gain.abs(),
+        }
+    }
+
     /// Between two samples (s).
     pub fn period_s(&self) -> f64 {
         1.0 / self.plan.clock.rate_hz
@@ -123,13 +131,7 @@ impl Case {
         let (force, position) = (&self.plan.force, &self.plan.position);
         let plan = Plan {
             force: Force {
-                // A gain from the start on scales the noise, too.
-                noise_n: force.noise_n
-                    * if self.plan.onset_s > 0.0 {
-                        1.0
-                    } else {
-                        force.gain.abs()
-                    },
+                noise_n: force.noise_n,
                 step_n: force.step_n,
                 ..Force::default()
             },

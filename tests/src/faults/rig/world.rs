@@ -62,10 +62,9 @@ impl State {
             (tip - self.tip_m) / dt - world.surface_mps(t),
         );
         self.tip_m = tip;
-        let elastic = material.force_n(depth, 0.0);
         let mut force = material.force_n(depth, speed);
         if world.relaxing > 0.0 {
-            let due = world.relaxing * elastic;
+            let due = world.relaxing * material.force_n(depth, 0.0);
             self.relaxed_n += (due - self.relaxed_n) * (dt / world.relaxing_s);
             force = (force - self.relaxed_n).max(0.0);
         }

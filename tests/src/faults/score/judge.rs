@@ -255,7 +255,7 @@ fn unseeable(case: &Case) -> Option<Unseeable> {
     // After a swap that is hardly used the fit is still that of the material before: right for most of
     // the log, and no excuse for the rest.
     let another = shift.iter().any(|share| share.abs() > ANOTHER);
-    (another && is_noise(&found, &honest)).then_some(Unseeable { shift })
+    (another && is_noise(&found, &honest, case.noise_gain())).then_some(Unseeable { shift })
 }
 
 /// The fit of the same palpation with the same sensors and no fault.
@@ -266,9 +266,9 @@ fn honest_fit(case: &Case) -> Option<Fit> {
 
 /// A residual that is neither larger nor less white than noise, of which the honest log's residual is
 /// the measure: it has what smoothing leaves, too.
-fn is_noise(found: &Fit, honest: &Fit) -> bool {
+fn is_noise(found: &Fit, honest: &Fit, gain: f64) -> bool {
     let spread = LARGER * (2.0 / found.rows.max(1) as f64).sqrt();
-    let larger = (found.rmse_n / honest.rmse_n).powi(2) > 1.0 + spread;
+    let larger = (found.rmse_n / gain / honest.rmse_n).powi(2) > 1.0 + spread;
     let coloured = found.portmanteau > WHITE.max(1.5 * honest.portmanteau);
     !larger && !coloured
 }

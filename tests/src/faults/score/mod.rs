@@ -4,4 +4,5 @@ pub mod cell;
 pub mod fit;
 pub mod judge;
 pub mod run;
+pub mod snapshot;
 pub mod table;
