@@ -23,12 +23,11 @@ impl Material {
     pub fn draw(kind: usize, random: &mut Random) -> Self {
         let spread = [0.1, 0.1, 0.03];
         let (_, numbers) = MATERIALS[kind];
-        let draw = |slot: usize| {
+        let mut draw = |slot: usize| {
             let away = random.between(-spread[slot], spread[slot]);
             // Below 1 the force would leave the surface with an infinite slope.
             (numbers[slot] * (1.0 + away)).max(if slot == 2 { 1.02 } else { 0.0 })
         };
-        let mut draw = draw;
         Material {
             numbers: [draw(0), draw(1), draw(2)],
         }

@@ -211,67 +211,94 @@ pub enum Special {
 
 /// The path of a special motion.
 pub fn path(special: Special, kind: usize, reach: &Reach, random: &mut Random) -> Path {
-    let depth = reach.depth_m;
-    let mut path = match special {
-        Special::Slow(speed_mps) => return slow(speed_mps, kind, reach),
-        Special::Taps(seconds) => return taps(seconds, reach, random),
-        Special::OneDepth(often, per_s) => return one_depth(often, per_s, reach),
-        Special::Fast(_) | Special::StartsAt(_) | Special::FreeAir(_) => {
-            let longer = Reach {
-                seconds: reach.seconds + 3.0,
-                ..*reach
-            };
-            usual(kind, &longer, random)
-        }
-        _ => usual(kind, reach, random),
+    // As much longer as is cut off, or gone through faster.
+    let longer = Reach {
+        seconds: reach.seconds + 3.0,
+        ..*reach
     };
     match special {
-        Special::Fast(times) => {
-            let steps = (reach.seconds * FINE_HZ) as usize;
-            path.x = (0..steps)
-                .map(|k| {
-                    let (place, last) = (k as f64 * times, path.x.len() - 2);
-                    let left = (place as usize).min(last);
-                    path.x[left] + (place - left as f64) * (path.x[left + 1] - path.x[left])
-                })
-                .collect();
-        }
-        Special::Shallow(share) => path.x.iter_mut().for_each(|x| *x *= share),
-        Special::Tiny(share) => {
-            let approach_s = 1.2 / 0.4;
-            for (k, x) in path.x.iter_mut().enumerate() {
-                let gone = ((k as f64 / FINE_HZ - 0.5) / approach_s).clamp(0.0, 1.0);
-                *x = depth * (-AIR + 1.2 * gone) + share * (*x + AIR * depth) * gone.powi(8);
-            }
-        }
-        Special::NeverFree(least) => {
-            // Without the rest in free air.
-            path.x.drain(..(0.8 * FINE_HZ) as usize);
-            let share = (1.0 - least) / (1.0 + AIR);
-            for x in &mut path.x {
-                *x = least * depth + share * (*x + AIR * depth);
-            }
-        }
+        Special::Slow(speed_mps) => slow(speed_mps, kind, reach),
+        Special::Taps(seconds) => taps(seconds, reach, random),
+        Special::OneDepth(often, per_s) => one_depth(often, per_s, reach),
+        Special::Fast(times) => usual(kind, &longer, random).faster(times),
+        Special::NeverFree(least) => usual(kind, &longer, random).never_free(least, reach.depth_m),
         Special::StartsAt(share) => {
-            let at = path.x.iter().position(|x| *x >= share * depth * 0.74);
-            path.x.drain(..at.unwrap_or(0));
-            path = path.until(reach.seconds);
+            // Every press goes to 0.75 depths at least, but those of a hand.
+            let depth = 0.74 * share * reach.depth_m;
+            usual(kind, &longer, random).starting(0.0, |x| x >= depth)
         }
-        Special::FreeAir(seconds) => {
-            let at = path.x.iter().position(|x| *x >= 0.0).unwrap_or(0);
-            path.x
-                .drain(..at.saturating_sub((seconds * FINE_HZ) as usize));
-            path = path.until(reach.seconds);
+        Special::FreeAir(seconds) => usual(kind, &longer, random).starting(seconds, |x| x >= 0.0),
+        Special::Tiny(share) => usual(kind, reach, random).tiny(share, reach.depth_m),
+        Special::Shallow(share) => {
+            let mut path = usual(kind, reach, random);
+            path.x.iter_mut().for_each(|x| *x *= share);
+            path
         }
-        Special::Vibration(share) => {
-            for (k, x) in path.x.iter_mut().enumerate().skip((0.5 * FINE_HZ) as usize) {
-                let t = k as f64 / FINE_HZ - 0.5;
-                *x += share * depth * (t / 0.2).min(1.0) * (TAU * 25.0 * t).sin();
-            }
-        }
-        _ => {}
+        Special::Vibration(share) => usual(kind, reach, random).vibrating(share * reach.depth_m),
+        Special::Usual => usual(kind, reach, random),
     }
-    path
+    .at_most(reach.seconds, special)
+}
+
+/// How faults reshape a usual motion.
+impl Path {
+    /// Cut off at a length; one slow press takes as long as it takes.
+    fn at_most(mut self, seconds: f64, special: Special) -> Self {
+        if !matches!(special, Special::Slow(_)) {
+            self.x.truncate((seconds * FINE_HZ) as usize);
+        }
+        self
+    }
+
+    /// So many times as fast.
+    fn faster(self, times: f64) -> Self {
+        let last = self.x.len() - 2;
+        let between = |place: f64| {
+            let left = (place as usize).min(last);
+            self.x[left] + (place - left as f64) * (self.x[left + 1] - self.x[left])
+        };
+        let steps = (last as f64 / times) as usize;
+        Path {
+            x: (0..steps).map(|k| between(k as f64 * times)).collect(),
+        }
+    }
+
+    /// Never shallower than a share of the depth, and without the rest in free air.
+    fn never_free(mut self, least: f64, depth: f64) -> Self {
+        self.x.drain(..(0.8 * FINE_HZ) as usize);
+        let share = (1.0 - least) / (1.0 + AIR);
+        for x in &mut self.x {
+            *x = least * depth + share * (*x + AIR * depth);
+        }
+        self
+    }
+
+    /// From so many seconds before the first position that is wanted.
+    fn starting(mut self, before_s: f64, wanted: impl Fn(f64) -> bool) -> Self {
+        let at = self.x.iter().position(|x| wanted(*x)).unwrap_or(0);
+        let before = (before_s * FINE_HZ) as usize;
+        self.x.drain(..at.saturating_sub(before));
+        self
+    }
+
+    /// A slow approach to 0.85 depths, and from there the motion as a share of itself.
+    fn tiny(mut self, share: f64, depth: f64) -> Self {
+        let approach_s = 3.0;
+        for (k, x) in self.x.iter_mut().enumerate() {
+            let gone = ((k as f64 / FINE_HZ - 0.5) / approach_s).clamp(0.0, 1.0);
+            *x = depth * (-AIR + 1.2 * gone) + share * (*x + AIR * depth) * gone.powi(8);
+        }
+        self
+    }
+
+    /// With a vibration at 25 Hz.
+    fn vibrating(mut self, amplitude_m: f64) -> Self {
+        for (k, x) in self.x.iter_mut().enumerate().skip((0.5 * FINE_HZ) as usize) {
+            let t = k as f64 / FINE_HZ - 0.5;
+            *x += amplitude_m * (t / 0.2).min(1.0) * (TAU * 25.0 * t).sin();
+        }
+        self
+    }
 }
 
 /// Down and up, again and again; the sine's largest speed is this speed.

@@ -39,7 +39,7 @@ pub struct Swap {
 /// What the probe meets besides the material.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The share of the elastic force that relaxes, and its time constant (s).
+    /// The share of the elastic force that relaxes.
     pub relaxing: f64,
     /// Its time constant (s).
     pub relaxing_s: f64,

@@ -19,7 +19,7 @@ struct State {
     moved_m: f64,
     relaxed_n: f64,
     bristle_m: f64,
-    stuck_to: bool,
+    attached: bool,
 }
 
 /// The force (N) at the load cell along a path relative to the surface.
@@ -30,7 +30,7 @@ pub fn forces(path: &[f64], stages: &[Stage], world: &World) -> Vec<f64> {
         moved_m: 0.0,
         relaxed_n: 0.0,
         bristle_m: 0.0,
-        stuck_to: false,
+        attached: false,
     };
     let mut stage = 0;
     let mut before = path[0];
@@ -100,8 +100,8 @@ impl State {
         if world.adhesion_n <= 0.0 {
             return 0.0;
         }
-        self.stuck_to = depth > 0.0 || (self.stuck_to && depth > -world.adhesion_m);
-        match self.stuck_to {
+        self.attached = depth > 0.0 || (self.attached && depth > -world.adhesion_m);
+        match self.attached {
             true => world.adhesion_n * (1.0 + depth.min(0.0) / world.adhesion_m),
             false => 0.0,
         }
