@@ -14,7 +14,7 @@ const STEPS: usize = 40;
 /// The step that ends it, relative.
 const SMALL: f64 = 1e-7;
 /// Lags of the autocorrelation.
-const LAGS: usize = 20;
+pub const LAGS: usize = 20;
 
 /// A fit.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! Whether an answer is right.
 
-use super::fit::{Fit, fit};
+use super::fit::{Fit, LAGS, fit};
 use super::run::{Answer, Flag, JUDGED, Said, answer};
 use crate::faults::rig::RATE_HZ;
 use crate::faults::rig::case::Case;
@@ -269,6 +269,9 @@ fn honest_fit(case: &Case) -> Option<Fit> {
 fn is_noise(found: &Fit, honest: &Fit, gain: f64) -> bool {
     let spread = LARGER * (2.0 / found.rows.max(1) as f64).sqrt();
     let larger = (found.rmse_n / gain / honest.rmse_n).powi(2) > 1.0 + spread;
-    let coloured = found.portmanteau > WHITE.max(1.5 * honest.portmanteau);
+    // A χ² that is not central has the variance 2·(20 + 2·what is beyond it).
+    let whiteness = honest.portmanteau;
+    let by_chance = LARGER * (2.0 * (LAGS as f64 + 2.0 * whiteness)).sqrt();
+    let coloured = found.portmanteau > WHITE.max(whiteness + by_chance).max(1.5 * whiteness);
     !larger && !coloured
 }
