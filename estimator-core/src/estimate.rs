@@ -10,6 +10,7 @@ pub mod fault;
 pub mod filter;
 pub mod identify;
 pub mod method;
+pub mod misfit;
 pub mod monitor;
 pub mod noise;
 pub mod params;

@@ -10,7 +10,7 @@ use crate::board::sensing::Codes;
 use crate::board::wire::{FrameError, MAX_BODY, Reader, VERSION, Writer};
 use crate::estimate::fault::Faults;
 use crate::estimate::sample::Sample;
-use crate::estimate::status::Status;
+use crate::estimate::status::{Reason, Status};
 use crate::estimate::{Estimate, Estimated, Event, Innovation, PARAMETER_SLOTS, Phase};
 use crate::physics::law::LawKind;
 
@@ -119,7 +119,9 @@ fn put_rendered(body: &mut Writer, rendered: &Rendered) {
 fn put_estimate(body: &mut Writer, estimate: &Estimate<f32>) {
     body.put(estimate.time_us.to_le_bytes());
     let event = estimate.event.map_or(0, |event| event as u8);
-    let (phase, status) = (estimate.phase as u8, estimate.status.code());
+    // The status and, in the upper half of its byte, the reason why it is not better.
+    let reason = estimate.reason.map_or(0, Reason::code);
+    let (phase, status) = (estimate.phase as u8, estimate.status.code() | reason << 4);
     body.put([estimate.law.code(), phase, status, event]);
     body.put(estimate.faults.bits().to_le_bytes());
     let known = (0u8..)
@@ -303,7 +305,11 @@ fn take_estimate(reader: &mut Reader) -> Result<Estimate<f32>, FrameError> {
         time_us,
         law,
         phase: Phase::from_code(phase).ok_or(FrameError::Content)?,
-        status: Status::from_code(status).ok_or(FrameError::Content)?,
+        status: Status::from_code(status & 0xf).ok_or(FrameError::Content)?,
+        reason: match status >> 4 {
+            0 => None,
+            code => Some(Reason::from_code(code).ok_or(FrameError::Content)?),
+        },
         depth_m,
         speed_mps,
         force_n,
@@ -338,7 +344,8 @@ mod tests {
             time_us: u64::from(u32::MAX) * 7,
             law: LawKind::HuntCrossley,
             phase: Phase::Contact,
-            status: Status::Converged,
+            status: Status::ModelSuspect,
+            reason: Some(Reason::Skew),
             depth_m: 1e-3,
             speed_mps: -0.02,
             force_n: 3.5,

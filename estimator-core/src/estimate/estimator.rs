@@ -134,6 +134,7 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
         law: state.last.law,
         phase: contact.phase,
         status: state.monitor.status(),
+        reason: state.monitor.reason(),
         depth_m: state.depth_m(params, &contact, &instant.noise, aligned.position_m),
         speed_mps: aligned.speed_mps,
         force_n: instant.force * params.identify.scale.force_n,
@@ -254,20 +255,24 @@ impl<T: Real> State<T> {
             .unwrap_or_default();
         let mut estimates = self.identifier.estimates(at);
         // What the law does not explain makes every parameter less certain.
-        let misfit = self.monitor.misfit();
+        let misfit = self.identifier.misfit();
+        let inflation = self.monitor.inflation(misfit);
         estimates
             .iter_mut()
-            .for_each(|parameter| parameter.std_error *= misfit);
+            .for_each(|parameter| parameter.std_error *= inflation);
+        let doubt = self.identifier.doubt(at);
         let law = self.identifier.law(&params.identify);
         // The last parameter of every law is the surface.
         let estimates = estimates.get(..law.parameters().len() - 1).unwrap_or(&[]);
         let event = self
             .monitor
-            .update(&params.monitor, estimates, innovation.test_ratio);
+            .update(&params.monitor, estimates, innovation, misfit, doubt);
         self.last.law = law;
         self.last.parameters = identify::report(&params.identify, law, estimates, surface);
         if event == Some(Event::MaterialChange) {
             self.identifier.reset_covariance(&params.identify);
+            // The filter's window still straddles the change.
+            self.holdoff_samples = params.filter.response().memory_samples;
         }
         event
     }

@@ -40,8 +40,8 @@ pub use zener::{Solid, ZenerArx};
 
 use crate::estimate::{
     config::Config, contact::ContactParams, contact::SurfacePosition, error::ConfigError,
-    filter::FilterParams, method::Method, method::MethodInfo, monitor::ParameterEstimate,
-    record::PARAMETER_SLOTS,
+    filter::FilterParams, method::Method, method::MethodInfo, misfit::Misfit,
+    monitor::ParameterEstimate, record::PARAMETER_SLOTS, status::Reason,
 };
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
@@ -166,6 +166,16 @@ impl<T: Real> Identifier<T> {
     /// See [`Identify::predict`].
     pub fn predict(&self, at: &Instant<T>) -> (T, T) {
         each!(self, estimator => estimator.predict(at))
+    }
+
+    /// See [`Identify::misfit`].
+    pub fn misfit(&self) -> Option<&Misfit<T>> {
+        each!(self, estimator => estimator.misfit())
+    }
+
+    /// See [`Identify::doubt`].
+    pub fn doubt(&self, at: &Instant<T>) -> Option<Reason> {
+        each!(self, estimator => estimator.doubt(at))
     }
 
     /// See [`Identify::observe`].

@@ -2,8 +2,8 @@
 //! within the bound, and the noise explains the innovations.
 
 use crate::estimate::{
-    config::Config, error::ConfigError, error::require_each, phase::Event, phase::Phase,
-    record::PARAMETER_SLOTS, status::Status,
+    Innovation, config::Config, error::ConfigError, error::require_each, misfit::Misfit,
+    phase::Event, phase::Phase, record::PARAMETER_SLOTS, status::Reason, status::Status,
 };
 use crate::maths::scalar::Real;
 
@@ -14,6 +14,9 @@ const FAST_SAMPLES: f64 = 20.0;
 /// The material has changed when the fast mean of the test ratio exceeds the slow one this many times.
 /// With 20 independent samples the fast mean exceeds 12 by chance with probability below 10⁻³⁰.
 const CHANGE_RATIO: f64 = 12.0;
+/// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
+/// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
+const DOUBT_RATIO: f64 = 16.0;
 /// Largest test ratio that enters the means: a single outlier must not fill them for seconds.
 const MAX_RATIO: f64 = 1e6;
 
@@ -24,10 +27,12 @@ pub struct MonitorParams<T> {
     window: u32,
     suspect_ratio: T,
     slow_gain: T,
+    /// Variance of the filtered over that of the raw force.
+    noise_gain: T,
 }
 
 impl<T: Real> MonitorParams<T> {
-    pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
+    pub(crate) fn validate(config: &Config, noise_gain: T) -> Result<Self, ConfigError> {
         let judgement = config.judgement;
         let window = judgement.window_s * config.rate_hz;
         let (within, ratio) = (judgement.converged_within, judgement.suspect_ratio);
@@ -42,6 +47,7 @@ impl<T: Real> MonitorParams<T> {
             window: window as u32,
             suspect_ratio: T::from_f64(f64::from(ratio)),
             slow_gain: T::from_f64(1.0 / f64::from(window)),
+            noise_gain,
         })
     }
 }
@@ -69,6 +75,8 @@ impl<T: Real> ParameterEstimate<T> {
 #[derive(Clone, Debug)]
 pub struct ConvergenceMonitor<T> {
     status: Status,
+    reason: Option<Reason>,
+    misfit: Misfit<T>,
     /// Means of the test ratio over 20 samples and over a window.
     fast_ratio: T,
     slow_ratio: T,
@@ -86,6 +94,8 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
     fn default() -> Self {
         ConvergenceMonitor {
             status: Status::NoContact,
+            reason: None,
+            misfit: Misfit::default(),
             fast_ratio: T::one(),
             slow_ratio: T::one(),
             snapshots: [[T::zero(); PARAMETER_SLOTS]; SNAPSHOTS],
@@ -102,9 +112,16 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.status
     }
 
-    /// Factor by which the innovations exceed the noise, at least 1: standard errors are multiplied by it.
-    pub fn misfit(&self) -> T {
-        T::one().max_of(self.slow_ratio).sqrt()
+    /// Reason why the status is not [`Status::Converged`], where there is one.
+    pub fn reason(&self) -> Option<Reason> {
+        self.reason
+    }
+
+    /// Factor by which the standard errors are too small, at least 1, by the `misfit` of the estimator
+    /// or else by the innovations.
+    pub fn inflation(&self, misfit: Option<&Misfit<T>>) -> T {
+        let recent = T::one().max_of(self.slow_ratio).sqrt();
+        recent.max_of(misfit.unwrap_or(&self.misfit).inflation())
     }
 
     /// Takes the phase of a sample, learned from or not.
@@ -114,15 +131,19 @@ impl<T: Real> ConvergenceMonitor<T> {
         }
     }
 
-    /// Takes the parameters after a sample and the test ratio of its innovation; says whether the
-    /// material has changed.
+    /// Takes the parameters after a sample and its innovation; says whether the material has changed.
+    /// `doubt` is a reason not to trust the parameters that only the estimator can know.
     pub fn update(
         &mut self,
         params: &MonitorParams<T>,
         parameters: &[ParameterEstimate<T>],
-        test_ratio: T,
+        innovation: &Innovation<T>,
+        misfit: Option<&Misfit<T>>,
+        doubt: Option<Reason>,
     ) -> Option<Event> {
-        let ratio = test_ratio.min_of(T::from_f64(MAX_RATIO));
+        let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
+        let normalized = innovation.normalized();
+        self.misfit.update(normalized, T::one(), params.noise_gain);
         self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
         let baseline = T::one().max_of(self.slow_ratio);
         self.slow_ratio += params.slow_gain * (ratio - self.slow_ratio);
@@ -133,18 +154,36 @@ impl<T: Real> ConvergenceMonitor<T> {
         }
         let steady = self.steady(params, parameters);
         self.changed_samples = self.changed_samples.saturating_sub(1);
-        self.status = if self.changed_samples > 0 {
-            Status::Changed
-        } else if self.taken >= SNAPSHOTS && self.slow_ratio > params.suspect_ratio {
-            Status::ModelSuspect
-        } else if !parameters.iter().all(ParameterEstimate::observable) {
-            Status::Unobservable
-        } else if steady {
-            Status::Converged
-        } else {
-            Status::Converging
-        };
+        (self.status, self.reason) = self.judge(params, parameters, steady, doubt, misfit);
         None
+    }
+
+    fn judge(
+        &self,
+        params: &MonitorParams<T>,
+        parameters: &[ParameterEstimate<T>],
+        steady: bool,
+        doubt: Option<Reason>,
+        misfit: Option<&Misfit<T>>,
+    ) -> (Status, Option<Reason>) {
+        let mean_square = self
+            .slow_ratio
+            .max_of(misfit.unwrap_or(&self.misfit).mean_square());
+        if self.changed_samples > 0 {
+            (Status::Changed, None)
+        } else if self.taken >= SNAPSHOTS && mean_square > params.suspect_ratio {
+            (Status::ModelSuspect, doubt.or(Some(Reason::Residual)))
+        } else if !parameters.iter().all(ParameterEstimate::observable) {
+            (Status::Unobservable, doubt.or(Some(Reason::Excitation)))
+        } else if !steady {
+            (Status::Converging, doubt)
+        } else if doubt.is_some() {
+            (Status::ModelSuspect, doubt)
+        } else if self.fast_ratio > T::from_f64(DOUBT_RATIO) {
+            (Status::Converging, Some(Reason::Residual))
+        } else {
+            (Status::Converged, None)
+        }
     }
 
     /// Starts anew for another material.
@@ -153,6 +192,8 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.changed_samples = params.window / 2;
         self.taken = 0;
         self.slow_ratio = T::one();
+        self.misfit = Misfit::default();
+        self.reason = None;
     }
 
     /// Whether every standard error is within the bound, and every parameter within the bound of all its
@@ -190,7 +231,7 @@ mod tests {
     use super::*;
 
     fn params() -> MonitorParams<f64> {
-        MonitorParams::validate(&Config::default()).unwrap()
+        MonitorParams::validate(&Config::default(), 0.1).unwrap()
     }
 
     fn at(value: f64) -> [ParameterEstimate<f64>; 1] {
@@ -201,10 +242,24 @@ mod tests {
         }]
     }
 
+    /// An innovation with this test ratio; its sign alternates as that of white noise does.
+    fn innovation(ratio: f64, at: u32) -> Innovation<f64> {
+        let sign = if (at / 8).is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        };
+        Innovation::new(sign * ratio.sqrt(), 0.0, 1.0)
+    }
+
     fn feed(monitor: &mut ConvergenceMonitor<f64>, samples: u32, value: f64, ratio: f64) -> u32 {
-        (0..samples)
-            .filter(|_| monitor.update(&params(), &at(value), ratio).is_some())
-            .count() as u32
+        let update = |i: &u32| {
+            let innovation = innovation(ratio, *i);
+            monitor
+                .update(&params(), &at(value), &innovation, None, None)
+                .is_some()
+        };
+        (0..samples).filter(update).count() as u32
     }
 
     #[test]
@@ -220,7 +275,12 @@ mod tests {
     fn a_parameter_that_moves_is_not_converged() {
         let mut monitor = ConvergenceMonitor::default();
         for i in 0..2000 {
-            monitor.update(&params(), &at(1.0 + 2e-4 * f64::from(i)), 1.0);
+            monitor.update(
+                &params(),
+                &at(1.0 + 2e-4 * f64::from(i)),
+                &innovation(1.0, i),
+                None,
+            );
         }
         assert_eq!(monitor.status(), Status::Converging);
     }
@@ -233,8 +293,8 @@ mod tests {
             std_error: 0.6,
             scale: 1.0,
         }];
-        (0..1000).for_each(|_| {
-            monitor.update(&params(), &unknown, 1.0);
+        (0..1000).for_each(|i| {
+            monitor.update(&params(), &unknown, &innovation(1.0, i), None, None);
         });
         assert_eq!(monitor.status(), Status::Unobservable);
     }
@@ -258,6 +318,6 @@ mod tests {
         let mut monitor = ConvergenceMonitor::default();
         feed(&mut monitor, 3000, 1.0, 60.0);
         assert_eq!(monitor.status(), Status::ModelSuspect);
-        assert!((monitor.misfit() - libm::sqrt(60.0)).abs() < 0.1);
+        assert!((monitor.inflation(None) - libm::sqrt(60.0)).abs() < 0.1);
     }
 }

@@ -51,9 +51,9 @@ impl Config {
             period_us: libm::round(1e6 / f64::from(rate)) as u64,
             period_s: T::from_f64(1.0 / f64::from(rate)),
             identify: identify::validate(self, &filter, &contact)?,
+            monitor: MonitorParams::validate(self, filter.response().noise_gain)?,
             filter,
             contact,
-            monitor: MonitorParams::validate(self)?,
         })
     }
 }

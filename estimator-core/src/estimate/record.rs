@@ -1,6 +1,6 @@
 //! The output of the estimator: one record per sample.
 
-use crate::estimate::{fault::Faults, phase::Event, phase::Phase, status::Status};
+use crate::estimate::{fault::Faults, phase::Event, phase::Phase, status::Reason, status::Status};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
@@ -48,6 +48,15 @@ impl<T: Real> Innovation<T> {
         }
     }
 
+    /// Innovation over its expected standard deviation; 0 outside contact.
+    pub(crate) fn normalized(&self) -> T {
+        if self.variance_n2 > T::zero() {
+            self.innovation_n / self.variance_n2.sqrt()
+        } else {
+            T::zero()
+        }
+    }
+
     /// Converts an innovation in units of `unit` newtons to newtons.
     pub(crate) fn in_newtons(self, unit: T) -> Self {
         Innovation {
@@ -73,6 +82,8 @@ pub struct Estimate<T = f32> {
     pub phase: Phase,
     /// Status that says how far the parameters can be trusted.
     pub status: Status,
+    /// Reason why the status is not better, where there is one.
+    pub reason: Option<Reason>,
     /// Penetration (m), filtered position − surface: negative in free air, 0 before a surface is known.
     pub depth_m: T,
     /// Rate of the penetration (m/s), with the same delay.
@@ -99,6 +110,7 @@ impl<T: Real> Estimate<T> {
             law,
             phase: Phase::default(),
             status: Status::default(),
+            reason: None,
             depth_m: T::zero(),
             speed_mps: T::zero(),
             force_n: T::zero(),

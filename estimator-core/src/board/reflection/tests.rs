@@ -67,6 +67,7 @@ fn estimate(law: LawKind, values: &[f32]) -> Estimate<f32> {
         law,
         phase: Phase::Contact,
         status: Status::Converged,
+        reason: None,
         depth_m: 1e-3,
         speed_mps: -0.02,
         force_n: 3.5,

@@ -10,11 +10,15 @@
 use nalgebra::Vector2;
 
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
-use super::{params::IdentifyParams, slots::damper, slots::in_slots, slots::spring};
+use super::{
+    bounds::EXPONENT, params::IdentifyParams, slots::damper, slots::in_slots, slots::spring,
+};
 use crate::estimate::method::{Method, MethodInfo, Offer, methods};
+use crate::estimate::misfit::Misfit;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::Excitation;
+use crate::estimate::status::Reason;
 use crate::maths::scalar::Real;
 
 /// The grid of surfaces begins this many uncertainties of the impact before it, and reaches two
@@ -265,6 +269,20 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             self.catch_up(at);
         }
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
+    }
+
+    fn misfit(&self) -> Option<&Misfit<T>> {
+        self.refiner.as_ref().map(Refiner::misfit)
+    }
+
+    fn doubt(&self, _at: &Instant<T>) -> Option<Reason> {
+        let refiner = self.refiner.as_ref()?;
+        let [_, damping, exponent, ..] = refiner.values();
+        let [_, damping_error, ..] = self.std_errors;
+        let (low, high) = EXPONENT;
+        let bounded = exponent <= T::from_f64(low) || exponent >= T::from_f64(high);
+        let active = damping < -T::from_f64(SURELY) * damping_error;
+        (bounded || active).then_some(Reason::Bound)
     }
 
     fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {

@@ -1,7 +1,10 @@
 //! What an estimator sees, and what it must do.
 
 use super::params::IdentifyParams;
-use crate::estimate::{method::MethodInfo, monitor::ParameterEstimate, record::PARAMETER_SLOTS};
+use crate::estimate::{
+    method::MethodInfo, misfit::Misfit, monitor::ParameterEstimate, record::PARAMETER_SLOTS,
+    status::Reason,
+};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
@@ -97,6 +100,17 @@ pub trait Identify<T: Real> {
     /// F̂ at an instant, and the variance that the errors of the parameters and of the surface
     /// position give it.
     fn predict(&self, at: &Instant<T>) -> (T, T);
+
+    /// By how much the residuals exceed the noise, from an estimator that can look back on them; else
+    /// the innovations say it.
+    fn misfit(&self) -> Option<&Misfit<T>> {
+        None
+    }
+
+    /// A reason not to trust the estimates, whatever their standard errors say.
+    fn doubt(&self, _at: &Instant<T>) -> Option<Reason> {
+        None
+    }
 
     /// Takes an instant that gives no equation to learn from: the window of the filter reaches into
     /// free air, the force is within the noise, or a surface that cannot pull has let go. No equation

@@ -10,6 +10,7 @@ use nalgebra::Vector5;
 
 use super::ForceNoise;
 use super::{bank::Candidate, bounds::EXPONENT, bounds::within, pool::Pooled};
+use crate::estimate::misfit::Misfit;
 use crate::estimate::rls::Ud;
 use crate::maths::scalar::Real;
 
@@ -39,6 +40,8 @@ pub struct Refiner<T: Real> {
     pub(super) residual: T,
     /// Recent mean square of what the linearization leaves out, scaled by F₀².
     pub(super) linearization_error: T,
+    /// By how much the residuals of this reference exceed the noise.
+    misfit: Misfit<T>,
     /// Number of samples that were learned from.
     pub(super) learned: T,
 }
@@ -76,6 +79,7 @@ impl<T: Real> Refiner<T> {
             moment: Vector5::repeat(T::zero()),
             residual: start.residual,
             linearization_error: T::zero(),
+            misfit: Misfit::default(),
             learned: T::zero(),
         }
     }
@@ -137,7 +141,8 @@ impl<T: Real> Refiner<T> {
         let phi = predicted.gradient.component_mul(&self.prior);
         // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
         let slope = predicted.gradient.w;
-        let model = self.covariance.variance(&phi) + self.linearization_error;
+        // Not the linearization error: a misfit would hide behind it.
+        let model = self.covariance.variance(&phi);
         (
             predicted.force,
             model + slope * slope * at.quantization_variance,
@@ -148,6 +153,10 @@ impl<T: Real> Refiner<T> {
     pub fn learn(&mut self, at: &Pooled<T>, noise: &ForceNoise<T>, beta: T) {
         let there = predict(&self.reference.into(), at);
         if there.gradient.x == T::zero() {
+            // A force above the surface is a misfit; where the window is too wide there is no saying.
+            if there.force == T::zero() {
+                self.observe_residual(at.force, T::zero(), at, noise);
+            }
             return;
         }
         let phi = there.gradient.component_mul(&self.prior);
@@ -166,9 +175,29 @@ impl<T: Real> Refiner<T> {
         let left = at.force - here;
         let share = T::from_f64(1.0 / MEAN_SQUARE_MEMORY);
         self.residual += share * (left * left - self.residual);
+        self.observe_residual(left, slope * slope * at.quantization_variance, at, noise);
         self.linearization_error +=
             share * (linearization_error * linearization_error - self.linearization_error);
         self.learned += at.count;
+    }
+
+    fn observe_residual(
+        &mut self,
+        left: T,
+        quantization: T,
+        at: &Pooled<T>,
+        noise: &ForceNoise<T>,
+    ) {
+        let variance = noise.filtered * noise.filtered;
+        let gain = variance / (noise.raw * noise.raw);
+        let normalized = left / (variance + quantization).sqrt();
+        self.misfit.update(normalized, at.count, gain);
+    }
+
+    /// By how much the residuals exceed the noise, since this reference was taken and over what it
+    /// learned again from memory.
+    pub fn misfit(&self) -> &Misfit<T> {
+        &self.misfit
     }
 
     /// Weight of a sample: less than 1 where the quantization of the position makes its force less
