@@ -143,7 +143,10 @@ impl<T: Real> ConvergenceMonitor<T> {
     ) -> Option<Event> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         let normalized = innovation.normalized();
-        self.misfit.update(normalized, T::one(), params.noise_gain);
+        // While the parameters still come from their start, they are what errs, and not the law.
+        if self.taken >= SNAPSHOTS {
+            self.misfit.update(normalized, T::one(), params.noise_gain);
+        }
         self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
         let baseline = T::one().max_of(self.slow_ratio);
         self.slow_ratio += params.slow_gain * (ratio - self.slow_ratio);
@@ -279,6 +282,7 @@ mod tests {
                 &params(),
                 &at(1.0 + 2e-4 * f64::from(i)),
                 &innovation(1.0, i),
+                None,
                 None,
             );
         }

@@ -48,12 +48,16 @@ const REFINER_BETA: f64 = 0.99984;
 /// = 1/0.2.
 const SURELY: f64 = 3.0;
 const INSIDE: f64 = 0.2;
-/// Prior standard deviation of the skew (s), where it is estimated and where it is not: no two
+/// Prior standard deviation of the skew (s), and what it is taken for where it is not estimated: no two
 /// converters start at once, and on a log where they are 23 µs apart K is off by three of its
 /// standard errors if the skew is held at 0. With 10 µs λ of plastic, which a skew imitates, loses
 /// its last per cent.
 const SKEW_S: f64 = 3e-3;
 const ALIGNED_S: f64 = 4e-6;
+/// A skew that is not estimated is doubted from this many standard errors on, if it moves a parameter by
+/// more than this share of its size.
+const SKEWED_SIGMAS: f64 = 5.0;
+const SKEW_MATTERS: f64 = 0.02;
 /// What an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
@@ -98,10 +102,7 @@ struct Successor<T: Real> {
 impl<T: Real> BankRefiner<T> {
     /// The estimator before the first contact.
     pub fn new(params: &IdentifyParams<T>) -> Self {
-        let skew = match params.method {
-            Method::HUNT_CROSSLEY_BANK_SKEW => SKEW_S,
-            _ => ALIGNED_S,
-        };
+        let estimates_skew = params.method == Method::HUNT_CROSSLEY_BANK_SKEW;
         let per_second = params.scale.speed_mps / params.scale.depth_m;
         BankRefiner {
             bank: None,
@@ -110,7 +111,8 @@ impl<T: Real> BankRefiner<T> {
             std_errors: [T::zero(); 5],
             prior: Prior {
                 surface: T::zero(),
-                skew: T::from_f64(skew) * per_second,
+                skew: T::from_f64(SKEW_S) * per_second,
+                aligned: (!estimates_skew).then(|| T::from_f64(ALIGNED_S) * per_second),
             },
             skew_size: T::from_f64(SKEW_SIZE_S) * per_second,
             surface_known: params.surface_known,
@@ -119,6 +121,23 @@ impl<T: Real> BankRefiner<T> {
             until_search: 1,
             excitation: Excitation::default(),
         }
+    }
+
+    /// Whether the data speak for a skew that the estimates leave out, and that moves one of them.
+    fn is_skewed(&self, refiner: &Refiner<T>) -> bool {
+        let (skew, error) = refiner.skew();
+        let certain = T::from_f64(SKEWED_SIGMAS) * error * refiner.misfit().inflation();
+        if refiner.is_estimating_skew() || skew.abs() <= certain {
+            return false;
+        }
+        let [stiffness, damping, exponent, ..] = refiner.values();
+        let sizes = [spring(stiffness).1, damper(damping, stiffness).1, exponent];
+        let matters = T::from_f64(SKEW_MATTERS);
+        let moved = refiner.moved_by_skew();
+        moved
+            .iter()
+            .zip(sizes)
+            .any(|(moved, size)| moved.abs() > matters * size)
     }
 
     /// Bank and refiner learn from a pool.
@@ -282,6 +301,9 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         let (low, high) = EXPONENT;
         let bounded = exponent <= T::from_f64(low) || exponent >= T::from_f64(high);
         let active = damping < -T::from_f64(SURELY) * damping_error;
+        if self.is_skewed(refiner) {
+            return Some(Reason::Skew);
+        }
         (bounded || active).then_some(Reason::Bound)
     }
 

@@ -34,6 +34,12 @@ pub struct Refiner<T: Real> {
     deviation: Vector5<T>,
     prior: Vector5<T>,
     covariance: Ud<T, 5>,
+    /// Variance of the skew that is taken for known to be 0, in units of its prior; `None` where it is
+    /// estimated. The data say what the skew is in either case.
+    aligned: Option<T>,
+    /// Covariance with the skew known, and by how much the deviations move per unit of it.
+    known: Ud<T, 5>,
+    by_skew: Vector5<T>,
     /// Sum of the weighted gradients, by which a constant error of the force moves the estimate.
     moment: Vector5<T>,
     /// Recent mean squared residual, scaled by F₀².
@@ -53,6 +59,9 @@ pub struct Prior<T> {
     pub surface: T,
     /// Prior standard deviation of τ.
     pub skew: T,
+    /// Standard deviation of τ about 0 where the sensors are taken for aligned; `None` where τ is
+    /// estimated.
+    pub aligned: Option<T>,
 }
 
 /// The force of a pool and its gradient.
@@ -65,7 +74,11 @@ impl<T: Real> Refiner<T> {
     /// A refiner that linearizes at a start and has learned nothing.
     pub fn new(start: &Candidate<T>, skew: T, prior: &Prior<T>) -> Self {
         let half = T::from_f64(0.5) * start.stiffness;
-        Refiner {
+        let aligned = prior.aligned.map(|std_dev| {
+            let share = std_dev / prior.skew;
+            share * share
+        });
+        let mut refiner = Refiner {
             reference: Vector5::new(
                 start.stiffness,
                 start.damping,
@@ -76,12 +89,50 @@ impl<T: Real> Refiner<T> {
             deviation: Vector5::repeat(T::zero()),
             prior: Vector5::new(half, half, T::from_f64(0.2), prior.surface, prior.skew),
             covariance: Ud::new(T::one()),
+            aligned,
+            known: Ud::new(T::one()),
+            by_skew: Vector5::repeat(T::zero()),
             moment: Vector5::repeat(T::zero()),
             residual: start.residual,
             linearization_error: T::zero(),
             misfit: Misfit::default(),
             learned: T::zero(),
-        }
+        };
+        refiner.take_skew_for_known();
+        refiner
+    }
+
+    fn take_skew_for_known(&mut self) {
+        (self.known, self.by_skew) = match self.aligned {
+            Some(variance) => self.covariance.with_last_known(variance),
+            None => (self.covariance.clone(), Vector5::repeat(T::zero())),
+        };
+    }
+
+    /// (θ − reference)/prior, with the skew known where it is.
+    fn held(&self) -> Vector5<T> {
+        self.deviation - self.by_skew * self.deviation[4]
+    }
+
+    /// Skew τ that the data speak for, whether it is estimated or not, and its standard error.
+    pub fn skew(&self) -> (T, T) {
+        let error = self.covariance.variances()[4].sqrt();
+        (
+            self.reference[4] + self.deviation[4] * self.prior[4],
+            error * self.prior[4],
+        )
+    }
+
+    /// Whether the skew is among the estimates, and not taken for 0.
+    pub fn is_estimating_skew(&self) -> bool {
+        self.aligned.is_none()
+    }
+
+    /// By how much K, λ, n, x₀ and τ would move if the skew were not taken for 0.
+    pub fn moved_by_skew(&self) -> [T; 5] {
+        (self.by_skew * self.deviation[4])
+            .component_mul(&self.prior)
+            .into()
     }
 
     /// A refiner that linearizes at the estimates of this one and has learned nothing.
@@ -101,7 +152,7 @@ impl<T: Real> Refiner<T> {
     /// The estimates of K, λ, n, x₀ and τ, scaled.
     pub fn values(&self) -> [T; 5] {
         let [stiffness, damping, exponent, surface, skew]: [T; 5] =
-            (self.reference + self.deviation.component_mul(&self.prior)).into();
+            (self.reference + self.held().component_mul(&self.prior)).into();
         [
             stiffness,
             damping,
@@ -114,10 +165,10 @@ impl<T: Real> Refiner<T> {
     /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force and a
     /// noise of the force.
     pub fn std_errors(&self, rest_error: T, noise: &ForceNoise<T>) -> [T; 5] {
-        let variances = self.covariance.variances();
+        let variances = self.known.variances();
         // A wrong resting force is not noise: it moves every sample the same way (Schmidt 1966).
         let ratio = rest_error / noise.raw;
-        let shift = self.covariance.times(&self.moment) * ratio;
+        let shift = self.known.times(&self.moment) * ratio;
         let errors = variances.zip_map(&shift, |variance, shift| (variance + shift * shift).sqrt());
         self.prior.component_mul(&errors).into()
     }
@@ -125,7 +176,7 @@ impl<T: Real> Refiner<T> {
     /// Whether every standard error is at most `factor` times that of another refiner.
     pub fn knows_as_well_as(&self, other: &Self, factor: T) -> bool {
         let known = |refiner: &Self| {
-            let variances = refiner.covariance.variances();
+            let variances = refiner.known.variances();
             variances.component_mul(&refiner.prior.component_mul(&refiner.prior))
         };
         let square = factor * factor;
@@ -142,7 +193,7 @@ impl<T: Real> Refiner<T> {
         // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
         let slope = predicted.gradient.w;
         // Not the linearization error: a misfit would hide behind it.
-        let model = self.covariance.variance(&phi);
+        let model = self.known.variance(&phi);
         (
             predicted.force,
             model + slope * slope * at.quantization_variance,
@@ -169,9 +220,10 @@ impl<T: Real> Refiner<T> {
         let phi_noise = phi / noise.raw;
         let update = self.covariance.update(&phi_noise, beta, weight);
         self.deviation += update.gain * (error / noise.raw);
+        self.take_skew_for_known();
         self.moment = self.moment * beta + phi_noise * weight;
         let here = predict(&self.values(), at).force;
-        let linearization_error = here - there.force - phi.dot(&self.deviation);
+        let linearization_error = here - there.force - phi.dot(&self.held());
         let left = at.force - here;
         let share = T::from_f64(1.0 / MEAN_SQUARE_MEMORY);
         self.residual += share * (left * left - self.residual);
@@ -207,7 +259,7 @@ impl<T: Real> Refiner<T> {
     fn weight(&self, error: T, phi: &Vector5<T>, quantization: T, noise: &ForceNoise<T>) -> T {
         let variance = noise.raw * noise.raw;
         let certain = variance / (variance + quantization);
-        let model = self.covariance.variance(phi);
+        let model = self.known.variance(phi);
         let left = noise.filtered * noise.filtered / certain + model + self.linearization_error;
         let expected = T::from_f64(HUBER) * left.sqrt();
         let size = error.abs();
@@ -288,6 +340,7 @@ mod tests {
     const FOUND: Prior<f64> = Prior {
         surface: 0.1,
         skew: 0.0,
+        aligned: None,
     };
 
     fn start() -> Candidate<f64> {

@@ -68,6 +68,23 @@ impl<T: Real, const N: usize> Ud<T, N> {
         out
     }
 
+    /// P after the last parameter was measured with the variance `variance`, and by how much each
+    /// parameter then moves per unit of that measurement's innovation. The last column of U is the
+    /// direction of Pe, so that one element of D changes.
+    pub fn with_last_known(&self, variance: T) -> (Self, SVector<T, N>) {
+        let mut known = self.clone();
+        let mut gain = SVector::repeat(T::zero());
+        if N > 0 {
+            let last = self.diagonal[N - 1];
+            let share = last / (last + variance);
+            known.diagonal[N - 1] = share * variance;
+            for i in 0..N {
+                gain[i] = self.upper[(i, N - 1)] * share;
+            }
+        }
+        (known, gain)
+    }
+
     /// Component j of Uᵀφ.
     fn project(&self, phi: &SVector<T, N>, j: usize) -> T {
         let mut f = phi[j];
