@@ -3,23 +3,25 @@
 //! Both are decided on raw samples, because a filter smears the kink of a touch over its whole window
 //! (17 ms by default, 200 µm at 12 mm/s). The thresholds are multiples of the measured noise.
 
+mod resting_force;
+mod surface;
+
+pub use surface::SurfacePosition;
+
+use resting_force::{RestingForce, Shift, follow_gain};
+use surface::{PRE_TRIGGER, Tangent};
+
 use crate::estimate::{
     Event, Phase, config, config::Config, error::ConfigError, error::require_each, noise::Noise,
     sample::Sample,
 };
 use crate::maths::scalar::Real;
 
-/// Number of raw samples kept from before a touch: at 6σ gel is already 0.1 mm deep, some 10 samples.
-const PRE_TRIGGER: usize = 64;
-/// Standard error of their mean, over the noise: 1/√64.
-const MEAN_ERROR: f64 = 0.125;
 /// Consecutive samples above the threshold that make a touch: one outlier is not a touch, and the
 /// kept samples undo the delay.
 const TOUCH_SAMPLES: u32 = 2;
 /// Consecutive samples below the threshold that make a lift-off.
 const RELEASE_SAMPLES: u32 = 3;
-/// The resting force follows the free-air force with this time constant (s).
-const REST_TIME_S: f64 = 1.0;
 /// Samples next to a contact, on either side, that the resting force is not taken from: a probe that
 /// is pushed by less than the noise is not in free air. Up to the touch, gel at 1.2 Hz raised the
 /// resting force by 2 mN, which put the surface 1.2 µm too deep.
@@ -27,11 +29,6 @@ const REST_MARGIN: u32 = 32;
 /// Smallest noise that is assumed, as a fraction of the reference force: in a log without noise the
 /// first rounding error would otherwise be a touch.
 pub const NOISE_FLOOR: f64 = 1e-4;
-
-/// Exponent of the contact of which a slow approach shows the tangent, with its standard deviation: most
-/// contacts lie between a flat punch and a cone.
-const EXPONENT: f64 = 1.4;
-const EXPONENT_ERROR: f64 = 0.4;
 
 /// Checked parameters of the contact detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +76,7 @@ impl<T: Real> ContactParams<T> {
             configured_noise_n: contact.force_noise_n.map(from),
             noise_floor_n: T::from_f64(NOISE_FLOOR * f64::from(config.reference.force_n)),
             settle_samples: settle_samples as u32,
-            rest_gain: T::from_f64(1.0 / (REST_TIME_S * f64::from(config.rate_hz)).max(1.0)),
+            rest_gain: follow_gain(config.rate_hz),
         })
     }
 
@@ -87,15 +84,6 @@ impl<T: Real> ContactParams<T> {
     pub fn surface_known(&self) -> bool {
         self.surface.is_some()
     }
-}
-
-/// Position of a surface with its standard error.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SurfacePosition<T> {
-    /// Position of the surface (m).
-    pub position_m: T,
-    /// Standard error of the position (m); 0 where the position is configured.
-    pub std_error_m: T,
 }
 
 /// What the contact detector knows after the newest sample.
@@ -115,8 +103,13 @@ pub struct Contact<T> {
     pub surface: Option<SurfacePosition<T>>,
     /// Mean force in free air (N), to be subtracted.
     pub resting_force_n: T,
-    /// Standard error of the resting force (N), for white noise.
+    /// Standard error of the resting force (N), for white noise and the drift that was seen.
     pub resting_force_error_n: T,
+    /// Whether the resting force has been seen while the probe moved in free air.
+    pub zero_seen: bool,
+    /// Whether the newest sample has shown that the resting force was wrong: what was learned with it is
+    /// wrong, too.
+    pub zero_was_wrong: bool,
     /// Standard deviation of the noise of the raw force (N).
     pub force_noise_n: T,
     /// Smallest step that the position has made (m), which is one count of an encoder; 0 before the
@@ -142,9 +135,7 @@ pub struct ContactState<T> {
     /// Noise of the load cell itself, where the samples went through a window before they came here.
     raw_noise: Noise<T>,
     raw_force_n: Option<T>,
-    resting_force_n: T,
-    /// 1 over the number of samples that the resting force is a mean of.
-    resting_force_gain: T,
+    rest: RestingForce<T>,
     /// Number of samples in free air since the last contact.
     free_samples: u32,
     position_step_m: T,
@@ -175,8 +166,7 @@ impl<T: Real> ContactState<T> {
             noise: Noise::default(),
             raw_noise: Noise::default(),
             raw_force_n: None,
-            resting_force_n: T::zero(),
-            resting_force_gain: T::one(),
+            rest: RestingForce::default(),
             free_samples: 0,
             position_step_m: T::zero(),
             last_position_m: None,
@@ -196,7 +186,7 @@ impl<T: Real> ContactState<T> {
 
     /// Mean force in free air (N); 0 while settling.
     pub fn resting_force_n(&self) -> T {
-        self.resting_force_n
+        self.rest.mean_n
     }
 
     /// The surface of this contact or of the last one; `None` before the first.
@@ -219,9 +209,11 @@ impl<T: Real> ContactState<T> {
     pub fn update(&mut self, params: &ContactParams<T>, sample: &Sample<T>) -> Contact<T> {
         let before = self.phase;
         self.measure_step(sample.position_m);
+        let mut shift = Shift::None;
         if self.phase == Phase::Settling {
             self.settle(params, sample);
         } else {
+            shift = self.observe_rest(params, sample);
             self.remember(sample);
             self.decide(params, sample);
         }
@@ -231,8 +223,10 @@ impl<T: Real> ContactState<T> {
             loaded_samples: self.loaded_samples,
             loaded_from_surface: self.loaded_from_surface,
             surface: self.surface,
-            resting_force_n: self.resting_force_n,
-            resting_force_error_n: self.force_noise_n * self.resting_force_gain.sqrt(),
+            resting_force_n: self.rest.mean_n,
+            resting_force_error_n: self.rest.std_error_n(self.force_noise_n),
+            zero_seen: params.surface.is_some() || self.rest.seen_in_free_air(),
+            zero_was_wrong: matches!(shift, Shift::Elsewhere),
             force_noise_n: self.force_noise_n,
             position_step_m: self.position_step_m,
         }
@@ -253,8 +247,7 @@ impl<T: Real> ContactState<T> {
             self.raw_noise.update(force_n);
         }
         if self.noise.samples() >= params.settle_samples {
-            self.resting_force_n = self.noise.mean_n();
-            self.resting_force_gain = T::one() / T::from_f64(f64::from(self.noise.samples()));
+            self.rest.settle(self.noise.mean_n(), self.noise.samples());
             let measured = self
                 .noise
                 .white_noise_n()
@@ -274,12 +267,34 @@ impl<T: Real> ContactState<T> {
     fn remember(&mut self, sample: &Sample<T>) {
         self.newest = (self.newest + 1) % PRE_TRIGGER;
         if let Some(slot) = self.recent.get_mut(self.newest) {
-            *slot = (sample.position_m, sample.force_n - self.resting_force_n);
+            *slot = (sample.position_m, sample.force_n - self.rest.mean_n);
         }
     }
 
+    /// Asks what a sample says about the resting force; free air is left at once where zero is elsewhere.
+    fn observe_rest(&mut self, params: &ContactParams<T>, sample: &Sample<T>) -> Shift {
+        let force_n = sample.force_n - self.rest.mean_n;
+        let below_n = params.release_sigma * self.wander_n;
+        if self.phase == Phase::Free && force_n.abs() < below_n {
+            self.rest.observe_free(sample.position_m);
+        }
+        let (noise_n, step_m) = (self.force_noise_n, self.position_step_m);
+        let position_m = sample.position_m;
+        let shift = self
+            .rest
+            .observe(position_m, force_n, below_n, noise_n, step_m);
+        if matches!(shift, Shift::Elsewhere) && params.surface.is_none() {
+            self.phase = Phase::Free;
+            self.opposing_samples = 0;
+            self.outside_since_touch = true;
+            self.outside_since_load = true;
+            self.recent = [(position_m, T::zero()); PRE_TRIGGER];
+        }
+        shift
+    }
+
     fn decide(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
-        let force_n = sample.force_n - self.resting_force_n;
+        let force_n = sample.force_n - self.rest.mean_n;
         self.decide_phase(params, sample.position_m, force_n);
         let outside = self
             .surface
@@ -326,7 +341,10 @@ impl<T: Real> ContactState<T> {
             self.opposing_samples = 0;
             self.phase = other;
             if !touching && core::mem::take(&mut self.outside_since_touch) {
-                self.surface = Some(self.locate(params));
+                let surface = self.locate(params);
+                let step_m = self.position_step_m;
+                self.rest.touched(surface.position_m, position_m, step_m);
+                self.surface = Some(surface);
             }
         }
     }
@@ -342,9 +360,7 @@ impl<T: Real> ContactState<T> {
     fn follow_resting_force(&mut self, params: &ContactParams<T>) {
         let (_, force_n) = self.before(REST_MARGIN as usize);
         if force_n.abs() < T::from_f64(3.0) * self.wander_n {
-            let next = self.resting_force_gain / (T::one() + self.resting_force_gain);
-            self.resting_force_gain = params.rest_gain.max_of(next);
-            self.resting_force_n += self.resting_force_gain * force_n;
+            self.rest.follow(force_n, params.rest_gain);
         }
     }
 
@@ -352,15 +368,18 @@ impl<T: Real> ContactState<T> {
     /// of rest. Its bias is of the order of the way from there to the touch, so half of that way is the
     /// standard error. A slow approach is still in contact in the oldest of the samples kept; there the
     /// tangent says how far back the surface is.
-    fn locate(&self, params: &ContactParams<T>) -> SurfacePosition<T> {
+    fn locate(&mut self, params: &ContactParams<T>) -> SurfacePosition<T> {
         if let Some(position_m) = params.surface {
             return SurfacePosition {
                 position_m,
                 std_error_m: T::zero(),
             };
         }
-        if let Some(surface) = Tangent::of(&self.recent).surface(self.force_noise_n) {
-            return surface;
+        let mut tangent = Tangent::of(&self.recent);
+        if let Some(surface) = tangent.surface(self.force_noise_n) {
+            let way_m = self.before(0).0 - surface.position_m;
+            tangent.force_n += self.rest.go_back(tangent.samples_for(way_m));
+            return tangent.surface(self.force_noise_n).unwrap_or(surface);
         }
         let touch = self.before(0);
         let impact = (1..PRE_TRIGGER)
@@ -371,64 +390,6 @@ impl<T: Real> ContactState<T> {
             position_m: impact.0,
             std_error_m: T::from_f64(0.5) * (touch.0 - impact.0).abs(),
         }
-    }
-}
-
-/// The straight line through the positions and forces before a touch.
-struct Tangent<T> {
-    /// Mean position (m), with the standard deviation of the positions about it.
-    position_m: T,
-    spread_m: T,
-    /// Mean force (N) and slope of the force over the position (N/m).
-    force_n: T,
-    slope_n_per_m: T,
-}
-
-impl<T: Real> Tangent<T> {
-    fn of(samples: &[(T, T); PRE_TRIGGER]) -> Self {
-        let share = T::from_f64(1.0 / PRE_TRIGGER as f64);
-        let [mut position_m, mut force_n] = [T::zero(); 2];
-        let (origin_m, _) = samples.first().copied().unwrap_or_default();
-        for (position, force) in samples {
-            position_m += (*position - origin_m) * share;
-            force_n += *force * share;
-        }
-        let [mut square, mut product] = [T::zero(); 2];
-        for (position, force) in samples {
-            let from_mean = *position - origin_m - position_m;
-            square += from_mean * from_mean * share;
-            product += from_mean * *force * share;
-        }
-        Tangent {
-            position_m: origin_m + position_m,
-            spread_m: square.sqrt(),
-            force_n,
-            slope_n_per_m: product / square.max_of(T::from_f64(f64::from(f32::MIN_POSITIVE))),
-        }
-    }
-
-    /// The surface where the tangent of F ∝ δⁿ puts it, δ = n·F/(dF/dδ) with n of 1.4 ± 0.4; `None` where
-    /// the line begins in free air, so that it is no tangent.
-    fn surface(&self, noise_n: T) -> Option<SurfacePosition<T>> {
-        // The line at its beginning, √3 standard deviations before its middle, known to two of the
-        // standard errors of a mean.
-        let mean_error_n = noise_n * T::from_f64(MEAN_ERROR);
-        let reach = T::from_f64(1.732_050_8) * self.spread_m;
-        let begins_n = self.force_n - reach * self.slope_n_per_m.abs();
-        let rises = self.slope_n_per_m > T::zero() && self.spread_m > T::zero();
-        let in_contact = begins_n > T::from_f64(4.0) * mean_error_n;
-        if !(rises && in_contact) {
-            return None;
-        }
-        let slope_error = mean_error_n / self.spread_m;
-        let slope = self.slope_n_per_m.max_of(slope_error);
-        let tangent_m = self.force_n / slope;
-        let of_slope = T::from_f64(EXPONENT) * tangent_m * slope_error / slope;
-        let of_exponent = T::from_f64(EXPONENT_ERROR) * tangent_m;
-        Some(SurfacePosition {
-            position_m: self.position_m - T::from_f64(EXPONENT) * tangent_m,
-            std_error_m: (of_slope * of_slope + of_exponent * of_exponent).sqrt(),
-        })
     }
 }
 

@@ -4,7 +4,7 @@ use crate::estimate::{
     Estimate, Event, Innovation, Phase, contact::Contact, contact::ContactState,
     contact::SurfacePosition, fault::Fault, fault::Faults, filter::Aligned, filter::FilterState,
     identify, identify::ForceNoise, identify::Identifier, identify::Instant,
-    monitor::ConvergenceMonitor, params::Params, sample::Sample,
+    monitor::ConvergenceMonitor, params::Params, sample::Sample, status::Reason,
 };
 use crate::maths::scalar::Real;
 
@@ -126,6 +126,9 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     let contact = state.contact.update(&params.contact, &sample);
     let instant = scaled(params, &aligned, &contact, elapsed_us);
     state.monitor.observe_phase(contact.phase);
+    if contact.zero_was_wrong {
+        state.reset_estimates(params);
+    }
     let innovation = state.predict(&contact, &instant);
     let learned = state.learn(params, &contact, &instant, &innovation);
     let change = learned.and_then(|_| state.assess(params, &contact, &instant, &innovation));
@@ -260,7 +263,10 @@ impl<T: Real> State<T> {
         estimates
             .iter_mut()
             .for_each(|parameter| parameter.std_error *= inflation);
-        let doubt = self.identifier.doubt(at);
+        let doubt = match contact.zero_seen {
+            true => self.identifier.doubt(at),
+            false => Some(Reason::Zero),
+        };
         let law = self.identifier.law(&params.identify);
         // The last parameter of every law is the surface.
         let estimates = estimates.get(..law.parameters().len() - 1).unwrap_or(&[]);

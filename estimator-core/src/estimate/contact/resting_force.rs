@@ -1,0 +1,219 @@
+//! The resting force: what the load cell reads in free air, and whether it has ever been seen there.
+//!
+//! A board that is switched on in contact takes the contact force for zero. Nothing in the force of a rest
+//! says so; motion does. Air lets the probe travel while the force stays, so a zero is seen in free air
+//! once the probe has come some way towards a surface without a force, or gone from one and found the
+//! force where it was. A force that falls below zero was none.
+
+use crate::maths::scalar::Real;
+
+/// The resting force follows the free-air force with this time constant (s).
+const TIME_S: f64 = 1.0;
+/// Samples between two of the kept values of the resting force, and their number: a slow touch lifts the
+/// resting force before it is known, and then that of up to a second earlier counts.
+const KEEP_EVERY: u32 = 128;
+const KEPT: usize = 8;
+/// Samples of a stretch of which is asked whether it is free air.
+const STRETCH: u32 = 64;
+/// Bounds of the standard deviation in free air over the noise: a flat stretch that has none is a stuck or
+/// saturated channel.
+const FLAT: (f64, f64) = (0.25, 1.6);
+/// Way in free air (counts of the position) that a force would have changed over.
+const WAY_COUNTS: f64 = 20.0;
+/// A stretch of free air that differs from the resting force by more than this many standard errors of its
+/// mean has another zero.
+const SHIFTED: f64 = 5.0;
+/// Samples below zero, by more than the threshold of a lift-off, that make a zero wrong.
+const BELOW_SAMPLES: u32 = 8;
+
+/// The resting force with what is known about it.
+#[derive(Clone, Debug)]
+pub(super) struct RestingForce<T> {
+    /// Mean force in free air (N); 0 while settling.
+    pub(super) mean_n: T,
+    /// 1 over the number of samples that it is a mean of.
+    gain: T,
+    /// Largest shift (N) that was found after a contact.
+    drift_n: T,
+    kept: [T; KEPT],
+    newest: usize,
+    until_kept: u32,
+    /// Farthest out (m) that the probe has been in free air since the last contact.
+    outermost_m: Option<T>,
+    /// Way (m) from the last impact to where it was noticed.
+    touch_way_m: T,
+    seen_in_free_air: bool,
+    below_samples: u32,
+    stretch: Stretch<T>,
+}
+
+/// Sums over a stretch of samples, forces without the resting force.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stretch<T> {
+    samples: u32,
+    sum_n: T,
+    square_n2: T,
+    first_m: T,
+    last_m: T,
+}
+
+/// What one sample says about the resting force.
+pub(super) enum Shift {
+    /// It stays.
+    None,
+    /// The probe is in free air, and zero is elsewhere.
+    Elsewhere,
+}
+
+impl<T: Real> Default for RestingForce<T> {
+    fn default() -> Self {
+        RestingForce {
+            mean_n: T::zero(),
+            gain: T::one(),
+            drift_n: T::zero(),
+            kept: [T::zero(); KEPT],
+            newest: 0,
+            until_kept: 0,
+            outermost_m: None,
+            touch_way_m: T::zero(),
+            seen_in_free_air: false,
+            below_samples: 0,
+            stretch: Stretch::default(),
+        }
+    }
+}
+
+/// Gain of the mean that follows the free-air force.
+pub(super) fn follow_gain<T: Real>(rate_hz: f32) -> T {
+    T::from_f64(1.0 / (TIME_S * f64::from(rate_hz)).max(1.0))
+}
+
+impl<T: Real> RestingForce<T> {
+    /// Takes the mean (N) of `samples` samples at rest.
+    pub(super) fn settle(&mut self, mean_n: T, samples: u32) {
+        self.mean_n = mean_n;
+        self.gain = T::one() / T::from_f64(f64::from(samples));
+        self.kept = [mean_n; KEPT];
+    }
+
+    /// Standard error (N) for a white noise of the force.
+    pub(super) fn std_error_n(&self, noise_n: T) -> T {
+        (noise_n * noise_n * self.gain + self.drift_n * self.drift_n).sqrt()
+    }
+
+    /// Whether the zero has been seen while the probe moved in free air.
+    pub(super) fn seen_in_free_air(&self) -> bool {
+        self.seen_in_free_air
+    }
+
+    /// Follows a force (N, without the resting force) in free air. It lies some samples back: a touch right
+    /// after it would be known by now.
+    pub(super) fn follow(&mut self, force_n: T, slowest: T) {
+        let next = self.gain / (T::one() + self.gain);
+        self.gain = slowest.max_of(next);
+        self.mean_n += self.gain * force_n;
+        self.until_kept = self.until_kept.saturating_sub(1);
+        if self.until_kept == 0 {
+            self.until_kept = KEEP_EVERY;
+            self.newest = (self.newest + 1) % KEPT;
+            if let Some(slot) = self.kept.get_mut(self.newest) {
+                *slot = self.mean_n;
+            }
+        }
+    }
+
+    /// Goes back to the resting force of this many samples ago, before a slow touch began to lift it; gives
+    /// by how much (N) the forces since then are larger.
+    pub(super) fn go_back(&mut self, samples: T) -> T {
+        let mut slots = 1;
+        let mut reached = T::from_f64(f64::from(KEEP_EVERY));
+        while reached < samples && slots < KEPT - 1 {
+            reached += T::from_f64(f64::from(KEEP_EVERY));
+            slots += 1;
+        }
+        let slot = (self.newest + KEPT - slots) % KEPT;
+        let before = self.kept.get(slot).copied().unwrap_or(self.mean_n);
+        let lifted = self.mean_n - before;
+        self.mean_n = before;
+        self.kept = [before; KEPT];
+        lifted
+    }
+
+    /// Takes a position (m) in free air.
+    pub(super) fn observe_free(&mut self, position_m: T) {
+        let outermost = self.outermost_m.get_or_insert(position_m);
+        *outermost = outermost.min_of(position_m);
+    }
+
+    /// A surface was met at `impact_m`, and noticed at `touch_m`. The zero stands if the probe has come a
+    /// way without a force that is not short beside the way on which it noticed one.
+    pub(super) fn touched(&mut self, impact_m: T, touch_m: T, step_m: T) {
+        self.touch_way_m = (touch_m - impact_m).abs();
+        if let Some(outermost_m) = self.outermost_m.take() {
+            let free_m = impact_m - outermost_m;
+            let needed_m = T::from_f64(0.5) * self.touch_way_m + T::from_f64(3.0) * step_m;
+            self.seen_in_free_air = free_m > needed_m;
+        }
+    }
+
+    /// Takes a sample, its force (N) without the resting force. `unit_n` is that of the thresholds, `noise_n`
+    /// the white noise, `step_m` a count of the position.
+    pub(super) fn observe(
+        &mut self,
+        position_m: T,
+        force_n: T,
+        below_n: T,
+        noise_n: T,
+        step_m: T,
+    ) -> Shift {
+        self.below_samples = if force_n < -below_n {
+            self.below_samples.saturating_add(1)
+        } else {
+            0
+        };
+        if self.below_samples >= BELOW_SAMPLES {
+            self.seen_in_free_air = false;
+        }
+        let stretch = &mut self.stretch;
+        if stretch.samples == 0 {
+            stretch.first_m = position_m;
+        }
+        stretch.samples += 1;
+        stretch.sum_n += force_n;
+        stretch.square_n2 += force_n * force_n;
+        stretch.last_m = position_m;
+        if stretch.samples < STRETCH {
+            return Shift::None;
+        }
+        let ended = core::mem::take(stretch);
+        self.judge(&ended, below_n, noise_n, step_m)
+    }
+
+    fn judge(&mut self, ended: &Stretch<T>, below_n: T, noise_n: T, step_m: T) -> Shift {
+        let count = T::from_f64(f64::from(STRETCH));
+        let mean_n = ended.sum_n / count;
+        let variance = T::zero().max_of(ended.square_n2 / count - mean_n * mean_n);
+        let (least, most) = (T::from_f64(FLAT.0) * noise_n, T::from_f64(FLAT.1) * noise_n);
+        let flat = variance > least * least && variance < most * most;
+        // Only on the way out: the first newtons of a soft contact are as flat as air on the way in.
+        let retreat_m = ended.first_m - ended.last_m;
+        let far = (T::from_f64(WAY_COUNTS) * step_m).max_of(T::from_f64(4.0) * self.touch_way_m);
+        if !(flat && step_m > T::zero() && retreat_m > far) {
+            return Shift::None;
+        }
+        let certain_n = T::from_f64(SHIFTED) * noise_n / count.sqrt();
+        if mean_n.abs() > certain_n {
+            self.mean_n += mean_n;
+            self.gain = T::one() / count;
+            self.kept = [self.mean_n; KEPT];
+            if mean_n.abs() > below_n {
+                self.seen_in_free_air = true;
+                self.drift_n = T::zero();
+                return Shift::Elsewhere;
+            }
+            self.drift_n = self.drift_n.max_of(mean_n.abs());
+        }
+        self.seen_in_free_air = true;
+        Shift::None
+    }
+}
