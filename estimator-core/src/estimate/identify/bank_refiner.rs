@@ -39,6 +39,12 @@ const LINEARIZATION_SHARE: f64 = 0.02;
 const SIMILAR: f64 = 1.5;
 /// Pools that a successor learns from at every sample.
 const CATCH_UP: u32 = 3;
+/// Pools between two challengers. One takes over when it lowers the cost of the memory by more than this:
+/// χ² of five parameters exceeds 40 with probability 10⁻⁷. Estimates that had to be replaced are doubted
+/// for this many pools: two seconds of contact, after which the next challenges have confirmed them.
+const CHALLENGE_EVERY: u32 = 64;
+const CHALLENGED: f64 = 40.0;
+const DOUBTED: u32 = 256;
 /// Forgetting factors per pool of 8: the bank has a memory of 2000 samples, the refiner of 50 000.
 /// The estimates of one material only get better, and another material clears both.
 const BANK_BETA: f64 = 0.996;
@@ -87,6 +93,10 @@ pub struct BankRefiner<T: Real> {
     pool: Pool<T>,
     memory: PoolRing<T>,
     until_search: u32,
+    /// Number of pools at which the next challenger starts, and until which the last one that won raises
+    /// doubt.
+    next_challenge: u32,
+    doubted_until: u32,
     excitation: Excitation<T, 2>,
 }
 
@@ -97,6 +107,18 @@ struct Successor<T: Real> {
     next: u32,
     /// Whether the memory reaches back to the first contact.
     complete: bool,
+    /// By how much the cost of what it has learned from is larger for the estimates than for it.
+    gain: T,
+    /// Whether it stays only if it contradicts the estimates.
+    challenges: bool,
+}
+
+impl<T: Real> Successor<T> {
+    /// Whether what it has learned from contradicts the estimates.
+    fn is_better(&self) -> bool {
+        let inflation = self.refiner.misfit().inflation();
+        self.gain > T::from_f64(CHALLENGED) * inflation * inflation
+    }
 }
 
 impl<T: Real> BankRefiner<T> {
@@ -119,6 +141,8 @@ impl<T: Real> BankRefiner<T> {
             pool: Pool::default(),
             memory: PoolRing::default(),
             until_search: 1,
+            next_challenge: CHALLENGE_EVERY,
+            doubted_until: 0,
             excitation: Excitation::default(),
         }
     }
@@ -164,6 +188,7 @@ impl<T: Real> BankRefiner<T> {
         }
         self.until_search = self.until_search.saturating_sub(1);
         self.relinearize(&at.noise);
+        self.challenge();
     }
 
     /// Starts a refiner from the bank: the first one, or one that replaces a refiner whose residual
@@ -204,7 +229,27 @@ impl<T: Real> BankRefiner<T> {
             refiner,
             next,
             complete,
+            gain: T::zero(),
+            challenges: false,
         });
+    }
+
+    /// Starts a challenger, which learns from the memory alone. What was learned before it may be of
+    /// another material, or of a fault, and would never be forgotten.
+    fn challenge(&mut self) {
+        let Some(refiner) = &self.refiner else { return };
+        let due = self.memory.pushed() >= self.next_challenge;
+        if !due || self.successor.is_some() || !refiner.is_sound() {
+            return;
+        }
+        self.next_challenge = self.memory.pushed().saturating_add(CHALLENGE_EVERY);
+        if self.memory.oldest() == 0 {
+            return;
+        }
+        self.begin(refiner.successor(&self.prior));
+        if let Some(successor) = &mut self.successor {
+            successor.challenges = true;
+        }
     }
 
     /// The successor learns from memory, and takes over once it knows what its predecessor does.
@@ -214,9 +259,12 @@ impl<T: Real> BankRefiner<T> {
         };
         for _ in 0..CATCH_UP {
             if let Some(pooled) = self.memory.get(successor.next) {
-                successor
+                let cost = successor
                     .refiner
                     .learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
+                if let Some(refiner) = &self.refiner {
+                    successor.gain += refiner.cost(pooled, cost.weight, &at.noise) - cost.least;
+                }
                 successor.next += 1;
             }
         }
@@ -225,11 +273,15 @@ impl<T: Real> BankRefiner<T> {
         }
         let knows = match &self.refiner {
             Some(refiner) if refiner.is_sound() && !successor.complete => {
-                takes_over(&successor.refiner, refiner)
+                if successor.is_better() {
+                    self.doubted_until = self.memory.pushed().saturating_add(DOUBTED);
+                }
+                successor.is_better()
+                    || !successor.challenges && takes_over(&successor.refiner, refiner)
             }
             _ => true,
         };
-        if !successor.refiner.is_sound() {
+        if !successor.refiner.is_sound() || successor.challenges && !knows {
             self.successor = None;
         } else if knows {
             self.refiner = self.successor.take().map(|successor| successor.refiner);
@@ -296,6 +348,9 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
 
     fn doubt(&self, _at: &Instant<T>) -> Option<Reason> {
         let refiner = self.refiner.as_ref()?;
+        if self.memory.pushed() < self.doubted_until {
+            return Some(Reason::Residual);
+        }
         let [_, damping, exponent, ..] = refiner.values();
         let [_, damping_error, ..] = self.std_errors;
         let (low, high) = EXPONENT;

@@ -64,6 +64,15 @@ pub struct Prior<T> {
     pub aligned: Option<T>,
 }
 
+/// What a pool costs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cost<T> {
+    /// Weight of the pool.
+    pub weight: T,
+    /// By how much the pool raises the smallest cost.
+    pub least: T,
+}
+
 /// The force of a pool and its gradient.
 struct Predicted<T: Real> {
     force: T,
@@ -200,15 +209,16 @@ impl<T: Real> Refiner<T> {
         )
     }
 
-    /// Learns from a pool of instants with forgetting factor β.
-    pub fn learn(&mut self, at: &Pooled<T>, noise: &ForceNoise<T>, beta: T) {
+    /// Learns from a pool of instants with forgetting factor β. Gives the weight of the pool and by how much
+    /// it raises the smallest cost Σw·e²/σ² of this reference.
+    pub fn learn(&mut self, at: &Pooled<T>, noise: &ForceNoise<T>, beta: T) -> Cost<T> {
         let there = predict(&self.reference.into(), at);
         if there.gradient.x == T::zero() {
             // A force above the surface is a misfit; where the window is too wide there is no saying.
             if there.force == T::zero() {
                 self.observe_residual(at.force, T::zero(), at, noise);
             }
-            return;
+            return Cost::default();
         }
         let phi = there.gradient.component_mul(&self.prior);
         let linear = there.force + phi.dot(&self.deviation);
@@ -231,6 +241,18 @@ impl<T: Real> Refiner<T> {
         self.linearization_error +=
             share * (linearization_error * linearization_error - self.linearization_error);
         self.learned += at.count;
+        // The recursive identity for the cost at the minimum: prior times posterior error.
+        let posterior = error * (T::one() - phi_noise.dot(&update.gain));
+        Cost {
+            weight,
+            least: weight * error * posterior / (noise.raw * noise.raw),
+        }
+    }
+
+    /// The cost w·e²/σ² of a pool at the estimates.
+    pub fn cost(&self, at: &Pooled<T>, weight: T, noise: &ForceNoise<T>) -> T {
+        let left = at.force - predict(&self.values(), at).force;
+        weight * left * left / (noise.raw * noise.raw)
     }
 
     fn observe_residual(
@@ -358,7 +380,7 @@ mod tests {
         let mut refiner = Refiner::new(&start(), 0.0, &FOUND);
         for _ in 0..3 {
             refiner = refiner.successor(&FOUND);
-            (0..1500).for_each(|i| refiner.learn(&gel(i), &NOISE, 1.0));
+            (0..1500).for_each(|i| _ = refiner.learn(&gel(i), &NOISE, 1.0));
         }
         for (value, truth) in refiner
             .values()
@@ -386,10 +408,10 @@ mod tests {
             raw: 5.0,
             filtered: 2.0,
         };
-        (0..800).for_each(|i| forth.learn(&gel(i), &noise, 1.0));
+        (0..800).for_each(|i| _ = forth.learn(&gel(i), &noise, 1.0));
         (0..800)
             .rev()
-            .for_each(|i| back.learn(&gel(i), &noise, 1.0));
+            .for_each(|i| _ = back.learn(&gel(i), &noise, 1.0));
         for (forth, back) in forth.values().into_iter().zip(back.values()) {
             assert!((forth - back).abs() < 1e-9, "{forth} {back}");
         }
@@ -405,7 +427,7 @@ mod tests {
             0.0,
             &Prior::default(),
         );
-        (0..3000).for_each(|i| refiner.learn(&gel(i), &NOISE, 1.0));
+        (0..3000).for_each(|i| _ = refiner.learn(&gel(i), &NOISE, 1.0));
         assert_eq!(refiner.values()[3], 0.0);
         assert_eq!(refiner.std_errors(0.0, &NOISE)[3], 0.0);
     }
@@ -453,7 +475,7 @@ mod tests {
         let mut refiner = Refiner::new(&start(), 0.0, &prior);
         for _ in 0..4 {
             refiner = refiner.successor(&prior);
-            (1..1500).for_each(|i| refiner.learn(&skewed(i), &NOISE, 1.0));
+            (1..1500).for_each(|i| _ = refiner.learn(&skewed(i), &NOISE, 1.0));
         }
         for (value, truth) in refiner
             .values()
