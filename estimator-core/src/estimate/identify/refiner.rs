@@ -155,6 +155,12 @@ impl<T: Real> Refiner<T> {
             surface,
             residual,
         };
+        // A skew that is taken for 0 must not walk there reference by reference.
+        let skew = if self.is_estimating_skew() {
+            skew
+        } else {
+            T::zero()
+        };
         Refiner::new(&start, skew, prior)
     }
 
