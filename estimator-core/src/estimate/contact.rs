@@ -107,6 +107,8 @@ pub struct Contact<T> {
     pub resting_force_error_n: T,
     /// Whether the resting force has been seen while the probe moved in free air.
     pub zero_seen: bool,
+    /// Whether the surface has pulled at the last lift-off, which no law of contact here does.
+    pub pulls: bool,
     /// Whether the newest sample has shown that the resting force was wrong: what was learned with it is
     /// wrong, too.
     pub zero_was_wrong: bool,
@@ -128,6 +130,35 @@ impl<T> Contact<T> {
     }
 }
 
+/// Samples after a lift-off in which a surface that adheres still pulls, and how many must.
+const PULL_WITHIN: u32 = 64;
+const PULL_SAMPLES: u32 = 4;
+
+/// Watches whether the surface pulls when the probe leaves it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pull {
+    since_contact: u32,
+    below: u32,
+    has_pulled: bool,
+}
+
+impl Pull {
+    fn observe(&mut self, phase: Phase, below: bool) {
+        if phase == Phase::Contact {
+            (self.since_contact, self.below) = (0, 0);
+        }
+        self.since_contact = self.since_contact.saturating_add(1);
+        if self.since_contact <= PULL_WITHIN {
+            self.below += u32::from(below);
+            if self.below >= PULL_SAMPLES {
+                self.has_pulled = true;
+            }
+        } else if self.since_contact == PULL_WITHIN + 1 {
+            self.has_pulled = self.below >= PULL_SAMPLES;
+        }
+    }
+}
+
 /// State of the contact detector.
 #[derive(Clone, Debug)]
 pub struct ContactState<T> {
@@ -136,6 +167,7 @@ pub struct ContactState<T> {
     raw_noise: Noise<T>,
     raw_force_n: Option<T>,
     rest: RestingForce<T>,
+    pull: Pull,
     /// Number of samples in free air since the last contact.
     free_samples: u32,
     position_step_m: T,
@@ -167,6 +199,7 @@ impl<T: Real> ContactState<T> {
             raw_noise: Noise::default(),
             raw_force_n: None,
             rest: RestingForce::default(),
+            pull: Pull::default(),
             free_samples: 0,
             position_step_m: T::zero(),
             last_position_m: None,
@@ -226,6 +259,7 @@ impl<T: Real> ContactState<T> {
             resting_force_n: self.rest.mean_n,
             resting_force_error_n: self.rest.std_error_n(self.force_noise_n),
             zero_seen: params.surface.is_some() || self.rest.seen_in_free_air(),
+            pulls: self.pull.has_pulled,
             zero_was_wrong: matches!(shift, Shift::Elsewhere),
             force_noise_n: self.force_noise_n,
             position_step_m: self.position_step_m,
@@ -280,6 +314,7 @@ impl<T: Real> ContactState<T> {
         }
         let (noise_n, step_m) = (self.force_noise_n, self.position_step_m);
         let position_m = sample.position_m;
+        self.pull.observe(self.phase, force_n < -below_n);
         let shift = self
             .rest
             .observe(position_m, force_n, below_n, noise_n, step_m);
@@ -343,7 +378,8 @@ impl<T: Real> ContactState<T> {
             if !touching && core::mem::take(&mut self.outside_since_touch) {
                 let surface = self.locate(params);
                 let step_m = self.position_step_m;
-                self.rest.touched(surface.position_m, position_m, step_m);
+                self.rest
+                    .touched(surface.position_m, position_m, step_m, self.force_noise_n);
                 self.surface = Some(surface);
             }
         }

@@ -264,6 +264,7 @@ impl<T: Real> State<T> {
             .iter_mut()
             .for_each(|parameter| parameter.std_error *= inflation);
         let doubt = match contact.zero_seen {
+            true if contact.pulls => Some(Reason::Law),
             true => self.identifier.doubt(at),
             false => Some(Reason::Zero),
         };

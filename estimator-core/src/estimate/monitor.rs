@@ -11,14 +11,18 @@ use crate::maths::scalar::Real;
 const SNAPSHOTS: usize = 8;
 /// Memory of the fast mean of the test ratio (samples): 20 ms at 1 kHz.
 const FAST_SAMPLES: f64 = 20.0;
-/// The material has changed when the fast mean of the test ratio exceeds the slow one this many times.
-/// With 20 independent samples the fast mean exceeds 12 by chance with probability below 10⁻³⁰.
+/// The material has changed when the test ratio exceeds its slow mean this many times in so many samples
+/// more than not. An outlier stays in a filter's window of 17 samples and is no change of material.
 const CHANGE_RATIO: f64 = 12.0;
+const CHANGE_SAMPLES: u32 = 24;
 /// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
 /// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
 const DOUBT_RATIO: f64 = 16.0;
-/// Largest test ratio that enters the means: a single outlier must not fill them for seconds.
-const MAX_RATIO: f64 = 1e6;
+/// Largest test ratio that enters the means: an outlier of one window raises the slow mean by 3, and a law
+/// that does not hold still raises it above any bound that can be set.
+const MAX_RATIO: f64 = 100.0;
+/// Largest test ratio that enters the mean which a change is measured against.
+const MAX_BASELINE: f64 = 1e6;
 
 /// Checked bounds of the convergence monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +84,9 @@ pub struct ConvergenceMonitor<T> {
     /// Means of the test ratio over 20 samples and over a window.
     fast_ratio: T,
     slow_ratio: T,
+    /// Mean of the test ratio that a change of material is measured against: of a law that does not
+    /// hold, every stroke would otherwise be another material.
+    baseline: T,
     snapshots: [[T; PARAMETER_SLOTS]; SNAPSHOTS],
     /// Number of snapshots taken; counts on in a circle above [`SNAPSHOTS`] once all are taken.
     taken: usize,
@@ -87,6 +94,10 @@ pub struct ConvergenceMonitor<T> {
     until_snapshot: u32,
     /// Number of samples for which the status stays [`Status::Changed`].
     changed_samples: u32,
+    /// Whether the parameters have once been steady, so that there is something that can change.
+    settled: bool,
+    /// Number of samples that speak for another material, less those that do not.
+    alien_samples: u32,
 }
 
 /// The state before the first contact.
@@ -98,10 +109,13 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
             misfit: Misfit::default(),
             fast_ratio: T::one(),
             slow_ratio: T::one(),
+            baseline: T::one(),
             snapshots: [[T::zero(); PARAMETER_SLOTS]; SNAPSHOTS],
             taken: 0,
             until_snapshot: 0,
             changed_samples: 0,
+            settled: false,
+            alien_samples: 0,
         }
     }
 }
@@ -147,11 +161,19 @@ impl<T: Real> ConvergenceMonitor<T> {
         if self.taken >= SNAPSHOTS {
             self.misfit.update(normalized, T::one(), params.noise_gain);
         }
+        let alien =
+            innovation.test_ratio > T::from_f64(CHANGE_RATIO) * T::one().max_of(self.baseline);
+        self.alien_samples = match alien {
+            true => self.alien_samples + 1,
+            false => self.alien_samples.saturating_sub(1),
+        };
         self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
-        let baseline = T::one().max_of(self.slow_ratio);
         self.slow_ratio += params.slow_gain * (ratio - self.slow_ratio);
-        let steady_so_far = matches!(self.status, Status::Converged | Status::ModelSuspect);
-        if steady_so_far && self.fast_ratio > T::from_f64(CHANGE_RATIO) * baseline {
+        let largest = T::from_f64(MAX_BASELINE);
+        let unusual = innovation.test_ratio.min_of(largest) - self.baseline;
+        self.baseline += params.slow_gain * unusual;
+        self.settled |= matches!(self.status, Status::Converged | Status::ModelSuspect);
+        if self.settled && self.alien_samples >= CHANGE_SAMPLES {
             self.restart(params);
             return Some(Event::MaterialChange);
         }
@@ -195,8 +217,11 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.changed_samples = params.window / 2;
         self.taken = 0;
         self.slow_ratio = T::one();
+        self.baseline = T::one();
         self.misfit = Misfit::default();
         self.reason = None;
+        self.settled = false;
+        self.alien_samples = 0;
     }
 
     /// Whether every standard error is within the bound, and every parameter within the bound of all its

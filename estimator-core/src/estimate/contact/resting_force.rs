@@ -23,6 +23,8 @@ const WAY_COUNTS: f64 = 20.0;
 /// A stretch of free air that differs from the resting force by more than this many standard errors of its
 /// mean has another zero.
 const SHIFTED: f64 = 5.0;
+/// Share of a drift that is still expected at the next touch.
+const KEPT_DRIFT: f64 = 0.7;
 /// Samples below zero, by more than the threshold of a lift-off, that make a zero wrong.
 const BELOW_SAMPLES: u32 = 8;
 
@@ -42,6 +44,8 @@ pub(super) struct RestingForce<T> {
     outermost_m: Option<T>,
     /// Way (m) from the last impact to where it was noticed.
     touch_way_m: T,
+    /// Mean force (N) in free air before the last touch, and its gain.
+    at_last_touch: (T, T),
     seen_in_free_air: bool,
     below_samples: u32,
     stretch: Stretch<T>,
@@ -76,6 +80,7 @@ impl<T: Real> Default for RestingForce<T> {
             until_kept: 0,
             outermost_m: None,
             touch_way_m: T::zero(),
+            at_last_touch: (T::zero(), T::one()),
             seen_in_free_air: false,
             below_samples: 0,
             stretch: Stretch::default(),
@@ -94,6 +99,7 @@ impl<T: Real> RestingForce<T> {
         self.mean_n = mean_n;
         self.gain = T::one() / T::from_f64(f64::from(samples));
         self.kept = [mean_n; KEPT];
+        self.at_last_touch = (mean_n, self.gain);
     }
 
     /// Standard error (N) for a white noise of the force.
@@ -147,8 +153,14 @@ impl<T: Real> RestingForce<T> {
 
     /// A surface was met at `impact_m`, and noticed at `touch_m`. The zero stands if the probe has come a
     /// way without a force that is not short beside the way on which it noticed one.
-    pub(super) fn touched(&mut self, impact_m: T, touch_m: T, step_m: T) {
+    pub(super) fn touched(&mut self, impact_m: T, touch_m: T, step_m: T, noise_n: T) {
         self.touch_way_m = (touch_m - impact_m).abs();
+        // What the zero has moved since the last touch, it will move during this one.
+        let (before_n, gain) = self.at_last_touch;
+        let by_chance_n = T::from_f64(2.0) * noise_n * (gain + self.gain).sqrt();
+        let moved_n = (self.mean_n - before_n).abs() - by_chance_n;
+        self.drift_n = moved_n.max_of(T::from_f64(KEPT_DRIFT) * self.drift_n);
+        self.at_last_touch = (self.mean_n, self.gain);
         if let Some(outermost_m) = self.outermost_m.take() {
             let free_m = impact_m - outermost_m;
             let needed_m = T::from_f64(0.5) * self.touch_way_m + T::from_f64(3.0) * step_m;
@@ -209,6 +221,7 @@ impl<T: Real> RestingForce<T> {
             if mean_n.abs() > below_n {
                 self.seen_in_free_air = true;
                 self.drift_n = T::zero();
+                self.at_last_touch = (self.mean_n, self.gain);
                 return Shift::Elsewhere;
             }
             self.drift_n = self.drift_n.max_of(mean_n.abs());

@@ -45,6 +45,13 @@ const CATCH_UP: u32 = 3;
 const CHALLENGE_EVERY: u32 = 64;
 const CHALLENGED: f64 = 40.0;
 const DOUBTED: u32 = 256;
+/// Pools that wait before they are learned from: longer than a change of material takes to be noticed.
+const QUARANTINE: usize = 4;
+/// After a change, the estimates before it come back if they predict this many pools in a row of at least
+/// this force over the noise, within so many pools: 0.1 s of contact, within two.
+const AGREE_POOLS: u32 = 12;
+const AGREE_SIGMAS: f64 = 20.0;
+const RECONSIDERED: u32 = 256;
 /// Forgetting factors per pool of 8: the bank has a memory of 2000 samples, the refiner of 50 000.
 /// The estimates of one material only get better, and another material clears both.
 const BANK_BETA: f64 = 0.996;
@@ -97,6 +104,8 @@ pub struct BankRefiner<T: Real> {
     /// doubt.
     next_challenge: u32,
     doubted_until: u32,
+    quarantine: Quarantine<T>,
+    previous: Option<Previous<T>>,
     excitation: Excitation<T, 2>,
 }
 
@@ -111,6 +120,66 @@ struct Successor<T: Real> {
     gain: T,
     /// Whether it stays only if it contradicts the estimates.
     challenges: bool,
+}
+
+/// Pools that wait before they are learned from.
+#[derive(Clone, Debug)]
+struct Quarantine<T> {
+    pools: [Pooled<T>; QUARANTINE],
+    waiting: usize,
+}
+
+impl<T: Real> Default for Quarantine<T> {
+    fn default() -> Self {
+        Quarantine {
+            pools: [Pooled::default(); QUARANTINE],
+            waiting: 0,
+        }
+    }
+}
+
+impl<T: Real> Quarantine<T> {
+    /// Takes a pool, and gives the one that has waited long enough.
+    fn push(&mut self, pooled: Pooled<T>) -> Option<Pooled<T>> {
+        if let Some(slot) = self.pools.get_mut(self.waiting) {
+            *slot = pooled;
+            self.waiting += 1;
+            return None;
+        }
+        let oldest = self.pools.first().copied();
+        self.pools.rotate_left(1);
+        if let Some(last) = self.pools.last_mut() {
+            *last = pooled;
+        }
+        oldest
+    }
+}
+
+/// The estimates before the last change of material.
+#[derive(Clone, Debug)]
+struct Previous<T: Real> {
+    refiner: Refiner<T>,
+    std_errors: [T; 5],
+    /// Number of pools in a row that they predict.
+    agrees: u32,
+}
+
+impl<T: Real> Previous<T> {
+    /// Whether they have predicted enough pools in a row; pools of a small force say nothing.
+    fn agrees_with(&mut self, pooled: &Pooled<T>, noise: &ForceNoise<T>) -> bool {
+        if pooled.force < T::from_f64(AGREE_SIGMAS) * noise.raw {
+            return false;
+        }
+        let (force, variance) = self.refiner.predict(pooled);
+        let left = pooled.force - force;
+        let most = T::from_f64(9.0) * (variance + noise.filtered * noise.filtered);
+        self.agrees = if left * left < most {
+            self.agrees + 1
+        } else {
+            0
+        };
+        self.agrees >= AGREE_POOLS
+    }
 }
 
 impl<T: Real> Successor<T> {
@@ -143,6 +212,8 @@ impl<T: Real> BankRefiner<T> {
             until_search: 1,
             next_challenge: CHALLENGE_EVERY,
             doubted_until: 0,
+            quarantine: Quarantine::default(),
+            previous: None,
             excitation: Excitation::default(),
         }
     }
@@ -162,6 +233,37 @@ impl<T: Real> BankRefiner<T> {
             .iter()
             .zip(sizes)
             .any(|(moved, size)| moved.abs() > matters * size)
+    }
+
+    /// Takes a pool. Once there are estimates to lose, it waits until enough others have followed: what a
+    /// change of material or a fault has reached is dropped before it is learned.
+    fn take_pool(&mut self, pooled: Pooled<T>, at: &Instant<T>) {
+        self.reconsider(&pooled, at);
+        if self.refiner.is_none() {
+            self.absorb(&pooled, at);
+        } else if let Some(waited) = self.quarantine.push(pooled) {
+            self.absorb(&waited, at);
+        }
+    }
+
+    /// Goes back to the estimates before a change that was none: a fault that has passed, and not
+    /// another material.
+    fn reconsider(&mut self, pooled: &Pooled<T>, at: &Instant<T>) {
+        let Some(previous) = &mut self.previous else {
+            return;
+        };
+        if previous.agrees_with(pooled, &at.noise) {
+            self.refiner = Some(previous.refiner.clone());
+            self.std_errors = previous.std_errors;
+            self.previous = None;
+            self.bank = None;
+            self.successor = None;
+            self.memory = PoolRing::default();
+            self.next_challenge = CHALLENGE_EVERY;
+            self.quarantine = Quarantine::default();
+        } else if self.memory.pushed() > RECONSIDERED {
+            self.previous = None;
+        }
     }
 
     /// Bank and refiner learn from a pool.
@@ -331,7 +433,7 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         }
         // One of the three per sample: together they would make the longest step by far.
         if let Some(pooled) = self.pool.take(at) {
-            self.absorb(&pooled, at);
+            self.take_pool(pooled, at);
         } else if self.until_search == 0 {
             let started = self.refiner.is_some();
             self.until_search = if started { SEARCH_EVERY } else { 1 };
@@ -367,7 +469,15 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
     }
 
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
-        *self = BankRefiner::new(params);
+        let previous = self.refiner.take().map(|refiner| Previous {
+            refiner,
+            std_errors: self.std_errors,
+            agrees: 0,
+        });
+        *self = BankRefiner {
+            previous,
+            ..BankRefiner::new(params)
+        };
     }
 
     fn estimates(&self, _at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
