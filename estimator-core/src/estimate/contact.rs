@@ -394,9 +394,10 @@ impl<T: Real> ContactState<T> {
     /// Follows the resting force with the force [`REST_MARGIN`] samples ago: a touch right after it
     /// would be known by now.
     fn follow_resting_force(&mut self, params: &ContactParams<T>) {
-        let (_, force_n) = self.before(REST_MARGIN as usize);
+        let (position_m, force_n) = self.before(REST_MARGIN as usize);
         if force_n.abs() < T::from_f64(3.0) * self.wander_n {
-            self.rest.follow(force_n, params.rest_gain);
+            self.rest
+                .follow(position_m, force_n, params.rest_gain, self.force_noise_n);
         }
     }
 

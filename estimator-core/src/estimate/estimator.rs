@@ -4,7 +4,7 @@ use crate::estimate::{
     Estimate, Event, Innovation, Phase, contact::Contact, contact::ContactState,
     contact::SurfacePosition, fault::Fault, fault::Faults, filter::Aligned, filter::FilterState,
     identify, identify::ForceNoise, identify::Identifier, identify::Instant,
-    monitor::ConvergenceMonitor, params::Params, sample::Sample, status::Reason,
+    monitor::ConvergenceMonitor, params::Params, sample::Sample, status::Doubt, status::Reason,
 };
 use crate::maths::scalar::Real;
 
@@ -264,9 +264,9 @@ impl<T: Real> State<T> {
             .iter_mut()
             .for_each(|parameter| parameter.std_error *= inflation);
         let doubt = match contact.zero_seen {
-            true if contact.pulls => Some(Reason::Law),
+            true if contact.pulls => Some(Doubt::Against(Reason::Law)),
             true => self.identifier.doubt(at),
-            false => Some(Reason::Zero),
+            false => Some(Doubt::Against(Reason::Zero)),
         };
         let law = self.identifier.law(&params.identify);
         // The last parameter of every law is the surface.

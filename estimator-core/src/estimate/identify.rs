@@ -41,7 +41,7 @@ pub use zener::{Solid, ZenerArx};
 use crate::estimate::{
     config::Config, contact::ContactParams, contact::SurfacePosition, error::ConfigError,
     filter::FilterParams, method::Method, method::MethodInfo, misfit::Misfit,
-    monitor::ParameterEstimate, record::PARAMETER_SLOTS, status::Reason,
+    monitor::ParameterEstimate, record::PARAMETER_SLOTS, status::Doubt,
 };
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
@@ -174,7 +174,7 @@ impl<T: Real> Identifier<T> {
     }
 
     /// See [`Identify::doubt`].
-    pub fn doubt(&self, at: &Instant<T>) -> Option<Reason> {
+    pub fn doubt(&self, at: &Instant<T>) -> Option<Doubt> {
         each!(self, estimator => estimator.doubt(at))
     }
 

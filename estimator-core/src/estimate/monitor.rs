@@ -3,7 +3,8 @@
 
 use crate::estimate::{
     Innovation, config::Config, error::ConfigError, error::require_each, misfit::Misfit,
-    phase::Event, phase::Phase, record::PARAMETER_SLOTS, status::Reason, status::Status,
+    phase::Event, phase::Phase, record::PARAMETER_SLOTS, status::Doubt, status::Reason,
+    status::Status,
 };
 use crate::maths::scalar::Real;
 
@@ -153,7 +154,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         parameters: &[ParameterEstimate<T>],
         innovation: &Innovation<T>,
         misfit: Option<&Misfit<T>>,
-        doubt: Option<Reason>,
+        doubt: Option<Doubt>,
     ) -> Option<Event> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         let normalized = innovation.normalized();
@@ -188,22 +189,25 @@ impl<T: Real> ConvergenceMonitor<T> {
         params: &MonitorParams<T>,
         parameters: &[ParameterEstimate<T>],
         steady: bool,
-        doubt: Option<Reason>,
+        doubt: Option<Doubt>,
         misfit: Option<&Misfit<T>>,
     ) -> (Status, Option<Reason>) {
         let mean_square = self
             .slow_ratio
             .max_of(misfit.unwrap_or(&self.misfit).mean_square());
+        let reason = doubt.map(Doubt::reason);
         if self.changed_samples > 0 {
             (Status::Changed, None)
         } else if self.taken >= SNAPSHOTS && mean_square > params.suspect_ratio {
-            (Status::ModelSuspect, doubt.or(Some(Reason::Residual)))
+            (Status::ModelSuspect, reason.or(Some(Reason::Residual)))
         } else if !parameters.iter().all(ParameterEstimate::observable) {
-            (Status::Unobservable, doubt.or(Some(Reason::Excitation)))
+            (Status::Unobservable, reason.or(Some(Reason::Excitation)))
         } else if !steady {
-            (Status::Converging, doubt)
+            (Status::Converging, reason)
+        } else if let Some(Doubt::Against(_)) = doubt {
+            (Status::ModelSuspect, reason)
         } else if doubt.is_some() {
-            (Status::ModelSuspect, doubt)
+            (Status::Converging, reason)
         } else if self.fast_ratio > T::from_f64(DOUBT_RATIO) {
             (Status::Converging, Some(Reason::Residual))
         } else {

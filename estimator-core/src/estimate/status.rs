@@ -88,6 +88,24 @@ impl Reason {
     }
 }
 
+/// What an estimator knows against its own estimates, whatever their standard errors say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doubt {
+    /// The data speak against them.
+    Against(Reason),
+    /// The data have not yet ruled out what would make them wrong.
+    NotYetRuledOut(Reason),
+}
+
+impl Doubt {
+    /// The reason for the doubt.
+    pub const fn reason(self) -> Reason {
+        match self {
+            Doubt::Against(reason) | Doubt::NotYetRuledOut(reason) => reason,
+        }
+    }
+}
+
 impl Status {
     /// All statuses in the order of their codes.
     pub const ALL: [Status; 6] = [

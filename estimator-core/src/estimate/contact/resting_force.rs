@@ -23,6 +23,8 @@ const WAY_COUNTS: f64 = 20.0;
 /// A stretch of free air that differs from the resting force by more than this many standard errors of its
 /// mean has another zero.
 const SHIFTED: f64 = 5.0;
+/// A mean of the free-air force that is off by more than this many of its standard errors drifts.
+const DRIFTED: f64 = 3.5;
 /// Share of a drift that is still expected at the next touch.
 const KEPT_DRIFT: f64 = 0.7;
 /// Samples below zero, by more than the threshold of a lift-off, that make a zero wrong.
@@ -49,6 +51,8 @@ pub(super) struct RestingForce<T> {
     seen_in_free_air: bool,
     below_samples: u32,
     stretch: Stretch<T>,
+    /// Samples in free air since the drift was last asked for.
+    free: Stretch<T>,
 }
 
 /// Sums over a stretch of samples, forces without the resting force.
@@ -84,6 +88,7 @@ impl<T: Real> Default for RestingForce<T> {
             seen_in_free_air: false,
             below_samples: 0,
             stretch: Stretch::default(),
+            free: Stretch::default(),
         }
     }
 }
@@ -112,9 +117,10 @@ impl<T: Real> RestingForce<T> {
         self.seen_in_free_air
     }
 
-    /// Follows a force (N, without the resting force) in free air. It lies some samples back: a touch right
-    /// after it would be known by now.
-    pub(super) fn follow(&mut self, force_n: T, slowest: T) {
+    /// Follows a force (N, without the resting force) in free air at a position (m). They lie some samples
+    /// back: a touch right after them would be known by now.
+    pub(super) fn follow(&mut self, position_m: T, force_n: T, slowest: T, noise_n: T) {
+        self.watch_drift(position_m, force_n, noise_n);
         let next = self.gain / (T::one() + self.gain);
         self.gain = slowest.max_of(next);
         self.mean_n += self.gain * force_n;
@@ -125,6 +131,29 @@ impl<T: Real> RestingForce<T> {
             if let Some(slot) = self.kept.get_mut(self.newest) {
                 *slot = self.mean_n;
             }
+        }
+    }
+
+    /// A zero that drifts leaves a mean that follows it slowly behind: it follows faster, and is as uncertain
+    /// as it was wrong. Not while the probe advances, since a soft contact begins like a drift.
+    fn watch_drift(&mut self, position_m: T, force_n: T, noise_n: T) {
+        let free = &mut self.free;
+        if free.samples == 0 {
+            free.first_m = position_m;
+        }
+        free.samples += 1;
+        free.sum_n += force_n;
+        free.last_m = position_m;
+        if free.samples < STRETCH {
+            return;
+        }
+        let ended = core::mem::take(free);
+        let count = T::from_f64(f64::from(STRETCH));
+        let mean_n = ended.sum_n / count;
+        let certain_n = T::from_f64(DRIFTED) * noise_n / count.sqrt();
+        if mean_n.abs() > certain_n && ended.last_m <= ended.first_m {
+            self.gain = self.gain.max_of(T::one() / count);
+            self.drift_n = self.drift_n.max_of(mean_n.abs());
         }
     }
 

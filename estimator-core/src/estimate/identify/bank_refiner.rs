@@ -18,7 +18,7 @@ use crate::estimate::misfit::Misfit;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::Excitation;
-use crate::estimate::status::Reason;
+use crate::estimate::status::{Doubt, Reason};
 use crate::maths::scalar::Real;
 
 /// The grid of surfaces begins this many uncertainties of the impact before it, and reaches two
@@ -71,6 +71,9 @@ const ALIGNED_S: f64 = 4e-6;
 /// more than this share of its size.
 const SKEWED_SIGMAS: f64 = 5.0;
 const SKEW_MATTERS: f64 = 0.02;
+/// Share of its size by which the standard error of the skew, as the data alone give it, may move a
+/// parameter of a converged estimate.
+const SKEW_OPEN: f64 = 0.07;
 /// What an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
@@ -216,23 +219,6 @@ impl<T: Real> BankRefiner<T> {
             previous: None,
             excitation: Excitation::default(),
         }
-    }
-
-    /// Whether the data speak for a skew that the estimates leave out, and that moves one of them.
-    fn is_skewed(&self, refiner: &Refiner<T>) -> bool {
-        let (skew, error) = refiner.skew();
-        let certain = T::from_f64(SKEWED_SIGMAS) * error * refiner.misfit().inflation();
-        if refiner.is_estimating_skew() || skew.abs() <= certain {
-            return false;
-        }
-        let [stiffness, damping, exponent, ..] = refiner.values();
-        let sizes = [spring(stiffness).1, damper(damping, stiffness).1, exponent];
-        let matters = T::from_f64(SKEW_MATTERS);
-        let moved = refiner.moved_by_skew();
-        moved
-            .iter()
-            .zip(sizes)
-            .any(|(moved, size)| moved.abs() > matters * size)
     }
 
     /// Takes a pool. Once there are estimates to lose, it waits until enough others have followed: what a
@@ -394,6 +380,32 @@ impl<T: Real> BankRefiner<T> {
     }
 }
 
+/// Whether the data speak for a skew that the estimates leave out, or have not ruled out one that would move
+/// them.
+fn skew_doubt<T: Real>(refiner: &Refiner<T>) -> Option<Doubt> {
+    if refiner.is_estimating_skew() {
+        return None;
+    }
+    let inflation = refiner.misfit().inflation();
+    let (skew, error) = refiner.skew();
+    let [stiffness, damping, exponent, ..] = refiner.values();
+    let sizes = [spring(stiffness).1, damper(damping, stiffness).1, exponent];
+    let moves = |by: T, share: f64| {
+        let moved = refiner.moved_by_skew(by);
+        let most = T::from_f64(share);
+        moved
+            .iter()
+            .zip(sizes)
+            .any(|(moved, size)| moved.abs() > most * size)
+    };
+    if skew.abs() > T::from_f64(SKEWED_SIGMAS) * error * inflation && moves(skew, SKEW_MATTERS) {
+        Some(Doubt::Against(Reason::Skew))
+    } else {
+        let open = moves(error * inflation, SKEW_OPEN);
+        open.then_some(Doubt::NotYetRuledOut(Reason::Skew))
+    }
+}
+
 fn takes_over<T: Real>(successor: &Refiner<T>, refiner: &Refiner<T>) -> bool {
     let most = successor.learned > T::from_f64(0.75) * refiner.learned;
     most || successor.knows_as_well_as(refiner, T::from_f64(SIMILAR))
@@ -448,20 +460,18 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         self.refiner.as_ref().map(Refiner::misfit)
     }
 
-    fn doubt(&self, _at: &Instant<T>) -> Option<Reason> {
+    fn doubt(&self, _at: &Instant<T>) -> Option<Doubt> {
         let refiner = self.refiner.as_ref()?;
         if self.memory.pushed() < self.doubted_until {
-            return Some(Reason::Residual);
+            return Some(Doubt::Against(Reason::Residual));
         }
         let [_, damping, exponent, ..] = refiner.values();
         let [_, damping_error, ..] = self.std_errors;
         let (low, high) = EXPONENT;
         let bounded = exponent <= T::from_f64(low) || exponent >= T::from_f64(high);
         let active = damping < -T::from_f64(SURELY) * damping_error;
-        if self.is_skewed(refiner) {
-            return Some(Reason::Skew);
-        }
-        (bounded || active).then_some(Reason::Bound)
+        let at_bound = (bounded || active).then_some(Doubt::Against(Reason::Bound));
+        skew_doubt(refiner).or(at_bound)
     }
 
     fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {

@@ -3,7 +3,7 @@
 use super::params::IdentifyParams;
 use crate::estimate::{
     method::MethodInfo, misfit::Misfit, monitor::ParameterEstimate, record::PARAMETER_SLOTS,
-    status::Reason,
+    status::Doubt,
 };
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
@@ -108,7 +108,7 @@ pub trait Identify<T: Real> {
     }
 
     /// A reason not to trust the estimates, whatever their standard errors say.
-    fn doubt(&self, _at: &Instant<T>) -> Option<Reason> {
+    fn doubt(&self, _at: &Instant<T>) -> Option<Doubt> {
         None
     }
 

@@ -137,9 +137,9 @@ impl<T: Real> Refiner<T> {
         self.aligned.is_none()
     }
 
-    /// By how much K, λ, n, x₀ and τ would move if the skew were not taken for 0.
-    pub fn moved_by_skew(&self) -> [T; 5] {
-        (self.by_skew * self.deviation[4])
+    /// By how much K, λ, n, x₀ and τ would move if the skew were `skew` instead of 0.
+    pub fn moved_by_skew(&self, skew: T) -> [T; 5] {
+        (self.by_skew * (skew / self.prior[4]))
             .component_mul(&self.prior)
             .into()
     }
