@@ -242,7 +242,11 @@ impl<T: Real> State<T> {
             .identify
             .forgetting
             .beta(error_n, contact.force_noise_n);
-        self.identifier.learn(&params.identify, at, beta)
+        let learned = self.identifier.learn(&params.identify, at, beta);
+        if learned.is_none() {
+            self.monitor.watch(innovation);
+        }
+        learned
     }
 
     /// Updates the status and the parameters that are reported; gives a change of the material.

@@ -184,6 +184,17 @@ impl<T: Real> ConvergenceMonitor<T> {
         None
     }
 
+    /// Takes the innovation of a sample that was not learned from: a hold in which the force leaves the
+    /// prediction is no converged estimate.
+    pub fn watch(&mut self, innovation: &Innovation<T>) {
+        let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
+        self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
+        if self.status == Status::Converged && self.fast_ratio > T::from_f64(DOUBT_RATIO) {
+            self.status = Status::Converging;
+            self.reason = Some(Reason::Residual);
+        }
+    }
+
     fn judge(
         &self,
         params: &MonitorParams<T>,

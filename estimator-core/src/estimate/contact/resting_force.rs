@@ -186,9 +186,10 @@ impl<T: Real> RestingForce<T> {
         self.touch_way_m = (touch_m - impact_m).abs();
         // What the zero has moved since the last touch, it will move during this one.
         let (before_n, gain) = self.at_last_touch;
-        let by_chance_n = T::from_f64(2.0) * noise_n * (gain + self.gain).sqrt();
-        let moved_n = (self.mean_n - before_n).abs() - by_chance_n;
-        self.drift_n = moved_n.max_of(T::from_f64(KEPT_DRIFT) * self.drift_n);
+        let moved_n = self.mean_n - before_n;
+        let by_chance_n2 = noise_n * noise_n * (gain + self.gain);
+        let drift_n = T::zero().max_of(moved_n * moved_n - by_chance_n2).sqrt();
+        self.drift_n = drift_n.max_of(T::from_f64(KEPT_DRIFT) * self.drift_n);
         self.at_last_touch = (self.mean_n, self.gain);
         if let Some(outermost_m) = self.outermost_m.take() {
             let free_m = impact_m - outermost_m;

@@ -107,6 +107,8 @@ pub struct BankRefiner<T: Real> {
     /// doubt.
     next_challenge: u32,
     doubted_until: u32,
+    /// Whether the last instant moved, so that it was learned from.
+    moves: bool,
     quarantine: Quarantine<T>,
     previous: Option<Previous<T>>,
     excitation: Excitation<T, 2>,
@@ -215,6 +217,7 @@ impl<T: Real> BankRefiner<T> {
             until_search: 1,
             next_challenge: CHALLENGE_EVERY,
             doubted_until: 0,
+            moves: false,
             quarantine: Quarantine::default(),
             previous: None,
             excitation: Excitation::default(),
@@ -223,11 +226,19 @@ impl<T: Real> BankRefiner<T> {
 
     /// Takes a pool. Once there are estimates to lose, it waits until enough others have followed: what a
     /// change of material or a fault has reached is dropped before it is learned.
-    fn take_pool(&mut self, pooled: Pooled<T>, at: &Instant<T>) {
-        self.reconsider(&pooled, at);
+    /// A hold repeats one equation and is not learned from, but its residuals count: they show what
+    /// relaxes or drifts.
+    fn take_pool(&mut self, pooled: &Pooled<T>, moved: bool, at: &Instant<T>) {
+        if !moved {
+            if let Some(refiner) = &mut self.refiner {
+                refiner.observe(pooled, &at.noise);
+            }
+            return;
+        }
+        self.reconsider(pooled, at);
         if self.refiner.is_none() {
-            self.absorb(&pooled, at);
-        } else if let Some(waited) = self.quarantine.push(pooled) {
+            self.absorb(pooled, at);
+        } else if let Some(waited) = self.quarantine.push(*pooled) {
             self.absorb(&waited, at);
         }
     }
@@ -440,18 +451,26 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
 
     fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, _beta: T) -> Option<T> {
         let phi = Vector2::new(at.depth, at.speed);
-        if !self.excitation.admits(&phi, params.excitation_step) {
-            return None;
+        let moves = self.excitation.admits(&phi, params.excitation_step);
+        let moved = core::mem::replace(&mut self.moves, moves);
+        if moves != moved {
+            self.pool.close();
         }
+        let pooled = self.pool.take(at);
         // One of the three per sample: together they would make the longest step by far.
-        if let Some(pooled) = self.pool.take(at) {
-            self.take_pool(pooled, at);
+        if let Some(pooled) = &pooled {
+            self.take_pool(pooled, moved, at);
+        } else if !moves {
+            return None;
         } else if self.until_search == 0 {
             let started = self.refiner.is_some();
             self.until_search = if started { SEARCH_EVERY } else { 1 };
             self.supervise(&at.noise);
         } else {
             self.catch_up(at);
+        }
+        if !moves {
+            return None;
         }
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }

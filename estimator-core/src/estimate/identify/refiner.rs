@@ -261,6 +261,14 @@ impl<T: Real> Refiner<T> {
         weight * left * left / (noise.raw * noise.raw)
     }
 
+    /// Takes the residual of a pool that is not learned from.
+    pub fn observe(&mut self, at: &Pooled<T>, noise: &ForceNoise<T>) {
+        let predicted = predict(&self.values(), at);
+        let slope = predicted.gradient.w;
+        let quantization = slope * slope * at.quantization_variance;
+        self.observe_residual(at.force - predicted.force, quantization, at, noise);
+    }
+
     fn observe_residual(
         &mut self,
         left: T,
