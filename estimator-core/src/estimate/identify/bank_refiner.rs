@@ -73,7 +73,7 @@ const SKEWED_SIGMAS: f64 = 5.0;
 const SKEW_MATTERS: f64 = 0.02;
 /// Share of its size by which the standard error of the skew, as the data alone give it, may move a
 /// parameter of a converged estimate.
-const SKEW_OPEN: f64 = 0.07;
+const SKEW_OPEN: f64 = 0.05;
 /// What an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
