@@ -16,6 +16,8 @@ const FAST_SAMPLES: f64 = 20.0;
 /// more than not. An outlier stays in a filter's window of 17 samples and is no change of material.
 const CHANGE_RATIO: f64 = 12.0;
 const CHANGE_SAMPLES: u32 = 24;
+/// The same as a time (s), where samples are faster.
+const CHANGE_S: f64 = 0.024;
 /// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
 /// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
 const DOUBT_RATIO: f64 = 16.0;
@@ -32,6 +34,7 @@ pub struct MonitorParams<T> {
     window: u32,
     suspect_ratio: T,
     slow_gain: T,
+    change_samples: u32,
     /// Variance of the filtered over that of the raw force.
     noise_gain: T,
 }
@@ -52,6 +55,7 @@ impl<T: Real> MonitorParams<T> {
             window: window as u32,
             suspect_ratio: T::from_f64(f64::from(ratio)),
             slow_gain: T::from_f64(1.0 / f64::from(window)),
+            change_samples: CHANGE_SAMPLES.max((CHANGE_S * f64::from(config.rate_hz)) as u32),
             noise_gain,
         })
     }
@@ -174,7 +178,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         let unusual = innovation.test_ratio.min_of(largest) - self.baseline;
         self.baseline += params.slow_gain * unusual;
         self.settled |= matches!(self.status, Status::Converged | Status::ModelSuspect);
-        if self.settled && self.alien_samples >= CHANGE_SAMPLES {
+        if self.settled && self.alien_samples >= params.change_samples {
             self.restart(params);
             return Some(Event::MaterialChange);
         }
