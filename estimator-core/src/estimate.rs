@@ -18,6 +18,7 @@ pub mod phase;
 pub mod record;
 pub mod rls;
 pub mod sample;
+mod scaled;
 pub mod status;
 
 pub use phase::{Event, Phase};

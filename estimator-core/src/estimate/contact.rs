@@ -3,18 +3,19 @@
 //! Both are decided on raw samples, because a filter smears the kink of a touch over its whole window
 //! (17 ms by default, 200 µm at 12 mm/s). The thresholds are multiples of the measured noise.
 
+mod params;
+mod pull;
 mod resting_force;
 mod surface;
 
+pub use params::{ContactParams, NOISE_FLOOR};
 pub use surface::SurfacePosition;
 
-use resting_force::{RestingForce, Shift, follow_gain};
+use pull::Pull;
+use resting_force::{RestingForce, Shift};
 use surface::{PRE_TRIGGER, Tangent};
 
-use crate::estimate::{
-    Event, Phase, config, config::Config, error::ConfigError, error::require_each, noise::Noise,
-    sample::Sample,
-};
+use crate::estimate::{Event, Phase, noise::Noise, sample::Sample};
 use crate::maths::scalar::Real;
 
 /// Consecutive samples above the threshold that make a touch: one outlier is not a touch, and the
@@ -26,65 +27,6 @@ const RELEASE_SAMPLES: u32 = 3;
 /// is pushed by less than the noise is not in free air. Up to the touch, gel at 1.2 Hz raised the
 /// resting force by 2 mN, which put the surface 1.2 µm too deep.
 const REST_MARGIN: u32 = 32;
-/// Smallest noise that is assumed, as a fraction of the reference force: in a log without noise the
-/// first rounding error would otherwise be a touch.
-pub const NOISE_FLOOR: f64 = 1e-4;
-
-/// Checked parameters of the contact detector.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactParams<T> {
-    surface: Option<T>,
-    touch_sigma: T,
-    release_sigma: T,
-    configured_noise_n: Option<T>,
-    noise_floor_n: T,
-    settle_samples: u32,
-    rest_gain: T,
-}
-
-impl<T: Real> ContactParams<T> {
-    pub(crate) fn validate(config: &Config) -> Result<Self, ConfigError> {
-        let contact = config.contact;
-        let (touch, release) = (contact.touch_sigma, contact.release_sigma);
-        let noise = contact.force_noise_n.unwrap_or(0.0);
-        let settle_samples = contact.settle_s * config.rate_hz;
-        require_each! {
-            (1.0..=100.0).contains(&release), "contact.release_sigma", release,
-                "must lie between 1 and 100 standard deviations";
-            touch >= release && touch <= 1000.0, "contact.touch_sigma", touch,
-                "must lie between release_sigma and 1000 standard deviations";
-            (0.0..=1e6).contains(&noise), "contact.force_noise_n", noise,
-                "must be a standard deviation in newtons, or absent";
-            (10.0..=1e6).contains(&settle_samples), "contact.settle_s", contact.settle_s,
-                "must cover 10 to 1 000 000 samples in free air";
-        }
-        let surface = match contact.surface {
-            config::Surface::AtImpact => None,
-            config::Surface::Known { position_m } => {
-                require_each! {
-                    position_m.is_finite(), "contact.surface.position_m", position_m,
-                        "must be a position in metres";
-                }
-                Some(T::from_f64(f64::from(position_m)))
-            }
-        };
-        let from = |value: f32| T::from_f64(f64::from(value));
-        Ok(ContactParams {
-            surface,
-            touch_sigma: from(contact.touch_sigma),
-            release_sigma: from(contact.release_sigma),
-            configured_noise_n: contact.force_noise_n.map(from),
-            noise_floor_n: T::from_f64(NOISE_FLOOR * f64::from(config.reference.force_n)),
-            settle_samples: settle_samples as u32,
-            rest_gain: follow_gain(config.rate_hz),
-        })
-    }
-
-    /// Whether the configuration gives the position of the surface.
-    pub fn surface_known(&self) -> bool {
-        self.surface.is_some()
-    }
-}
 
 /// What the contact detector knows after the newest sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,35 +68,6 @@ impl<T> Contact<T> {
             (true, Phase::Contact) => Some(Event::Contact),
             (true, _) => Some(Event::Release),
             (false, _) => None,
-        }
-    }
-}
-
-/// Samples after a lift-off in which a surface that adheres still pulls, and how many must.
-const PULL_WITHIN: u32 = 64;
-const PULL_SAMPLES: u32 = 4;
-
-/// Watches whether the surface pulls when the probe leaves it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pull {
-    since_contact: u32,
-    below: u32,
-    has_pulled: bool,
-}
-
-impl Pull {
-    fn observe(&mut self, phase: Phase, below: bool) {
-        if phase == Phase::Contact {
-            (self.since_contact, self.below) = (0, 0);
-        }
-        self.since_contact = self.since_contact.saturating_add(1);
-        if self.since_contact <= PULL_WITHIN {
-            self.below += u32::from(below);
-            if self.below >= PULL_SAMPLES {
-                self.has_pulled = true;
-            }
-        } else if self.since_contact == PULL_WITHIN + 1 {
-            self.has_pulled = self.below >= PULL_SAMPLES;
         }
     }
 }
@@ -433,7 +346,7 @@ impl<T: Real> ContactState<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::config::Surface;
+    use crate::estimate::config::{Config, Surface};
 
     const NOISE: f64 = 0.02;
 

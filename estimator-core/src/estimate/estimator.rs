@@ -2,9 +2,9 @@
 
 use crate::estimate::{
     Estimate, Event, Innovation, Phase, contact::Contact, contact::ContactState,
-    contact::SurfacePosition, fault::Fault, fault::Faults, filter::Aligned, filter::FilterState,
-    identify, identify::ForceNoise, identify::Identifier, identify::Instant,
-    monitor::ConvergenceMonitor, params::Params, sample::Sample, status::Doubt, status::Reason,
+    contact::SurfacePosition, fault::Fault, fault::Faults, filter::FilterState, identify,
+    identify::ForceNoise, identify::Identifier, identify::Instant, monitor::ConvergenceMonitor,
+    params::Params, sample::Sample, scaled::scaled, status::Doubt, status::Reason,
 };
 use crate::maths::scalar::Real;
 
@@ -86,13 +86,6 @@ const LEARN_SIGMAS: f64 = 6.0;
 /// 1 mm. The motion that follows from a jump of the encoder would otherwise settle the estimates for
 /// good.
 const PLAUSIBLE: f64 = 1e3;
-/// Standard deviation of the quantization error, in counts: 1/√12.
-const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
-/// Largest number of samples that one count of the encoder is assumed to last, which bounds what a
-/// hold is worth.
-const LONGEST_COUNT: f64 = 256.0;
-/// Smallest standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
-const IMPACT_FLOOR: f64 = 5e-3;
 
 /// Faults with which a sample is dropped.
 const DROPPED: Faults = Faults::NONE
@@ -334,70 +327,6 @@ fn is_gap<T: Real>(params: &Params<T>, elapsed_us: u64) -> bool {
 
 fn within_range<T: Real>(value: T, reference: T) -> bool {
     value.abs() < T::from_f64(RANGE) * reference
-}
-
-/// Standard error of the surface position, scaled. It is at least [`IMPACT_FLOOR`] for an impact, and
-/// the quantization error of the encoder for a configured surface.
-fn surface_error<T: Real>(params: &Params<T>, contact: &Contact<T>) -> T {
-    let depth_m = params.identify.scale.depth_m;
-    if params.contact.surface_known() {
-        return contact.position_step_m * T::from_f64(COUNT_ERROR) / depth_m;
-    }
-    let impact = contact.surface.unwrap_or_default().std_error_m / depth_m;
-    impact.max_of(T::from_f64(IMPACT_FLOOR))
-}
-
-/// The aligned signals in the scales of the estimators.
-fn scaled<T: Real>(
-    params: &Params<T>,
-    aligned: &Aligned<T>,
-    contact: &Contact<T>,
-    elapsed_us: u64,
-) -> Instant<T> {
-    let scale = &params.identify.scale;
-    let surface_m = match contact.surface {
-        Some(surface) => surface.position_m,
-        None => aligned.position_m,
-    };
-    Instant {
-        depth: (aligned.position_m - surface_m) / scale.depth_m,
-        speed: aligned.speed_mps / scale.speed_mps,
-        force: (aligned.force_n - contact.resting_force_n) / scale.force_n,
-        surface: surface_m / scale.depth_m,
-        surface_error: surface_error(params, contact),
-        position_variance: aligned.position_variance_m2 / (scale.depth_m * scale.depth_m),
-        position_velocity_cov: aligned.position_velocity_cov_m2ps
-            / (scale.depth_m * scale.speed_mps),
-        elapsed_s: T::from_f64(1e-6 * elapsed_us as f64),
-        rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
-        quantization_variance: quantization_variance_m2(params, aligned, contact)
-            / (scale.depth_m * scale.depth_m),
-        rest_error: contact.resting_force_error_n / scale.force_n,
-        noise: force_noise(params, contact),
-    }
-}
-
-/// Variance of the position of an instant by the counts of the encoder (m²): q²/12, times the number of
-/// samples that a count lasts, since all of them have the same error.
-fn quantization_variance_m2<T: Real>(
-    params: &Params<T>,
-    aligned: &Aligned<T>,
-    contact: &Contact<T>,
-) -> T {
-    let step_m = contact.position_step_m;
-    let moved_m = aligned.speed_mps.abs() * params.period_s;
-    let error_m = step_m * T::from_f64(COUNT_ERROR);
-    let lasting = T::one().max_of(step_m / (moved_m + step_m * T::from_f64(1.0 / LONGEST_COUNT)));
-    error_m * error_m * lasting
-}
-
-/// Standard deviations of the raw and of the filtered force, scaled.
-fn force_noise<T: Real>(params: &Params<T>, contact: &Contact<T>) -> ForceNoise<T> {
-    let raw = contact.force_noise_n / params.identify.scale.force_n;
-    ForceNoise {
-        raw,
-        filtered: raw * params.filter.response().noise_gain.sqrt(),
-    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,17 @@
 //! measured is lost. (Successors that began without the memory needed 0.5–2.6 s to settle instead of
 //! 0.2–0.7 s, and ended 1.5–3 times above the Cramér–Rao bound instead of 1.0–1.3 times.)
 
+mod previous;
+mod quarantine;
+mod skew;
+mod successor;
+
 use nalgebra::Vector2;
+
+use previous::{Previous, RECONSIDERED};
+use quarantine::Quarantine;
+use skew::skew_doubt;
+use successor::{CHALLENGE_EVERY, DOUBTED, LINEARIZATION_SHARE, REFINER_BETA, Successor};
 
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
 use super::{
@@ -32,30 +42,8 @@ const START_RANGE: f64 = 2.0;
 /// When the mean squared residual of the refiner is this many times the bank's, the bank starts
 /// another refiner.
 const WORSE: f64 = 8.0;
-/// A successor is started when the linearization error exceeds this share of the variance of the
-/// filtered noise. Where it cannot learn from all samples of its predecessor, it takes over when its
-/// standard errors are within this factor, or when it has learned from three quarters of the samples.
-const LINEARIZATION_SHARE: f64 = 0.02;
-const SIMILAR: f64 = 1.5;
-/// Pools that a successor learns from at every sample.
-const CATCH_UP: u32 = 3;
-/// Pools between two challengers. One takes over when it lowers the cost of the memory by more than this:
-/// χ² of five parameters exceeds 40 with probability 10⁻⁷. Estimates that had to be replaced are doubted
-/// for this many pools: two seconds of contact, after which the next challenges have confirmed them.
-const CHALLENGE_EVERY: u32 = 64;
-const CHALLENGED: f64 = 40.0;
-const DOUBTED: u32 = 256;
-/// Pools that wait before they are learned from: longer than a change of material takes to be noticed.
-const QUARANTINE: usize = 4;
-/// After a change, the estimates before it come back if they predict this many pools in a row of at least
-/// this force over the noise, within so many pools: 0.1 s of contact, within two.
-const AGREE_POOLS: u32 = 12;
-const AGREE_SIGMAS: f64 = 20.0;
-const RECONSIDERED: u32 = 256;
-/// Forgetting factors per pool of 8: the bank has a memory of 2000 samples, the refiner of 50 000.
-/// The estimates of one material only get better, and another material clears both.
+/// Forgetting factor of the bank per pool of 8: a memory of 2000 samples.
 const BANK_BETA: f64 = 0.996;
-const REFINER_BETA: f64 = 0.99984;
 /// The filter's window is inside the material when the variance of the position in it is less than
 /// the share `INSIDE` of the square of the depth, less `SURELY` standard errors of the surface: 2.2²
 /// = 1/0.2.
@@ -67,13 +55,6 @@ const INSIDE: f64 = 0.2;
 /// its last per cent.
 const SKEW_S: f64 = 3e-3;
 const ALIGNED_S: f64 = 4e-6;
-/// A skew that is not estimated is doubted from this many standard errors on, if it moves a parameter by
-/// more than this share of its size.
-const SKEWED_SIGMAS: f64 = 5.0;
-const SKEW_MATTERS: f64 = 0.02;
-/// Share of its size by which the standard error of the skew, as the data alone give it, may move a
-/// parameter of a converged estimate.
-const SKEW_OPEN: f64 = 0.05;
 /// What an error of the skew is compared with (s).
 const SKEW_SIZE_S: f64 = 1e-3;
 
@@ -112,87 +93,6 @@ pub struct BankRefiner<T: Real> {
     quarantine: Quarantine<T>,
     previous: Option<Previous<T>>,
     excitation: Excitation<T, 2>,
-}
-
-/// A refiner that learns from memory what its predecessor learned live.
-#[derive(Clone, Debug)]
-struct Successor<T: Real> {
-    refiner: Refiner<T>,
-    next: u32,
-    /// Whether the memory reaches back to the first contact.
-    complete: bool,
-    /// By how much the cost of what it has learned from is larger for the estimates than for it.
-    gain: T,
-    /// Whether it stays only if it contradicts the estimates.
-    challenges: bool,
-}
-
-/// Pools that wait before they are learned from.
-#[derive(Clone, Debug)]
-struct Quarantine<T> {
-    pools: [Pooled<T>; QUARANTINE],
-    waiting: usize,
-}
-
-impl<T: Real> Default for Quarantine<T> {
-    fn default() -> Self {
-        Quarantine {
-            pools: [Pooled::default(); QUARANTINE],
-            waiting: 0,
-        }
-    }
-}
-
-impl<T: Real> Quarantine<T> {
-    /// Takes a pool, and gives the one that has waited long enough.
-    fn push(&mut self, pooled: Pooled<T>) -> Option<Pooled<T>> {
-        if let Some(slot) = self.pools.get_mut(self.waiting) {
-            *slot = pooled;
-            self.waiting += 1;
-            return None;
-        }
-        let oldest = self.pools.first().copied();
-        self.pools.rotate_left(1);
-        if let Some(last) = self.pools.last_mut() {
-            *last = pooled;
-        }
-        oldest
-    }
-}
-
-/// The estimates before the last change of material.
-#[derive(Clone, Debug)]
-struct Previous<T: Real> {
-    refiner: Refiner<T>,
-    std_errors: [T; 5],
-    /// Number of pools in a row that they predict.
-    agrees: u32,
-}
-
-impl<T: Real> Previous<T> {
-    /// Whether they have predicted enough pools in a row; pools of a small force say nothing.
-    fn agrees_with(&mut self, pooled: &Pooled<T>, noise: &ForceNoise<T>) -> bool {
-        if pooled.force < T::from_f64(AGREE_SIGMAS) * noise.raw {
-            return false;
-        }
-        let (force, variance) = self.refiner.predict(pooled);
-        let left = pooled.force - force;
-        let most = T::from_f64(9.0) * (variance + noise.filtered * noise.filtered);
-        self.agrees = if left * left < most {
-            self.agrees + 1
-        } else {
-            0
-        };
-        self.agrees >= AGREE_POOLS
-    }
-}
-
-impl<T: Real> Successor<T> {
-    /// Whether what it has learned from contradicts the estimates.
-    fn is_better(&self) -> bool {
-        let inflation = self.refiner.misfit().inflation();
-        self.gain > T::from_f64(CHALLENGED) * inflation * inflation
-    }
 }
 
 impl<T: Real> BankRefiner<T> {
@@ -307,7 +207,7 @@ impl<T: Real> BankRefiner<T> {
                 return;
             }
         }
-        self.begin(Refiner::new(&candidate, T::zero(), &self.prior));
+        self.begin(Refiner::new(&candidate, T::zero(), &self.prior), false);
     }
 
     /// Starts a refiner at a better reference when the linearization error of the current one
@@ -317,20 +217,12 @@ impl<T: Real> BankRefiner<T> {
         let tolerated = T::from_f64(LINEARIZATION_SHARE) * noise.filtered * noise.filtered;
         if self.successor.is_none() && refiner.is_sound() && refiner.linearization_error > tolerated
         {
-            self.begin(refiner.successor(&self.prior));
+            self.begin(refiner.successor(&self.prior), false);
         }
     }
 
-    fn begin(&mut self, refiner: Refiner<T>) {
-        let next = self.memory.oldest();
-        let complete = next == 0;
-        self.successor = Some(Successor {
-            refiner,
-            next,
-            complete,
-            gain: T::zero(),
-            challenges: false,
-        });
+    fn begin(&mut self, refiner: Refiner<T>, challenges: bool) {
+        self.successor = Some(Successor::new(refiner, &self.memory, challenges));
     }
 
     /// Starts a challenger, which learns from the memory alone. What was learned before it may be of
@@ -345,10 +237,7 @@ impl<T: Real> BankRefiner<T> {
         if self.memory.oldest() == 0 {
             return;
         }
-        self.begin(refiner.successor(&self.prior));
-        if let Some(successor) = &mut self.successor {
-            successor.challenges = true;
-        }
+        self.begin(refiner.successor(&self.prior), true);
     }
 
     /// The successor learns from memory, and takes over once it knows what its predecessor does.
@@ -356,18 +245,7 @@ impl<T: Real> BankRefiner<T> {
         let Some(successor) = &mut self.successor else {
             return;
         };
-        for _ in 0..CATCH_UP {
-            if let Some(pooled) = self.memory.get(successor.next) {
-                let cost = successor
-                    .refiner
-                    .learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
-                if let Some(refiner) = &self.refiner {
-                    successor.gain += refiner.cost(pooled, cost.weight, &at.noise) - cost.least;
-                }
-                successor.next += 1;
-            }
-        }
-        if successor.next < self.memory.pushed() {
+        if !successor.catch_up(&self.memory, self.refiner.as_ref(), &at.noise) {
             return;
         }
         let knows = match &self.refiner {
@@ -376,7 +254,7 @@ impl<T: Real> BankRefiner<T> {
                     self.doubted_until = self.memory.pushed().saturating_add(DOUBTED);
                 }
                 successor.is_better()
-                    || !successor.challenges && takes_over(&successor.refiner, refiner)
+                    || !successor.challenges && successor.knows_as_much_as(refiner)
             }
             _ => true,
         };
@@ -389,37 +267,6 @@ impl<T: Real> BankRefiner<T> {
             }
         }
     }
-}
-
-/// Whether the data speak for a skew that the estimates leave out, or have not ruled out one that would move
-/// them.
-fn skew_doubt<T: Real>(refiner: &Refiner<T>) -> Option<Doubt> {
-    if refiner.is_estimating_skew() {
-        return None;
-    }
-    let inflation = refiner.misfit().inflation();
-    let (skew, error) = refiner.skew();
-    let [stiffness, damping, exponent, ..] = refiner.values();
-    let sizes = [spring(stiffness).1, damper(damping, stiffness).1, exponent];
-    let moves = |by: T, share: f64| {
-        let moved = refiner.moved_by_skew(by);
-        let most = T::from_f64(share);
-        moved
-            .iter()
-            .zip(sizes)
-            .any(|(moved, size)| moved.abs() > most * size)
-    };
-    if skew.abs() > T::from_f64(SKEWED_SIGMAS) * error * inflation && moves(skew, SKEW_MATTERS) {
-        Some(Doubt::Against(Reason::Skew))
-    } else {
-        let open = moves(error * inflation, SKEW_OPEN);
-        open.then_some(Doubt::NotYetRuledOut(Reason::Skew))
-    }
-}
-
-fn takes_over<T: Real>(successor: &Refiner<T>, refiner: &Refiner<T>) -> bool {
-    let most = successor.learned > T::from_f64(0.75) * refiner.learned;
-    most || successor.knows_as_well_as(refiner, T::from_f64(SIMILAR))
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
