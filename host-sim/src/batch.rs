@@ -41,7 +41,7 @@ pub use options::{Options, all_families};
 pub use result::{Batch, Columns, Modulus, ModulusKind, Parameter, TouchFit, Tried};
 pub use thresholds::Thresholds;
 
-use crate::kinematics::kinematics;
+use crate::kinematics::{Kinematics, kinematics};
 use assemble::Given;
 use course::Course;
 use select::{Candidate, Fixed, finished, roughly_fitted};
@@ -73,7 +73,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
             .remedy(error.expected)
     })?;
     let motion = kinematics(log);
-    let mut empty = nothing(log, &replay, notes);
+    let mut empty = nothing(log, &replay, &motion, notes);
     let Some(course) = Course::of(log, &motion, &replay, options.thresholds) else {
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);
@@ -141,8 +141,8 @@ impl Given<'_> {
 }
 
 /// The result of a log in which nothing is touched.
-fn nothing(log: &UniformLog, replay: &Replay, notes: Vec<String>) -> Batch {
-    let outcome = Outcome::of(log, replay);
+fn nothing(log: &UniformLog, replay: &Replay, motion: &Kinematics, notes: Vec<String>) -> Batch {
+    let outcome = Outcome::along(log, replay, std::slice::from_ref(motion));
     let inspection = inspect(log, replay, &outcome.touches);
     Batch {
         family: Family::KELVIN_VOIGT,

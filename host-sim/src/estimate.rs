@@ -18,6 +18,7 @@ pub use explain::explain;
 pub use lateness::Lateness;
 pub use outcome::Outcome;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
+use residual::motions;
 pub use setup::{Choices, Setup, setup};
 
 use crate::diagnostic::Diagnostic;
@@ -77,6 +78,7 @@ pub fn estimate(
     methods: &[Method],
     choices: Choices,
 ) -> Result<Estimation, Diagnostic> {
+    let motions = motions(log);
     let mut best: Option<(Replay, Outcome, Vec<String>)> = None;
     let (mut selection, mut rmses_n) = (Vec::new(), Vec::new());
     for method in methods {
@@ -88,7 +90,7 @@ pub fn estimate(
                 .remedy(error.expected)
         })?;
         long_enough(log, &replay)?;
-        let outcome = Outcome::of(log, &replay);
+        let outcome = Outcome::along(log, &replay, &motions);
         selection.push((outcome.law.name(), outcome.force_rmse_n));
         rmses_n.push(outcome.whole_log_rmse_n);
         let is_better = best.as_ref().is_none_or(|(before, kept, _)| {

@@ -8,8 +8,9 @@ use estimator_core::{Faults, LawKind, Status};
 
 use super::reason::{Evidence, Reason, judged};
 pub use super::residual::law_with;
-use super::residual::{force_rmse, named, replay_force};
+use super::residual::{force_rmse, motions, named, replay_force};
 use super::touches::touches;
+use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::replay::{EventKind, EventMark, Replay, Touch};
 
@@ -68,13 +69,24 @@ pub struct Outcome {
 impl Outcome {
     /// Draws the sum of a replay of `log`.
     pub fn of(log: &UniformLog, replay: &Replay) -> Outcome {
+        Outcome::along(log, replay, &motions(log))
+    }
+
+    /// Draws the sum of a replay of `log`, whose motion is one of these.
+    pub(crate) fn along(log: &UniformLog, replay: &Replay, motions: &[Kinematics]) -> Outcome {
         let at = decisive(replay);
         let decisive = at.and_then(|at| replay.records.get(at));
         let law = decisive.map_or(replay.params.law(), |record| record.law);
         let parameters = decisive.map_or([None; PARAMETER_SLOTS], |record| record.parameters);
-        let replayed_n = replay_force(log, replay, law, &parameters);
         let stretch = at.map_or(0..0, |at| stretch(replay, at));
-        let force_rmse_n = force_rmse(log, replay, &replayed_n, stretch);
+        let replays = motions.iter().map(|motion| {
+            let replayed_n = replay_force(log, replay, motion, law, &parameters);
+            let rmse_n = force_rmse(log, replay, &replayed_n, stretch.clone());
+            (replayed_n, rmse_n)
+        });
+        let or_infinite = |rmse_n: Option<f64>| rmse_n.unwrap_or(f64::INFINITY);
+        let least = replays.min_by(|a, b| or_infinite(a.1).total_cmp(&or_infinite(b.1)));
+        let (replayed_n, force_rmse_n) = least.unwrap_or_default();
         let evidence = Evidence {
             misfit: force_rmse_n.map(|rmse| rmse / replay.noise_n),
             ..Evidence::default()

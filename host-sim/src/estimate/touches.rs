@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use estimator_core::Faults;
+
 use crate::log::UniformLog;
 use crate::replay::{Replay, Touch};
 use crate::signal::parabola;
@@ -28,7 +30,7 @@ const LAST: f64 = 0.1;
 
 /// Touches of a replayed log.
 pub(super) fn touches(log: &UniformLog, replay: &Replay) -> Vec<Touch> {
-    let smooth = Smooth::of(log);
+    let smooth = Smooth::of(log, replay);
     each(log, replay, &smooth).map(|one| one.touch()).collect()
 }
 
@@ -47,7 +49,7 @@ pub(crate) struct Departure {
 
 /// Where the force of the shallowest touch leaves its baseline; `None` if the log does not show it.
 pub(crate) fn departure(log: &UniformLog, replay: &Replay) -> Option<Departure> {
-    let smooth = Smooth::of(log);
+    let smooth = Smooth::of(log, replay);
     let departures = each(log, replay, &smooth).filter_map(|one| {
         let before = one.onset()?;
         let at = (before + 1 + smooth.half_width).min(log.len() - 1);
@@ -86,6 +88,7 @@ fn each<'a>(
             };
             One {
                 log,
+                is_faulty: &smooth.is_faulty,
                 smooth,
                 rest_n,
                 leaves_n: LEAVES_SIGMAS * wander_n.max(replay.noise_n / smooth.averages),
@@ -98,19 +101,22 @@ fn each<'a>(
 /// A force smoothed over a few milliseconds.
 struct Smooth {
     force_n: Vec<f64>,
+    is_faulty: Vec<bool>,
     half_width: usize,
     /// Noise of a sample over that of a smoothed one.
     averages: f64,
 }
 
 impl Smooth {
-    fn of(log: &UniformLog) -> Smooth {
+    fn of(log: &UniformLog, replay: &Replay) -> Smooth {
+        let faults = replay.records.iter().map(|record| record.faults);
         let half_width = (SMOOTH_S * log.rate_hz) as usize;
         let value = |at| parabola(&log.force_n, at, half_width, log.period_s()).0;
         // A parabola over 2m + 1 samples leaves 9/4 of the variance of their mean.
         let averages = ((2 * half_width + 1) as f64 / 2.25).sqrt().max(1.0);
         Smooth {
             force_n: (0..log.len()).map(value).collect(),
+            is_faulty: faults.map(|faults| faults != Faults::NONE).collect(),
             half_width,
             averages,
         }
@@ -120,6 +126,7 @@ impl Smooth {
 /// One touch in its log.
 struct One<'a> {
     log: &'a UniformLog,
+    is_faulty: &'a [bool],
     smooth: &'a Smooth,
     rest_n: f64,
     leaves_n: f64,
@@ -144,13 +151,20 @@ impl One<'_> {
         let (log, onset) = (self.log, self.onset());
         let first = onset.unwrap_or(self.contact.start);
         let all = first..self.contact.end;
+        // A sample with a fault is no measurement, and one in a gap was invented.
+        let is_measured = |at: &usize| self.is_faulty.get(*at) != Some(&true) && !log.in_gap[*at];
         let hardest = all
             .clone()
+            .filter(is_measured)
             .max_by(|a, b| self.force_n(*a).total_cmp(&self.force_n(*b)))
             .unwrap_or(first);
         let start_m = log.position_m[first];
         let depth = |at: usize| log.position_m[at] - start_m;
-        let peak_depth_m = all.clone().map(depth).fold(0.0, f64::max);
+        let peak_depth_m = all
+            .clone()
+            .filter(is_measured)
+            .map(depth)
+            .fold(0.0, f64::max);
         let peak_force_n = self.force_n(hardest).max(0.0);
         let secant = peak_force_n / depth(hardest);
         let is_whole = onset.is_some() && self.contact.end < log.len();
