@@ -15,6 +15,10 @@ mod course;
 mod error;
 mod family;
 mod fit;
+mod held;
+mod instead;
+mod judge;
+mod lateness;
 mod modulus;
 mod note;
 mod options;
@@ -23,23 +27,27 @@ mod select;
 mod start;
 mod thresholds;
 mod touch;
+mod young;
 
 use estimator_core::estimate::method::Method;
 use estimator_core::{Config, Status};
 
-pub use family::Family;
+pub use family::{Family, Form};
+pub use held::Held;
+pub use instead::batch_instead;
+pub use lateness::lateness;
 pub use modulus::Indenter;
 pub use options::{Options, all_families};
-pub use result::{Batch, Columns, Modulus, Parameter, TouchFit, Tried};
+pub use result::{Batch, Columns, Modulus, ModulusKind, Parameter, TouchFit, Tried};
 pub use thresholds::Thresholds;
 
-use crate::kinematics::kinematics;
+use crate::kinematics::{Kinematics, kinematics};
 use assemble::Given;
 use course::Course;
-use select::{Fixed, candidates};
+use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
-use crate::estimate::{Choices, Outcome, Setup, setup};
+use crate::estimate::{Choices, NOISE_ALONE, Outcome, Reason, Setup, setup, touches::departure};
 use crate::inspect::inspect;
 use crate::log::UniformLog;
 use crate::replay::{Replay, replay};
@@ -65,7 +73,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
             .remedy(error.expected)
     })?;
     let motion = kinematics(log);
-    let mut empty = nothing(log, &replay, notes);
+    let mut empty = nothing(log, &replay, &motion, notes);
     let Some(course) = Course::of(log, &motion, &replay, options.thresholds) else {
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);
@@ -75,35 +83,71 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         motion: &motion,
         course: &course,
         reference_depth_m: empty.reference_depth_m,
+        departure: departure(log, &replay),
     };
-    let fixed = Fixed {
-        surface: options
-            .surface_m
-            .map(|at| (at - course.scales.touch_m) / course.scales.depth_m),
-        exponent: None,
+    let mut held = options.held.clone();
+    held.fixed
+        .extend(options.surface_m.map(|at| ("surface".into(), at)));
+    let fixed = &Fixed {
+        held,
+        reference_depth_m: empty.reference_depth_m,
+        without_skew: false,
     };
-    let tried = candidates(&course, &options.families, fixed);
+    let tried = given.tried(options, fixed);
     let Some(best) = given.best(&tried, fixed) else {
         empty.notes.push("no law has a minimum on this log".into());
         empty.status = Status::Unobservable;
+        empty.reason = Some(Reason::Excitation);
         return Ok(empty);
     };
-    let mut batch = given.result(empty, best, &tried, fixed);
-    batch.modulus = options
-        .indenter
-        .and_then(|indenter| given.modulus(best, indenter, options.poisson, fixed));
+    let batch = given.result(empty, best, &tried, fixed);
+    let mut batch = given.judged(batch, &best.fit);
+    batch.modulus = options.indenter.and_then(|indenter| {
+        given.modulus(
+            best,
+            batch.value("exponent"),
+            indenter,
+            options.poisson,
+            fixed,
+        )
+    });
     let notes = note::notes(log, &course, &batch, options);
     batch.notes.extend(notes);
     Ok(batch)
 }
 
+impl Given<'_> {
+    /// Every law that was asked for, fitted. Exponential responses are tried too where the best power
+    /// leaves more than noise, since they take twice as long.
+    fn tried(&self, options: &Options, fixed: &Fixed) -> Vec<Candidate> {
+        let shaped = |form: Form| {
+            let families = options.families.iter();
+            let shaped = families.filter_map(move |family| family.shaped(form));
+            shaped.filter(|family| fixed.held.suits(*family))
+        };
+        let powers: Vec<Family> = shaped(options.elastic.unwrap_or(Form::Power)).collect();
+        let first = roughly_fitted(self.course, &powers, fixed);
+        let tried = finished(self.course, first.clone(), fixed);
+        let noise_n = NOISE_ALONE * self.course.scales.noise_n;
+        let best = self.best(&tried, fixed);
+        let is_noise = best.is_some_and(|own| self.rmse(&own.fit) <= noise_n);
+        let others: Vec<Family> = shaped(Form::Exponential).collect();
+        if is_noise || options.elastic.is_some() || others.is_empty() {
+            return tried;
+        }
+        let shaped = roughly_fitted(self.course, &others, fixed);
+        finished(self.course, [first, shaped].concat(), fixed)
+    }
+}
+
 /// The result of a log in which nothing is touched.
-fn nothing(log: &UniformLog, replay: &Replay, notes: Vec<String>) -> Batch {
-    let outcome = Outcome::of(log, replay);
+fn nothing(log: &UniformLog, replay: &Replay, motion: &Kinematics, notes: Vec<String>) -> Batch {
+    let outcome = Outcome::along(log, replay, std::slice::from_ref(motion));
     let inspection = inspect(log, replay, &outcome.touches);
     Batch {
         family: Family::KELVIN_VOIGT,
         status: Status::NoContact,
+        reason: Some(Reason::Excitation),
         parameters: unknown(Family::KELVIN_VOIGT),
         offset: None,
         skew: None,

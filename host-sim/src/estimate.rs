@@ -1,14 +1,24 @@
 //! The board's step over a log, and what it comes to.
 
+mod evidence;
 pub(crate) mod explain;
+mod lateness;
 pub mod outcome;
+mod reason;
+mod residual;
 mod setup;
+pub(crate) mod touches;
 
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, Status};
 
+pub(crate) use evidence::RELAXES;
+use evidence::{evidence, surface_late_m};
 pub use explain::explain;
+pub use lateness::Lateness;
 pub use outcome::Outcome;
+pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
+use residual::motions;
 pub use setup::{Choices, Setup, setup};
 
 use crate::diagnostic::Diagnostic;
@@ -18,6 +28,8 @@ use crate::replay::{Replay, replay};
 
 /// What a simpler law may leave more than the best one and still be chosen: 2 %.
 const SIMPLER_MARGIN: f64 = 1.02;
+/// A method that is not trusted by itself is taken where the best of the others leaves so much more.
+const WELL_ABOVE: f64 = 1.5;
 
 /// An estimate of one log.
 #[derive(Clone, Debug)]
@@ -32,6 +44,27 @@ pub struct Estimation {
     pub selection: Vec<(&'static str, Option<f64>)>,
     /// What a reader must know, a sentence each.
     pub notes: Vec<String>,
+    /// What the status was judged by.
+    pub evidence: Evidence,
+}
+
+impl Estimation {
+    /// Whether the law explains the force to its noise.
+    pub fn is_explained(&self) -> bool {
+        self.evidence
+            .misfit
+            .is_some_and(|misfit| misfit <= EXPLAINED)
+    }
+
+    /// Takes how late the force is against the position, and judges again.
+    pub fn take_lateness(&mut self, late: Option<Lateness>) {
+        let Some(late) = late else { return };
+        self.evidence.lateness = late.reason();
+        self.outcome.skew.get_or_insert(late.late_s);
+        let (status, reason) = judged(self.outcome.method_status, &self.evidence);
+        (self.outcome.status, self.outcome.reason) = (status, reason);
+        self.notes.extend(late.sentence());
+    }
 }
 
 /// Estimates a log with each method and keeps the law that explains the force best; of two that do
@@ -45,8 +78,9 @@ pub fn estimate(
     methods: &[Method],
     choices: Choices,
 ) -> Result<Estimation, Diagnostic> {
+    let motions = motions(log);
     let mut best: Option<(Replay, Outcome, Vec<String>)> = None;
-    let mut selection = Vec::new();
+    let (mut selection, mut rmses_n) = (Vec::new(), Vec::new());
     for method in methods {
         let Setup { config, notes } = setup(log, base, *method, choices);
         let replay = replay(log, &config).map_err(|error| {
@@ -56,20 +90,29 @@ pub fn estimate(
                 .remedy(error.expected)
         })?;
         long_enough(log, &replay)?;
-        let outcome = Outcome::of(log, &replay);
+        let outcome = Outcome::along(log, &replay, &motions);
         selection.push((outcome.law.name(), outcome.force_rmse_n));
-        let rmse = outcome.force_rmse_n.unwrap_or(f64::INFINITY);
-        let to_beat = best
-            .as_ref()
-            .map(|(_, kept, _)| kept.force_rmse_n.unwrap_or(f64::INFINITY));
-        if trusted(&outcome, *method, methods)
-            && to_beat.is_none_or(|kept| rmse * SIMPLER_MARGIN < kept)
-        {
+        rmses_n.push(outcome.whole_log_rmse_n);
+        let is_better = best.as_ref().is_none_or(|(before, kept, _)| {
+            let kept = Residual::of(before, kept);
+            let margin = match is_trusted(&outcome, *method, methods) {
+                true => SIMPLER_MARGIN,
+                false => WELL_ABOVE,
+            };
+            Residual::of(&replay, &outcome).is_below(&kept, margin)
+        });
+        if is_better {
             best = Some((replay, outcome, notes));
         }
     }
-    let (replay, outcome, mut notes) = best.ok_or_else(|| Diagnostic::new("no method to try"))?;
+    let (replay, mut outcome, mut notes) =
+        best.ok_or_else(|| Diagnostic::new("no method to try"))?;
     let inspection = inspect(log, &replay, &outcome.touches);
+    let evidence = evidence(log, &replay, &outcome, &inspection, &rmses_n);
+    if evidence.is_surface_doubtful {
+        outcome.widen_surface(surface_late_m(log, &replay, &outcome));
+    }
+    (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
     Ok(Estimation {
@@ -78,13 +121,48 @@ pub fn estimate(
         inspection,
         selection,
         notes,
+        evidence,
     })
 }
 
-/// Whether a method may be chosen. One over a history only once it has converged, unless nothing else
-/// was asked for: on the hold of 1600 s of a foam, longer than its history, it never does, and leaves
-/// 1.7 N where the whole log leaves 29 mN.
-fn trusted(outcome: &Outcome, method: Method, methods: &[Method]) -> bool {
+/// What laws are compared by.
+struct Residual {
+    /// Over the material that the parameters stand for, in noises.
+    misfit: f64,
+    /// Over the whole log (N).
+    whole_log_n: f64,
+    /// Whether the material has changed, so that the two are of other stretches.
+    has_changed: bool,
+}
+
+impl Residual {
+    fn of(replay: &Replay, outcome: &Outcome) -> Residual {
+        let or_infinite = |rmse: Option<f64>| rmse.unwrap_or(f64::INFINITY);
+        Residual {
+            misfit: or_infinite(outcome.force_rmse_n) / replay.noise_n,
+            whole_log_n: or_infinite(outcome.whole_log_rmse_n),
+            has_changed: outcome.whole_log_rmse_n != outcome.force_rmse_n,
+        }
+    }
+
+    /// Whether this one is smaller by a margin. A law that explains the material that was touched last is
+    /// better than one that does not, whatever was touched before. Of two that do not, whole logs decide
+    /// unless both say that the material has changed: a false change leaves a stretch that any law fits.
+    fn is_below(&self, kept: &Residual, margin: f64) -> bool {
+        match (self.misfit <= EXPLAINED, kept.misfit <= EXPLAINED) {
+            (true, true) => self.misfit * margin < kept.misfit,
+            (false, false) if self.has_changed && kept.has_changed => {
+                self.misfit * margin < kept.misfit
+            }
+            (false, false) => self.whole_log_n * margin < kept.whole_log_n,
+            (explains, _) => explains,
+        }
+    }
+}
+
+/// Whether a method may be chosen for a little less. One over a history only once it has converged, unless
+/// nothing else was asked for: on the hold of 1600 s of a foam, longer than its history, it never does.
+fn is_trusted(outcome: &Outcome, method: Method, methods: &[Method]) -> bool {
     let has_history = |method: &Method| method_info(*method).is_some_and(|info| info.has_history);
     !has_history(&method) || outcome.status == Status::Converged || methods.iter().all(has_history)
 }

@@ -36,6 +36,28 @@ pub(crate) struct Kinematics {
     pub(crate) held: Vec<f64>,
 }
 
+impl Kinematics {
+    /// The motion of so many samples ago at every sample; at the ends of the log its first or last.
+    pub(crate) fn delayed(&self, samples: f64) -> Kinematics {
+        let last = self.position_m.len().saturating_sub(1);
+        let shifted = |channel: &[f64]| {
+            let at = |index: usize| {
+                let at = (index as f64 - samples).clamp(0.0, last as f64);
+                let (before, share) = (at as usize, at.fract());
+                let (a, b) = (channel[before], channel[(before + 1).min(last)]);
+                a + share * (b - a)
+            };
+            (0..channel.len()).map(at).collect()
+        };
+        Kinematics {
+            position_m: shifted(&self.position_m),
+            speed_mps: shifted(&self.speed_mps),
+            acceleration_mps2: shifted(&self.acceleration_mps2),
+            ..self.clone()
+        }
+    }
+}
+
 /// Sums of even powers of −m..m.
 struct Window {
     half_width: usize,

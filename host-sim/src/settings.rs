@@ -32,6 +32,11 @@
 //! window_s = 0.5
 //! suspect_ratio = 25.0
 //!
+//! [estimator]              # of a fit of the whole log, but for the surface
+//! fixed = ["exponent"]     # held at their value in `initial`
+//! initial = { exponent = 1.5 }
+//! elastic = "exponential"  # of quasi_linear, with `stiffening_rate` (1/m) in place of the exponent
+//!
 //! [zener]
 //! inversion = "exact"      # or "forward_euler", as printed in the chapter
 //!
@@ -44,19 +49,60 @@ use std::path::Path;
 
 use estimator_core::Config;
 use estimator_core::estimate::config::{Filter, Inversion, Surface, Weight};
+use estimator_core::physics::law::{LawId, ParameterInfo, RELAXATION, SURFACE};
 
-use crate::diagnostic::Diagnostic;
+use crate::batch::{Form, Held};
+use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::toml_reader::{Bounds, Table, TomlFile};
+
+/// What a file of settings says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// Of the estimator that runs on the board as well.
+    pub config: Config,
+    /// Parameters that are held or begun with.
+    pub held: Held,
+    /// How the force of a relaxing law grows with depth, if it is chosen.
+    pub elastic: Option<Form>,
+}
+
+impl Settings {
+    /// Whether something is asked for that only a fit of the whole log has.
+    pub fn needs_whole_log(&self) -> bool {
+        self.batch_only().is_some()
+    }
+
+    /// Refuses what the recursive methods do not take.
+    ///
+    /// # Errors
+    /// The key, and the method that takes it.
+    pub fn refuse(&self) -> Result<(), Diagnostic> {
+        match self.batch_only() {
+            None => Ok(()),
+            Some(key) => Err(Diagnostic::new("this needs a fit of the whole log")
+                .at_key("estimator")
+                .value(key)
+                .remedy("add --method batch, or leave out both --law and --method")),
+        }
+    }
+
+    fn batch_only(&self) -> Option<&str> {
+        let mut held = self.held.fixed.iter().map(|(name, _)| name.as_str());
+        let shaped = self.elastic.filter(|form| *form != Form::Power);
+        held.find(|name| *name != "surface")
+            .or(shaped.map(|_| "elastic"))
+    }
+}
 
 /// Reads a configuration; what it does not name keeps its default. The rate is the log's.
 ///
 /// # Errors
 /// Unknown keys, wrong types, and values that [`Config::validate`] refuses, with their line.
-pub fn read(path: &Path) -> Result<Config, Diagnostic> {
+pub fn read(path: &Path) -> Result<Settings, Diagnostic> {
     parse(&TomlFile::read(path)?)
 }
 
-fn parse(file: &TomlFile) -> Result<Config, Diagnostic> {
+fn parse(file: &TomlFile) -> Result<Settings, Diagnostic> {
     let root = file.root();
     let mut config = Config::default();
     type Section = fn(&Table, &mut Config) -> Result<(), Diagnostic>;
@@ -76,11 +122,87 @@ fn parse(file: &TomlFile) -> Result<Config, Diagnostic> {
             table.finish()?;
         }
     }
+    let mut settings = Settings::default();
+    if let Some(table) = root.table("estimator")? {
+        estimator(&table, &mut settings)?;
+        table.finish()?;
+    }
+    begin(&mut config, &settings.held);
+    settings.config = config;
     root.finish()?;
     match config.validate::<f32>() {
-        Ok(_) => Ok(config),
+        Ok(_) => Ok(settings),
         Err(error) => Err(refused(&root, &error)?),
     }
+}
+
+/// The values that recursive methods can begin with too.
+fn begin(config: &mut Config, held: &Held) {
+    for (name, value) in &held.initial {
+        let value = *value as f32;
+        match name.as_str() {
+            "stiffness" => config.initial.stiffness_n_per_m = value,
+            "damping" => config.initial.damping_ns_per_m = value,
+            "exponent" => config.initial.exponent = value,
+            _ => {}
+        }
+    }
+}
+
+fn estimator(table: &Table, settings: &mut Settings) -> Result<(), Diagnostic> {
+    let words = [("power", Form::Power), ("exponential", Form::Exponential)];
+    settings.elastic = either(table, "elastic", words)?;
+    if let Some(initial) = table.table("initial")? {
+        for info in parameters() {
+            if let Some(value) = initial.number(info.name, info.bounds)? {
+                settings.held.initial.push((info.name.into(), value));
+            }
+        }
+        initial.finish()?;
+    }
+    for name in table.texts("fixed")? {
+        let mut names = parameters().map(|info| info.name);
+        if !names.any(|known| known == name) {
+            let all = parameters().map(|info| info.name);
+            let near = nearest(&name, all.clone());
+            let remedy = match near {
+                Some(near) => format!("write \"{near}\""),
+                None => format!("the parameters are {}", listed(all)),
+            };
+            let what = format!("no law has a parameter `{name}`");
+            return Err(table.wrong("fixed", what).remedy(remedy));
+        }
+        let mut initial = settings.held.initial.iter();
+        let Some((_, value)) = initial.find(|(own, _)| *own == name) else {
+            let what = format!("`{name}` is held, and no value says where");
+            let remedy = format!("add initial = {{ {name} = … }}");
+            return Err(table.wrong("fixed", what).remedy(remedy));
+        };
+        let value = *value;
+        settings.held.fixed.push((name, value));
+    }
+    Ok(())
+}
+
+/// Every parameter of every law, once.
+fn parameters() -> impl Iterator<Item = &'static ParameterInfo> + Clone {
+    let of_law = |law: &'static LawId| {
+        let info = law.info();
+        info.parameters.iter().chain(info.optional)
+    };
+    let modes = RELAXATION.iter().flatten();
+    let all = LawId::ALL
+        .iter()
+        .flat_map(of_law)
+        .chain(modes)
+        .chain([&SURFACE]);
+    let mut kept: Vec<&ParameterInfo> = Vec::new();
+    for info in all {
+        if kept.iter().all(|own| own.name != info.name) {
+            kept.push(info);
+        }
+    }
+    kept.into_iter()
 }
 
 /// The error of a value, at its line.
@@ -226,8 +348,42 @@ fn cascade(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
 mod tests {
     use super::*;
 
-    fn of(text: &str) -> Result<Config, Diagnostic> {
+    fn all(text: &str) -> Result<Settings, Diagnostic> {
         parse(&TomlFile::parse(text.into(), Path::new("estimator.toml"))?)
+    }
+
+    fn of(text: &str) -> Result<Config, Diagnostic> {
+        all(text).map(|settings| settings.config)
+    }
+
+    #[test]
+    fn parameters_are_held_at_their_initial_value() {
+        let text = "[estimator]\nfixed = [\"exponent\"]\n\
+                    initial = { exponent = 1.5, stiffness = 900.0 }\nelastic = \"power\"\n";
+        let settings = all(text).unwrap();
+        assert_eq!(settings.held.value("exponent"), Some(1.5));
+        assert_eq!(settings.held.value("stiffness"), None);
+        assert_eq!(settings.config.initial.stiffness_n_per_m, 900.0);
+        assert!(settings.needs_whole_log() && settings.refuse().is_err());
+        let surface = "[estimator]\nfixed = [\"surface\"]\ninitial = { surface = 1e-4 }\n";
+        assert!(!all(surface).unwrap().needs_whole_log());
+    }
+
+    #[test]
+    fn what_is_held_wrongly_is_refused_with_the_remedy() {
+        for (text, remedy) in [
+            ("[estimator]\nfixed = [\"exponant\"]\n", "\"exponent\""),
+            (
+                "[estimator]\nfixed = [\"exponent\"]\n",
+                "initial = { exponent",
+            ),
+            ("[estimator]\ninitial = { exponant = 1.5 }\n", "exponent"),
+            ("[estimator]\nelastic = \"fung\"\n", "exponential"),
+            ("[estimator]\nheld = 1\n", "fixed"),
+        ] {
+            let error = all(text).unwrap_err().to_string();
+            assert!(error.contains(remedy), "{text}: {error}");
+        }
     }
 
     #[test]

@@ -117,6 +117,7 @@ impl Log {
                     to_s: t,
                     peak_force_n: force,
                     peak_depth_m: depth,
+                    ..Touch::default()
                 });
             }
             (true, false) => self.event(t, Event::Release),

@@ -5,13 +5,14 @@ use estimator_core::estimate::Estimated;
 
 use super::touch;
 use super::{
-    course::Course, course::Node, course::Use, family::Family, family::natural, fit::Fit,
-    fit::Problem, modulus::Indenter, result::Batch, result::Columns, result::Modulus,
-    result::Parameter, result::Tried, select::Candidate, select::Fixed, select::candidates,
+    course::Course, course::Node, course::Use, family::Family, family::SURFACE, family::natural,
+    fit::Fit, fit::Problem, result::Batch, result::Columns, result::Parameter, result::Tried,
+    select::Candidate, select::Fixed,
 };
+use crate::estimate::{NOISE_ALONE, touches::Departure};
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
-use crate::stats::rms;
+use crate::stats::{lowest, rms};
 
 /// Points of the elastic curve.
 const CURVE_POINTS: usize = 200;
@@ -30,10 +31,16 @@ pub(super) struct Given<'a> {
     pub(super) motion: &'a Kinematics,
     pub(super) course: &'a Course,
     pub(super) reference_depth_m: f64,
+    /// Where the force leaves its baseline, if the log shows it.
+    pub(super) departure: Option<Departure>,
 }
 
 impl Given<'_> {
-    fn problem<'a>(&'a self, candidate: &'a Candidate, fixed: &'a [usize]) -> Problem<'a> {
+    pub(super) fn problem<'a>(
+        &'a self,
+        candidate: &'a Candidate,
+        fixed: &'a [usize],
+    ) -> Problem<'a> {
         Problem {
             family: candidate.fit.family,
             nodes: &self.course.nodes,
@@ -43,13 +50,21 @@ impl Given<'_> {
         }
     }
 
-    /// The smallest score among the laws of which the log tells every relaxation mode: one that is
-    /// not known to be there is not taken, whatever it takes off the residuals.
-    pub(super) fn best<'a>(&self, tried: &'a [Candidate], fixed: Fixed) -> Option<&'a Candidate> {
-        let mut order: Vec<&Candidate> = tried.iter().collect();
+    /// The smallest score among the laws that leave no more than the rivals of the one that leaves least,
+    /// and of which the log tells every relaxation mode: one that is not known to be there is not taken,
+    /// unless nothing else comes near.
+    pub(super) fn best<'a>(&self, tried: &'a [Candidate], fixed: &Fixed) -> Option<&'a Candidate> {
+        let rmses_n: Vec<f64> = tried.iter().map(|own| self.rmse(&own.fit)).collect();
+        let least = lowest(rmses_n.iter().copied());
+        let is_near = |rmse_n: f64| rmse_n <= self.course.thresholds.selection.rival * least;
+        let near = tried
+            .iter()
+            .zip(rmses_n)
+            .filter(|(_, rmse_n)| is_near(*rmse_n));
+        let mut order: Vec<&Candidate> = near.map(|(own, _)| own).collect();
         order.sort_by(|a, b| a.score.total_cmp(&b.score));
         let told = |candidate: &&&Candidate| {
-            let (parameters, ..) = self.estimated(candidate, fixed);
+            let (parameters, ..) = self.estimated(candidate, fixed, 0.0);
             let mut modes = parameters
                 .iter()
                 .filter(|p| p.name.starts_with("relaxation"));
@@ -59,11 +74,16 @@ impl Given<'_> {
     }
 
     /// The parameters of a candidate, its misfit, its offset and its skew.
-    fn estimated(&self, candidate: &Candidate, fixed: Fixed) -> Estimates {
+    fn estimated(&self, candidate: &Candidate, fixed: &Fixed, spread_m: f64) -> Estimates {
         let family = candidate.fit.family;
-        let stay = fixed.of(family);
+        let stay = fixed.of(family, &self.course.scales);
         let problem = self.problem(candidate, &stay);
+        let spread = spread_m / self.course.scales.depth_m;
         let covariance = problem.covariance(&candidate.fit.free);
+        let covariance = match stay.contains(&SURFACE) {
+            true => covariance,
+            false => covariance.widened(SURFACE, spread),
+        };
         let mut values = problem.reported(&candidate.fit.free, &covariance, self.reference_depth_m);
         let (skew, offset) = (values.pop(), values.pop());
         let skew = skew.filter(|_| family.skew().is_some());
@@ -75,9 +95,10 @@ impl Given<'_> {
         empty: Batch,
         best: &Candidate,
         tried: &[Candidate],
-        fixed: Fixed,
+        fixed: &Fixed,
     ) -> Batch {
-        let (parameters, misfit, offset, skew) = self.estimated(best, fixed);
+        let spread_m = self.surface_spread_m(best, tried);
+        let (parameters, misfit, offset, skew) = self.estimated(best, fixed, spread_m);
         let columns = self.columns(&best.fit);
         let rmse = self.rmse(&best.fit);
         let selection = tried.iter().map(|candidate| Tried {
@@ -88,7 +109,7 @@ impl Given<'_> {
         });
         Batch {
             family: best.fit.family,
-            status: self.status(&best.fit, &parameters, rmse, empty.noise_n),
+            status: method_status(&best.fit, &parameters),
             parameters: sorted(best.fit.family, parameters),
             offset,
             skew,
@@ -102,18 +123,43 @@ impl Given<'_> {
         }
     }
 
-    fn status(&self, fit: &Fit, parameters: &[Parameter], rmse: f64, noise_n: f64) -> Status {
-        if parameters
-            .iter()
-            .any(|parameter| parameter.estimate.is_none())
-        {
-            Status::Unobservable
-        } else if rmse > self.course.thresholds.report.explained * noise_n {
-            Status::ModelSuspect
-        } else if fit.converged {
-            Status::Converged
-        } else {
-            Status::Converging
+    /// How far the surface may be off (m) besides what the data of one law say, where the law leaves
+    /// more than noise: by as much as its rivals put it elsewhere, and by as much as the law leaves its baseline
+    /// elsewhere than the force does.
+    fn surface_spread_m(&self, best: &Candidate, tried: &[Candidate]) -> f64 {
+        let least = self.rmse(&best.fit);
+        if least <= NOISE_ALONE * self.course.scales.noise_n {
+            return 0.0;
+        }
+        let at =
+            |other: &Candidate| natural(other.fit.family, &other.fit.free, &self.course.scales);
+        let own_m = at(best).surface_m;
+        let is_rival = |other: &&Candidate| {
+            self.rmse(&other.fit) < self.course.thresholds.selection.rival * least
+        };
+        let rivals = tried.iter().filter(is_rival);
+        let apart = rivals.map(|other| (at(other).surface_m - own_m).abs());
+        apart.fold(self.misplaced_m(&best.fit), f64::max)
+    }
+
+    /// Between where the force leaves its baseline and where that of the law does (m).
+    fn misplaced_m(&self, fit: &Fit) -> f64 {
+        let Some(left) = self.departure else {
+            return 0.0;
+        };
+        let rest_n = natural(fit.family, &fit.free, &self.course.scales).offset_n;
+        let forces = self.forces(fit);
+        let is_within = |at: &usize| forces[*at] - rest_n <= left.over_n;
+        let end = self.course.touches.iter().map(|touch| touch.end);
+        let end = end.filter(|end| *end > left.at).min().unwrap_or(left.at);
+        let position = |at: usize| self.motion.position_m[at];
+        // On the way in the law leaves its baseline once.
+        let before = (0..left.at).rev().find(is_within);
+        let after = (left.at..end).find(|at| !is_within(at));
+        match (is_within(&left.at), before, after) {
+            (true, _, Some(after)) => (position(after) - left.to_m).max(0.0),
+            (false, Some(before), _) => (left.from_m - position(before)).max(0.0),
+            _ => 0.0,
         }
     }
 
@@ -160,7 +206,7 @@ impl Given<'_> {
         matches!(self.course.uses[at], Use::Contact(_)) && !self.log.in_gap[at]
     }
 
-    fn rmse(&self, fit: &Fit) -> f64 {
+    pub(super) fn rmse(&self, fit: &Fit) -> f64 {
         let errors = self.forces(fit).into_iter().enumerate();
         let fitted = errors.filter(|(at, _)| self.is_fitted(*at));
         rms(fitted.map(|(at, force)| self.log.force_n[at] - force))
@@ -196,48 +242,22 @@ impl Given<'_> {
         let deepest = self.course.scales.touch_m + self.course.scales.depth_m - law.surface_m;
         let depths = (0..=CURVE_POINTS).map(|i| deepest * i as f64 / CURVE_POINTS as f64);
         let depths: Vec<f64> = depths.collect();
-        let forces = depths.iter().map(|depth| law.elastic_n(*depth)).collect();
+        let forces = depths
+            .iter()
+            .map(|depth| law.elastic_n(fit.family, *depth))
+            .collect();
         (depths, forces)
     }
+}
 
-    /// E with the indenter's own exponent: fitted again unless the law has that one anyway.
-    pub(super) fn modulus(
-        &self,
-        best: &Candidate,
-        indenter: Indenter,
-        poisson: f64,
-        fixed: Fixed,
-    ) -> Option<Modulus> {
-        let exponent = indenter.exponent();
-        let family = match best.fit.family {
-            Family::KELVIN_VOIGT if exponent != 1.0 => Family::HUNT_CROSSLEY,
-            Family::ZENER if exponent != 1.0 => Family::quasi_linear(1),
-            family => family,
-        };
-        let fixed = Fixed {
-            exponent: Some(exponent),
-            ..fixed
-        };
-        let again = candidates(self.course, &[family], fixed).pop()?;
-        let stay = fixed.of(family);
-        let problem = self.problem(&again, &stay);
-        let covariance = problem.covariance(&again.fit.free);
-        let values = problem.reported(&again.fit.free, &covariance, self.reference_depth_m);
-        let stiffness = values.first()?;
-        let value = indenter.youngs_modulus(stiffness.value, self.reference_depth_m, poisson);
-        let law = natural(family, &again.fit.free, &self.course.scales);
-        let relaxes: f64 = law.modes.iter().map(|mode| mode.fraction).sum();
-        Some(Modulus {
-            value: Estimated {
-                value,
-                std_error: value * stiffness.std_error / stiffness.value,
-            },
-            relaxed_pa: (family.modes > 0).then_some(value * (1.0 - relaxes)),
-            indenter: indenter.name(),
-            poisson,
-            exponent_assumed: exponent,
-            force_rmse_n: self.rmse(&again.fit),
-        })
+/// Whether the fit itself has come to an end, and with which parameters.
+fn method_status(fit: &Fit, parameters: &[Parameter]) -> Status {
+    if parameters.iter().any(|own| own.estimate.is_none()) {
+        Status::Unobservable
+    } else if fit.converged {
+        Status::Converged
+    } else {
+        Status::Converging
     }
 }
 

@@ -4,14 +4,17 @@
 //! and the steps of the encoder leave, see the weights in `select`. Residuals of a law that does not fit,
 //! of hum, or of an encoder's steps smoothed are correlated, and C then promises too much: the
 //! sandwich H⁻¹MH⁻¹ with Newey & West's M = Σ κ(l)Σ s(h)s(h−l)ᵀ, s = w r J, κ Bartlett's window,
-//! counts what the neighbours repeat. Of both the larger variance is reported.
+//! counts what the neighbours repeat. Where a law leaves more than noise, its remainder is no noise at
+//! all but a curve that lasts for as long as the correlation time τ, of which the sandwich sees too few
+//! periods: a fit then has N/τ independent residuals, and C·τ. Of all the largest variance is reported.
 
 use estimator_core::estimate::Estimated;
 use estimator_core::maths::Dual;
 
 use super::{family::natural, fit::Problem, fit::of_size};
+use crate::estimate::NOISE_ALONE;
 use crate::lsq::{covariance::inverse, covariance::newey_west, dense};
-use crate::stats::correlation;
+use crate::stats::{correlation, rms};
 
 /// Lags of the sandwich, in correlation times; and their bounds.
 const LAGS: f64 = 3.0;
@@ -25,7 +28,11 @@ const RIDGE: f64 = 1e-13;
 pub(super) struct Covariance {
     size: usize,
     white: Vec<f64>,
+    /// What the variances of a coloured remainder are over the white ones.
+    coloured: f64,
     sandwich: Vec<f64>,
+    /// What is left open besides the data.
+    open: Vec<f64>,
     /// √(χ²/(N − p)): residuals over what they should be.
     pub(super) misfit: f64,
 }
@@ -38,6 +45,15 @@ impl Problem<'_> {
             residuals.push(weight.sqrt() * (node.force_n - force));
         });
         residuals
+    }
+
+    /// Root of the mean square of the residuals over the noise alone (1).
+    pub(super) fn remainder(&self, free: &[f64]) -> f64 {
+        let mut residuals = Vec::new();
+        self.along(free, |node, _, force| {
+            residuals.push((node.force_n - force) / self.scales.noise_n);
+        });
+        rms(residuals)
     }
 
     /// Covariances at a minimum.
@@ -67,11 +83,17 @@ impl Problem<'_> {
         };
         let inverse = inverse(&normal.curvature, &fixed, RIDGE)
             .unwrap_or_else(|| (0..N * N).map(unknown).collect());
+        let coloured = match self.remainder(free) > NOISE_ALONE {
+            true => correlation.max(1.0),
+            false => 1.0,
+        };
         let lags = (LAGS * correlation).ceil() as usize;
         let lags = lags.clamp(FEWEST_LAGS, MOST_LAGS).min(scores.len() / 4);
         let middle = newey_west(&scores, lags);
         Covariance {
             size: N,
+            coloured,
+            open: vec![0.0; N * N],
             sandwich: dense::product(&dense::product(&inverse, &middle, N), &inverse, N),
             white: inverse
                 .iter()
@@ -110,11 +132,26 @@ impl Problem<'_> {
 }
 
 impl Covariance {
+    /// Adds what leaves a free number open besides the data: a standard deviation, which moves the others
+    /// with it as their covariance has it.
+    pub(super) fn widened(mut self, at: usize, by: f64) -> Covariance {
+        let n = self.size;
+        let own = self.white[at * n + at];
+        if by > 0.0 && own > 0.0 && own.is_finite() {
+            let moves: Vec<f64> = (0..n).map(|i| self.white[i * n + at] / own).collect();
+            for (i, entry) in self.open.iter_mut().enumerate() {
+                *entry += by * by * moves[i / n] * moves[i % n];
+            }
+        }
+        self
+    }
+
     /// Standard error of a quantity with this gradient by the free numbers.
     fn std_error(&self, gradient: &[f64]) -> f64 {
         debug_assert_eq!(gradient.len(), self.size);
-        let white = dense::quadratic(&self.white, gradient);
+        let white = self.coloured * dense::quadratic(&self.white, gradient);
         let sandwich = dense::quadratic(&self.sandwich, gradient);
-        white.max(sandwich).max(0.0).sqrt()
+        let open = dense::quadratic(&self.open, gradient);
+        (white.max(sandwich) + open).max(0.0).sqrt()
     }
 }

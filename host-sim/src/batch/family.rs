@@ -3,7 +3,8 @@
 //!
 //! The free numbers are scaled and transformed so that whatever they are the law is possible:
 //! K = e^θ > 0, n = ½ + 3½/(1 + e^−θ) in ½…4, cᵢ = e^θᵢ/(1 + Σe^θⱼ) in (0, 1) with Σcᵢ < 1, νᵢ = e^θ > 0.
-//! Damping stays linear and may come out negative: bounded, its standard error would be wrong where
+//! An exponential response (m/b)(e^{bδ} − 1) has bD = e^θ in place of n, and its K is the secant stiffness at
+//! the reference depth of the fit as that of a power is; m and b are reported. Damping stays linear and may come out negative: bounded, its standard error would be wrong where
 //! there is none. Within the fit the reference depth is half of the depth reached, where K and n are
 //! least correlated; K and λ are carried to δ₀ at the end, with their covariance.
 //!
@@ -16,7 +17,7 @@
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::law::{
     Elastic, Law, LawId, MOST_MODES, ParameterInfo, RELAXATION, RelaxationMode, RelaxingLaw,
-    SURFACE as SURFACE_INFO, Zener, unilateral,
+    STIFFENING_RATE, SURFACE as SURFACE_INFO, Zener, unilateral,
 };
 
 use super::course::{Node, Scales};
@@ -40,6 +41,31 @@ pub struct Family {
     pub law: LawId,
     /// The number of its relaxation modes.
     pub modes: usize,
+    /// How the force grows with depth, where the law leaves that open.
+    pub elastic: Form,
+}
+
+/// How an elastic force grows with depth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// Kδ₀(δ/δ₀)ⁿ
+    #[default]
+    Power,
+    /// (m/b)(e^{bδ} − 1), (13).
+    Exponential,
+}
+
+impl Form {
+    /// Both.
+    pub const ALL: [Form; 2] = [Form::Power, Form::Exponential];
+
+    /// Name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Form::Power => "power",
+            Form::Exponential => "exponential",
+        }
+    }
 }
 
 /// What the free numbers mean, in SI units at the reference depth of the fit.
@@ -50,6 +76,8 @@ pub(super) struct Natural<S> {
     pub(super) stiffness: S,
     pub(super) damping: S,
     pub(super) exponent: S,
+    /// b (1/m) of an exponential response.
+    pub(super) stiffening_rate: S,
     pub(super) modes: [RelaxationMode<S>; MOST_MODES],
     /// How late the force is (s), and whether the law can tell.
     pub(super) skew_s: S,
@@ -70,8 +98,18 @@ impl Family {
         Family::with(LawId::QuasiLinear, modes)
     }
 
+    /// This family with another elastic response, if its law can have it.
+    pub fn shaped(self, elastic: Form) -> Option<Family> {
+        let can = elastic == Form::Power || !self.law.info().optional.is_empty();
+        can.then_some(Family { elastic, ..self })
+    }
+
     const fn with(law: LawId, modes: usize) -> Family {
-        Family { law, modes }
+        Family {
+            law,
+            modes,
+            elastic: Form::Power,
+        }
     }
 
     /// The families of a law: one for each number of modes that it can have.
@@ -114,15 +152,35 @@ impl Family {
         self.position("exponent")
     }
 
+    /// Where the rate of an exponential response stands among the free numbers: in place of the exponent.
+    pub(super) fn stiffening_rate(self) -> Option<usize> {
+        let law = Family {
+            elastic: Form::Power,
+            ..self
+        };
+        law.exponent().filter(|_| self.elastic == Form::Exponential)
+    }
+
     /// Where the damping stands among the free numbers.
-    fn damping(self) -> Option<usize> {
+    pub(super) fn damping(self) -> Option<usize> {
         self.position("damping")
     }
 
     /// Where a parameter of the law stands among the free numbers, if it is one.
     fn position(self, name: &str) -> Option<usize> {
-        let mut infos = self.law.info().parameters[..self.first_mode() - STIFFNESS].iter();
+        let mut infos = self.own().take(self.first_mode() - STIFFNESS);
         Some(STIFFNESS + infos.position(|info| info.name == name)?)
+    }
+
+    /// The law's own parameters; an exponential response has its rate in place of the exponent.
+    pub(super) fn own(self) -> impl Iterator<Item = &'static ParameterInfo> {
+        let is_exponent = |info: &ParameterInfo| info.name == "exponent";
+        self.law.info().parameters.iter().map(move |info| {
+            match self.elastic == Form::Exponential && is_exponent(info) {
+                true => &STIFFENING_RATE,
+                false => info,
+            }
+        })
     }
 
     /// Where fraction and rate of the modes begin: behind the law's parameters, of which Zener has the
@@ -137,8 +195,7 @@ impl Family {
     /// The parameters in the order of `estimate.json`.
     pub fn parameters(self) -> impl Iterator<Item = &'static ParameterInfo> {
         let modes = RELAXATION[..self.listed_modes()].iter().flatten();
-        let parameters = self.law.info().parameters.iter();
-        parameters.chain(modes).chain([&SURFACE_INFO])
+        self.own().chain(modes).chain([&SURFACE_INFO])
     }
 }
 
@@ -195,6 +252,9 @@ pub(super) fn natural<S: Scalar>(family: Family, free: &[S], scales: &Scales) ->
             .damping()
             .map_or(nil, |at| free[at] * number(damping_unit(scales))),
         exponent: family.exponent().map_or(one, |at| exponent_of(free[at])),
+        stiffening_rate: family
+            .stiffening_rate()
+            .map_or(nil, |at| free[at].exp() / number(scales.depth_m)),
         modes,
         skew_s: family
             .skew()
@@ -209,10 +269,12 @@ impl<S: Scalar> Natural<S> {
     pub(super) fn reported(&self, family: Family, depth_m: f64) -> Vec<S> {
         let ratio = S::from_f64(self.reference_m / depth_m);
         let scaled = family.exponent().is_some();
+        let shaped = family.elastic == Form::Exponential;
         let value = |info: &ParameterInfo| {
             let value = self.value(family, info.name).unwrap_or(S::zero());
             match info.name {
                 // K(δ₀) = K·(D/δ₀)^(1−n) and λ(δ₀) = λ·(D/δ₀)^(−n).
+                "stiffness" if shaped => self.surface_stiffness(),
                 "stiffness" if scaled => value * ratio.pow_positive(S::one() - self.exponent),
                 "damping" if scaled => value * ratio.pow_positive(-self.exponent),
                 _ => value,
@@ -229,6 +291,7 @@ impl<S: Scalar> Natural<S> {
             (_, "stiffness") => self.stiffness,
             (_, "damping") => self.damping,
             (_, "exponent") => self.exponent,
+            (_, "stiffening_rate") => self.stiffening_rate,
             (_, "surface") => self.surface_m,
             _ => {
                 let is = |info: &ParameterInfo| info.name == name;
@@ -244,7 +307,12 @@ impl<S: Scalar> Natural<S> {
 
     /// The law; nothing to touch where it has more than `R` modes.
     fn law<const R: usize>(&self, family: Family) -> Law<S, R> {
-        let value = |name: &str| self.value(family, name);
+        let shaped = family.elastic == Form::Exponential;
+        let value = |name: &str| match name {
+            "stiffening_rate" if !shaped => None,
+            "stiffness" if shaped => Some(self.surface_stiffness()),
+            name => self.value(family, name),
+        };
         let reference_m = S::from_f64(self.reference_m);
         Law::from_values(family.law, family.listed_modes(), value, reference_m).unwrap_or(Law::Free)
     }
@@ -260,12 +328,23 @@ impl<S: Scalar> Natural<S> {
         }
     }
 
+    /// m (N/m) of an exponential response whose secant stiffness at the reference depth is K.
+    fn surface_stiffness(&self) -> S {
+        self.stiffness / (self.stiffening_rate * S::from_f64(self.reference_m)).exprel()
+    }
+
     /// Elastic force (N): at once, without damping.
-    pub(super) fn elastic_n(&self, depth_m: S) -> S {
-        let elastic = Elastic::Power {
-            stiffness_n_per_m: self.stiffness,
-            exponent: self.exponent,
-            reference_depth_m: S::from_f64(self.reference_m),
+    pub(super) fn elastic_n(&self, family: Family, depth_m: S) -> S {
+        let elastic = match family.elastic {
+            Form::Power => Elastic::Power {
+                stiffness_n_per_m: self.stiffness,
+                exponent: self.exponent,
+                reference_depth_m: S::from_f64(self.reference_m),
+            },
+            Form::Exponential => Elastic::Exponential {
+                stiffness_n_per_m: self.surface_stiffness(),
+                stiffening_rate_per_m: self.stiffening_rate,
+            },
         };
         elastic.force_n(depth_m)
     }
@@ -379,6 +458,8 @@ mod tests {
         check(Family::quasi_linear(1), [-0.03, 0.01, 0.1, -0.9, -0.5, 1.0]);
         let two = [-0.03, 0.01, 0.1, -0.9, -0.5, 1.0, -1.5, -0.7];
         check(Family::quasi_linear(2), two);
+        let shaped = Family::quasi_linear(1).shaped(Form::Exponential).unwrap();
+        check(shaped, [-0.03, 0.01, 0.1, 0.9, -0.5, 1.0]);
     }
 
     #[test]

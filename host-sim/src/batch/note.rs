@@ -3,6 +3,7 @@
 use estimator_core::estimate::Event;
 
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
+use crate::estimate::RELAXES;
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;
@@ -36,6 +37,7 @@ pub(super) fn notes(
     notes.extend(left_out(log, course));
     notes.extend(offset(course, decide));
     notes.extend(misfit(batch, decide));
+    notes.extend(relaxation(batch));
     notes.extend(damping(batch, decide));
     notes.extend(skew(log, batch, decide));
     notes.extend(adhesion(batch));
@@ -84,6 +86,23 @@ fn misfit(batch: &Batch, decide: &Report) -> Option<String> {
     })
 }
 
+fn relaxation(batch: &Batch) -> Option<String> {
+    let holds = batch.inspection.holds.iter();
+    let hold = holds.max_by(|a, b| a.relaxed.total_cmp(&b.relaxed))?;
+    let relaxes = match batch.family.modes {
+        0 => format!(": {} does not", law_title(batch.family.name())),
+        _ => String::new(),
+    };
+    (hold.relaxed > RELAXES).then(|| {
+        format!(
+            "the force relaxes by {:.0} % during the hold from {:.3} to {:.3} s{relaxes}",
+            100.0 * hold.relaxed,
+            hold.from_s,
+            hold.to_s,
+        )
+    })
+}
+
 fn damping(batch: &Batch, decide: &Report) -> Option<String> {
     let damping = batch.value("damping")?;
     (damping.value < -decide.negative_damping * damping.std_error).then(|| {
@@ -128,15 +147,24 @@ fn surface(batch: &Batch, options: &Options) -> Option<String> {
     })
 }
 
-fn modulus(batch: &Batch) -> Option<String> {
-    let modulus = batch.modulus.as_ref()?;
-    let (own, with) = (batch.force_rmse_n?, modulus.force_rmse_n);
-    let fitted = batch.value("exponent").map_or(1.0, |n| n.value);
-    Some(format!(
-        "Young's modulus takes the exponent of the indenter, {}, where the fit has {fitted:.3}: the \
-         force then leaves {} rms instead of {}",
+fn modulus(batch: &Batch) -> Vec<String> {
+    let Some((modulus, own)) = batch.modulus.as_ref().zip(batch.force_rmse_n) else {
+        return Vec::new();
+    };
+    let with = quantity(modulus.force_rmse_n, 3, "N");
+    let fitted = match batch.value("exponent") {
+        Some(found) => format!("the fit has {:.3}", found.value),
+        None => format!("the fit is {}", law_title(batch.family.name())),
+    };
+    let assumed = format!(
+        "Young's modulus takes the exponent of the indenter, {}, where {fitted}: the force then leaves \
+         {with} rms instead of {}",
         modulus.exponent_assumed,
-        quantity(with, 3, "N"),
         quantity(own, 3, "N")
-    ))
+    );
+    let why = modulus
+        .why
+        .iter()
+        .map(|why| format!("Young's modulus is not valid here: {why}"));
+    std::iter::once(assumed).chain(why).collect()
 }

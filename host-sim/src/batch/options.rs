@@ -2,13 +2,20 @@
 
 use estimator_core::physics::law::LawId;
 
-use super::{family::Family, modulus::Indenter, thresholds::Thresholds};
+use crate::diagnostic::{Diagnostic, listed};
+
+use super::{family::Family, family::Form, held::Held, modulus::Indenter, thresholds::Thresholds};
 
 /// What to fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The laws to compare, simplest first.
     pub families: Vec<Family>,
+    /// How the force of a relaxing law grows with depth; `None` also tries the exponential form where no
+    /// power law explains the force.
+    pub elastic: Option<Form>,
+    /// Parameters that are held.
+    pub held: Held,
     /// δ₀ (m)
     pub reference_depth_m: Option<f64>,
     /// Position of the surface (m), if it is known.
@@ -25,12 +32,40 @@ impl Default for Options {
     fn default() -> Options {
         Options {
             families: all_families(),
+            elastic: None,
+            held: Held::default(),
             reference_depth_m: None,
             surface_m: None,
             indenter: None,
             poisson: 0.5,
             thresholds: Thresholds::default(),
         }
+    }
+}
+
+impl Options {
+    /// Refuses what no law that was asked for can hold.
+    ///
+    /// # Errors
+    /// The parameters that are held, and what can be.
+    pub fn check(&self) -> Result<(), Diagnostic> {
+        let forms = match self.elastic {
+            Some(form) => vec![form],
+            None => Form::ALL.to_vec(),
+        };
+        let families = self.families.iter();
+        let mut shaped = families.flat_map(|own| forms.iter().filter_map(|form| own.shaped(*form)));
+        if self.held.fixed.is_empty() || shaped.any(|family| self.held.suits(family)) {
+            return Ok(());
+        }
+        let names = self.held.fixed.iter().map(|(name, _)| name.as_str());
+        Err(Diagnostic::new("no law that is fitted can hold these parameters")
+            .at_key("estimator.fixed")
+            .value(listed(names))
+            .remedy(
+                "hold surface, exponent, stiffening_rate or relaxation rates of a law that has them; \
+                 stiffness and damping only together with the exponent, and the fraction of one mode only",
+            ))
     }
 }
 

@@ -5,6 +5,7 @@ use estimator_core::estimate::Estimated;
 use estimator_core::physics::law::ParameterInfo;
 
 use super::family::Family;
+use crate::estimate::Reason;
 use crate::inspect::Inspection;
 use crate::replay::{EventMark, Touch};
 
@@ -59,10 +60,14 @@ pub struct TouchFit {
 /// Young's modulus of a given indenter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modulus {
-    /// E (Pa), of the material before it relaxes.
-    pub value: Estimated<f64>,
-    /// E (Pa) after it has relaxed, if the law relaxes.
+    /// E (Pa); `None` where the log does not determine it.
+    pub value: Option<Estimated<f64>>,
+    /// Which modulus it is.
+    pub kind: ModulusKind,
+    /// E (Pa) after everything has relaxed, if the law relaxes and E is known.
     pub relaxed_pa: Option<f64>,
+    /// Why it is no constant of the material, a sentence each; empty where it is one.
+    pub why: Vec<String>,
     /// The indenter as it was given.
     pub indenter: String,
     /// ν
@@ -73,6 +78,25 @@ pub struct Modulus {
     pub force_rmse_n: f64,
 }
 
+/// Which modulus of a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModulusKind {
+    /// Before anything relaxes.
+    Instantaneous,
+    /// After everything has relaxed.
+    Relaxed,
+}
+
+impl ModulusKind {
+    /// Name in `estimate.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ModulusKind::Instantaneous => "instantaneous",
+            ModulusKind::Relaxed => "relaxed",
+        }
+    }
+}
+
 /// A fit of a whole log.
 #[derive(Clone, Debug)]
 pub struct Batch {
@@ -80,6 +104,8 @@ pub struct Batch {
     pub family: Family,
     /// How far the parameters can be trusted.
     pub status: Status,
+    /// Why not further; `None` of a result that has converged.
+    pub reason: Option<Reason>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
     /// Force in free air (N).

@@ -16,8 +16,9 @@
 use rayon::prelude::*;
 
 use super::course::{Course, Node, Scales, Use};
-use super::family::{Family, SURFACE, natural};
+use super::family::{Family, Form, natural};
 use super::fit::{Fit, Problem, STILL};
+use super::held::Held;
 use super::start::{Given, Starts, scan};
 use crate::stats::correlation;
 
@@ -39,36 +40,59 @@ pub(super) struct Candidate {
 }
 
 /// What is fixed in advance.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Fixed {
-    /// Free number of the surface.
-    pub(super) surface: Option<f64>,
-    /// n
-    pub(super) exponent: Option<f64>,
+    /// Parameters that are held.
+    pub(super) held: Held,
+    /// The depth that their values hold at (m).
+    pub(super) reference_depth_m: f64,
+    /// The force is taken as read at the instant of the position.
+    pub(super) without_skew: bool,
 }
 
 impl Fixed {
-    /// The numbers that stay, of a family.
-    pub(super) fn of(&self, family: Family) -> Vec<usize> {
-        let surface = self.surface.map(|_| SURFACE);
-        let exponent = self.exponent.and(family.exponent());
-        surface.into_iter().chain(exponent).collect()
+    /// The free numbers that stay, of a family.
+    pub(super) fn of(&self, family: Family, scales: &Scales) -> Vec<usize> {
+        let held = self.values(family, scales).into_iter().map(|(at, _)| at);
+        held.collect()
+    }
+
+    fn values(&self, family: Family, scales: &Scales) -> Vec<(usize, f64)> {
+        let mut held = self.held.fixed(family, scales, self.reference_depth_m);
+        held.extend(
+            family
+                .skew()
+                .filter(|_| self.without_skew)
+                .map(|at| (at, 0.0)),
+        );
+        held.sort_by_key(|(at, _)| *at);
+        held
+    }
+
+    /// What the scan of starts is given.
+    fn given(&self, scales: &Scales) -> Given {
+        let surface = self.held.value("surface");
+        Given {
+            surface: surface.map(|at| (at - scales.touch_m) / scales.depth_m),
+            exponent: self.held.value("exponent"),
+        }
     }
 }
 
 /// Fits every family, in their order; those without a minimum, and modes that nothing asks for, are
 /// left out.
-pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> Vec<Candidate> {
-    let (nodes, scales) = (&course.nodes, &course.scales);
-    let noise_only: Vec<f64> = nodes
-        .iter()
-        .map(|node| weight(node, scales, 0.0, 0.0))
-        .collect();
-    let given = Given {
-        surface: fixed.surface,
-        exponent: fixed.exponent,
-    };
-    let starts = scan(families, course, &noise_only, given);
+pub(super) fn candidates(course: &Course, families: &[Family], fixed: &Fixed) -> Vec<Candidate> {
+    finished(course, roughly_fitted(course, families, fixed), fixed)
+}
+
+/// The first round: every family with the weights of the noise alone.
+pub(super) fn roughly_fitted(
+    course: &Course,
+    families: &[Family],
+    fixed: &Fixed,
+) -> Vec<Candidate> {
+    let noise_only = course.noise_weights();
+    let starts = scan(families, course, &noise_only, fixed.given(&course.scales));
     let round = Round {
         course,
         weights: &noise_only,
@@ -78,22 +102,43 @@ pub(super) fn candidates(course: &Course, families: &[Family], fixed: Fixed) -> 
     let (chain, alone): (Vec<Family>, Vec<Family>) = families
         .iter()
         .partition(|family| family.listed_modes() > 0);
-    // The chain takes longest, so it is begun first.
-    let mut tasks = vec![chain];
+    // The chains take longest, so they are begun first.
+    let of_form = |form| {
+        chain
+            .iter()
+            .copied()
+            .filter(move |family| family.elastic == form)
+    };
+    let mut tasks: Vec<Vec<Family>> = Form::ALL.map(|form| of_form(form).collect()).into();
     tasks.extend(alone.into_iter().map(|family| vec![family]));
     let chains = tasks.par_iter().map(|task| round.chain(task, &starts));
-    let first: Vec<Candidate> = chains.flatten_iter().collect();
+    let mut first: Vec<Candidate> = chains.flatten_iter().collect();
+    let place = |candidate: &Candidate| families.iter().position(|f| *f == candidate.fit.family);
+    first.sort_by_key(place);
+    first
+}
+
+/// The second round, with the weights that the best of the first calls for, and the scores.
+pub(super) fn finished(course: &Course, first: Vec<Candidate>, fixed: &Fixed) -> Vec<Candidate> {
     let weights = second_weights(course, &first);
     let round = Round {
+        course,
         weights: &weights,
+        fixed,
         still: STILL,
-        ..round
     };
     let again = |Candidate { fit, .. }| round.fit(fit.family, [fit.free]);
-    let mut second: Vec<Candidate> = first.into_par_iter().filter_map(again).collect();
-    let place = |candidate: &Candidate| families.iter().position(|f| *f == candidate.fit.family);
-    second.sort_by_key(place);
-    scored(course, second)
+    scored(course, first.into_par_iter().filter_map(again).collect())
+}
+
+impl Course {
+    /// The weights of the nodes by the noise of the force alone.
+    pub(super) fn noise_weights(&self) -> Vec<f64> {
+        let nodes = self.nodes.iter();
+        nodes
+            .map(|node| weight(node, &self.scales, 0.0, 0.0))
+            .collect()
+    }
 }
 
 /// 1/((σ² + k²ξ²h)/m + s²) for what is used: slope k (N/m), s² in N².
@@ -110,7 +155,7 @@ fn weight(node: &Node, scales: &Scales, slope: f64, missed_n2: f64) -> f64 {
 struct Round<'a> {
     course: &'a Course,
     weights: &'a [f64],
-    fixed: Fixed,
+    fixed: &'a Fixed,
     still: f64,
 }
 
@@ -141,7 +186,8 @@ impl Round<'_> {
     /// The best minimum from several starts; Kelvin–Voigt twice, the second time without the samples
     /// on the surface.
     fn fit(&self, family: Family, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Candidate> {
-        let stay = self.fixed.of(family);
+        let scales = &self.course.scales;
+        let stay = self.fixed.of(family, scales);
         let problem = Problem {
             family,
             nodes: &self.course.nodes,
@@ -149,7 +195,20 @@ impl Round<'_> {
             scales: &self.course.scales,
             fixed: &stay,
         };
-        let starts: Vec<Vec<f64>> = starts.into_iter().collect();
+        let mut starts: Vec<Vec<f64>> = starts.into_iter().collect();
+        let begin = self
+            .fixed
+            .held
+            .initial(family, scales, self.fixed.reference_depth_m);
+        if let Some(first) = starts.first().filter(|_| !begin.is_empty()) {
+            let mut own = first.clone();
+            begin.into_iter().for_each(|(at, value)| own[at] = value);
+            starts.push(own);
+        }
+        let values = self.fixed.values(family, scales);
+        for start in &mut starts {
+            values.iter().for_each(|(at, value)| start[*at] = *value);
+        }
         let starts = starts.into_par_iter();
         let fits = starts.map(|start| problem.fit(start, self.still));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
@@ -188,7 +247,7 @@ fn one_mode_more(free: &[f64], family: Family) -> Vec<f64> {
 }
 
 /// At the surface the force of (1) jumps by λδ̇: on which side a sample is, its rounding decides.
-fn mask_surface(weights: &mut [f64], course: &Course, fit: &Fit) {
+pub(super) fn mask_surface(weights: &mut [f64], course: &Course, fit: &Fit) {
     let scales = &course.scales;
     let surface_m = natural(fit.family, &fit.free, scales).surface_m;
     for (weight, node) in weights.iter_mut().zip(&course.nodes) {

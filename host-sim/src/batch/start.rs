@@ -5,13 +5,17 @@
 //! the depth before it, rates from half of 1/(longest touch) to a third of the sampling rate in a
 //! dozen steps, of which every subset of the wanted size is tried.
 
+use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::law::{Elastic, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw};
 
 use super::course::{Course, Node, Scales};
-use super::family::{Family, damping_unit, free_of_exponent, reference_m};
+use super::family::{Family, Form, damping_unit, free_of_exponent, reference_m};
 use crate::lsq::dense;
 
 const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];
+/// Rates of an exponential response times the deepest depth: over half of that depth its slope grows by
+/// 1.4 to 55 times.
+const STIFFENING: [f64; 5] = [0.7, 1.5, 3.0, 5.0, 8.0];
 /// Surfaces before the first force, of the deepest depth.
 const SURFACES: [f64; 8] = [-0.02, 0.01, 0.04, 0.08, 0.13, 0.2, 0.32, 0.5];
 /// Rates that are scanned.
@@ -83,13 +87,20 @@ pub(super) fn scan(families: &[Family], course: &Course, weights: &[f64], given:
         None => SURFACES.iter().map(|before| -before).collect(),
     };
     let deep = families.iter().any(|family| family.modes > 0);
-    for exponent in exponents {
+    let has = |form| families.iter().any(|family| family.elastic == form);
+    let powers = exponents.into_iter().map(|n| (Form::Power, n));
+    let stiffening = STIFFENING.into_iter().map(|rate| (Form::Exponential, rate));
+    let shapes = powers.chain(stiffening).filter(|(form, _)| has(*form));
+    for (form, shape) in shapes {
         for surface in &surfaces {
             let place = Place {
-                exponent,
+                form,
+                shape,
                 surface: *surface,
             };
-            scan_memoryless(&mut starts, &thinned, scales, place);
+            if form == Form::Power {
+                scan_memoryless(&mut starts, &thinned, scales, place);
+            }
             if deep {
                 scan_relaxing(&mut starts, &thinned, scales, place);
             }
@@ -101,7 +112,9 @@ pub(super) fn scan(families: &[Family], course: &Course, weights: &[f64], given:
 /// A point of the grid.
 #[derive(Clone, Copy)]
 struct Place {
-    exponent: f64,
+    form: Form,
+    /// n of a power, bD of an exponential.
+    shape: f64,
     /// Free number of the surface.
     surface: f64,
 }
@@ -189,7 +202,7 @@ impl Linear {
 /// [1, e, e·v] for Hunt–Crossley, [1, δ, v] for Kelvin–Voigt.
 fn scan_memoryless(starts: &mut Starts, course: &Thinned, scales: &Scales, place: Place) {
     let surface_m = scales.touch_m + place.surface * scales.depth_m;
-    let linear = place.exponent == 1.0;
+    let linear = place.shape == 1.0;
     let unit = scales.force_n / damping_unit(scales);
     let (mut kelvin_voigt, mut hunt_crossley) = (Linear::new(3), Linear::new(3));
     for (node, weight) in course.nodes.iter().zip(&course.weights) {
@@ -197,7 +210,7 @@ fn scan_memoryless(starts: &mut Starts, course: &Thinned, scales: &Scales, place
             continue;
         }
         let depth = (node.position_m - surface_m).max(0.0) / reference_m(scales);
-        let (power, speed) = (depth.powf(place.exponent), node.speed_mps / unit);
+        let (power, speed) = (depth.powf(place.shape), node.speed_mps / unit);
         let value = (node.force_n - scales.rest_n) / scales.force_n;
         hunt_crossley.add(&[1.0, power, power * speed], value, *weight);
         let touching = f64::from(u8::from(depth > 0.0));
@@ -219,7 +232,7 @@ fn scan_memoryless(starts: &mut Starts, course: &Thinned, scales: &Scales, place
             starts.offer(family, cost, || {
                 let mut free = vec![place.surface, x[0], x[1].ln(), x[2]];
                 if family == Family::HUNT_CROSSLEY {
-                    free.extend([free_of_exponent(place.exponent), 0.0]);
+                    free.extend([free_of_exponent(place.shape), 0.0]);
                 }
                 free
             });
@@ -254,8 +267,10 @@ fn scan_relaxing(starts: &mut Starts, course: &Thinned, scales: &Scales, place: 
         linear.add(&row, value, *weight);
     }
     for modes in 1..=MOST_MODES {
-        let family = Family::quasi_linear(modes);
-        let zener = modes == 1 && place.exponent == 1.0;
+        let Some(family) = Family::quasi_linear(modes).shaped(place.form) else {
+            continue;
+        };
+        let zener = modes == 1 && place.form == Form::Power && place.shape == 1.0;
         for subset in subsets(modes) {
             let mut chosen = vec![0, 1];
             chosen.extend(subset.iter().map(|mode| mode + 2));
@@ -272,9 +287,12 @@ fn scan_relaxing(starts: &mut Starts, course: &Thinned, scales: &Scales, place: 
                 .zip(&x[2..])
                 .flat_map(|(mode, c)| [(c / (x[1] - relaxing)).ln(), rates[*mode].ln()])
                 .collect();
-            let exponent = free_of_exponent(place.exponent);
+            let shape = match place.form {
+                Form::Power => free_of_exponent(place.shape),
+                Form::Exponential => place.shape.ln(),
+            };
             starts.offer(family, cost, || {
-                [head.clone(), vec![exponent], pairs.clone()].concat()
+                [head.clone(), vec![shape], pairs.clone()].concat()
             });
             if zener {
                 starts.offer(Family::ZENER, cost, || [head, pairs].concat());
@@ -294,10 +312,20 @@ fn subsets(modes: usize) -> impl Iterator<Item = Vec<usize>> {
 /// rate, and the elastic force itself at the end. In units of the force scale for K = 1.
 fn relaxed(course: &Thinned, scales: &Scales, place: Place, rates: &[f64]) -> Vec<Vec<f64>> {
     let surface_m = scales.touch_m + place.surface * scales.depth_m;
-    let elastic = Elastic::Power {
-        stiffness_n_per_m: 1.0,
-        exponent: place.exponent,
-        reference_depth_m: 1.0,
+    // 1 at the reference depth, which is the unit of depth here.
+    let elastic = match place.form {
+        Form::Power => Elastic::Power {
+            stiffness_n_per_m: 1.0,
+            exponent: place.shape,
+            reference_depth_m: 1.0,
+        },
+        Form::Exponential => {
+            let rate = place.shape * reference_m(scales) / scales.depth_m;
+            Elastic::Exponential {
+                stiffness_n_per_m: 1.0 / rate.exprel(),
+                stiffening_rate_per_m: rate,
+            }
+        }
     };
     let depth = |node: &Node| (node.position_m - surface_m) / reference_m(scales);
     let column = |rate: &f64| {

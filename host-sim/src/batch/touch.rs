@@ -19,7 +19,7 @@ use crate::stats::lowest;
 /// Time constants of the slowest mode that the memory reaches back: e^−10 of it is left.
 const REMEMBERED: f64 = 10.0;
 /// Parameters that a touch has of its own.
-const OWN: [&str; 3] = ["stiffness", "damping", "exponent"];
+const OWN: [&str; 4] = ["stiffness", "damping", "exponent", "stiffening_rate"];
 
 /// Fits every touch that has enough samples.
 pub(super) fn touches(

@@ -3,6 +3,7 @@
 mod args;
 mod batch;
 mod files;
+mod json;
 mod law;
 mod methods;
 mod print;
@@ -12,14 +13,13 @@ mod whole_log;
 use std::error::Error;
 use std::path::Path;
 
-use estimator_core::Config;
-
 pub use args::{BatchArgs, EstimateArgs};
 pub use methods::MethodChoice;
 pub use show::{Shown, document};
 
 use args::names;
 
+use crate::batch::{batch_instead, lateness};
 use crate::estimate::{Choices, Estimation, estimate};
 use crate::log::UniformLog;
 use crate::output::say;
@@ -29,29 +29,32 @@ use crate::output::say;
 /// # Errors
 /// A [`Diagnostic`](crate::diagnostic::Diagnostic) for input that cannot be used; else what the file system says.
 pub fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
-    if args.wants_whole_log() {
+    let settings = args.settings()?;
+    // What is held, other than the surface, only a fit of the whole log can hold.
+    if args.wants_whole_log() || (args.is_auto() && settings.needs_whole_log()) {
         return whole_log::run(args);
     }
     args.batch.refuse()?;
+    settings.refuse()?;
     let methods = methods::methods(args.law, args.method)?;
-    let base = match &args.config {
-        Some(path) => crate::settings::read(path)?,
-        None => Config::default(),
-    };
     let choices = Choices {
         reference_depth_m: args.reference_depth,
-        surface_m: args.surface,
+        surface_m: args.surface.or(settings.held.value("surface")),
     };
     for (path, name) in args.logs.iter().zip(names(&args.logs)) {
         let log = args.read(path)?;
-        let estimation = estimate(&log, base, &methods, choices)?;
+        let mut estimation = estimate(&log, settings.config, &methods, choices)?;
+        estimation.take_lateness(lateness(&log, &estimation));
+        if args.is_auto() {
+            let options = whole_log::options(args, &settings)?;
+            let fitted = batch_instead(&log, settings.config, &options, &estimation)?;
+            if let Some(fitted) = fitted {
+                whole_log::tell(args, path, &name, &log, &fitted)?;
+                continue;
+            }
+        }
         say(print::summary(path, &log, &estimation))?;
-        if let Some(out) = &args.out {
-            let folder = if args.logs.len() > 1 {
-                out.join(name)
-            } else {
-                out.clone()
-            };
+        if let Some(folder) = args.folder(&name) {
             let inputs: Vec<&Path> = std::iter::once(path.as_path())
                 .chain(args.compensate.as_deref())
                 .collect();

@@ -5,21 +5,16 @@ use estimator_core::Status;
 use estimator_core::estimate::{config::Surface, identify::method_info};
 use estimator_core::physics::law::LawId;
 
-use super::outcome::{Outcome, law_with};
+use super::evidence::{RELAXES, SURFACE_SHARE};
+use super::outcome::Outcome;
+use super::reason::EXPLAINED;
+use super::residual::surface_misfit;
 use crate::inspect::{Inspection, suspicions};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::quantity;
 use crate::replay::Replay;
-use crate::stats::{highest, rms};
-
-/// A force that falls by this share in a hold relaxes.
-const RELAXES: f64 = 0.03;
-/// A law that leaves this many times the noise does not explain the force.
-const EXPLAINED: f64 = 3.0;
-
-/// A surface whose error may leave this share of the misfit may well be its cause.
-const SURFACE_SHARE: f64 = 0.5;
+use crate::stats::highest;
 
 /// The sentences for one estimate.
 pub fn explain(
@@ -79,7 +74,8 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
         quantity(rmse, 3, "N"),
         times(rmse / inspection.noise_n),
     );
-    let surface = surface_misfit(replay, outcome).filter(|share| *share > SURFACE_SHARE * rmse);
+    let surface = surface_misfit(replay, outcome.law, &outcome.parameters)
+        .filter(|share| *share > SURFACE_SHARE * rmse);
     Some(match surface {
         Some(share) => format!(
             "{leaves}: but the uncertainty of the surface alone may leave {}; give its position \
@@ -99,20 +95,6 @@ pub(crate) fn times(ratio: f64) -> String {
         ratio if ratio < 10.0 => format!("{ratio:.1} times"),
         ratio => format!("{ratio:.0} times"),
     }
-}
-
-/// What a surface that is wrong by its standard error would change the force by (N rms in contact).
-fn surface_misfit(replay: &Replay, outcome: &Outcome) -> Option<f64> {
-    let error_m = f64::from(outcome.value("surface")?.std_error);
-    let reference_depth_m = f64::from(replay.config.reference.depth_m);
-    let law = law_with(outcome.law, &outcome.parameters, reference_depth_m)?;
-    let contacts = replay.contacts().into_iter().flatten();
-    let changes = contacts.map(|index| {
-        let record = &replay.records[index];
-        let (depth, speed) = (f64::from(record.depth_m), f64::from(record.speed_mps));
-        law.force_n(depth + error_m, speed) - law.force_n(depth, speed)
-    });
-    Some(rms(changes))
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {

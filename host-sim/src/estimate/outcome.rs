@@ -1,21 +1,25 @@
 //! What a replay comes to: the numbers of `estimate.json`.
 
-use estimator_core::estimate::identify::method_info;
+use std::ops::Range;
+
 use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
-use estimator_core::physics::law::{Law, ParameterInfo, RelaxingLaw, unilateral};
+use estimator_core::physics::law::ParameterInfo;
 use estimator_core::{Faults, LawKind, Status};
 
+use super::reason::{Evidence, Reason, judged};
+pub use super::residual::law_with;
+use super::residual::{force_rmse, motions, named, replay_force};
+use super::touches::touches;
+use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::replay::{EventKind, EventMark, Replay, Touch};
-use crate::signal;
-use crate::stats::rms;
 
 /// Settled: every parameter within this share of its final value from then on.
 const SETTLED_WITHIN: f64 = 0.05;
-/// Samples on either side over which the replay smooths the position: a count of 1 µm then makes a
-/// speed of 30 µm/s at 1 kHz, and a touch is over after 5 ms.
-const FINE_HALF_WIDTH: usize = 5;
-
+/// The stretch since the last change of material is judged by itself if it has so much contact (s), and
+/// this share of all contact: a law that does not fit raises false changes, and fits what little follows.
+const STRETCH_S: f64 = 1.0;
+const STRETCH_SHARE: f64 = 0.25;
 type Record = estimator_core::Estimate<f32>;
 
 /// A stretch of one material.
@@ -36,11 +40,19 @@ pub struct Outcome {
     pub law: LawKind,
     /// How far the parameters can be trusted at the end.
     pub status: Status,
+    /// The method's opinion of it, without what the whole log says.
+    pub method_status: Status,
+    /// Why not further; `None` of a result that has converged.
+    pub reason: Option<Reason>,
     /// The parameters at the end, in the order of [`LawKind::parameters`].
     pub parameters: Parameters<f32>,
-    /// Raw force against the law with the final parameters, in contact (N rms); `None` without
-    /// contact or parameters.
+    /// Raw force against the law with the final parameters, in contact with the material that they stand
+    /// for: from the last change of material on (N rms); `None` without contact or parameters.
     pub force_rmse_n: Option<f64>,
+    /// The same over the contacts of the whole log, whatever has changed in between (N rms).
+    pub whole_log_rmse_n: Option<f64>,
+    /// How late the force is against the position (s), where that was estimated.
+    pub skew: Option<Estimated<f64>>,
     /// From first contact until the parameters had settled (s); `None` if they never did, or only for
     /// the last moments of the log (less than the judgement's window).
     pub settled_at_s: Option<f64>,
@@ -57,17 +69,44 @@ pub struct Outcome {
 impl Outcome {
     /// Draws the sum of a replay of `log`.
     pub fn of(log: &UniformLog, replay: &Replay) -> Outcome {
-        let decisive = decisive(replay);
+        Outcome::along(log, replay, &motions(log))
+    }
+
+    /// Draws the sum of a replay of `log`, whose motion is one of these.
+    pub(crate) fn along(log: &UniformLog, replay: &Replay, motions: &[Kinematics]) -> Outcome {
+        let at = decisive(replay);
+        let decisive = at.and_then(|at| replay.records.get(at));
         let law = decisive.map_or(replay.params.law(), |record| record.law);
         let parameters = decisive.map_or([None; PARAMETER_SLOTS], |record| record.parameters);
-        let replayed_n = replay_force(log, replay, law, &parameters);
+        let stretch = at.map_or(0..0, |at| stretch(replay, at));
+        let replays = motions.iter().map(|motion| {
+            let replayed_n = replay_force(log, replay, motion, law, &parameters);
+            let rmse_n = force_rmse(log, replay, &replayed_n, stretch.clone());
+            (replayed_n, rmse_n)
+        });
+        let or_infinite = |rmse_n: Option<f64>| rmse_n.unwrap_or(f64::INFINITY);
+        let least = replays.min_by(|a, b| or_infinite(a.1).total_cmp(&or_infinite(b.1)));
+        let (replayed_n, force_rmse_n) = least.unwrap_or_default();
+        let evidence = Evidence {
+            misfit: force_rmse_n.map(|rmse| rmse / replay.noise_n),
+            ..Evidence::default()
+        };
+        let method_status = decisive.map_or(Status::NoContact, |record| record.status);
+        let (status, reason) = judged(method_status, &evidence);
         Outcome {
             law,
-            status: decisive.map_or(Status::NoContact, |record| record.status),
-            force_rmse_n: force_rmse(log, replay, &replayed_n),
+            status,
+            method_status,
+            reason,
+            force_rmse_n,
+            whole_log_rmse_n: force_rmse(log, replay, &replayed_n, 0..replay.records.len()),
+            skew: named(law, &parameters, "skew").map(|skew| Estimated {
+                value: skew.value.into(),
+                std_error: skew.std_error.into(),
+            }),
             settled_at_s: settled_at(replay, law, &parameters),
             segments: segments(replay),
-            touches: touches(replay),
+            touches: touches(log, replay),
             events: events(replay),
             parameters,
             replayed_n,
@@ -82,31 +121,24 @@ impl Outcome {
         self.law.parameters().iter().zip(parameters.iter().copied())
     }
 
+    /// Adds to the error of the surface how far (m) it is from where the force says that it is.
+    pub(super) fn widen_surface(&mut self, by_m: f64) {
+        // The surface is the last parameter of every law.
+        let slot = self.law.parameters().len() - 1;
+        if let Some(surface) = &mut self.parameters[slot] {
+            surface.std_error = f64::from(surface.std_error).hypot(by_m) as f32;
+        }
+    }
+
     /// The value of the parameter of that name.
     pub fn value(&self, name: &str) -> Option<Estimated<f32>> {
-        self.named(&self.parameters)
-            .find(|(info, _)| info.name == name)?
-            .1
+        named(self.law, &self.parameters, name)
     }
 }
 
-/// The law with a set of parameters, in double precision; `None` while one of them is not known.
-pub fn law_with(
-    kind: LawKind,
-    parameters: &Parameters<f32>,
-    reference_depth_m: f64,
-) -> Option<Law<f64>> {
-    let value = |name: &str| {
-        let mut infos = kind.parameters().iter();
-        let slot = infos.position(|info| info.name == name)?;
-        parameters[slot].map(|p| f64::from(p.value))
-    };
-    Law::from_values(kind.law(), kind.modes(), value, reference_depth_m)
-}
-
-/// The record whose parameters stand for the log: the last one, unless the log ends before a change
-/// of material has been learned; then the last one before the change.
-fn decisive(replay: &Replay) -> Option<&Record> {
+/// Index of the record whose parameters stand for the log: the last one, unless the log ends before a
+/// change of material has been learned; then the last one before the change.
+fn decisive(replay: &Replay) -> Option<usize> {
     let last = replay.last()?;
     let learned = !matches!(last.status, Status::Changed | Status::Unobservable);
     let change = replay
@@ -114,67 +146,26 @@ fn decisive(replay: &Replay) -> Option<&Record> {
         .iter()
         .rposition(|r| r.event == Some(Event::MaterialChange));
     match change {
-        Some(change) if !learned && change > 0 => replay.records.get(change - 1),
-        _ => Some(last),
+        Some(change) if !learned && change > 0 => Some(change - 1),
+        _ => Some(replay.records.len() - 1),
     }
 }
 
-/// The law over the log's own motion at the resolution of a few samples: the estimator's window
-/// would round off what happens within it. What a law remembers runs on between the touches; a
-/// force is due in contact only.
-fn replay_force(
-    log: &UniformLog,
-    replay: &Replay,
-    kind: LawKind,
-    parameters: &Parameters<f32>,
-) -> Vec<f32> {
-    let reference_depth_m = f64::from(replay.config.reference.depth_m);
-    let mut forces = vec![0.0; replay.records.len()];
-    let Some(law) = law_with(kind, parameters, reference_depth_m) else {
-        return forces;
-    };
-    let finds_surface = method_info(replay.config.method).is_some_and(|info| info.finds_surface);
-    let found = match finds_surface {
-        true => parameters[kind.parameters().len() - 1],
-        false => None,
-    };
-    let mut state = law.at_rest();
-    let touched = replay.contacts().first().map_or(usize::MAX, |c| c.start);
-    for (index, record) in replay.records.iter().enumerate().skip(touched) {
-        let Some(sample) = replay.sample_of(index) else {
-            continue;
-        };
-        let (position_m, speed_mps) =
-            signal::parabola(&log.position_m, sample, FINE_HALF_WIDTH, log.period_s());
-        let surface_m = found.map_or(replay.surface_m[index], |surface| surface.value);
-        let depth_m = position_m - f64::from(surface_m);
-        let force_n = law.step(&mut state, depth_m, speed_mps, log.period_s());
-        // A material that lags behind its depth lets go of the probe; the chapter saturates the
-        // force of its Hammerstein model, and lets its linear one show that it pulls (E2).
-        let force_n = match kind.law().info().relaxes {
-            true => unilateral(force_n),
-            false => force_n,
-        };
-        if record.phase == Phase::Contact {
-            forces[index] = force_n as f32;
-        }
+/// Records of the material that those of `at` stand for: from its change on, if enough of the contact
+/// comes after it to judge a law by.
+fn stretch(replay: &Replay, at: usize) -> Range<usize> {
+    let is_change = |record: &Record| record.event == Some(Event::MaterialChange);
+    let start = replay.records[..=at]
+        .iter()
+        .rposition(is_change)
+        .unwrap_or(0);
+    let is_contact = |record: &&Record| record.phase == Phase::Contact;
+    let of = |records: &[Record]| records.iter().filter(is_contact).count() as f64;
+    let (own, all) = (of(&replay.records[start..=at]), of(&replay.records));
+    match own >= (STRETCH_S / replay.period_s).max(STRETCH_SHARE * all) {
+        true => start..at + 1,
+        false => 0..replay.records.len(),
     }
-    forces
-}
-
-/// Over the instants whose whole filter window lies in contact: there the smoothed depth and speed
-/// are those of the raw force.
-fn force_rmse(log: &UniformLog, replay: &Replay, replayed_n: &[f32]) -> Option<f64> {
-    let memory = 2 * replay.delay + 1;
-    let errors = replay.contacts().into_iter().flat_map(|contact| {
-        contact.skip(memory).filter_map(|index| {
-            let raw = log.force_n[replay.sample_of(index)?] - f64::from(replay.rest_n[index]);
-            Some(raw - f64::from(replayed_n[index]))
-        })
-    });
-    let errors: Vec<f64> = errors.collect();
-    let known = replayed_n.iter().any(|force| *force != 0.0);
-    (known && !errors.is_empty()).then(|| rms(errors))
 }
 
 /// From the end backward to the last record that is further than 5 % from the end's parameters.
@@ -203,23 +194,6 @@ fn settled_at(replay: &Replay, law: LawKind, parameters: &Parameters<f32>) -> Op
     let stayed_s = (replay.records.len() - first_near) as f64 * replay.period_s;
     let long_enough = stayed_s >= f64::from(replay.config.judgement.window_s);
     long_enough.then(|| replay.time_s(first_near) - contact_s)
-}
-
-fn touches(replay: &Replay) -> Vec<Touch> {
-    let contacts = replay.contacts().into_iter();
-    contacts
-        .map(|contact| {
-            let records = &replay.records[contact.clone()];
-            let peak =
-                |of: fn(&Record) -> f32| f64::from(records.iter().map(of).fold(0.0, f32::max));
-            Touch {
-                from_s: replay.raw_time_s(contact.start),
-                to_s: replay.raw_time_s(contact.end - 1),
-                peak_force_n: peak(|record| record.force_n),
-                peak_depth_m: peak(|record| record.depth_m),
-            }
-        })
-        .collect()
 }
 
 fn segments(replay: &Replay) -> Vec<Segment> {

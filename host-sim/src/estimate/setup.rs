@@ -13,6 +13,8 @@ use crate::stats::{median, range};
 const FREE_SHARE: f64 = 0.02;
 /// What the force does before the probe moves it may do again, and a little more, without a touch.
 const IDLE_MARGIN: f64 = 1.2;
+/// Fewest samples of free air that the estimator settles in.
+const FEWEST_SETTLING: usize = 10;
 /// Fewest samples of free air to measure something in.
 const FEWEST_FREE: usize = 50;
 /// The probe has moved when it has gone this share of its travel.
@@ -134,6 +136,11 @@ fn free_samples(log: &UniformLog) -> Option<usize> {
     log.force_n.iter().position(|f| (f - rest).abs() > leaves)
 }
 
+/// Whether the force leaves its start at once: what it rests at was never seen.
+pub(super) fn starts_in_contact(log: &UniformLog) -> bool {
+    free_samples(log).is_some_and(|free| free / 2 < FEWEST_SETTLING)
+}
+
 /// How far the force strays from its start while the probe has not moved yet (N): hum and noise.
 fn idle_n(log: &UniformLog, rest: f64) -> f64 {
     let still_m = STILL_SHARE * range(&log.position_m);
@@ -190,8 +197,8 @@ fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) 
     if free >= wanted && wanted >= FEWEST_FREE {
         return;
     }
-    // 10 samples are what the estimator asks for at least; a thousandth more survives rounding.
-    let samples = free.clamp(10, wanted.max(10));
+    // A thousandth more survives rounding.
+    let samples = free.clamp(FEWEST_SETTLING, wanted.max(FEWEST_SETTLING));
     config.contact.settle_s = (1.001 * samples as f64 / log.rate_hz) as f32;
     if config.contact.force_noise_n.is_none() && samples < FEWEST_FREE {
         let noise = log.force_noise_n();
@@ -202,7 +209,7 @@ fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) 
             quantity(noise, 3, "N")
         ));
     }
-    if free < 10 {
+    if free < FEWEST_SETTLING {
         notes.push(
             "the log starts in contact: resting force and surface are those of its first samples"
                 .into(),

@@ -2,8 +2,8 @@
 
 use estimator_core::estimate::Event;
 
-/// One touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One touch, in figures that no model is needed for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
     /// From (s).
     pub from_s: f64,
@@ -13,6 +13,13 @@ pub struct Touch {
     pub peak_force_n: f64,
     /// Largest depth (m).
     pub peak_depth_m: f64,
+    /// Largest force over the depth there (N/m), both since the force left its baseline; `None` where the
+    /// log does not show that.
+    pub secant_stiffness: Option<f64>,
+    /// Work that the probe did and did not get back (J); `None` of a touch that the log cuts off.
+    pub dissipated_j: Option<f64>,
+    /// Share of the force at the start of the longest hold that is left at its end; `None` without a hold.
+    pub relaxation_ratio: Option<f64>,
 }
 
 /// Something that happened.

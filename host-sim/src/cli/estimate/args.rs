@@ -10,6 +10,7 @@ use crate::batch::Indenter;
 use crate::cli::ReadingArgs;
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
+use crate::settings::Settings;
 
 /// Arguments of `palpate estimate`.
 #[derive(Args, Clone, Debug)]
@@ -26,7 +27,8 @@ pub struct EstimateArgs {
     /// The contact law; auto takes the one that explains the force best.
     #[arg(long, value_parser = law_choice(), default_value = AUTO)]
     pub law: LawChoice,
-    /// The estimator; by default the law's own.
+    /// The estimator; by default the law's own, and with --law auto the fit of the whole log where no
+    /// estimator explains the force.
     #[arg(long, value_enum)]
     pub method: Option<MethodChoice>,
     /// Where estimate.json, estimate.csv and report.html go; a folder per log if there are several.
@@ -64,6 +66,28 @@ impl EstimateArgs {
             None => Ok(log),
             Some(model) => crate::compensate::read(log, model),
         }
+    }
+
+    /// The configuration that was given, or the defaults.
+    pub(super) fn settings(&self) -> Result<Settings, Diagnostic> {
+        match &self.config {
+            Some(path) => crate::settings::read(path),
+            None => Ok(Settings::default()),
+        }
+    }
+
+    /// Where the files of a log go.
+    pub(super) fn folder(&self, name: &str) -> Option<PathBuf> {
+        let out = self.out.as_ref()?;
+        Some(match self.logs.len() > 1 {
+            true => out.join(name),
+            false => out.clone(),
+        })
+    }
+
+    /// Whether law and method are left open: then the fit of the whole log may stand in for them.
+    pub(super) fn is_auto(&self) -> bool {
+        self.law.is_none() && self.method.is_none()
     }
 
     /// Whether the arguments ask for a fit of the whole log.

@@ -6,10 +6,11 @@ use std::path::Path;
 use estimator_core::estimate::{Parameters, Phase};
 use serde_json::{Map, Value, json};
 
-use crate::estimate::Outcome;
+use super::json::{events, measured, touches};
+use crate::estimate::{Outcome, Reason};
 use crate::json::{number, seconds};
 use crate::output::write_atomically;
-use crate::replay::{EventKind, Replay};
+use crate::replay::Replay;
 
 /// What stands in `estimate.json` besides the outcome.
 #[derive(Clone, Debug)]
@@ -52,20 +53,6 @@ pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
             "parameters": parameters(outcome, &segment.parameters),
         })
     });
-    let touches = outcome.touches.iter().map(|touch| {
-        json!({
-            "from_s": seconds(touch.from_s),
-            "to_s": seconds(touch.to_s),
-            "peak_force_n": number(touch.peak_force_n),
-            "peak_depth_m": number(touch.peak_depth_m),
-        })
-    });
-    let events = outcome.events.iter().map(|event| match &event.kind {
-        EventKind::Estimator(kind) => json!({ "t_s": seconds(event.time_s), "kind": kind.name() }),
-        EventKind::Fault { code, .. } => {
-            json!({ "t_s": seconds(event.time_s), "kind": "fault", "code": code })
-        }
-    });
     let selection = context
         .selection
         .iter()
@@ -75,13 +62,15 @@ pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
         "method": context.method,
         "reference_depth_m": number(context.reference_depth_m),
         "status": outcome.status.name(),
+        "status_reason": outcome.reason.map(Reason::name),
         "parameters": parameters(outcome, &outcome.parameters),
         "force_rmse_n": outcome.force_rmse_n.map(number),
         "force_noise_n": number(context.noise_n),
+        "skew_s": measured(outcome.skew),
         "settled_at_s": outcome.settled_at_s.map(seconds),
         "segments": segments.collect::<Vec<_>>(),
-        "touches": touches.collect::<Vec<_>>(),
-        "events": events.collect::<Vec<_>>(),
+        "touches": touches(&outcome.touches),
+        "events": events(&outcome.events),
         "selection": selection.collect::<Vec<_>>(),
         "compensated": context.compensated,
         "notes": context.notes,

@@ -37,9 +37,12 @@ fn write_summary(
     let outcome = &estimation.outcome;
     let method = MethodChoice::of(estimation.replay.config.method).name();
     text.push_str(&headline(path, log, outcome.touches.len()));
+    let why = outcome
+        .reason
+        .map_or(String::new(), |why| format!(" ({})", why.name()));
     write!(
         text,
-        "{} ({method}): {}",
+        "{} ({method}): {}{why}",
         outcome.law.name(),
         outcome.status.name()
     )?;

@@ -1,13 +1,16 @@
 //! `--method batch` on the command line.
 
 use std::error::Error;
+use std::path::Path;
 
-use estimator_core::Config;
 use estimator_core::physics::law::LawId;
 
 use super::{args::EstimateArgs, args::names, batch::summary, batch::write};
-use crate::batch::{Family, Options, all_families, batch};
+use crate::batch::{Batch, Family, Options, all_families, batch};
+use crate::diagnostic::Diagnostic;
+use crate::log::UniformLog;
 use crate::output::say;
+use crate::settings::Settings;
 
 fn families(law: Option<LawId>, modes: Option<u8>) -> Vec<Family> {
     let wanted = |family: &Family| {
@@ -18,13 +21,11 @@ fn families(law: Option<LawId>, modes: Option<u8>) -> Vec<Family> {
     all_families().into_iter().filter(wanted).collect()
 }
 
-/// Fits every log.
-pub(super) fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
-    let base = match &args.config {
-        Some(path) => crate::settings::read(path)?,
-        None => Config::default(),
-    };
+/// What a whole log is fitted with.
+pub(super) fn options(args: &EstimateArgs, settings: &Settings) -> Result<Options, Diagnostic> {
     let options = Options {
+        elastic: settings.elastic,
+        held: settings.held.clone(),
         families: families(args.law, args.batch.modes),
         reference_depth_m: args.reference_depth,
         surface_m: args.surface,
@@ -32,20 +33,35 @@ pub(super) fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
         poisson: args.batch.poisson.unwrap_or(Options::default().poisson),
         ..Options::default()
     };
+    options.check()?;
+    Ok(options)
+}
+
+/// Fits every log.
+pub(super) fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
+    let settings = args.settings()?;
+    let options = options(args, &settings)?;
     for (path, name) in args.logs.iter().zip(names(&args.logs)) {
         let log = args.read(path)?;
-        let fitted = batch(&log, base, &options)?;
-        say(summary(path, &log, &fitted))?;
-        if let Some(out) = &args.out {
-            let folder = if args.logs.len() > 1 {
-                out.join(name)
-            } else {
-                out.clone()
-            };
-            write(&folder, path, &log, &fitted, args.every as usize)?;
-            let report = folder.join("report.html");
-            say(format!("report: {}\n", report.display()))?;
-        }
+        let fitted = batch(&log, settings.config, &options)?;
+        tell(args, path, &name, &log, &fitted)?;
+    }
+    Ok(())
+}
+
+/// Prints a fit and writes its files.
+pub(super) fn tell(
+    args: &EstimateArgs,
+    path: &Path,
+    name: &str,
+    log: &UniformLog,
+    fitted: &Batch,
+) -> Result<(), Box<dyn Error>> {
+    say(summary(path, log, fitted))?;
+    if let Some(folder) = args.folder(name) {
+        write(&folder, path, log, fitted, args.every as usize)?;
+        let report = folder.join("report.html");
+        say(format!("report: {}\n", report.display()))?;
     }
     Ok(())
 }

@@ -45,6 +45,7 @@ impl Log {
             to_s: 2.0 * i as f64 + 1.0,
             peak_force_n: 4.2,
             peak_depth_m: 3e-3,
+            ..Touch::default()
         };
         let stiffness = |t: &f64| {
             let value = 1350.0 + 4e5 * (-20.0 * t).exp();

@@ -73,6 +73,7 @@ mod tests {
             to_s: i as f64 * (long_s + 1.0) + long_s,
             peak_force_n: 1.0,
             peak_depth_m: 1e-3,
+            ..Touch::default()
         };
         (0..n).map(touch).collect()
     }

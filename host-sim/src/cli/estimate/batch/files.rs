@@ -12,10 +12,11 @@ use serde_json::{Map, Value, json};
 
 use super::show;
 use crate::batch::{Batch, Modulus, Parameter};
+use crate::cli::estimate::json::{events, measured, touches};
+use crate::estimate::Reason;
 use crate::json::{number, seconds, write_json};
 use crate::log::UniformLog;
 use crate::output::write_atomically;
-use crate::replay::{EventKind, EventMark};
 
 /// Writes all three into `folder`; every `every`-th sample into the table.
 ///
@@ -56,11 +57,15 @@ fn parameters(parameters: &[Parameter]) -> Value {
     Value::Object(entries.collect::<Map<String, Value>>())
 }
 
+/// Young's modulus; null where the log does not determine it.
 fn modulus(modulus: &Modulus) -> Value {
     json!({
-        "value": number(modulus.value.value),
-        "std_error": number(modulus.value.std_error),
+        "value": modulus.value.map(|value| number(value.value)),
+        "std_error": modulus.value.map(|value| number(value.std_error)),
         "unit": "Pa",
+        "kind": modulus.kind.name(),
+        "valid": modulus.why.is_empty(),
+        "why": (!modulus.why.is_empty()).then(|| modulus.why.join("; ")),
         "relaxed": modulus.relaxed_pa.map(number),
         "indenter": modulus.indenter,
         "poisson": number(modulus.poisson),
@@ -71,14 +76,6 @@ fn modulus(modulus: &Modulus) -> Value {
 
 /// The content of `estimate.json`.
 pub(super) fn json(batch: &Batch) -> Value {
-    let touches = batch.touches.iter().map(|touch| {
-        json!({
-            "from_s": seconds(touch.from_s),
-            "to_s": seconds(touch.to_s),
-            "peak_force_n": number(touch.peak_force_n),
-            "peak_depth_m": number(touch.peak_depth_m),
-        })
-    });
     let per_touch = batch.per_touch.iter().map(|touch| {
         json!({
             "from_s": seconds(touch.from_s),
@@ -91,6 +88,7 @@ pub(super) fn json(batch: &Batch) -> Value {
         json!({
             "law": tried.family.name(),
             "modes": tried.family.modes,
+            "elastic": tried.family.elastic.name(),
             "parameters": tried.parameters,
             "force_rmse_n": number(tried.force_rmse_n),
             "score": number(tried.score),
@@ -106,33 +104,30 @@ pub(super) fn json(batch: &Batch) -> Value {
     });
     json!({
         "law": batch.family.name(),
+        "elastic": batch.family.elastic.name(),
         "method": "batch",
         "reference_depth_m": number(batch.reference_depth_m),
         "status": batch.status.name(),
+        "status_reason": batch.reason.map(Reason::name),
         "parameters": parameters(&batch.parameters),
         "force_rmse_n": batch.force_rmse_n.map(number),
         "force_noise_n": number(batch.noise_n),
         "force_offset": estimated(batch.offset, "N"),
         "force_skew": estimated(batch.skew, "s"),
+        "skew_s": measured(batch.skew),
         "misfit": number(batch.misfit),
         // Nothing settles where everything is seen at once.
         "settled_at_s": Value::Null,
         "segments": segments.into_iter().collect::<Vec<_>>(),
-        "touches": touches.collect::<Vec<_>>(),
+        "touches": touches(&batch.touches),
         "per_touch": per_touch.collect::<Vec<_>>(),
+        "modulus": batch.modulus.as_ref().map(modulus),
+        // The name that this had before.
         "youngs_modulus": batch.modulus.as_ref().map(modulus),
-        "events": batch.events.iter().map(event).collect::<Vec<_>>(),
+        "events": events(&batch.events),
         "selection": selection.collect::<Vec<_>>(),
         "notes": batch.notes,
     })
-}
-
-fn event(event: &EventMark) -> Value {
-    let at = seconds(event.time_s);
-    match &event.kind {
-        EventKind::Estimator(kind) => json!({ "t_s": at, "kind": kind.name() }),
-        EventKind::Fault { code, .. } => json!({ "t_s": at, "kind": "fault", "code": code }),
-    }
 }
 
 /// A row for every `every`-th sample: what was measured, what the law says, and whether it was

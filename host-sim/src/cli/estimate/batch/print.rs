@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::batch::{Batch, Tried};
+use crate::batch::{Batch, Form, Modulus, Tried};
 use crate::cli::estimate::print::headline;
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
@@ -24,9 +24,12 @@ fn write_summary(
     batch: &Batch,
 ) -> std::fmt::Result {
     text.push_str(&headline(path, log, batch.touches.len()));
+    let why = batch
+        .reason
+        .map_or(String::new(), |why| format!(" ({})", why.name()));
     writeln!(
         text,
-        "{} (batch): {}",
+        "{} (batch): {}{why}",
         batch.family.name(),
         batch.status.name()
     )?;
@@ -46,13 +49,7 @@ fn write_summary(
         }
     }
     if let Some(modulus) = &batch.modulus {
-        let (value, error) = (modulus.value.value, Some(modulus.value.std_error));
-        let measured = Measured::new(value, error, "Pa");
-        writeln!(
-            text,
-            "Young's modulus {measured} ({}, Poisson's ratio {})",
-            modulus.indenter, modulus.poisson
-        )?;
+        writeln!(text, "{}", young(modulus))?;
     }
     if let Some(rmse) = batch.force_rmse_n {
         writeln!(
@@ -72,11 +69,37 @@ fn write_summary(
     Ok(())
 }
 
-/// A law's name, with the number of its modes if it has a choice.
+/// Young's modulus, with which it is and whether it holds.
+fn young(modulus: &Modulus) -> String {
+    let value = match modulus.value {
+        Some(value) => Measured::new(value.value, Some(value.std_error), "Pa").to_string(),
+        None => "not determined".into(),
+    };
+    let holds = match modulus.why.is_empty() {
+        true => "",
+        false => ", not valid here",
+    };
+    format!(
+        "Young's modulus, {}: {value}{holds} ({}, Poisson's ratio {})",
+        modulus.kind.name(),
+        modulus.indenter,
+        modulus.poisson
+    )
+}
+
+/// A law's name, with its form and the number of its modes if it has a choice.
 pub(super) fn name(tried: &Tried) -> String {
+    let form = match tried.family.elastic {
+        Form::Power => "",
+        Form::Exponential => "exponential ",
+    };
     match tried.family.listed_modes() {
         0 => tried.family.name().into(),
-        modes => format!("{} with {}", tried.family.name(), counted(modes, "mode")),
+        modes => format!(
+            "{form}{} with {}",
+            tried.family.name(),
+            counted(modes, "mode")
+        ),
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use estimator_core::Status;
 
 use super::print::name;
-use crate::batch::{Batch, Parameter};
+use crate::batch::{Batch, ModulusKind, Parameter};
 use crate::cli::estimate::show::tone;
 use crate::log::UniformLog;
 use crate::model::law_title;
@@ -104,9 +104,16 @@ fn sections(batch: &Batch) -> Vec<Section> {
 
 fn modulus(batch: &Batch) -> Option<Table> {
     let modulus = batch.modulus.as_ref()?;
-    let value = Cell::measured(modulus.value.value, Some(modulus.value.std_error), "Pa");
+    let value = match modulus.value {
+        Some(value) => Cell::measured(value.value, Some(value.std_error), "Pa"),
+        None => Cell::Missing("not determined".into()),
+    };
+    let kind = match modulus.kind {
+        ModulusKind::Instantaneous => "At once",
+        ModulusKind::Relaxed => "At rest",
+    };
     let mut table = Table::new(["Young's modulus", "Value"])
-        .row([Cell::from("At once"), value])
+        .row([Cell::from(kind), value])
         .caption(format!(
             "Indenter {}, Poisson's ratio {}, exponent {}",
             modulus.indenter, modulus.poisson, modulus.exponent_assumed

@@ -1,0 +1,54 @@
+//! The fit of the whole log where no recursion explains it.
+
+use estimator_core::Config;
+
+use super::{batch, options::Options, result::Batch};
+use crate::diagnostic::Diagnostic;
+use crate::estimate::{Estimation, explain::times};
+use crate::log::UniformLog;
+use crate::model::law_title;
+use crate::number::quantity;
+
+/// The fit of a whole log in place of an estimate whose law does not explain it; `None` where the estimate
+/// stands: it explains the force or says by which lateness it would, nothing is touched, or the fit leaves no
+/// less.
+///
+/// # Errors
+/// As [`batch`].
+pub fn batch_instead(
+    log: &UniformLog,
+    base: Config,
+    options: &Options,
+    estimation: &Estimation,
+) -> Result<Option<Batch>, Diagnostic> {
+    let touches = !estimation.outcome.touches.is_empty();
+    let stands = estimation.is_explained() || estimation.evidence.lateness.is_some();
+    if stands || !touches {
+        return Ok(None);
+    }
+    let mut fitted = batch(log, base, options)?;
+    // After a change of material the recursion is right of what was touched last, and nobody of the whole.
+    let before_n = estimation.outcome.force_rmse_n;
+    let is_less = match (fitted.force_rmse_n, before_n) {
+        (Some(after), Some(before)) => after < before,
+        (after, _) => after.is_some(),
+    };
+    if !is_less {
+        return Ok(None);
+    }
+    let law = law_title(estimation.outcome.law.name());
+    let left = match before_n {
+        Some(left) => format!(
+            "{law}, the best of them, leaves {}, {} the noise",
+            quantity(left, 3, "N"),
+            times(left / estimation.replay.noise_n)
+        ),
+        None => "none gets all its parameters".into(),
+    };
+    let note = format!(
+        "no recursive method explains this force ({left}): these are the numbers of a fit of the whole log \
+         at once (--method batch)"
+    );
+    fitted.notes.insert(0, note);
+    Ok(Some(fitted))
+}

@@ -1,0 +1,64 @@
+//! What a log says for and against a fit, besides its parameters.
+
+use super::assemble::Given;
+use super::family::{Family, natural};
+use super::fit::Fit;
+use super::result::Batch;
+use crate::estimate::{Evidence, judged};
+use crate::inspect::Inspection;
+
+/// Exponents beyond these are at the bounds of the fit, ½ and 4.
+const EXPONENTS: std::ops::Range<f64> = 0.55..3.9;
+/// A stiffening rate times the deepest depth beyond these is a spring, or a wall.
+const STIFFENING: std::ops::Range<f64> = 0.02..30.0;
+/// A material that relaxes by more than this share keeps no elastic force.
+const MOST_RELAXING: f64 = 0.99;
+/// A surface is late if the force has left its baseline so many standard errors before it.
+const LATE_SIGMAS: f64 = 3.0;
+
+impl Given<'_> {
+    /// The fit with its status judged.
+    pub(super) fn judged(&self, mut batch: Batch, fit: &Fit) -> Batch {
+        let evidence = Evidence {
+            misfit: batch.force_rmse_n.map(|rmse| rmse / batch.noise_n),
+            explained: self.course.thresholds.report.explained,
+            is_saturated: batch.inspection.saturated_n.is_some(),
+            has_no_zero: self.course.free() < self.course.thresholds.report.fewest_free,
+            is_at_bound: self.is_at_bound(fit),
+            lateness: None,
+            relaxes: relaxes(&batch.inspection, fit.family),
+            has_better_law: false,
+            is_surface_doubtful: self.is_surface_late(&batch),
+        };
+        (batch.status, batch.reason) = judged(batch.status, &evidence);
+        batch
+    }
+
+    fn is_at_bound(&self, fit: &Fit) -> bool {
+        let scales = &self.course.scales;
+        let law = natural(fit.family, &fit.free, scales);
+        let relaxing: f64 = law.modes.iter().map(|mode| mode.fraction).sum();
+        let stiffening = law.stiffening_rate * scales.depth_m;
+        (fit.family.exponent().is_some() && !EXPONENTS.contains(&law.exponent))
+            || (fit.family.stiffening_rate().is_some() && !STIFFENING.contains(&stiffening))
+            || relaxing > MOST_RELAXING
+    }
+
+    /// Whether the force has left its baseline before the surface, by more than its error and a sample.
+    fn is_surface_late(&self, batch: &Batch) -> bool {
+        let both = batch.value("surface").zip(self.departure);
+        both.is_some_and(|(surface, left)| {
+            let sample_m = self.course.scales.speed_mps * self.course.scales.period_s;
+            surface.value - left.to_m > LATE_SIGMAS * surface.std_error + sample_m
+        })
+    }
+}
+
+/// Whether the force decays in a hold, and the law does not.
+fn relaxes(inspection: &Inspection, family: Family) -> bool {
+    let decays = inspection
+        .holds
+        .iter()
+        .any(|hold| hold.relaxed > crate::estimate::RELAXES);
+    family.modes == 0 && decays
+}

@@ -1,0 +1,265 @@
+//! How late the force is read against the position, under the law that a log was estimated with.
+//!
+//! A delay τ of the force shifts the law's force by −τḞ; the other parameters can carry a part of that, the
+//! damping of Kelvin–Voigt nearly all of it. So τ is estimated together with them: the law is fitted, and the
+//! residuals are regressed on −Ḟ after everything that the parameters can do is taken off it,
+//! d⊥ = d − J(JᵀWJ)⁻¹JᵀWd. The step is taken by shifting the motion of the log and fitting again, so that no
+//! lateness is too large for a linear step. The standard error is that of Newey and West.
+//!
+//! **Delay or lag.** A lag T of first order leaves F − TḞ + T²F̈, a delay τ F − τḞ + ½τ²F̈. After the motion has
+//! been shifted by τ a delay leaves nothing, and a lag ½τ²F̈, again less what the parameters can do.
+
+use estimator_core::estimate::{Estimated, config::Surface};
+use estimator_core::physics::law::LawId;
+
+use super::course::{Course, Node};
+use super::family::{Family, natural};
+use super::fit::{Problem, STILL, of_size};
+use super::held::Held;
+use super::select::{Fixed, candidates, mask_surface};
+use super::thresholds::Thresholds;
+use crate::estimate::{EXPLAINED, Estimation, Lateness};
+use crate::kinematics::{Kinematics, kinematics};
+use crate::log::UniformLog;
+use crate::lsq::{covariance::inverse, covariance::long_run_variance};
+use crate::stats::correlation;
+
+/// Most shifts of the motion. From 3 ms of skew at 1 kHz two are enough.
+const MOST_SHIFTS: usize = 4;
+/// A shift by less than this share of its standard error is the last.
+const SETTLED: f64 = 0.1;
+/// Longest lateness (s): a longer one is another motion.
+const LONGEST_S: f64 = 0.05;
+/// Lags of the variance of a sum, in correlation times.
+const LAGS: f64 = 3.0;
+/// What must be left of ½τ²F̈ for a lag, and its standard errors over 0 and below 1.
+const LAG_SIGMAS: f64 = 3.0;
+/// Fewest block means to tell a lateness from.
+const FEWEST_NODES: usize = 40;
+
+/// Estimates how late the force is. `None` where that cannot be told: no contact, or a law that does not
+/// explain the force whatever the lateness.
+pub fn lateness(log: &UniformLog, estimation: &Estimation) -> Option<Lateness> {
+    let kind = estimation.outcome.law;
+    if estimation.outcome.skew.is_some() {
+        return None;
+    }
+    let mut families = Family::of(kind.law());
+    let family = match kind.law() {
+        LawId::QuasiLinear => Family::quasi_linear(kind.modes().max(1)),
+        _ => families.next()?,
+    };
+    let known = match estimation.replay.config.contact.surface {
+        Surface::Known { position_m } => Some(f64::from(position_m)),
+        Surface::AtImpact => None,
+    };
+    let search = Search {
+        log,
+        motion: kinematics(log),
+        estimation,
+        family,
+        fixed: Fixed {
+            held: Held {
+                fixed: known.map(|at| ("surface".into(), at)).into_iter().collect(),
+                ..Held::default()
+            },
+            without_skew: true,
+            ..Fixed::default()
+        },
+    };
+    search.lateness()
+}
+
+struct Search<'a> {
+    log: &'a UniformLog,
+    motion: Kinematics,
+    estimation: &'a Estimation,
+    family: Family,
+    fixed: Fixed,
+}
+
+/// A regression of the residuals on a column.
+struct Regression {
+    slope: f64,
+    std_error: f64,
+}
+
+impl Search<'_> {
+    fn lateness(&self) -> Option<Lateness> {
+        let mut late_s = 0.0;
+        let mut free: Option<Vec<f64>> = None;
+        for _ in 0..MOST_SHIFTS {
+            let course = self.course(late_s)?;
+            let fit = match free.take() {
+                None => {
+                    candidates(&course, &[self.family], &self.fixed)
+                        .pop()?
+                        .fit
+                        .free
+                }
+                Some(free) => free,
+            };
+            let one = Shifted::new(self, &course, fit);
+            let remainder = one.problem(&course).remainder(&one.free);
+            let found = one.regression(&course, 1)?;
+            if found.slope.abs() < SETTLED * found.std_error {
+                let is_lag = one.is_lag(&course, late_s);
+                let late_s = Estimated {
+                    value: late_s + found.slope,
+                    std_error: found.std_error,
+                };
+                return (remainder <= EXPLAINED).then_some(Lateness { late_s, is_lag });
+            }
+            late_s += found.slope;
+            if late_s.abs() > LONGEST_S {
+                return None;
+            }
+            free = Some(one.free);
+        }
+        None
+    }
+
+    /// The course of the log with the motion of an earlier instant.
+    fn course(&self, late_s: f64) -> Option<Course> {
+        let motion = self.motion.delayed(late_s / self.log.period_s());
+        Course::of(
+            self.log,
+            &motion,
+            &self.estimation.replay,
+            Thresholds::default(),
+        )
+    }
+}
+
+/// A fit on the course of a shifted motion.
+struct Shifted<'a> {
+    search: &'a Search<'a>,
+    stay: Vec<usize>,
+    weights: Vec<f64>,
+    free: Vec<f64>,
+}
+
+impl<'a> Shifted<'a> {
+    fn new(search: &'a Search<'a>, course: &Course, start: Vec<f64>) -> Shifted<'a> {
+        let mut shifted = Shifted {
+            search,
+            stay: search.fixed.of(search.family, &course.scales),
+            weights: course.noise_weights(),
+            free: start,
+        };
+        let fit = shifted.problem(course).fit(shifted.free.clone(), STILL);
+        if search.family == Family::KELVIN_VOIGT {
+            mask_surface(&mut shifted.weights, course, &fit);
+        }
+        shifted.free = fit.free;
+        shifted
+    }
+
+    fn problem<'b>(&'b self, course: &'b Course) -> Problem<'b> {
+        Problem {
+            family: self.search.family,
+            nodes: &course.nodes,
+            weights: &self.weights,
+            scales: &course.scales,
+            fixed: &self.stay,
+        }
+    }
+
+    /// Residuals on −Ḟ (order 1) or F̈ (order 2).
+    fn regression(&self, course: &Course, order: usize) -> Option<Regression> {
+        let column = self.derivative(course, order);
+        let problem = self.problem(course);
+        problem.regression(&self.free, &column)
+    }
+
+    /// Whether the residuals hold what tells a lag from a delay.
+    fn is_lag(&self, course: &Course, late_s: f64) -> bool {
+        let half_square = 0.5 * late_s * late_s;
+        let found = self.regression(course, 2);
+        late_s > 0.0
+            && found.is_some_and(|found| {
+                found.slope > LAG_SIGMAS * found.std_error && found.slope > 0.5 * half_square
+            })
+    }
+
+    /// −Ḟ (N/s) or F̈ (N/s²) of the law at every node that counts, by differences of a shifted motion.
+    fn derivative(&self, course: &Course, order: usize) -> Vec<f64> {
+        let step_s = course.scales.period_s;
+        let force = |shift_s: f64| {
+            let nodes: Vec<Node> = course.nodes.iter().map(|node| node.at(shift_s)).collect();
+            let law = natural(self.search.family, &self.free, &course.scales);
+            let mut forces = Vec::with_capacity(nodes.len());
+            law.along(self.search.family, &nodes, |_, force| forces.push(force));
+            forces
+        };
+        let (before, now, after) = (force(-step_s), force(0.0), force(step_s));
+        let each = before.iter().zip(&now).zip(&after).zip(&self.weights);
+        let counting = each.filter(|(_, weight)| **weight > 0.0);
+        counting
+            .map(|(((before, now), after), _)| match order {
+                1 => (before - after) / (2.0 * step_s),
+                _ => (before - 2.0 * now + after) / (step_s * step_s),
+            })
+            .collect()
+    }
+}
+
+impl Node {
+    /// The node with its motion a little later or earlier.
+    fn at(&self, shift_s: f64) -> Node {
+        let bend = self.acceleration_mps2 * shift_s;
+        Node {
+            position_m: self.position_m + (self.speed_mps + 0.5 * bend) * shift_s,
+            speed_mps: self.speed_mps + bend,
+            ..*self
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// The residuals on a column (a value per node that counts), after what the parameters can do.
+    fn regression(&self, free: &[f64], column: &[f64]) -> Option<Regression> {
+        of_size!(self, regression_of(free, column))
+    }
+
+    fn regression_of<const N: usize>(&self, free: &[f64], column: &[f64]) -> Option<Regression> {
+        let mut rows: Vec<(f64, f64, [f64; N])> = Vec::with_capacity(column.len());
+        self.gradients::<N>(free, |_, weight, residual, gradient| {
+            rows.push((weight.sqrt(), residual, *gradient));
+        });
+        if rows.len() < FEWEST_NODES {
+            return None;
+        }
+        let fixed: [bool; N] = std::array::from_fn(|i| self.fixed.contains(&i));
+        let inverse = inverse(&self.normal(free).curvature, &fixed, 1e-13)?;
+        let mut both = [0.0; N];
+        for ((root, _, gradient), value) in rows.iter().zip(column) {
+            for (sum, slope) in both.iter_mut().zip(gradient) {
+                *sum += root * root * slope * value;
+            }
+        }
+        let carried: [f64; N] =
+            std::array::from_fn(|i| (0..N).map(|j| inverse[i * N + j] * both[j]).sum());
+        let left = rows.iter().zip(column).map(|((root, _, gradient), value)| {
+            let by_parameters: f64 = gradient.iter().zip(&carried).map(|(a, b)| a * b).sum();
+            root * (value - by_parameters)
+        });
+        let left: Vec<f64> = left.collect();
+        let square: f64 = left.iter().map(|own| own * own).sum();
+        let residuals: Vec<f64> = rows
+            .iter()
+            .map(|(root, residual, _)| root * residual)
+            .collect();
+        let terms: Vec<f64> = left.iter().zip(&residuals).map(|(a, b)| a * b).collect();
+        let slope = terms.iter().sum::<f64>() / square;
+        let lags = ((LAGS * correlation(&residuals)) as usize).clamp(4, terms.len() / 4);
+        let chi_2: f64 = residuals.iter().map(|own| own * own).sum();
+        let white = (chi_2 / rows.len().saturating_sub(N + 1).max(1) as f64).max(1.0) * square;
+        let variance = long_run_variance(&terms, lags).max(white);
+        let found = Regression {
+            slope,
+            std_error: variance.sqrt() / square,
+        };
+        (found.slope.is_finite() && found.std_error.is_finite()).then_some(found)
+    }
+}

@@ -1,0 +1,100 @@
+//! What a log says for and against the result of a replay, besides its parameters.
+
+use estimator_core::Status;
+use estimator_core::estimate::identify::method_info;
+
+use super::outcome::Outcome;
+use super::reason::{EXPLAINED, Evidence};
+use super::residual::surface_misfit;
+use super::setup::starts_in_contact;
+use super::touches::departure;
+use crate::inspect::Inspection;
+use crate::log::UniformLog;
+use crate::replay::Replay;
+
+/// A law that leaves so much less than another is clearly better.
+const CLEARLY: f64 = 1.5;
+/// A force that falls by this share in a hold relaxes.
+pub(crate) const RELAXES: f64 = 0.03;
+/// A surface whose error may leave this share of the misfit may well be its cause.
+pub(super) const SURFACE_SHARE: f64 = 0.5;
+/// A surface is late if the force has left its baseline so many standard errors before it.
+const LATE_SIGMAS: f64 = 3.0;
+/// Exponents beyond these come from a fit that wanted to leave its bounds: the core's are 0.3 and 4, and no
+/// contact that was ever measured lies between them and these.
+const EXPONENTS: std::ops::Range<f64> = 0.4..3.9;
+/// A material that relaxes by more than this share keeps no elastic force.
+const MOST_RELAXING: f64 = 0.99;
+
+/// Evidence on the result of a replay; `rmses_n` is what each law that was tried leaves over the whole log.
+pub(super) fn evidence(
+    log: &UniformLog,
+    replay: &Replay,
+    outcome: &Outcome,
+    inspection: &Inspection,
+    rmses_n: &[Option<f64>],
+) -> Evidence {
+    let misfit = outcome.force_rmse_n.map(|rmse| rmse / replay.noise_n);
+    let least = rmses_n
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let whole = outcome.whole_log_rmse_n.unwrap_or(0.0);
+    let decays = |relaxed: f64| relaxed > RELAXES;
+    // A surface taken from the impact is late by what the noise hides, and its method says so.
+    let finds_surface = method_info(replay.config.method).is_some_and(|info| info.finds_surface);
+    let explained = misfit.is_none_or(|misfit| misfit <= EXPLAINED);
+    Evidence {
+        misfit,
+        explained: EXPLAINED,
+        is_saturated: inspection.saturated_n.is_some(),
+        has_no_zero: starts_in_contact(log),
+        is_at_bound: is_at_bound(outcome),
+        lateness: None,
+        relaxes: !outcome.law.law().info().relaxes
+            && inspection.holds.iter().any(|hold| decays(hold.relaxed)),
+        has_better_law: whole > CLEARLY * least,
+        is_surface_doubtful: (finds_surface || !explained) && is_surface_late(log, replay, outcome)
+            || !explained && is_surface_the_cause(replay, outcome),
+    }
+}
+
+fn is_at_bound(outcome: &Outcome) -> bool {
+    let value = |name: &str| outcome.value(name).map(|found| f64::from(found.value));
+    let fractions = ["relaxation_fraction_1", "relaxation_fraction_2"];
+    let relaxing: f64 = fractions.into_iter().filter_map(value).sum();
+    value("exponent").is_some_and(|n| !EXPONENTS.contains(&n)) || relaxing > MOST_RELAXING
+}
+
+/// By how much the surface that was found lies behind where the force has left its baseline (m), a sample
+/// aside; 0 where it does not.
+pub(super) fn surface_late_m(log: &UniformLog, replay: &Replay, outcome: &Outcome) -> f64 {
+    let touched = outcome.status != Status::NoContact;
+    let both = outcome.value("surface").zip(departure(log, replay));
+    both.filter(|_| touched).map_or(0.0, |(surface, left)| {
+        (f64::from(surface.value) - left.to_m - fastest_step_m(log)).max(0.0)
+    })
+}
+
+fn is_surface_late(log: &UniformLog, replay: &Replay, outcome: &Outcome) -> bool {
+    let error_m = outcome
+        .value("surface")
+        .map_or(0.0, |found| found.std_error.into());
+    surface_late_m(log, replay, outcome) > LATE_SIGMAS * error_m
+}
+
+/// The longest way between two samples (m).
+fn fastest_step_m(log: &UniformLog) -> f64 {
+    let steps = log
+        .position_m
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs());
+    steps.fold(0.0, f64::max)
+}
+
+fn is_surface_the_cause(replay: &Replay, outcome: &Outcome) -> bool {
+    let rmse = outcome.force_rmse_n.unwrap_or(f64::INFINITY);
+    surface_misfit(replay, outcome.law, &outcome.parameters)
+        .is_some_and(|share| share > SURFACE_SHARE * rmse)
+}

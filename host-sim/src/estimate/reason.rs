@@ -1,0 +1,208 @@
+//! Status of a result and the reason why it is not trusted further: the one place where evidence about a
+//! fit becomes a word of `estimate.json`.
+
+use estimator_core::Status;
+
+/// A law that leaves more than this many times the noise (rms) does not explain the force. The noise that a
+/// log's own samples give is good to some per cent, and a law that fits leaves 0.9 to 1.15 of it in the
+/// project's tests; the largest misfit of wrong numbers that stays below 2 moves a stiffness by less than 5 %.
+pub const EXPLAINED: f64 = 2.0;
+
+/// A residual of up to this many times the noise (rms) is the noise alone: what a law that fits leaves in the
+/// project's tests is 0.9 to 1.15. Between this and [`EXPLAINED`] a law describes the force, and another form
+/// may still put its parameters elsewhere: a power law leaves 1.6 times the noise of tissue that stiffens
+/// exponentially, and puts its surface 0.5 mm out.
+pub const NOISE_ALONE: f64 = 1.15;
+
+/// Reason why a result is not trusted further than its status says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The residual is well above the noise.
+    Residual,
+    /// A parameter is at the bound of what the law allows.
+    Bound,
+    /// The force is read later or earlier than the position.
+    Skew,
+    /// The force lags behind the contact.
+    Lag,
+    /// The resting force has never been seen in free air.
+    Zero,
+    /// The position of the surface is not known.
+    Surface,
+    /// The motion does not determine all parameters.
+    Excitation,
+    /// The force is at the end of its range.
+    Saturated,
+    /// The force decays in holds, and the law does not.
+    Relaxing,
+    /// Another law explains the force clearly better.
+    Law,
+}
+
+impl Reason {
+    /// Name of the reason in `estimate.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Reason::Residual => "residual",
+            Reason::Bound => "bound",
+            Reason::Skew => "skew",
+            Reason::Lag => "lag",
+            Reason::Zero => "zero",
+            Reason::Surface => "surface",
+            Reason::Excitation => "excitation",
+            Reason::Saturated => "saturated",
+            Reason::Relaxing => "relaxing",
+            Reason::Law => "law",
+        }
+    }
+}
+
+/// What is known about a fit besides its parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence {
+    /// Residual over the noise; `None` where there is none.
+    pub misfit: Option<f64>,
+    /// A larger misfit is not explained: [`EXPLAINED`] unless a sweep asks for another.
+    pub explained: f64,
+    /// The force stands still at its largest value.
+    pub is_saturated: bool,
+    /// The log has no free air before its first touch.
+    pub has_no_zero: bool,
+    /// A parameter is at a bound of the law.
+    pub is_at_bound: bool,
+    /// The force is late (or early), or lags, by more than its errors.
+    pub lateness: Option<Reason>,
+    /// The force decays in holds, and the law does not.
+    pub relaxes: bool,
+    /// Another law that was tried leaves clearly less.
+    pub has_better_law: bool,
+    /// The surface is not where the force leaves its baseline, or its error alone explains the misfit.
+    pub is_surface_doubtful: bool,
+}
+
+impl Default for Evidence {
+    fn default() -> Evidence {
+        Evidence {
+            misfit: None,
+            explained: EXPLAINED,
+            is_saturated: false,
+            has_no_zero: false,
+            is_at_bound: false,
+            lateness: None,
+            relaxes: false,
+            has_better_law: false,
+            is_surface_doubtful: false,
+        }
+    }
+}
+
+/// Status and reason of a result whose method has said `status`.
+pub fn judged(status: Status, evidence: &Evidence) -> (Status, Option<Reason>) {
+    let unexplained = evidence
+        .misfit
+        .is_some_and(|misfit| misfit > evidence.explained);
+    match status {
+        Status::NoContact | Status::Changed => (status, Some(Reason::Excitation)),
+        Status::ModelSuspect => (status, Some(cause(evidence))),
+        _ if unexplained => (Status::ModelSuspect, Some(cause(evidence))),
+        Status::Unobservable | Status::Converging => (status, Some(missing(evidence))),
+        Status::Converged => match doubt(evidence) {
+            Some(reason) => (Status::ModelSuspect, Some(reason)),
+            None => (status, None),
+        },
+    }
+}
+
+/// What stays wrong however small the residual is.
+fn doubt(evidence: &Evidence) -> Option<Reason> {
+    let found = |reason, is_so: bool| is_so.then_some(reason);
+    evidence
+        .lateness
+        .or(found(Reason::Bound, evidence.is_at_bound))
+        .or(found(Reason::Surface, evidence.is_surface_doubtful))
+}
+
+/// Why a law leaves more than the noise: what damages the force itself first, then what the law lacks.
+fn cause(evidence: &Evidence) -> Reason {
+    let causes = [
+        (evidence.is_saturated, Reason::Saturated),
+        (evidence.lateness.is_some(), Reason::Skew),
+        (evidence.has_better_law, Reason::Law),
+        (evidence.relaxes, Reason::Relaxing),
+        (evidence.has_no_zero, Reason::Zero),
+        (evidence.is_at_bound, Reason::Bound),
+        (evidence.is_surface_doubtful, Reason::Surface),
+    ];
+    let found = causes.into_iter().find(|(is_so, _)| *is_so);
+    match (found, evidence.lateness) {
+        (Some((_, Reason::Skew)), Some(lateness)) => lateness,
+        (Some((_, reason)), _) => reason,
+        (None, _) => Reason::Residual,
+    }
+}
+
+/// Why parameters are not known yet.
+fn missing(evidence: &Evidence) -> Reason {
+    match evidence {
+        _ if evidence.is_at_bound => Reason::Bound,
+        _ if evidence.has_no_zero => Reason::Zero,
+        _ if evidence.is_surface_doubtful => Reason::Surface,
+        _ => Reason::Excitation,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(misfit: f64) -> Evidence {
+        Evidence {
+            misfit: Some(misfit),
+            ..Evidence::default()
+        }
+    }
+
+    #[test]
+    fn a_residual_above_twice_the_noise_is_never_converged() {
+        for status in Status::ALL {
+            let (judged, reason) = judged(status, &with(2.01));
+            assert_ne!(judged, Status::Converged, "{status:?}");
+            assert!(reason.is_some(), "{status:?}");
+        }
+        assert_eq!(
+            judged(Status::Converged, &with(1.9)),
+            (Status::Converged, None)
+        );
+        let suspect = (Status::ModelSuspect, Some(Reason::Residual));
+        assert_eq!(judged(Status::Converged, &with(2.01)), suspect);
+    }
+
+    #[test]
+    fn every_status_but_converged_has_a_reason() {
+        for status in Status::ALL {
+            let (judged, reason) = judged(status, &Evidence::default());
+            assert_eq!(judged, status);
+            assert_eq!(reason.is_none(), status == Status::Converged, "{status:?}");
+        }
+    }
+
+    #[test]
+    fn lateness_and_bounds_are_doubts_even_within_the_noise() {
+        let late = Evidence {
+            lateness: Some(Reason::Lag),
+            ..with(1.0)
+        };
+        let suspect = |reason| (Status::ModelSuspect, Some(reason));
+        assert_eq!(judged(Status::Converged, &late), suspect(Reason::Lag));
+        let late = Evidence {
+            misfit: Some(5.0),
+            ..late
+        };
+        assert_eq!(judged(Status::Converged, &late), suspect(Reason::Lag));
+        let bound = Evidence {
+            is_at_bound: true,
+            ..with(1.0)
+        };
+        assert_eq!(judged(Status::Converged, &bound), suspect(Reason::Bound));
+    }
+}
