@@ -163,13 +163,15 @@ fn replay_force(
 }
 
 /// Over the instants whose whole filter window lies in contact: there the smoothed depth and speed
-/// are those of the raw force.
+/// are those of the raw force. Samples with a fault are no measurements.
 fn force_rmse(log: &UniformLog, replay: &Replay, replayed_n: &[f32]) -> Option<f64> {
     let memory = 2 * replay.delay + 1;
     let errors = replay.contacts().into_iter().flat_map(|contact| {
         contact.skip(memory).filter_map(|index| {
-            let raw = log.force_n[replay.sample_of(index)?] - f64::from(replay.rest_n[index]);
-            Some(raw - f64::from(replayed_n[index]))
+            let sample = replay.sample_of(index)?;
+            let raw = log.force_n[sample] - f64::from(replay.rest_n[index]);
+            let measured = replay.records[sample].faults == Faults::NONE;
+            measured.then_some(raw - f64::from(replayed_n[index]))
         })
     });
     let errors: Vec<f64> = errors.collect();

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::sampling::{EVEN_PERIODS, Line, Stamps};
+use super::sampling::{EVEN_PERIODS, Line, Stamps, slower};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
 use crate::number::{counted, quantity};
@@ -38,6 +38,8 @@ pub struct UniformLog {
     pub force_n: Vec<f64>,
     /// Whether the sample was invented between samples more than 1.5 median periods apart.
     pub in_gap: Vec<bool>,
+    /// From when to when (s) the log was sampled more slowly on purpose, and nothing is missing.
+    pub slower: Vec<(f64, f64)>,
     /// Whether the channels are the log's own, bit for bit.
     pub untouched: bool,
     /// What was taken off its channels.
@@ -162,6 +164,7 @@ impl Log {
             position_m: self.position_m.clone(),
             force_n: self.force_n.clone(),
             in_gap: vec![false; self.len()],
+            slower: Vec::new(),
             untouched: true,
             compensated: Compensated::default(),
             notes: self.notes.clone(),
@@ -199,6 +202,7 @@ impl Log {
             false => self.what_interpolation_did(&grid, timing),
         };
         grid.notes.extend(notes);
+        grid.slower = slower(&line.gaps(&self.time_s)).0;
         grid
     }
 
@@ -229,6 +233,7 @@ impl Log {
             position_m: Vec::with_capacity(count),
             force_n: Vec::with_capacity(count),
             in_gap: Vec::with_capacity(count),
+            slower: Vec::new(),
             untouched: false,
             compensated: Compensated::default(),
             notes: self.notes.clone(),
@@ -247,6 +252,7 @@ impl Log {
             }
             self.push_between(&mut grid, left, time_s, timing);
         }
+        grid.slower = slower(&timing.gaps).0;
         grid.notes
             .extend(self.what_interpolation_did(&grid, timing));
         grid

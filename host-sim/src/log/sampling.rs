@@ -126,7 +126,7 @@ impl Log {
     fn facts(&self, timing: &Timing, line: Option<&Line>) -> Sampling {
         let rate_hz = timing.rate_hz();
         let long = line.map_or(timing.gaps.clone(), |line| line.gaps(&self.time_s));
-        let (slower, gaps) = sorted(&long);
+        let (slower, gaps) = slower(&long);
         Sampling {
             rate_hz,
             clock_rate_hz: line.map_or(rate_hz, |line| 1.0 / line.period_s),
@@ -147,7 +147,7 @@ impl Log {
 }
 
 /// Long intervals: stretches that were sampled more slowly, and gaps in which samples are missing.
-fn sorted(long: &[Gap]) -> (Vec<(f64, f64)>, Vec<Gap>) {
+pub(super) fn slower(long: &[Gap]) -> (Vec<(f64, f64)>, Vec<Gap>) {
     let (mut slower, mut gaps) = (Vec::new(), Vec::new());
     for run in long.chunk_by(|a, b| a.index + 1 == b.index) {
         if run.len() >= SLOWER_RUN {

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::Path;
 
+use estimator_core::Fault;
 use estimator_core::estimate::{Parameters, Phase};
 use serde_json::{Map, Value, json};
 
@@ -63,7 +64,8 @@ pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
     let events = outcome.events.iter().map(|event| match &event.kind {
         EventKind::Estimator(kind) => json!({ "t_s": seconds(event.time_s), "kind": kind.name() }),
         EventKind::Fault { code, .. } => {
-            json!({ "t_s": seconds(event.time_s), "kind": "fault", "code": code })
+            let name = Fault::with_code(*code).map(Fault::name);
+            json!({ "t_s": seconds(event.time_s), "kind": "fault", "code": code, "name": name })
         }
     });
     let selection = context

@@ -7,6 +7,7 @@ use std::error::Error;
 use std::io;
 use std::path::Path;
 
+use estimator_core::Fault;
 use estimator_core::estimate::Estimated;
 use serde_json::{Map, Value, json};
 
@@ -131,7 +132,10 @@ fn event(event: &EventMark) -> Value {
     let at = seconds(event.time_s);
     match &event.kind {
         EventKind::Estimator(kind) => json!({ "t_s": at, "kind": kind.name() }),
-        EventKind::Fault { code, .. } => json!({ "t_s": at, "kind": "fault", "code": code }),
+        EventKind::Fault { code, .. } => {
+            let name = Fault::with_code(*code).map(Fault::name);
+            json!({ "t_s": at, "kind": "fault", "code": code, "name": name })
+        }
     }
 }
 
