@@ -14,7 +14,7 @@ pub use setup::{Choices, Setup, setup};
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
 use crate::log::{FEWEST_SAMPLES, UniformLog};
-use crate::replay::{Replay, replay};
+use crate::replay::{Replay, decimated, replay};
 
 /// What a simpler law may leave more than the best one and still be chosen: 2 %.
 const SIMPLER_MARGIN: f64 = 1.02;
@@ -32,6 +32,15 @@ pub struct Estimation {
     pub selection: Vec<(&'static str, Option<f64>)>,
     /// What a reader must know, a sentence each.
     pub notes: Vec<String>,
+    /// The means that the estimator saw of a log that was too fast for it.
+    pub decimated: Option<UniformLog>,
+}
+
+impl Estimation {
+    /// The log that the records belong to, of the one that was given.
+    pub fn log<'a>(&'a self, given: &'a UniformLog) -> &'a UniformLog {
+        self.decimated.as_ref().unwrap_or(given)
+    }
 }
 
 /// Estimates a log with each method and keeps the law that explains the force best; of two that do
@@ -45,6 +54,8 @@ pub fn estimate(
     methods: &[Method],
     choices: Choices,
 ) -> Result<Estimation, Diagnostic> {
+    let decimated = decimated(log);
+    let log = decimated.as_ref().unwrap_or(log);
     let mut best: Option<(Replay, Outcome, Vec<String>)> = None;
     let mut selection = Vec::new();
     for method in methods {
@@ -78,6 +89,7 @@ pub fn estimate(
         inspection,
         selection,
         notes,
+        decimated,
     })
 }
 

@@ -1,9 +1,11 @@
 //! The board's step over a log: same code, same single precision, same bits.
 
+mod decimate;
 mod limits;
 mod marks;
 mod sensing;
 
+pub use decimate::decimated;
 pub use marks::{EventKind, EventMark, Touch};
 
 use estimator_core::estimate::{Phase, params::Params};

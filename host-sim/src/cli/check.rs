@@ -52,7 +52,14 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
     )?;
     let name = args.log.display().to_string();
     let facts = raw.sampling();
-    let inspection = &estimation.inspection;
+    let mut inspection = estimation.inspection;
+    if estimation.decimated.is_some() {
+        // The touches are those of the means, noise and steps those of the samples.
+        inspection.noise_n = log.force_noise_n();
+        inspection.force_step_n = facts.force_step_n;
+        inspection.position_step_m = facts.position_step_m;
+    }
+    let inspection = &inspection;
     say(describe(&name, &raw, &facts, &log, inspection))?;
     if let Some(out) = &args.out {
         let numbers = files::json(&raw, &facts, inspection);

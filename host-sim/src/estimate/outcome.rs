@@ -1,5 +1,7 @@
 //! What a replay comes to: the numbers of `estimate.json`.
 
+use std::ops::Range;
+
 use estimator_core::estimate::identify::method_info;
 use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
 use estimator_core::physics::law::{Law, ParameterInfo, RelaxingLaw, unilateral};
@@ -8,13 +10,17 @@ use estimator_core::{Faults, LawKind, Status};
 use crate::log::UniformLog;
 use crate::replay::{EventKind, EventMark, Replay, Touch};
 use crate::signal;
-use crate::stats::rms;
+use crate::stats::{highest, rms};
 
 /// Settled: every parameter within this share of its final value from then on.
 const SETTLED_WITHIN: f64 = 0.05;
 /// Samples on either side over which the replay smooths the position: a count of 1 µm then makes a
 /// speed of 30 µm/s at 1 kHz, and a touch is over after 5 ms.
 const FINE_HALF_WIDTH: usize = 5;
+
+/// A filter that is no wider than this on either side (samples) takes more off a peak than it takes of the noise:
+/// then the peak is that of the samples themselves.
+const NARROW: usize = 2;
 
 type Record = estimator_core::Estimate<f32>;
 
@@ -67,7 +73,7 @@ impl Outcome {
             force_rmse_n: force_rmse(log, replay, &replayed_n),
             settled_at_s: settled_at(replay, law, &parameters),
             segments: segments(replay),
-            touches: touches(replay),
+            touches: touches(log, replay),
             events: events(replay),
             parameters,
             replayed_n,
@@ -207,18 +213,40 @@ fn settled_at(replay: &Replay, law: LawKind, parameters: &Parameters<f32>) -> Op
     long_enough.then(|| replay.time_s(first_near) - contact_s)
 }
 
-fn touches(replay: &Replay) -> Vec<Touch> {
+/// The measured samples of a channel in a contact.
+fn measured<'a>(
+    log: &'a UniformLog,
+    replay: &'a Replay,
+    contact: &Range<usize>,
+    channel: &'a [f64],
+) -> impl Iterator<Item = f64> + 'a {
+    let samples = contact.clone();
+    let kept = samples.filter(|at| replay.records[*at].faults == Faults::NONE && !log.in_gap[*at]);
+    kept.map(|at| channel[at])
+}
+
+fn touches(log: &UniformLog, replay: &Replay) -> Vec<Touch> {
     let contacts = replay.contacts().into_iter();
     contacts
         .map(|contact| {
             let records = &replay.records[contact.clone()];
             let peak =
                 |of: fn(&Record) -> f32| f64::from(records.iter().map(of).fold(0.0, f32::max));
-            Touch {
+            let filtered = Touch {
                 from_s: replay.raw_time_s(contact.start),
                 to_s: replay.raw_time_s(contact.end - 1),
                 peak_force_n: peak(|record| record.force_n),
                 peak_depth_m: peak(|record| record.depth_m),
+            };
+            match replay.delay <= NARROW {
+                true => Touch {
+                    peak_force_n: highest(measured(log, replay, &contact, &log.force_n))
+                        - f64::from(replay.rest_n[contact.start]),
+                    peak_depth_m: highest(measured(log, replay, &contact, &log.position_m))
+                        - f64::from(replay.surface_m[contact.start]),
+                    ..filtered
+                },
+                false => filtered,
             }
         })
         .collect()

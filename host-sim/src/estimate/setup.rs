@@ -3,7 +3,9 @@
 //! What a person would set on the board by knowing the rig is read off the log here, and said.
 
 use estimator_core::Config;
-use estimator_core::estimate::{config::Surface, contact::NOISE_FLOOR, method::Method};
+use estimator_core::estimate::{
+    config::Filter, config::Surface, contact::NOISE_FLOOR, filter::MAX_HALF_WIDTH, method::Method,
+};
 
 use crate::log::UniformLog;
 use crate::number::quantity;
@@ -51,6 +53,7 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
         ..base
     };
     let mut notes = Vec::new();
+    set_filter(&mut config);
     if let Some(position_m) = choices.surface_m {
         config.contact.surface = Surface::Known {
             position_m: position_m as f32,
@@ -66,6 +69,21 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
     let shortest_s = 16.1 / log.rate_hz as f32;
     config.judgement.window_s = config.judgement.window_s.max(shortest_s);
     Setup { config, notes }
+}
+
+/// Gives the default filter its width in seconds: that of 1 kHz, as far as a window of 3 to 65 samples
+/// has it. A filter of a person's own is kept.
+fn set_filter(config: &mut Config) {
+    let usual = Config::default();
+    if let (true, Filter::SavitzkyGolay { half_width }) =
+        (config.filter == usual.filter, usual.filter)
+    {
+        let seconds = f32::from(half_width) / usual.rate_hz;
+        let samples = (seconds * config.rate_hz).round();
+        config.filter = Filter::SavitzkyGolay {
+            half_width: samples.clamp(1.0, MAX_HALF_WIDTH as f32) as u8,
+        };
+    }
 }
 
 fn set_scales(

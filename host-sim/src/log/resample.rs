@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use estimator_core::Faults;
+
 use super::sampling::{EVEN_PERIODS, Line, Stamps, slower};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
@@ -42,6 +44,8 @@ pub struct UniformLog {
     pub slower: Vec<(f64, f64)>,
     /// Whether the channels are the log's own, bit for bit.
     pub untouched: bool,
+    /// The faults of each sample, where they were recognised before its samples were averaged; else empty.
+    pub recognised: Vec<Faults>,
     /// What was taken off its channels.
     pub compensated: Compensated,
     /// The log's notes, and what was done to its samples.
@@ -165,6 +169,7 @@ impl Log {
             force_n: self.force_n.clone(),
             in_gap: vec![false; self.len()],
             slower: Vec::new(),
+            recognised: Vec::new(),
             untouched: true,
             compensated: Compensated::default(),
             notes: self.notes.clone(),
@@ -234,6 +239,7 @@ impl Log {
             force_n: Vec::with_capacity(count),
             in_gap: Vec::with_capacity(count),
             slower: Vec::new(),
+            recognised: Vec::new(),
             untouched: false,
             compensated: Compensated::default(),
             notes: self.notes.clone(),

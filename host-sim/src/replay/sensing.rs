@@ -43,6 +43,10 @@ impl Readings {
             bridged_faults: vec![Faults::NONE; log.len()],
             invented: log.in_gap.clone(),
         };
+        if !log.recognised.is_empty() {
+            readings.take_recognised(log);
+            return readings;
+        }
         let seen = watched(log);
         for (at, faults) in seen.iter().enumerate() {
             faults
@@ -56,6 +60,19 @@ impl Readings {
         }
         readings.take_gaps(log);
         readings
+    }
+
+    /// Takes the faults of means: those that were bridged have left a mean of the other samples.
+    fn take_recognised(&mut self, log: &UniformLog) {
+        for (at, faults) in log.recognised.iter().enumerate() {
+            for fault in faults.iter() {
+                let bridged = matches!(fault, Fault::ForceUnusable | Fault::SampleMissed);
+                match bridged && !log.in_gap[at] {
+                    true => self.bridged_faults[at] = self.bridged_faults[at].with(fault),
+                    false => self.faults[at] = self.faults[at].with(fault),
+                }
+            }
+        }
     }
 
     /// Takes one fault that showed at a sample to where it began.
