@@ -4,9 +4,11 @@ mod decimate;
 mod limits;
 mod marks;
 mod sensing;
+mod width;
 
 pub use decimate::decimated;
 pub use marks::{EventKind, EventMark, Touch};
+pub(crate) use width::half_width;
 
 use estimator_core::estimate::{Phase, params::Params};
 use estimator_core::physics::law::LawKind;

@@ -18,9 +18,9 @@ const SETTLED_WITHIN: f64 = 0.05;
 /// speed of 30 µm/s at 1 kHz, and a touch is over after 5 ms.
 const FINE_HALF_WIDTH: usize = 5;
 
-/// A filter that is no wider than this on either side (samples) takes more off a peak than it takes of the noise:
-/// then the peak is that of the samples themselves.
-const NARROW: usize = 2;
+/// A filter that looks further to either side (s) than the board's 8 ms rounds peaks off: then a peak is that of the
+/// samples themselves.
+const LONGEST_S: f64 = 8.1e-3;
 
 type Record = estimator_core::Estimate<f32>;
 
@@ -238,7 +238,7 @@ fn touches(log: &UniformLog, replay: &Replay) -> Vec<Touch> {
                 peak_force_n: peak(|record| record.force_n),
                 peak_depth_m: peak(|record| record.depth_m),
             };
-            match replay.delay <= NARROW {
+            match replay.delay as f64 * replay.period_s > LONGEST_S {
                 true => Touch {
                     peak_force_n: highest(measured(log, replay, &contact, &log.force_n))
                         - f64::from(replay.rest_n[contact.start]),

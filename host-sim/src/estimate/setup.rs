@@ -9,6 +9,7 @@ use estimator_core::estimate::{
 
 use crate::log::UniformLog;
 use crate::number::quantity;
+use crate::replay::half_width;
 use crate::stats::{median, range};
 
 /// A rise of the force above this share of its peak ends the free air at the start.
@@ -53,7 +54,7 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
         ..base
     };
     let mut notes = Vec::new();
-    set_filter(&mut config);
+    set_filter(&mut config, log);
     if let Some(position_m) = choices.surface_m {
         config.contact.surface = Surface::Known {
             position_m: position_m as f32,
@@ -71,17 +72,12 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
     Setup { config, notes }
 }
 
-/// Gives the default filter its width in seconds: that of 1 kHz, as far as a window of 3 to 65 samples
-/// has it. A filter of a person's own is kept.
-fn set_filter(config: &mut Config) {
-    let usual = Config::default();
-    if let (true, Filter::SavitzkyGolay { half_width }) =
-        (config.filter == usual.filter, usual.filter)
-    {
-        let seconds = f32::from(half_width) / usual.rate_hz;
-        let samples = (seconds * config.rate_hz).round();
+/// Gives the default filter the width that the log asks for. A filter of a person's own is kept, and means
+/// were made for the default.
+fn set_filter(config: &mut Config, log: &UniformLog) {
+    if config.filter == Config::default().filter && log.recognised.is_empty() {
         config.filter = Filter::SavitzkyGolay {
-            half_width: samples.clamp(1.0, MAX_HALF_WIDTH as f32) as u8,
+            half_width: half_width(log).min(MAX_HALF_WIDTH) as u8,
         };
     }
 }

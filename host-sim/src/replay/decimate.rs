@@ -8,20 +8,25 @@
 use estimator_core::Faults;
 
 use super::sensing::Readings;
+use super::width::half_width;
 use crate::log::UniformLog;
 
 /// A log up to this rate (Hz) goes into the estimator as it is.
 const FASTEST_HZ: f64 = 2000.0;
-/// A faster one is averaged down to this rate or up to twice of it (Hz).
-const SLOWEST_HZ: f64 = 1000.0;
+/// A faster one is averaged until the filter's half-width is this many samples, as on the board.
+const HALF_WIDTH: usize = 8;
 
-/// The log in means of so many samples that a board could have sampled it; `None` if it is slow enough.
+/// The log in means of so many samples that a board could have sampled it; `None` if it is slow
+/// enough, or so quiet and quick that the filter must be as narrow as it is.
 pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
     // A thousandth: 2048 Hz rounded is no reason.
     if log.rate_hz <= 1.001 * FASTEST_HZ || !log.recognised.is_empty() {
         return None;
     }
-    let factor = (log.rate_hz / SLOWEST_HZ).floor() as usize;
+    let factor = half_width(log) / HALF_WIDTH;
+    if factor < 2 {
+        return None;
+    }
     let readings = Readings::of(log);
     let measured = |at: &usize| !readings.invented[*at];
     let mut means = UniformLog {

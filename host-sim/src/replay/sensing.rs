@@ -49,9 +49,13 @@ impl Readings {
         }
         let seen = watched(log);
         for (at, faults) in seen.iter().enumerate() {
-            faults
-                .iter()
-                .for_each(|fault| readings.take(log, at, fault));
+            // Where the resampling invented samples lie straight lines, whose corners are no fault.
+            let mut window = at.saturating_sub(2 * LATE)..at + 1;
+            if !window.any(|at| log.in_gap[at] || is_slower(log, at)) {
+                faults
+                    .iter()
+                    .for_each(|fault| readings.take(log, at, fault));
+            }
         }
         for (at, saturated) in log.compensated.saturated.iter().enumerate() {
             if *saturated {
@@ -112,7 +116,13 @@ impl Readings {
         for run in log.in_gap.chunk_by(|a, b| a == b) {
             let here = at..at + run.len();
             at = here.end;
-            if !run[0] || is_slower(log, here.start) {
+            if !run[0] {
+                continue;
+            }
+            if is_slower(log, here.start) {
+                // Nothing is missing between the samples of a slower rate: the line through them is what
+                // is known of a hold, and all that the estimator can see of it.
+                self.invented[here].fill(false);
                 continue;
             }
             match run.len() <= BRIDGED {

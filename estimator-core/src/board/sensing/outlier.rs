@@ -5,8 +5,9 @@
 
 /// How late (samples) an outlier shows.
 pub const LATE: usize = 2;
-/// Share of the limit by which a spike must leave the lines through the two readings on either side. These
-/// lines scatter by 2.4 standard deviations of white noise, the mean of the neighbours by 1.2.
+/// Share of what a spike leaves the mean of its neighbours by, by which it must leave the lines through the
+/// two readings on either side. One reading that is off leaves all three alike, a step the line behind it
+/// hardly.
 const OFF_LINES: f32 = 0.5;
 
 /// The last five readings, the newest last.
@@ -32,7 +33,7 @@ impl Recent {
         let off = middle - 0.5 * (before + behind);
         let from_before = middle - (before + before - first);
         let from_behind = middle - (behind + behind - last);
-        let beyond = |line: f32| line * off > 0.0 && line.abs() > OFF_LINES * limit;
+        let beyond = |line: f32| line * off > 0.0 && line.abs() > OFF_LINES * off.abs();
         off.abs() > limit && beyond(from_before) && beyond(from_behind)
     }
 

@@ -17,7 +17,12 @@ pub(super) fn lines(raw: &Log, facts: &Sampling) -> Vec<String> {
     let mut lines = vec![first];
     lines.extend(further.into_iter().filter_map(|say| say(facts)));
     lines.extend(facts.slower.iter().map(|(from_s, to_s)| {
-        format!("sampled more slowly from {from_s} to {to_s} s: the log has more than one rate")
+        let long = timing.gaps.iter();
+        let within = long.filter(|gap| (*from_s..*to_s).contains(&gap.from_s));
+        format!(
+            "{} in a row from {from_s} to {to_s} s: sampled more slowly there",
+            counted(within.count(), "gap")
+        )
     }));
     lines
 }
