@@ -11,7 +11,7 @@ const SEED: u64 = 13;
 fn log(taken_s: &[f64], stamped_s: Vec<f64>) -> Log {
     let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED);
     let noise = Normal::new(0.0, 0.01).unwrap();
-    let way = |t: &f64| 1e-3 * (1.0 - (6.28 * t).cos());
+    let way = |t: &f64| 1e-3 * (1.0 - (std::f64::consts::TAU * t).cos());
     let position: Vec<f64> = taken_s.iter().map(way).collect();
     let force = position.iter().map(|x| 3000.0 * x + noise.sample(&mut rng));
     let (force, steps) = (
