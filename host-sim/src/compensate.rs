@@ -97,6 +97,7 @@ fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
         path: log.path.clone(),
         rate_hz: log.rate_hz,
         untouched: false,
+        slower: log.slower.clone(),
         notes: log.notes.clone(),
         ..UniformLog::default()
     };

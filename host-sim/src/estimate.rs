@@ -24,7 +24,7 @@ pub use setup::{Choices, Setup, setup};
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
 use crate::log::{FEWEST_SAMPLES, UniformLog};
-use crate::replay::{Replay, replay};
+use crate::replay::{Replay, decimated, replay};
 
 /// What a simpler law may leave more than the best one and still be chosen: 2 %.
 const SIMPLER_MARGIN: f64 = 1.02;
@@ -46,6 +46,8 @@ pub struct Estimation {
     pub notes: Vec<String>,
     /// What the status was judged by.
     pub evidence: Evidence,
+    /// The means that the estimator saw of a log that was too fast for it.
+    pub decimated: Option<UniformLog>,
 }
 
 impl Estimation {
@@ -65,6 +67,11 @@ impl Estimation {
         (self.outcome.status, self.outcome.reason) = (status, reason);
         self.notes.extend(late.sentence());
     }
+
+    /// The log that the records belong to, of the one that was given.
+    pub fn log<'a>(&'a self, given: &'a UniformLog) -> &'a UniformLog {
+        self.decimated.as_ref().unwrap_or(given)
+    }
 }
 
 /// Estimates a log with each method and keeps the law that explains the force best; of two that do
@@ -78,6 +85,8 @@ pub fn estimate(
     methods: &[Method],
     choices: Choices,
 ) -> Result<Estimation, Diagnostic> {
+    let decimated = decimated(log);
+    let log = decimated.as_ref().unwrap_or(log);
     let motions = motions(log);
     let mut best: Option<(Replay, Outcome, Vec<String>)> = None;
     let (mut selection, mut rmses_n) = (Vec::new(), Vec::new());
@@ -122,6 +131,7 @@ pub fn estimate(
         selection,
         notes,
         evidence,
+        decimated,
     })
 }
 

@@ -128,10 +128,11 @@ impl Window {
 
 /// Smooths the position of a log.
 pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
-    let noise_m = signal::noise(&log.position_m);
+    let position = signal::without_toggling(&log.position_m);
+    let channel = position.as_ref();
+    let noise_m = signal::noise(channel);
     let windows: Vec<Window> = HALF_WIDTHS.into_iter().map(Window::new).collect();
     let quintics = Quintic::all();
-    let channel = &log.position_m;
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());

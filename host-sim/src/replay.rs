@@ -1,14 +1,21 @@
 //! The board's step over a log: same code, same single precision, same bits.
 
+mod decimate;
+mod limits;
 mod marks;
+mod sensing;
+mod width;
 
+pub use decimate::decimated;
 pub use marks::{EventKind, EventMark, Touch};
+pub(crate) use width::half_width;
 
 use estimator_core::estimate::{Phase, params::Params};
 use estimator_core::physics::law::LawKind;
 use estimator_core::{Config, ConfigError, Estimate, Fault, Faults, Sample, State, step};
 
 use crate::log::UniformLog;
+use sensing::Readings;
 
 /// What the estimator said to each sample of a log.
 #[derive(Clone, Debug)]
@@ -43,8 +50,15 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
     let mut records = Vec::with_capacity(log.len());
     let mut rest_n = Vec::with_capacity(log.len());
     let mut surface_m = Vec::with_capacity(log.len());
-    for sample in samples(log) {
-        records.push(step(&params, &mut state, sample));
+    let delay = (params.delay_us() as f64 * 1e-6 * log.rate_hz).round() as usize;
+    let readings = Readings::of(log);
+    for (index, sample) in readings.samples(log.rate_hz).enumerate() {
+        // The instant that a record describes must have been measured.
+        let described = index.checked_sub(delay);
+        state.enable_learning(described.is_none_or(|at| !readings.invented[at]));
+        let mut record = step(&params, &mut state, sample);
+        record.faults = record.faults | readings.bridged_faults[index];
+        records.push(record);
         rest_n.push(state.resting_force_n());
         surface_m.push(state.surface_m(&params).unwrap_or_default());
     }
@@ -55,30 +69,46 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
         rest_n,
         surface_m,
         noise_n: f64::from(state.force_noise_n()),
-        delay: (params.delay_us() as f64 * 1e-6 * log.rate_hz).round() as usize,
+        delay,
         start_s: log.time_s.first().copied().unwrap_or(0.0),
         period_s: log.period_s(),
     })
 }
 
-/// The log as the board would have sampled it; the first sample is one period after time zero.
+/// The log as the board would have sampled it; the first sample is one period after time zero. The faults
+/// that [`replay`] recognises are not among those of the samples.
 pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {
-    let period_us = 1e6 / log.rate_hz;
-    let channels = log.position_m.iter().zip(&log.force_n);
     let saturated = log.compensated.saturated.iter().copied();
     let saturated = saturated.chain(std::iter::repeat(false));
-    channels
-        .zip(1u64..)
-        .zip(saturated)
-        .map(move |(((position, force), count), saturated)| Sample {
-            time_us: (count as f64 * period_us).round() as u64,
-            position_m: *position as f32,
-            force_n: *force as f32,
-            faults: match saturated {
-                true => Faults::NONE.with(Fault::ForceSaturated),
-                false => Faults::NONE,
-            },
-        })
+    let faults = saturated.map(|saturated| match saturated {
+        true => Faults::NONE.with(Fault::ForceSaturated),
+        false => Faults::NONE,
+    });
+    sampled(log.rate_hz, &log.position_m, &log.force_n, faults)
+}
+
+impl Readings {
+    fn samples(&self, rate_hz: f64) -> impl Iterator<Item = Sample<f32>> + '_ {
+        let faults = self.faults.iter().copied();
+        sampled(rate_hz, &self.position_m, &self.force_n, faults)
+    }
+}
+
+fn sampled<'a>(
+    rate_hz: f64,
+    position_m: &'a [f64],
+    force_n: &'a [f64],
+    faults: impl Iterator<Item = Faults> + 'a,
+) -> impl Iterator<Item = Sample<f32>> + 'a {
+    let period_us = 1e6 / rate_hz;
+    let channels = position_m.iter().zip(force_n);
+    let each = channels.zip(1u64..).zip(faults);
+    each.map(move |(((position, force), count), faults)| Sample {
+        time_us: (count as f64 * period_us).round() as u64,
+        position_m: *position as f32,
+        force_n: *force as f32,
+        faults,
+    })
 }
 
 impl Replay {
@@ -131,3 +161,6 @@ impl Replay {
         contacts
     }
 }
+
+#[cfg(test)]
+mod tests;

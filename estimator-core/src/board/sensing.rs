@@ -1,7 +1,15 @@
 //! From the codes of the converters to a [`Sample`]: scale, zero, and the faults that the codes show.
 //! It is the same for every set of sensors; a board only reads codes.
 
+mod outlier;
+mod standstill;
+
+pub use outlier::LATE;
+pub use standstill::Standstill;
+
 use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
+use outlier::Recent;
+use standstill::Moving;
 
 /// The codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
 pub const CODES_PER_COUNT: i32 = 32;
@@ -23,29 +31,69 @@ pub struct Codes {
     pub faults: Faults,
 }
 
-/// Scale and limits, ready to use. Made by [`crate::board::settings::Settings::setup`].
+/// Scale and limits, ready to use. Made by [`crate::board::settings::Settings::setup`], or of the limits
+/// that a host reads off a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
-    pub(super) n_per_code: f32,
-    pub(super) zero_code: f32,
-    /// A single conversion outside of these is saturated.
-    pub(super) lowest: f32,
-    pub(super) highest: f32,
-    /// The same code for this long is a stuck converter; 0: never.
-    pub(super) stuck_us: u64,
-    pub(super) m_per_code: f32,
-    /// A faster motion between two samples is a jump; 0: never.
-    pub(super) fastest_m_per_us: f32,
-    /// A force that rises by this much over a standing position is a stuck encoder; 0: never.
-    pub(super) stuck_n: f32,
+    n_per_code: f32,
+    zero_code: f32,
+    m_per_code: f32,
+    limits: Limits,
     /// Faults that last as long as the settings do.
-    pub(super) standing: Faults,
+    standing: Faults,
+}
+
+/// What the readings of sensors in order stay within.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// A single conversion below this is saturated.
+    pub lowest: f32,
+    /// A single conversion above this is saturated.
+    pub highest: f32,
+    /// The same code for this long is a stuck converter; 0: never.
+    pub stuck_us: u64,
+    /// The same code for this long, while the position has gone `stuck_way_m`, is one as well; 0: never.
+    pub stuck_moving_us: u64,
+    /// See `stuck_moving_us` (m).
+    pub stuck_way_m: f32,
+    /// A force that stands out of its neighbours by more is a spike (N); 0: never.
+    pub spike_n: f32,
+    /// A faster motion between two samples is a jump; 0: never.
+    pub fastest_m_per_us: f32,
+    /// A position that stands out of its neighbours by more, or a change that does, is a jump (m); 0: never.
+    pub jump_m: f32,
+    /// A force that rises by this much over a standing position is a stuck encoder; 0: never.
+    pub stuck_n: f32,
+    /// A position that stops in the midst of a motion and then jumps is one as well.
+    pub standstill: Standstill,
+}
+
+impl Limits {
+    /// Limits that everything stays within.
+    pub const NONE: Limits = Limits {
+        lowest: f32::NEG_INFINITY,
+        highest: f32::INFINITY,
+        stuck_us: 0,
+        stuck_moving_us: 0,
+        stuck_way_m: 0.0,
+        spike_n: 0.0,
+        fastest_m_per_us: 0.0,
+        jump_m: 0.0,
+        stuck_n: 0.0,
+        standstill: Standstill {
+            after_us: 0,
+            way_m: 0.0,
+        },
+    };
 }
 
 /// The state of [`Conversion::sample`] from one instant to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watch {
     last: Option<Last>,
+    force: Recent,
+    position: Recent,
+    moving: Moving,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -53,14 +101,26 @@ struct Last {
     time_us: u64,
     position_m: f32,
     force: i32,
-    /// The time since which the force has had this code (µs).
+    /// The time since which the force has had this code (µs), and where the position was then.
     force_since_us: u64,
+    force_since_m: f32,
     position: i32,
     /// The least force since the position has had this code (N).
     least_n: f32,
 }
 
 impl Conversion {
+    /// A conversion with a scale (N and m per code), the code of 0 N, and limits.
+    pub const fn new(n_per_code: f32, zero_code: f32, m_per_code: f32, limits: Limits) -> Self {
+        Conversion {
+            n_per_code,
+            zero_code,
+            m_per_code,
+            limits,
+            standing: Faults::NONE,
+        }
+    }
+
     /// The same conversion with faults that last, such as settings that could not be read.
     pub fn with_standing(self, faults: Faults) -> Self {
         Conversion {
@@ -78,6 +138,7 @@ impl Conversion {
         let faults = codes.faults | self.standing | self.saturation(codes);
         let (last, seen) = self.watched(watch.last, codes, force_n, position_m);
         watch.last = Some(last);
+        let seen = seen | self.outliers(watch, codes.time_us, force_n, position_m);
         Sample {
             time_us: codes.time_us,
             position_m,
@@ -87,9 +148,28 @@ impl Conversion {
     }
 
     fn saturation(&self, codes: &Codes) -> Faults {
-        let saturated =
-            (codes.force_low as f32) < self.lowest || codes.force_high as f32 > self.highest;
+        let saturated = (codes.force_low as f32) < self.limits.lowest
+            || codes.force_high as f32 > self.limits.highest;
         only(saturated, Fault::ForceSaturated)
+    }
+
+    /// A spike of the force, a jump of the position and an encoder that was stuck, [`LATE`] samples late.
+    fn outliers(&self, watch: &mut Watch, time_us: u64, force_n: f32, position_m: f32) -> Faults {
+        let limits = &self.limits;
+        if limits.spike_n == 0.0 && limits.jump_m == 0.0 {
+            return Faults::NONE;
+        }
+        let full = watch.force.update(force_n) & watch.position.update(position_m);
+        let moving = &mut watch.moving;
+        let since_standstill = moving.update(&limits.standstill, time_us, position_m);
+        let spike = full && limits.spike_n > 0.0 && watch.force.spike(limits.spike_n);
+        let watched = full && limits.jump_m > 0.0;
+        let jump = watched && watch.position.spike(limits.jump_m);
+        let step = watched && watch.position.step(limits.jump_m);
+        let stuck = step && usize::from(since_standstill) == LATE + 1;
+        only(spike, Fault::ForceUnusable)
+            | only(jump || step, Fault::PositionJump)
+            | only(stuck, Fault::PositionStuck)
     }
 
     fn watched(
@@ -104,6 +184,7 @@ impl Conversion {
             position_m,
             force: codes.force,
             force_since_us: codes.time_us,
+            force_since_m: position_m,
             position: codes.position,
             least_n: force_n,
         };
@@ -112,27 +193,39 @@ impl Conversion {
         };
         let elapsed_us = codes.time_us.saturating_sub(last.time_us);
         let way_m = (position_m - last.position_m).abs();
-        let jumped =
-            self.fastest_m_per_us > 0.0 && way_m > self.fastest_m_per_us * elapsed_us as f32;
+        let fastest = self.limits.fastest_m_per_us;
+        let jumped = fastest > 0.0 && way_m > fastest * elapsed_us as f32;
+        let (force_since_us, force_since_m) = match codes.force == last.force {
+            true => (last.force_since_us, last.force_since_m),
+            false => (codes.time_us, position_m),
+        };
         let now = Last {
-            force_since_us: match codes.force == last.force {
-                true => last.force_since_us,
-                false => codes.time_us,
-            },
+            force_since_us,
+            force_since_m,
             least_n: match codes.position == last.position {
                 true => force_n.min(last.least_n),
                 false => force_n,
             },
             ..first
         };
-        let still_us = codes.time_us.saturating_sub(now.force_since_us);
-        let force_stuck = self.stuck_us > 0 && still_us >= self.stuck_us;
         // A force that falls over a standing probe is relaxation; one that rises is not.
-        let position_stuck = self.stuck_n > 0.0 && force_n - now.least_n > self.stuck_n;
+        let stuck_n = self.limits.stuck_n;
+        let position_stuck = stuck_n > 0.0 && force_n - now.least_n > stuck_n;
+        // At the end of its range a converter repeats its code without hanging.
+        let force_stuck = self.force_stuck(&now) && self.saturation(codes) == Faults::NONE;
         let faults = only(jumped, Fault::PositionJump)
             | only(force_stuck, Fault::ForceStuck)
             | only(position_stuck, Fault::PositionStuck);
         (now, faults)
+    }
+
+    fn force_stuck(&self, now: &Last) -> bool {
+        let limits = &self.limits;
+        let still_us = now.time_us.saturating_sub(now.force_since_us);
+        let way_m = (now.position_m - now.force_since_m).abs();
+        let stuck = limits.stuck_us > 0 && still_us >= limits.stuck_us;
+        let moving = limits.stuck_moving_us > 0 && still_us >= limits.stuck_moving_us;
+        stuck || (moving && way_m >= limits.stuck_way_m)
     }
 }
 
@@ -308,6 +401,124 @@ mod tests {
             let conversion = conversion(|settings| settings.put(key, 0.0));
             let sample = conversion.sample(&mut Watch::default(), &codes(1));
             assert_eq!(sample.faults, Faults::NONE.with(Fault::NotCalibrated));
+        }
+    }
+
+    /// A press and a retreat at 5 mm/s on 2 N/mm, with 20 mN of noise in 5 mN codes.
+    fn pressed(i: i32) -> Codes {
+        let way = 500 - (i - 500).abs();
+        let noise = (i * 7919 % 17 - 8) / 2;
+        Codes {
+            force: 2 * way + noise,
+            force_low: 0,
+            force_high: 0,
+            position: 5 * way,
+            ..codes(i)
+        }
+    }
+
+    fn limits() -> Limits {
+        Limits {
+            stuck_moving_us: 9_000,
+            stuck_way_m: 8e-6,
+            spike_n: 0.15,
+            jump_m: 6e-6,
+            standstill: Standstill {
+                after_us: 16_000,
+                way_m: 8e-6,
+            },
+            ..Limits::NONE
+        }
+    }
+
+    #[test]
+    fn spikes_jumps_and_stops_within_a_motion_show_and_the_motion_itself_does_not() {
+        type Bend = fn(i32, Codes) -> Codes;
+        let table: [(&str, Option<Fault>, Bend, core::ops::Range<i32>); 6] = [
+            ("a press", None, |_, read| read, 0..0),
+            (
+                "a spike of 0.2 N",
+                Some(Fault::ForceUnusable),
+                |i, read| Codes {
+                    force: read.force + if i == 300 { 40 } else { 0 },
+                    ..read
+                },
+                302..303,
+            ),
+            (
+                "twenty counts lost",
+                Some(Fault::PositionJump),
+                |i, read| Codes {
+                    position: read.position + if i >= 300 { 20 } else { 0 },
+                    ..read
+                },
+                302..303,
+            ),
+            (
+                "a position off by 20 counts once",
+                Some(Fault::PositionJump),
+                |i, read| Codes {
+                    position: read.position + if i == 300 { 20 } else { 0 },
+                    ..read
+                },
+                302..303,
+            ),
+            (
+                "a converter that hangs",
+                Some(Fault::ForceStuck),
+                |i, read| match (300..340).contains(&i) {
+                    true => Codes {
+                        force: pressed(299).force,
+                        ..read
+                    },
+                    false => read,
+                },
+                308..340,
+            ),
+            (
+                "an encoder that hangs during the retreat",
+                Some(Fault::PositionStuck),
+                |i, read| match (700..760).contains(&i) {
+                    true => Codes {
+                        position: pressed(699).position,
+                        ..read
+                    },
+                    false => read,
+                },
+                762..763,
+            ),
+        ];
+        let conversion = Conversion::new(0.005, 0.0, 1e-6, limits());
+        for (what, fault, bend, expected) in table {
+            let mut watch = Watch::default();
+            for i in 0..1000 {
+                let faults = conversion.sample(&mut watch, &bend(i, pressed(i))).faults;
+                let shown = fault.is_some_and(|fault| faults.has(fault));
+                assert!(faults == Faults::NONE || shown, "{what}: {faults:?} at {i}");
+                let tolerated = (expected.start - 2..expected.start + 8).contains(&i);
+                assert!(
+                    shown == expected.contains(&i) || tolerated,
+                    "{what} at {i}: {shown}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_touch_a_stop_and_a_force_that_relaxes_after_it_are_no_faults() {
+        let conversion = Conversion::new(0.005, 0.0, 1e-6, limits());
+        let mut watch = Watch::default();
+        for i in 0..1000 {
+            // 30 mm/s through air, 345 N/s from sample 300 on, a stop at 350 from which the force falls.
+            let way = i.min(350);
+            let relaxed = 10 * (i - 350).clamp(0, 60);
+            let read = Codes {
+                force: 69 * (way - 300).max(0) - relaxed + i % 3,
+                position: 30 * way,
+                ..codes(i)
+            };
+            let faults = conversion.sample(&mut watch, &read).faults;
+            assert_eq!(faults, Faults::NONE, "{i}");
         }
     }
 }

@@ -6,7 +6,8 @@
 #[non_exhaustive]
 #[repr(u8)]
 pub enum Fault {
-    /// The force is NaN, infinite or beyond [`crate::estimate::estimator::RANGE`]; the sample is dropped.
+    /// The force is NaN, infinite, beyond [`crate::estimate::estimator::RANGE`], or has jumped there and
+    /// back as [`crate::board::sensing`] sees it; the sample is dropped.
     ForceUnusable = 1,
     /// The position is NaN, infinite or beyond [`crate::estimate::estimator::RANGE`]; the sample is dropped.
     PositionUnusable = 2,
@@ -71,6 +72,33 @@ impl Fault {
     /// The stable code of the fault.
     pub const fn code(self) -> u8 {
         self as u8
+    }
+
+    /// The name of the fault, as files contain it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Fault::ForceUnusable => "force_unusable",
+            Fault::PositionUnusable => "position_unusable",
+            Fault::TimeNotAdvancing => "time_not_advancing",
+            Fault::SampleMissed => "sample_missed",
+            Fault::ForceSaturated => "force_saturated",
+            Fault::Overrun => "overrun",
+            Fault::NotFinite => "not_finite",
+            Fault::ForceStuck => "force_stuck",
+            Fault::PositionJump => "position_jump",
+            Fault::PositionStuck => "position_stuck",
+            Fault::SettingsInvalid => "settings_invalid",
+            Fault::NotCalibrated => "not_calibrated",
+            Fault::EstimatorSuspect => "estimator_suspect",
+            Fault::ClockInternal => "clock_internal",
+            Fault::RenderStopped => "render_stopped",
+            Fault::RenderUnusable => "render_unusable",
+        }
+    }
+
+    /// The fault with this code.
+    pub fn with_code(code: u8) -> Option<Fault> {
+        Fault::ALL.into_iter().find(|fault| fault.code() == code)
     }
 
     /// Describes the fault in a short sentence for people.

@@ -46,8 +46,8 @@ impl<T: Real> FilterParams<T> {
             }
             config::Filter::SavitzkyGolay { half_width } => {
                 require_each! {
-                    (2..=MAX_HALF_WIDTH).contains(&usize::from(half_width)),
-                        "filter.half_width", f32::from(half_width), "must lie between 2 and 32 samples";
+                    (1..=MAX_HALF_WIDTH).contains(&usize::from(half_width)),
+                        "filter.half_width", f32::from(half_width), "must lie between 1 and 32 samples";
                 }
                 Ok(Self::SavitzkyGolay(SavitzkyGolayParams::new(
                     half_width, rate_hz,

@@ -20,6 +20,7 @@ impl Given<'_> {
     /// The fit with its status judged.
     pub(super) fn judged(&self, mut batch: Batch, fit: &Fit) -> Batch {
         let evidence = Evidence {
+            told: None,
             misfit: batch.force_rmse_n.map(|rmse| rmse / batch.noise_n),
             explained: self.course.thresholds.report.explained,
             is_saturated: batch.inspection.saturated_n.is_some(),

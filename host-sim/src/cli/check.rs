@@ -1,5 +1,8 @@
 //! `palpate check`: what is in a log, before any law.
 
+mod files;
+mod sampling;
+
 use std::error::Error;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -11,8 +14,9 @@ use estimator_core::estimate::method::Method;
 use crate::cli::ReadingArgs;
 use crate::estimate::{Choices, estimate};
 use crate::inspect::{Inspection, suspicions};
-use crate::log::{Log, Timing, UniformLog};
-use crate::number::{counted, quantity};
+use crate::json::write_json;
+use crate::log::{Log, Sampling, UniformLog};
+use crate::number::quantity;
 use crate::output::say;
 use crate::stats::extent;
 use crate::wrap::wrapped;
@@ -24,6 +28,9 @@ pub struct CheckArgs {
     /// The log: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out).
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
+    /// Where check.json goes.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// How the log is read.
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -44,56 +51,52 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
         Choices::default(),
     )?;
     let name = args.log.display().to_string();
-    say(describe(&name, &raw, &log, &estimation.inspection))?;
+    let facts = raw.sampling();
+    let mut inspection = estimation.inspection;
+    if estimation.decimated.is_some() {
+        // The touches are those of the means, noise and steps those of the samples.
+        inspection.noise_n = log.force_noise_n();
+        inspection.force_step_n = facts.force_step_n;
+        inspection.position_step_m = facts.position_step_m;
+    }
+    let inspection = &inspection;
+    say(describe(&name, &raw, &facts, &log, inspection))?;
+    if let Some(out) = &args.out {
+        let numbers = files::json(&raw, &facts, inspection);
+        write_json(&out.join("check.json"), &numbers)?;
+    }
     Ok(())
 }
 
 /// The text of `check`: a screen at most for an ordinary log.
-pub fn describe(name: &str, raw: &Log, log: &UniformLog, inspection: &Inspection) -> String {
+fn describe(
+    name: &str,
+    raw: &Log,
+    facts: &Sampling,
+    log: &UniformLog,
+    inspection: &Inspection,
+) -> String {
     let mut text = String::new();
     // Writing into a String cannot fail.
-    let _ = timing(&mut text, name, raw, &raw.timing())
+    let _ = timing(&mut text, name, raw, facts)
         .and_then(|()| channels(&mut text, raw, inspection))
         .and_then(|()| contacts(&mut text, inspection))
         .and_then(|()| verdict(&mut text, log, inspection));
     text
 }
 
-fn timing(text: &mut String, name: &str, raw: &Log, timing: &Timing) -> std::fmt::Result {
+fn timing(text: &mut String, name: &str, raw: &Log, facts: &Sampling) -> std::fmt::Result {
     writeln!(text, "{name}")?;
-    writeln!(
-        text,
-        "  time      {} samples, {}, {} Hz, {}",
-        raw.len(),
-        quantity(raw.duration_s(), 4, "s"),
-        (timing.rate_hz() * 1e3).round() / 1e3,
-        jitter(timing),
-    )?;
-    if let Some(longest) = timing
-        .gaps
-        .iter()
-        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))
-    {
-        writeln!(
-            text,
-            "            {}, the longest from {} to {} s",
-            counted(timing.gaps.len(), "gap"),
-            longest.from_s,
-            longest.to_s
-        )?;
-    }
-    for note in &raw.notes {
-        writeln!(text, "            {note}")?;
+    let lines = sampling::lines(raw, facts);
+    for (number, line) in lines.iter().chain(&raw.notes).enumerate() {
+        let lead = if number == 0 {
+            "  time      "
+        } else {
+            "            "
+        };
+        writeln!(text, "{}", wrapped(lead, line))?;
     }
     Ok(())
-}
-
-/// Below a millionth of a period it is the rounding of the stamps.
-fn jitter(timing: &Timing) -> String {
-    match timing.jitter_s > 1e-6 * timing.base_period_s {
-        true => format!("jitter {}", quantity(timing.jitter_s, 2, "s")),
-        false => "no jitter".into(),
-    }
 }
 
 fn channels(text: &mut String, raw: &Log, inspection: &Inspection) -> std::fmt::Result {

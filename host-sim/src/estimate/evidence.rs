@@ -46,6 +46,7 @@ pub(super) fn evidence(
     let finds_surface = method_info(replay.config.method).is_some_and(|info| info.finds_surface);
     let explained = misfit.is_none_or(|misfit| misfit <= EXPLAINED);
     Evidence {
+        told: outcome.method_reason,
         misfit,
         explained: EXPLAINED,
         is_saturated: inspection.saturated_n.is_some(),

@@ -42,6 +42,8 @@ pub struct Outcome {
     pub status: Status,
     /// The method's opinion of it, without what the whole log says.
     pub method_status: Status,
+    /// The reason that the method itself gives for it.
+    pub method_reason: Option<Reason>,
     /// Why not further; `None` of a result that has converged.
     pub reason: Option<Reason>,
     /// The parameters at the end, in the order of [`LawKind::parameters`].
@@ -92,11 +94,17 @@ impl Outcome {
             ..Evidence::default()
         };
         let method_status = decisive.map_or(Status::NoContact, |record| record.status);
+        let method_reason = decisive.and_then(|record| record.reason);
+        let evidence = Evidence {
+            told: method_reason,
+            ..evidence
+        };
         let (status, reason) = judged(method_status, &evidence);
         Outcome {
             law,
             status,
             method_status,
+            method_reason,
             reason,
             force_rmse_n,
             whole_log_rmse_n: force_rmse(log, replay, &replayed_n, 0..replay.records.len()),

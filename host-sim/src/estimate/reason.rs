@@ -2,6 +2,7 @@
 //! fit becomes a word of `estimate.json`.
 
 use estimator_core::Status;
+pub use estimator_core::estimate::status::Reason;
 
 /// A law that leaves more than this many times the noise (rms) does not explain the force. The noise that a
 /// log's own samples give is good to some per cent, and a law that fits leaves 0.9 to 1.15 of it in the
@@ -14,52 +15,11 @@ pub const EXPLAINED: f64 = 2.0;
 /// exponentially, and puts its surface 0.5 mm out.
 pub const NOISE_ALONE: f64 = 1.15;
 
-/// Reason why a result is not trusted further than its status says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// The residual is well above the noise.
-    Residual,
-    /// A parameter is at the bound of what the law allows.
-    Bound,
-    /// The force is read later or earlier than the position.
-    Skew,
-    /// The force lags behind the contact.
-    Lag,
-    /// The resting force has never been seen in free air.
-    Zero,
-    /// The position of the surface is not known.
-    Surface,
-    /// The motion does not determine all parameters.
-    Excitation,
-    /// The force is at the end of its range.
-    Saturated,
-    /// The force decays in holds, and the law does not.
-    Relaxing,
-    /// Another law explains the force clearly better.
-    Law,
-}
-
-impl Reason {
-    /// Name of the reason in `estimate.json`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Reason::Residual => "residual",
-            Reason::Bound => "bound",
-            Reason::Skew => "skew",
-            Reason::Lag => "lag",
-            Reason::Zero => "zero",
-            Reason::Surface => "surface",
-            Reason::Excitation => "excitation",
-            Reason::Saturated => "saturated",
-            Reason::Relaxing => "relaxing",
-            Reason::Law => "law",
-        }
-    }
-}
-
 /// What is known about a fit besides its parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence {
+    /// The reason that the method itself gives, where there is one.
+    pub told: Option<Reason>,
     /// Residual over the noise; `None` where there is none.
     pub misfit: Option<f64>,
     /// A larger misfit is not explained: [`EXPLAINED`] unless a sweep asks for another.
@@ -83,6 +43,7 @@ pub struct Evidence {
 impl Default for Evidence {
     fn default() -> Evidence {
         Evidence {
+            told: None,
             misfit: None,
             explained: EXPLAINED,
             is_saturated: false,
@@ -103,9 +64,15 @@ pub fn judged(status: Status, evidence: &Evidence) -> (Status, Option<Reason>) {
         .is_some_and(|misfit| misfit > evidence.explained);
     match status {
         Status::NoContact | Status::Changed => (status, Some(Reason::Excitation)),
-        Status::ModelSuspect => (status, Some(cause(evidence))),
+        Status::ModelSuspect => {
+            let told = evidence.told.filter(|told| *told != Reason::Residual);
+            (status, Some(told.unwrap_or_else(|| cause(evidence))))
+        }
         _ if unexplained => (Status::ModelSuspect, Some(cause(evidence))),
-        Status::Unobservable | Status::Converging => (status, Some(missing(evidence))),
+        Status::Unobservable | Status::Converging => {
+            let told = evidence.told.filter(|told| *told != Reason::Excitation);
+            (status, Some(told.unwrap_or_else(|| missing(evidence))))
+        }
         Status::Converged => match doubt(evidence) {
             Some(reason) => (Status::ModelSuspect, Some(reason)),
             None => (status, None),

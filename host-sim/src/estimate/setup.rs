@@ -3,10 +3,13 @@
 //! What a person would set on the board by knowing the rig is read off the log here, and said.
 
 use estimator_core::Config;
-use estimator_core::estimate::{config::Surface, contact::NOISE_FLOOR, method::Method};
+use estimator_core::estimate::{
+    config::Filter, config::Surface, contact::NOISE_FLOOR, filter::MAX_HALF_WIDTH, method::Method,
+};
 
 use crate::log::UniformLog;
 use crate::number::quantity;
+use crate::replay::half_width;
 use crate::stats::{median, range};
 
 /// A rise of the force above this share of its peak ends the free air at the start.
@@ -53,6 +56,7 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
         ..base
     };
     let mut notes = Vec::new();
+    set_filter(&mut config, log);
     if let Some(position_m) = choices.surface_m {
         config.contact.surface = Surface::Known {
             position_m: position_m as f32,
@@ -68,6 +72,16 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
     let shortest_s = 16.1 / log.rate_hz as f32;
     config.judgement.window_s = config.judgement.window_s.max(shortest_s);
     Setup { config, notes }
+}
+
+/// Gives the default filter the width that the log asks for. A filter of a person's own is kept, and means
+/// were made for the default.
+fn set_filter(config: &mut Config, log: &UniformLog) {
+    if config.filter == Config::default().filter && log.recognised.is_empty() {
+        config.filter = Filter::SavitzkyGolay {
+            half_width: half_width(log).min(MAX_HALF_WIDTH) as u8,
+        };
+    }
 }
 
 fn set_scales(

@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use super::{record::Log, timing::GAP_PERIODS, timing::Timing};
+use estimator_core::Faults;
+
+use super::sampling::{EVEN_PERIODS, Line, Stamps, slower};
+use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
 use crate::number::{counted, quantity};
 use crate::signal;
-
-/// A log whose stamps deviate from an even grid by less than this many periods is even.
-const EVEN_PERIODS: f64 = 0.01;
+use crate::stats::rms;
 
 /// Largest grid (samples): 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
 const LARGEST_GRID: f64 = 5e7;
@@ -39,8 +40,12 @@ pub struct UniformLog {
     pub force_n: Vec<f64>,
     /// Whether the sample was invented between samples more than 1.5 median periods apart.
     pub in_gap: Vec<bool>,
+    /// From when to when (s) the log was sampled more slowly on purpose, and nothing is missing.
+    pub slower: Vec<(f64, f64)>,
     /// Whether the channels are the log's own, bit for bit.
     pub untouched: bool,
+    /// The faults of each sample, where they were recognised before its samples were averaged; else empty.
+    pub recognised: Vec<Faults>,
     /// What was taken off its channels.
     pub compensated: Compensated,
     /// The log's notes, and what was done to its samples.
@@ -76,6 +81,13 @@ impl UniformLog {
         signal::noise(&self.force_n[longest])
     }
 
+    fn push(&mut self, time_s: f64, position_m: f64, force_n: f64, in_gap: bool) {
+        self.time_s.push(time_s);
+        self.position_m.push(position_m);
+        self.force_n.push(force_n);
+        self.in_gap.push(in_gap);
+    }
+
     /// Time between samples (s).
     pub fn period_s(&self) -> f64 {
         1.0 / self.rate_hz
@@ -83,13 +95,28 @@ impl UniformLog {
 }
 
 impl Log {
-    /// The log on an even grid of its own rate; see [`Log::resample`].
+    /// The log on an even grid of its own rate. Where samples are missing, those that are there stay as they
+    /// were measured, and the others are invented between them; where only the stamps scatter, the line
+    /// through them takes their place (see [`super::sampling`]); a log that was sampled unevenly is
+    /// interpolated as by [`Log::resample`].
     ///
     /// # Errors
     /// Those of [`Log::resample`].
     pub fn uniform(&self) -> Result<UniformLog, Diagnostic> {
         let timing = self.timing();
-        self.on_grid(timing.rate_hz(), &timing)
+        let rate_hz = timing.rate_hz();
+        if self.len() < 2 || self.is_even_at(rate_hz) {
+            return self.on_grid(rate_hz, &timing);
+        }
+        let line = Line::through(&self.time_s, &timing);
+        match (self.stamps(line.as_ref()), line) {
+            (Stamps::Even | Stamps::Jittered, Some(line))
+                if self.duration_s() <= LARGEST_GRID * line.period_s =>
+            {
+                Ok(self.placed(&line, &timing))
+            }
+            _ => self.on_grid(rate_hz, &timing),
+        }
     }
 
     /// The log on an even grid of `rate_hz` (Hz) from its first stamp on, by linear interpolation.
@@ -141,7 +168,79 @@ impl Log {
             position_m: self.position_m.clone(),
             force_n: self.force_n.clone(),
             in_gap: vec![false; self.len()],
+            slower: Vec::new(),
+            recognised: Vec::new(),
             untouched: true,
+            compensated: Compensated::default(),
+            notes: self.notes.clone(),
+        }
+    }
+
+    /// The samples in their places on the line, and straight lines in between.
+    fn placed(&self, line: &Line, timing: &Timing) -> UniformLog {
+        let jittered = self.stamps(Some(line)) == Stamps::Jittered;
+        let mut grid = self.empty_grid(snapped(1.0 / line.period_s), line.numbers.len());
+        let stamp_s = |at: usize| match jittered {
+            true => line.time_s(line.numbers[at]),
+            false => self.time_s[at],
+        };
+        for at in 0..self.len() {
+            let numbers = match at {
+                0 => line.numbers[0]..line.numbers[0],
+                _ => line.numbers[at - 1] + 1..line.numbers[at],
+            };
+            for number in numbers {
+                let (left, right) = (line.numbers[at - 1], line.numbers[at]);
+                let share = (number - left) as f64 / (right - left) as f64;
+                let between = |a: f64, b: f64| a + share * (b - a);
+                grid.push(
+                    between(stamp_s(at - 1), stamp_s(at)),
+                    between(self.position_m[at - 1], self.position_m[at]),
+                    between(self.force_n[at - 1], self.force_n[at]),
+                    true,
+                );
+            }
+            grid.push(stamp_s(at), self.position_m[at], self.force_n[at], false);
+        }
+        let notes = match jittered {
+            true => self.what_the_line_did(line),
+            false => self.what_interpolation_did(&grid, timing),
+        };
+        grid.notes.extend(notes);
+        grid.slower = slower(&line.gaps(&self.time_s)).0;
+        grid
+    }
+
+    fn what_the_line_did(&self, line: &Line) -> Vec<String> {
+        let jitter_s = rms(line.residuals(&self.time_s));
+        let mut notes = vec![format!(
+            "the time stamps scatter by {} rms about an even clock, and force and position do not follow \
+             them: the samples are taken as even, {} a second",
+            quantity(jitter_s, 2, "s"),
+            snapped(1.0 / line.period_s)
+        )];
+        let last = line.numbers.last().map_or(0, |last| *last as usize);
+        let missing = last + 1 - self.len();
+        if missing > 0 {
+            notes.push(format!(
+                "{missing} of {} samples are missing and invented between their neighbours",
+                last + 1
+            ));
+        }
+        notes
+    }
+
+    fn empty_grid(&self, rate_hz: f64, count: usize) -> UniformLog {
+        UniformLog {
+            path: self.path.clone(),
+            rate_hz,
+            time_s: Vec::with_capacity(count),
+            position_m: Vec::with_capacity(count),
+            force_n: Vec::with_capacity(count),
+            in_gap: Vec::with_capacity(count),
+            slower: Vec::new(),
+            recognised: Vec::new(),
+            untouched: false,
             compensated: Compensated::default(),
             notes: self.notes.clone(),
         }
@@ -150,17 +249,7 @@ impl Log {
     fn interpolated(&self, rate_hz: f64, timing: &Timing) -> UniformLog {
         // A thousandth of a period: the last stamp belongs to the grid whatever its rounding.
         let count = (self.duration_s() * rate_hz + 1e-3).floor() as usize + 1;
-        let mut grid = UniformLog {
-            path: self.path.clone(),
-            rate_hz,
-            time_s: Vec::with_capacity(count),
-            position_m: Vec::with_capacity(count),
-            force_n: Vec::with_capacity(count),
-            in_gap: Vec::with_capacity(count),
-            untouched: false,
-            compensated: Compensated::default(),
-            notes: self.notes.clone(),
-        };
+        let mut grid = self.empty_grid(rate_hz, count);
         let mut left = 0;
         for index in 0..count {
             let time_s = self.time_s[0] + index as f64 / rate_hz;
@@ -169,6 +258,7 @@ impl Log {
             }
             self.push_between(&mut grid, left, time_s, timing);
         }
+        grid.slower = slower(&timing.gaps).0;
         grid.notes
             .extend(self.what_interpolation_did(&grid, timing));
         grid
@@ -180,10 +270,10 @@ impl Log {
         let between = |channel: &[f64]| channel[left] + share * (channel[left + 1] - channel[left]);
         // On a stamp, to a thousandth of a period, the sample is the log's own.
         let off_stamps_s = (time_s - from_s).min(to_s - time_s);
-        grid.time_s.push(time_s);
-        grid.position_m.push(between(&self.position_m));
-        grid.force_n.push(between(&self.force_n));
-        grid.in_gap.push(
+        grid.push(
+            time_s,
+            between(&self.position_m),
+            between(&self.force_n),
             to_s - from_s > GAP_PERIODS * timing.base_period_s
                 && off_stamps_s > 1e-3 * timing.base_period_s,
         );

@@ -50,7 +50,7 @@ impl Log {
         if periods.is_empty() {
             return Timing::default();
         }
-        let base = base_period(&mut periods);
+        let base = base_period(&self.time_s, &mut periods);
         let ordinary = |period: &f64| (0.5 * base..=GAP_PERIODS * base).contains(period);
         let regular = || periods.iter().copied().filter(ordinary);
         let count = regular().count() as f64;
@@ -86,13 +86,22 @@ impl Timing {
 
 /// The median interval, unless a tenth of the intervals is denser than two thirds of it: then the
 /// log has two rates (a ramp at 2048 Hz, a hold at 256 Hz), and the dense one is where things move.
-fn base_period(periods: &mut [f64]) -> f64 {
+/// Stamps that jitter have short intervals too, but no four in a row.
+fn base_period(time_s: &[f64], periods: &mut [f64]) -> f64 {
     let at = |periods: &mut [f64], index: usize| {
         *periods.select_nth_unstable_by(index, f64::total_cmp).1
     };
+    let tenth = |periods: &mut [f64]| at(periods, periods.len() / 10);
     let median = at(periods, periods.len() / 2);
-    let dense = at(periods, periods.len() / 10);
-    if dense < median / 1.5 { dense } else { median }
+    let dense = tenth(periods);
+    let fours = time_s.windows(5).map(|w| (w[4] - w[0]) / 4.0);
+    let mut fours: Vec<f64> = fours.collect();
+    let lasts = fours.is_empty() || tenth(&mut fours) < median / 1.5;
+    if dense < median / 1.5 && lasts {
+        dense
+    } else {
+        median
+    }
 }
 
 fn gaps(time_s: &[f64], longest_s: f64) -> Vec<Gap> {
@@ -109,7 +118,7 @@ fn gaps(time_s: &[f64], longest_s: f64) -> Vec<Gap> {
 
 /// The roundest rate within 0.1 %: first one or two digits of the rate, then a power of two, then a
 /// whole number of hertz; below 1 Hz of seconds.
-fn snapped(rate_hz: f64) -> f64 {
+pub(super) fn snapped(rate_hz: f64) -> f64 {
     let candidates = [
         digits(rate_hz, 1),
         digits(rate_hz, 2),

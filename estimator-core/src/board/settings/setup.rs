@@ -2,7 +2,7 @@
 
 use super::{key::Key, values::Invalid, values::Settings};
 use crate::board::reflection::{Output, RenderConfig, RenderParams};
-use crate::board::sensing::Conversion;
+use crate::board::sensing::{Conversion, Limits};
 use crate::estimate::{
     compensation::Compensation, config::Config, config::Filter, error::ConfigError, fault::Fault,
     fault::Faults, method::Method, params::Params,
@@ -64,17 +64,21 @@ impl Settings {
 
     /// Scale and limits of the sensors' codes.
     fn conversion(&self) -> Conversion {
-        Conversion {
-            n_per_code: self.get(Key::ForcePerCode),
-            zero_code: self.get(Key::ForceZeroCode),
+        let limits = Limits {
             lowest: self.get(Key::ForceLowestCode),
             highest: self.get(Key::ForceHighestCode),
             stuck_us: (self.get(Key::ForceStuckS) * 1e6) as u64,
-            m_per_code: self.get(Key::PositionPerCode),
             fastest_m_per_us: self.get(Key::PositionFastestMps) * 1e-6,
             stuck_n: self.get(Key::PositionStuckN),
-            standing: self.standing(),
-        }
+            ..Limits::NONE
+        };
+        let conversion = Conversion::new(
+            self.get(Key::ForcePerCode),
+            self.get(Key::ForceZeroCode),
+            self.get(Key::PositionPerCode),
+            limits,
+        );
+        conversion.with_standing(self.standing())
     }
 
     /// How a force is put out.

@@ -1,5 +1,6 @@
 //! What both kinds of `estimate.json` hold in the same words.
 
+use estimator_core::Fault;
 use estimator_core::estimate::Estimated;
 use serde_json::{Value, json};
 
@@ -25,7 +26,8 @@ pub(super) fn events(events: &[EventMark]) -> Value {
     let each = events.iter().map(|event| match &event.kind {
         EventKind::Estimator(kind) => json!({ "t_s": seconds(event.time_s), "kind": kind.name() }),
         EventKind::Fault { code, .. } => {
-            json!({ "t_s": seconds(event.time_s), "kind": "fault", "code": code })
+            let name = Fault::with_code(*code).map(Fault::name);
+            json!({ "t_s": seconds(event.time_s), "kind": "fault", "code": code, "name": name })
         }
     });
     each.collect()

@@ -97,6 +97,7 @@ impl Shown {
     /// instant.
     pub fn new(name: &'static str, log: &UniformLog, estimation: &Estimation) -> Shown {
         let (replay, outcome) = (&estimation.replay, &estimation.outcome);
+        let log = estimation.log(log);
         let records = &replay.records[replay.delay.min(replay.records.len())..];
         let column = |of: &dyn Fn(&Estimate<f32>) -> f32| -> Column<'static> {
             records.iter().map(|record| f64::from(of(record))).collect()

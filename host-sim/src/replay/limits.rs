@@ -1,0 +1,167 @@
+//! What the readings of a log stay within, read off the log: the limits with which the board's own code
+//! ([`estimator_core::board::sensing`]) recognises the faults in it.
+//!
+//! A board knows its sensors from its settings. A log has to tell: how often the force repeats a code,
+//! where its range ends, how sharply force and position turn. Each limit is a multiple of what the log
+//! does nearly all the time, so that a fault of a few samples does not hide itself.
+
+use estimator_core::board::sensing::{Limits, Standstill};
+
+use crate::log::UniformLog;
+use crate::signal;
+use crate::stats::{extent, quantile, range};
+
+/// Codes in the range of a channel without steps: exact in f32.
+const FINEST_CODES: f64 = 4_194_304.0;
+/// Chance that noise repeats a code for as long as a stuck converter: one sample in 10¹⁰ is one in
+/// four months at 1 kHz.
+const BY_CHANCE: f64 = 1e-10;
+/// Samples of the blocks over which it is found how often a code repeats, and the share of them that may
+/// be worse: a converter that hung for a twentieth of the log does not hide.
+const BLOCK: usize = 100;
+const WORST_BLOCKS: f64 = 0.05;
+/// The noise is that of the block that nine in ten do not exceed.
+const LOUD_BLOCKS: f64 = 0.9;
+/// Above this share of repeated codes the noise does not reach a code, and a repeated one says nothing.
+const MOST_REPEATED: f64 = 0.8;
+/// Shortest run that is stuck or saturated (samples).
+const SHORTEST_RUN: usize = 5;
+/// Samples that repeat at rest take so many times longer than in motion to be stuck.
+const AT_REST: usize = 4;
+/// A spike leaves its neighbours by this many standard deviations of the noise: 5.7 of those of the difference.
+const SPIKE_SIGMAS: f64 = 7.0;
+/// A way is one beyond this many counts or standard deviations of the position.
+const WAY_COUNTS: f64 = 8.0;
+/// Second differences of all but a twentieth of the log, and how far beyond them a turn is none.
+const SHARPEST: f64 = 0.95;
+const SHARPER: f64 = 3.0;
+/// Samples that a position must stand in the midst of a motion.
+const STANDING: f64 = 16.0;
+
+/// The scale of the codes that a log is turned into, and their limits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LogSensors {
+    /// Force of a code (N).
+    pub(super) n_per_code: f64,
+    /// Position of a code (m).
+    pub(super) m_per_code: f64,
+    /// What the codes stay within.
+    pub(super) limits: Limits,
+}
+
+impl LogSensors {
+    /// Reads them off the measured samples of a log.
+    pub(super) fn of(log: &UniformLog) -> LogSensors {
+        let force = measured(&log.force_n, &log.in_gap);
+        let position = measured(&log.position_m, &log.in_gap);
+        let (n_per_code, m_per_code) = (code(&force), code(&position));
+        let (noise_n, noise_m) = (loud_noise(&force), signal::noise(&position));
+        let way_m = WAY_COUNTS * noise_m.max(signal::step(&position).unwrap_or(0.0));
+        let codes: Vec<i64> = force
+            .iter()
+            .map(|f| (f / n_per_code).round() as i64)
+            .collect();
+        let period_us = 1e6 / log.rate_hz;
+        let us = |samples: usize| ((samples as f64 - 1.5) * period_us) as u64;
+        let stuck = stuck_samples(&codes);
+        // Noise that does not reach a code, and none at all, leave flat tops that are no rails.
+        let visible = noise_n > 0.5 * n_per_code && stuck.is_some();
+        let (lowest, highest) = match visible {
+            true => rails(&codes, &position, way_m, stuck.unwrap_or(SHORTEST_RUN)),
+            false => (f64::NEG_INFINITY, f64::INFINITY),
+        };
+        let spike_n = (SPIKE_SIGMAS * noise_n).max(0.5 * sharpest(&force));
+        let limits = Limits {
+            lowest: lowest as f32,
+            highest: highest as f32,
+            stuck_us: stuck.map_or(0, |samples| us(AT_REST * samples)),
+            stuck_moving_us: stuck.map_or(0, us),
+            stuck_way_m: way_m as f32,
+            spike_n: spike_n as f32,
+            jump_m: way_m.max(sharpest(&position)) as f32,
+            standstill: Standstill {
+                after_us: ((STANDING - 0.5) * period_us) as u64,
+                way_m: way_m as f32,
+            },
+            ..Limits::NONE
+        };
+        LogSensors {
+            n_per_code,
+            m_per_code,
+            limits,
+        }
+    }
+}
+
+fn measured(channel: &[f64], in_gap: &[bool]) -> Vec<f64> {
+    let pairs = channel.iter().zip(in_gap).filter(|(_, gap)| !**gap);
+    pairs.map(|(value, _)| *value).collect()
+}
+
+/// The step of a channel, or one fine enough that nothing is lost.
+fn code(channel: &[f64]) -> f64 {
+    let fine = (range(channel) / FINEST_CODES).max(f64::MIN_POSITIVE.sqrt());
+    signal::step(channel).unwrap_or(fine).max(fine)
+}
+
+/// The noise of the louder parts of a channel: a load cell may be noisier under load, and a slower rate
+/// looks quieter.
+fn loud_noise(channel: &[f64]) -> f64 {
+    let blocks = channel
+        .chunks(BLOCK)
+        .filter(|block| block.len() > BLOCK / 2);
+    let loud = quantile(blocks.map(signal::noise), LOUD_BLOCKS);
+    loud.max(signal::noise(channel))
+}
+
+/// How far the channel turns within a sample, with a margin.
+fn sharpest(channel: &[f64]) -> f64 {
+    let turns = channel.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
+    SHARPER * quantile(turns, SHARPEST)
+}
+
+/// For how many samples a code must repeat before noise has not done it; `None` if noise shows in too
+/// few of them to say.
+fn stuck_samples(codes: &[i64]) -> Option<usize> {
+    // At the ends of a range codes repeat for another reason.
+    let (lowest, highest) = (codes.iter().min(), codes.iter().max());
+    let inside = |code: &i64| Some(code) != lowest && Some(code) != highest;
+    let blocks = codes.chunks_exact(BLOCK).map(|block| {
+        let pairs = block.windows(2).filter(|pair| pair[0] == pair[1]);
+        let repeated = pairs.filter(|pair| inside(&pair[0])).count();
+        repeated as f64 / (BLOCK - 1) as f64
+    });
+    let often = quantile(blocks, 1.0 - WORST_BLOCKS);
+    if codes.len() < 2 * BLOCK || often > MOST_REPEATED {
+        return None;
+    }
+    let by_chance = (BY_CHANCE.ln() / often.max(1e-6).ln()).ceil() as usize + 1;
+    Some(by_chance.max(SHORTEST_RUN))
+}
+
+/// The codes between which the converter is within its range: beyond them its ends, where the same code
+/// repeats while the probe goes on.
+fn rails(codes: &[i64], position: &[f64], way_m: f64, shortest: usize) -> (f64, f64) {
+    let ends = |end: i64| {
+        let mut at = 0;
+        codes.chunk_by(|a, b| a == b).any(|run| {
+            let here = at..at + run.len();
+            at = here.end;
+            let (low, high) = extent(&position[here]);
+            run.len() >= shortest && run[0] == end && high - low >= way_m
+        })
+    };
+    let lowest = codes.iter().copied().min().unwrap_or(0);
+    let highest = codes.iter().copied().max().unwrap_or(0);
+    let low = if ends(lowest) {
+        lowest as f64 + 0.5
+    } else {
+        f64::NEG_INFINITY
+    };
+    let high = if ends(highest) {
+        highest as f64 - 0.5
+    } else {
+        f64::INFINITY
+    };
+    (low, high)
+}

@@ -1,0 +1,186 @@
+//! The faults that the samples of a log show, found by the board's own code, and the readings that the
+//! estimator sees in their place.
+//!
+//! A board sees a spike when the next sample has come, and a converter that hangs after a while; a log
+//! has them all at once, so here a fault stands where it begins. A reading that is missing or off by itself
+//! is bridged by the straight line between its neighbours: the filter goes on over it, and the instant is not
+//! learned from. After a longer gap, and after every other fault, nothing is learned until the filter has
+//! forgotten it, as on the board.
+
+use std::ops::Range;
+
+use estimator_core::board::sensing::{Codes, Conversion, LATE, Watch};
+use estimator_core::{Fault, Faults};
+
+use super::limits::LogSensors;
+use crate::log::UniformLog;
+
+/// Longest gap that is bridged (samples): a quarter of the filter's window of 17.
+const BRIDGED: usize = 4;
+
+/// What a replay makes of the readings of a log.
+#[derive(Clone, Debug)]
+pub(super) struct Readings {
+    /// Position (m) as the estimator sees it.
+    pub(super) position_m: Vec<f64>,
+    /// Force (N) as the estimator sees it.
+    pub(super) force_n: Vec<f64>,
+    /// The faults of each sample that the estimator is told.
+    pub(super) faults: Vec<Faults>,
+    /// The faults that were bridged, and that only the reader is told.
+    pub(super) bridged_faults: Vec<Faults>,
+    /// Whether the sample was invented, here or by the resampling.
+    pub(super) invented: Vec<bool>,
+}
+
+impl Readings {
+    /// Looks for the faults of a log.
+    pub(super) fn of(log: &UniformLog) -> Readings {
+        let mut readings = Readings {
+            position_m: log.position_m.clone(),
+            force_n: log.force_n.clone(),
+            faults: vec![Faults::NONE; log.len()],
+            bridged_faults: vec![Faults::NONE; log.len()],
+            invented: log.in_gap.clone(),
+        };
+        if !log.recognised.is_empty() {
+            readings.take_recognised(log);
+            return readings;
+        }
+        let seen = watched(log);
+        for (at, faults) in seen.iter().enumerate() {
+            // Where the resampling invented samples lie straight lines, whose corners are no fault.
+            let mut window = at.saturating_sub(2 * LATE)..at + 1;
+            if !window.any(|at| log.in_gap[at] || is_slower(log, at)) {
+                faults
+                    .iter()
+                    .for_each(|fault| readings.take(log, at, fault));
+            }
+        }
+        for (at, saturated) in log.compensated.saturated.iter().enumerate() {
+            if *saturated {
+                readings.mark(at..at + 1, Fault::ForceSaturated);
+            }
+        }
+        readings.take_gaps(log);
+        readings
+    }
+
+    /// Takes the faults of means: those that were bridged have left a mean of the other samples.
+    fn take_recognised(&mut self, log: &UniformLog) {
+        for (at, faults) in log.recognised.iter().enumerate() {
+            for fault in faults.iter() {
+                let bridged = matches!(fault, Fault::ForceUnusable | Fault::SampleMissed);
+                match bridged && !log.in_gap[at] {
+                    true => self.bridged_faults[at] = self.bridged_faults[at].with(fault),
+                    false => self.faults[at] = self.faults[at].with(fault),
+                }
+            }
+        }
+    }
+
+    /// Takes one fault that showed at a sample to where it began.
+    fn take(&mut self, log: &UniformLog, at: usize, fault: Fault) {
+        match fault {
+            // A converter that goes on again leaps like a spike.
+            Fault::ForceUnusable if self.faults[at - LATE - 1].has(Fault::ForceStuck) => {}
+            Fault::ForceUnusable => {
+                self.force_n[at - LATE] = between(&log.force_n, at - LATE);
+                self.bridge(at - LATE, fault);
+            }
+            Fault::PositionJump if is_back(&log.position_m[at - 4..=at]) => {
+                self.position_m[at - LATE] = between(&log.position_m, at - LATE);
+                self.bridge(at - LATE, fault);
+            }
+            Fault::PositionJump => self.mark(at - LATE..at - LATE + 1, fault),
+            Fault::PositionStuck => self.mark(since(&log.position_m, at - LATE - 1), fault),
+            Fault::ForceStuck => self.mark(since(&log.force_n, at), fault),
+            _ => self.mark(at..at + 1, fault),
+        }
+    }
+
+    fn mark(&mut self, samples: Range<usize>, fault: Fault) {
+        for faults in &mut self.faults[samples] {
+            *faults = faults.with(fault);
+        }
+    }
+
+    fn bridge(&mut self, at: usize, fault: Fault) {
+        self.invented[at] = true;
+        self.bridged_faults[at] = self.bridged_faults[at].with(fault);
+    }
+
+    /// Samples that the resampling invented are missing, unless the log was sampled more slowly there.
+    fn take_gaps(&mut self, log: &UniformLog) {
+        let mut at = 0;
+        for run in log.in_gap.chunk_by(|a, b| a == b) {
+            let here = at..at + run.len();
+            at = here.end;
+            if !run[0] {
+                continue;
+            }
+            if is_slower(log, here.start) {
+                // Nothing is missing between the samples of a slower rate: the line through them is what
+                // is known of a hold, and all that the estimator can see of it.
+                self.invented[here].fill(false);
+                continue;
+            }
+            match run.len() <= BRIDGED {
+                true => here.for_each(|at| self.bridge(at, Fault::SampleMissed)),
+                false => self.mark(here, Fault::SampleMissed),
+            }
+        }
+    }
+}
+
+/// Whether a sample lies in a stretch that was sampled more slowly.
+fn is_slower(log: &UniformLog, at: usize) -> bool {
+    let time_s = log.time_s[at];
+    let mut stretches = log.slower.iter();
+    stretches.any(|(from_s, to_s)| (*from_s..=*to_s).contains(&time_s))
+}
+
+/// What the board's code says to each sample.
+fn watched(log: &UniformLog) -> Vec<Faults> {
+    let sensors = LogSensors::of(log);
+    let (n_per_code, m_per_code) = (sensors.n_per_code, sensors.m_per_code);
+    let conversion = Conversion::new(n_per_code as f32, 0.0, m_per_code as f32, sensors.limits);
+    let mut watch = Watch::default();
+    let period_us = 1e6 / log.rate_hz;
+    let start_m = log.position_m.first().copied().unwrap_or_default();
+    let pairs = log.position_m.iter().zip(&log.force_n).zip(1u64..);
+    pairs
+        .map(|((position_m, force_n), count)| {
+            let force = (force_n / n_per_code).round() as i32;
+            let codes = Codes {
+                time_us: (count as f64 * period_us).round() as u64,
+                force,
+                force_low: force,
+                force_high: force,
+                position: ((position_m - start_m) / m_per_code).round() as i32,
+                faults: Faults::NONE,
+            };
+            conversion.sample(&mut watch, &codes).faults
+        })
+        .collect()
+}
+
+/// The samples up to this one that read the same as it does.
+fn since(channel: &[f64], at: usize) -> Range<usize> {
+    let differs = channel[..at]
+        .iter()
+        .rposition(|value| *value != channel[at]);
+    differs.map_or(0, |before| before + 1)..at + 1
+}
+
+/// The mean of the neighbours of a sample.
+fn between(channel: &[f64], at: usize) -> f64 {
+    0.5 * (channel[at - 1] + channel[at + 1])
+}
+
+/// Whether the fourth of five readings is nearer to the way of the first two than the third.
+fn is_back(readings: &[f64]) -> bool {
+    let way = readings[1] - readings[0];
+    let off = |at: usize| (readings[at] - readings[1] - (at - 1) as f64 * way).abs();
+    off(3) < 0.5 * off(2)
+}
