@@ -47,7 +47,11 @@ impl Readings {
             readings.take_recognised(log);
             return readings;
         }
-        let seen = watched(log);
+        // What was taken off a log leaves edges where friction turns: they are no readings of a sensor.
+        let seen = match log.compensated.noise_n {
+            None => watched(log),
+            Some(_) => Vec::new(),
+        };
         for (at, faults) in seen.iter().enumerate() {
             // Where the resampling invented samples lie straight lines, whose corners are no fault.
             let mut window = at.saturating_sub(2 * LATE)..at + 1;
@@ -70,8 +74,12 @@ impl Readings {
     fn take_recognised(&mut self, log: &UniformLog) {
         for (at, faults) in log.recognised.iter().enumerate() {
             for fault in faults.iter() {
-                let bridged = matches!(fault, Fault::ForceUnusable | Fault::SampleMissed);
-                match bridged && !log.in_gap[at] {
+                let bridged = match fault {
+                    Fault::ForceUnusable => true,
+                    Fault::SampleMissed => !log.in_gap[at],
+                    _ => false,
+                };
+                match bridged {
                     true => self.bridged_faults[at] = self.bridged_faults[at].with(fault),
                     false => self.faults[at] = self.faults[at].with(fault),
                 }
