@@ -29,8 +29,11 @@ pub fn batch_instead(
     let mut fitted = batch(log, base, options)?;
     // After a change of material the recursion is right of what was touched last, and nobody of the whole.
     let before_n = estimation.outcome.force_rmse_n;
+    // Where the estimate saw means, its noise is less than that of the samples that the fit sees.
+    let averaged = estimation.decimated.as_ref();
+    let finer = averaged.map_or(1.0, |means| (log.rate_hz / means.rate_hz).sqrt());
     let is_less = match (fitted.force_rmse_n, before_n) {
-        (Some(after), Some(before)) => after < before,
+        (Some(after), Some(before)) => after < before * finer,
         (after, _) => after.is_some(),
     };
     if !is_less {

@@ -40,6 +40,7 @@ const FEWEST_NODES: usize = 40;
 /// Estimates how late the force is. `None` where that cannot be told: no contact, or a law that does not
 /// explain the force whatever the lateness.
 pub fn lateness(log: &UniformLog, estimation: &Estimation) -> Option<Lateness> {
+    let log = estimation.log(log);
     let kind = estimation.outcome.law;
     if estimation.outcome.skew.is_some() {
         return None;
