@@ -109,12 +109,15 @@ impl Bench {
         last.expect("contact")
     }
 
-    /// The largest error of K, λ and n in per cent, and the largest in standard errors.
+    /// The largest error of K, λ and n in per cent, and the largest in standard errors. A parameter that the
+    /// board withholds, because a bias makes it too uncertain, counts as wrong by all of it.
     fn errors(&mut self) -> (f64, f64) {
         let estimate = self.palpated();
         let pairs = TRUTH.iter().zip(estimate.parameters);
         let errors = pairs.map(|(truth, slot)| {
-            let found = slot.expect("observable");
+            let Some(found) = slot else {
+                return (100.0, 0.0);
+            };
             let off = (f64::from(found.value) - truth).abs();
             (100.0 * off / truth, off / f64::from(found.std_error))
         });

@@ -136,11 +136,12 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.reason
     }
 
-    /// Factor by which the standard errors are too small, at least 1, by the `misfit` of the estimator
-    /// or else by the innovations.
+    /// Factor by which the standard errors are too small, at least 1, by the innovations and the `misfit`
+    /// of an estimator that can look back on its residuals. The innovations of one that forgets are
+    /// correlated by its own errors, so that their means say nothing.
     pub fn inflation(&self, misfit: Option<&Misfit<T>>) -> T {
         let recent = T::one().max_of(self.slow_ratio).sqrt();
-        recent.max_of(misfit.unwrap_or(&self.misfit).inflation())
+        misfit.map_or(recent, |misfit| recent.max_of(misfit.inflation()))
     }
 
     /// Takes the phase of a sample, learned from or not.
@@ -178,7 +179,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         let unusual = innovation.test_ratio.min_of(largest) - self.baseline;
         self.baseline += params.slow_gain * unusual;
         self.settled |= matches!(self.status, Status::Converged | Status::ModelSuspect);
-        if self.settled && self.alien_samples >= params.change_samples {
+        if self.settled && self.has_changed(params, misfit.is_some()) {
             self.restart(params);
             return Some(Event::MaterialChange);
         }
@@ -186,6 +187,16 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.changed_samples = self.changed_samples.saturating_sub(1);
         (self.status, self.reason) = self.judge(params, parameters, steady, doubt, misfit);
         None
+    }
+
+    /// Whether the innovations speak for another material. An estimator that can look back has waited
+    /// with what it learns until that has lasted; any other has learned from it already.
+    fn has_changed(&self, params: &MonitorParams<T>, waits: bool) -> bool {
+        if waits {
+            self.alien_samples >= params.change_samples
+        } else {
+            self.fast_ratio > T::from_f64(CHANGE_RATIO) * T::one().max_of(self.slow_ratio)
+        }
     }
 
     /// Takes the innovation of a sample that was not learned from: a hold in which the force leaves the

@@ -51,6 +51,8 @@ pub(super) struct RestingForce<T> {
     seen_in_free_air: bool,
     below_samples: u32,
     stretch: Stretch<T>,
+    /// Level (N) of the last flat stretch on a way out, and where that began (m).
+    on_retreat: Option<(T, T)>,
     /// Samples in free air since the drift was last asked for.
     free: Stretch<T>,
 }
@@ -88,6 +90,7 @@ impl<T: Real> Default for RestingForce<T> {
             seen_in_free_air: false,
             below_samples: 0,
             stretch: Stretch::default(),
+            on_retreat: None,
             free: Stretch::default(),
         }
     }
@@ -231,32 +234,52 @@ impl<T: Real> RestingForce<T> {
         self.judge(&ended, below_n, noise_n, step_m)
     }
 
+    /// Zero is elsewhere where the force is flat both on the way out and after it: on the way out alone it may
+    /// be friction, and on the way in the beginning of a soft contact.
     fn judge(&mut self, ended: &Stretch<T>, below_n: T, noise_n: T, step_m: T) -> Shift {
         let count = T::from_f64(f64::from(STRETCH));
         let mean_n = ended.sum_n / count;
         let variance = T::zero().max_of(ended.square_n2 / count - mean_n * mean_n);
         let (least, most) = (T::from_f64(FLAT.0) * noise_n, T::from_f64(FLAT.1) * noise_n);
         let flat = variance > least * least && variance < most * most;
-        // Only on the way out: the first newtons of a soft contact are as flat as air on the way in.
+        let certain_n = T::from_f64(SHIFTED) * noise_n / count.sqrt();
+        let level_n = self.mean_n + mean_n;
         let retreat_m = ended.first_m - ended.last_m;
         let far = (T::from_f64(WAY_COUNTS) * step_m).max_of(T::from_f64(4.0) * self.touch_way_m);
-        if !(flat && step_m > T::zero() && retreat_m > far) {
+        if !flat || step_m == T::zero() {
             return Shift::None;
         }
-        let certain_n = T::from_f64(SHIFTED) * noise_n / count.sqrt();
-        if mean_n.abs() > certain_n {
-            self.mean_n += mean_n;
-            self.gain = T::one() / count;
-            self.kept = [self.mean_n; KEPT];
-            if mean_n.abs() > below_n {
-                self.seen_in_free_air = true;
-                self.drift_n = T::zero();
-                self.at_last_touch = (self.mean_n, self.gain);
-                return Shift::Elsewhere;
-            }
-            self.drift_n = self.drift_n.max_of(mean_n.abs());
+        if retreat_m > far {
+            self.seen_in_free_air |= mean_n.abs() <= certain_n;
+            self.on_retreat = Some((level_n, ended.first_m));
+            return Shift::None;
         }
+        match self.on_retreat {
+            Some((before_n, from_m)) if retreat_m <= T::zero() && ended.last_m <= from_m => {
+                let same = (level_n - before_n).abs() < certain_n;
+                self.on_retreat = None;
+                if same && mean_n.abs() > certain_n {
+                    self.shift(mean_n, below_n)
+                } else {
+                    Shift::None
+                }
+            }
+            _ => Shift::None,
+        }
+    }
+
+    /// Takes a zero that two stretches of free air have shown.
+    fn shift(&mut self, by_n: T, below_n: T) -> Shift {
+        self.mean_n += by_n;
+        self.gain = T::one() / T::from_f64(f64::from(STRETCH));
+        self.kept = [self.mean_n; KEPT];
         self.seen_in_free_air = true;
-        Shift::None
+        if by_n.abs() <= below_n {
+            self.drift_n = self.drift_n.max_of(by_n.abs());
+            return Shift::None;
+        }
+        self.drift_n = T::zero();
+        self.at_last_touch = (self.mean_n, self.gain);
+        Shift::Elsewhere
     }
 }
