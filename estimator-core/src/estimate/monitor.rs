@@ -92,6 +92,8 @@ pub struct ConvergenceMonitor<T> {
     /// Mean of the test ratio that a change of material is measured against: of a law that does not
     /// hold, every stroke would otherwise be another material.
     baseline: T,
+    /// The fast mean without the bound.
+    recent: T,
     snapshots: [[T; PARAMETER_SLOTS]; SNAPSHOTS],
     /// Number of snapshots taken; counts on in a circle above [`SNAPSHOTS`] once all are taken.
     taken: usize,
@@ -115,6 +117,7 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
             fast_ratio: T::one(),
             slow_ratio: T::one(),
             baseline: T::one(),
+            recent: T::one(),
             snapshots: [[T::zero(); PARAMETER_SLOTS]; SNAPSHOTS],
             taken: 0,
             until_snapshot: 0,
@@ -175,11 +178,12 @@ impl<T: Real> ConvergenceMonitor<T> {
         };
         self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
         self.slow_ratio += params.slow_gain * (ratio - self.slow_ratio);
-        let largest = T::from_f64(MAX_BASELINE);
-        let unusual = innovation.test_ratio.min_of(largest) - self.baseline;
-        self.baseline += params.slow_gain * unusual;
+        let unbounded = innovation.test_ratio.min_of(T::from_f64(MAX_BASELINE));
+        let before = T::one().max_of(self.baseline);
+        self.recent += T::from_f64(1.0 / FAST_SAMPLES) * (unbounded - self.recent);
+        self.baseline += params.slow_gain * (unbounded - self.baseline);
         self.settled |= matches!(self.status, Status::Converged | Status::ModelSuspect);
-        if self.settled && self.has_changed(params, misfit.is_some()) {
+        if self.settled && self.has_changed(params, misfit.is_some(), before) {
             self.restart(params);
             return Some(Event::MaterialChange);
         }
@@ -191,11 +195,11 @@ impl<T: Real> ConvergenceMonitor<T> {
 
     /// Whether the innovations speak for another material. An estimator that can look back has waited
     /// with what it learns until that has lasted; any other has learned from it already.
-    fn has_changed(&self, params: &MonitorParams<T>, waits: bool) -> bool {
+    fn has_changed(&self, params: &MonitorParams<T>, waits: bool, before: T) -> bool {
         if waits {
             self.alien_samples >= params.change_samples
         } else {
-            self.fast_ratio > T::from_f64(CHANGE_RATIO) * T::one().max_of(self.slow_ratio)
+            self.recent > T::from_f64(CHANGE_RATIO) * before
         }
     }
 
