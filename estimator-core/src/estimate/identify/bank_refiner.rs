@@ -155,7 +155,7 @@ impl<T: Real> BankRefiner<T> {
             self.previous = None;
             self.bank = None;
             self.successor = None;
-            self.memory = PoolRing::default();
+            self.memory.clear();
             self.next_challenge = CHALLENGE_EVERY;
             self.quarantine = Quarantine::default();
         } else if self.memory.pushed() > RECONSIDERED {
@@ -350,10 +350,8 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             std_errors: self.std_errors,
             agrees: 0,
         });
-        *self = BankRefiner {
-            previous,
-            ..BankRefiner::new(params)
-        };
+        *self = BankRefiner::new(params);
+        self.previous = previous;
     }
 
     fn estimates(&self, _at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {

@@ -138,6 +138,11 @@ impl<T: Real> PoolRing<T> {
         self.pushed = self.pushed.saturating_add(1);
     }
 
+    /// Forgets every pool.
+    pub fn clear(&mut self) {
+        self.pushed = 0;
+    }
+
     /// Number of pools so far.
     pub fn pushed(&self) -> u32 {
         self.pushed
