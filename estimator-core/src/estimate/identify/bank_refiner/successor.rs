@@ -17,8 +17,10 @@ pub(super) const DOUBTED: u32 = 256;
 /// Forgetting factor of a refiner per pool of 8: a memory of 50 000 samples. The estimates of one material
 /// only get better, and another material clears them.
 pub(super) const REFINER_BETA: f64 = 0.99984;
-/// Pools that a successor learns from at every sample.
+/// Pools that a successor learns from at every sample; one less where each is compared with the estimates,
+/// so that no sample costs more.
 const CATCH_UP: u32 = 3;
+const COMPARED: u32 = 2;
 
 /// A refiner that learns from memory what its predecessor learned live.
 #[derive(Clone, Debug)]
@@ -54,7 +56,13 @@ impl<T: Real> Successor<T> {
         estimates: Option<&Refiner<T>>,
         noise: &ForceNoise<T>,
     ) -> bool {
-        for _ in 0..CATCH_UP {
+        // One that has learned everything takes over whatever the estimates say.
+        let estimates = estimates.filter(|_| !self.complete);
+        let pools = match estimates {
+            Some(_) => COMPARED,
+            None => CATCH_UP,
+        };
+        for _ in 0..pools {
             if let Some(pooled) = memory.get(self.next) {
                 let cost = self.refiner.learn(pooled, noise, T::from_f64(REFINER_BETA));
                 if let Some(estimates) = estimates {
