@@ -67,6 +67,20 @@ struct Stretch<T> {
     last_m: T,
 }
 
+impl<T: Real> Stretch<T> {
+    /// Takes a sample; gives the stretch when it is complete, and begins another.
+    fn push(&mut self, position_m: T, force_n: T) -> Option<Self> {
+        if self.samples == 0 {
+            self.first_m = position_m;
+        }
+        self.samples += 1;
+        self.sum_n += force_n;
+        self.square_n2 += force_n * force_n;
+        self.last_m = position_m;
+        (self.samples >= STRETCH).then(|| core::mem::take(self))
+    }
+}
+
 /// What one sample says about the resting force.
 pub(super) enum Shift {
     /// It stays.
@@ -140,17 +154,9 @@ impl<T: Real> RestingForce<T> {
     /// A zero that drifts leaves a mean that follows it slowly behind: it follows faster, and is as uncertain
     /// as it was wrong. Not while the probe advances, since a soft contact begins like a drift.
     fn watch_drift(&mut self, position_m: T, force_n: T, noise_n: T) {
-        let free = &mut self.free;
-        if free.samples == 0 {
-            free.first_m = position_m;
-        }
-        free.samples += 1;
-        free.sum_n += force_n;
-        free.last_m = position_m;
-        if free.samples < STRETCH {
+        let Some(ended) = self.free.push(position_m, force_n) else {
             return;
-        }
-        let ended = core::mem::take(free);
+        };
         let count = T::from_f64(f64::from(STRETCH));
         let mean_n = ended.sum_n / count;
         let certain_n = T::from_f64(DRIFTED) * noise_n / count.sqrt();
@@ -201,8 +207,8 @@ impl<T: Real> RestingForce<T> {
         }
     }
 
-    /// Takes a sample, its force (N) without the resting force. `unit_n` is that of the thresholds, `noise_n`
-    /// the white noise, `step_m` a count of the position.
+    /// Takes a sample, its force (N) without the resting force. `below_n` is the threshold of a lift-off,
+    /// `noise_n` the white noise, `step_m` a count of the position.
     pub(super) fn observe(
         &mut self,
         position_m: T,
@@ -219,19 +225,10 @@ impl<T: Real> RestingForce<T> {
         if self.below_samples >= BELOW_SAMPLES {
             self.seen_in_free_air = false;
         }
-        let stretch = &mut self.stretch;
-        if stretch.samples == 0 {
-            stretch.first_m = position_m;
+        match self.stretch.push(position_m, force_n) {
+            Some(ended) => self.judge(&ended, below_n, noise_n, step_m),
+            None => Shift::None,
         }
-        stretch.samples += 1;
-        stretch.sum_n += force_n;
-        stretch.square_n2 += force_n * force_n;
-        stretch.last_m = position_m;
-        if stretch.samples < STRETCH {
-            return Shift::None;
-        }
-        let ended = core::mem::take(stretch);
-        self.judge(&ended, below_n, noise_n, step_m)
     }
 
     /// Zero is elsewhere where the force is flat both on the way out and after it: on the way out alone it may
