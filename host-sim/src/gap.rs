@@ -32,8 +32,8 @@ pub mod thresholds;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
-    AdvisedMotion, Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region,
-    Verdict, regions_in_words, times_larger,
+    AdvisedMotion, Candidate, Curves, Finding, Grade, MOTION, MissingEffect, Next,
+    ParameterEstimate, Region, Support, Verdict, regions_in_words, times_larger,
 };
 pub use noise::floor::NoiseFloor;
 pub use options::Options;
@@ -124,8 +124,9 @@ pub fn gap_with_progress(
     let base = search.refitted(&base);
     let result = search.run(base.clone());
     let ladder = search.ladder(&base, &result);
+    let evidence = search.evidence(&base, &result);
     progress.at(0.8, "held-out part and rivals");
-    let decision = decide(&dataset(&fine), &base, result, &ladder);
+    let decision = decide(&dataset(&fine), &base, result, &evidence);
     progress.at(0.95, "regions and errors");
     let mut finding = builder::finding(model, &dataset(&fine), &decision, ladder, options);
     let another_unit = thresholds.regions.another_unit;

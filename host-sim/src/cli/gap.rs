@@ -26,7 +26,7 @@ use crate::output::say;
     after_help = "Example:\n  palpate gap --model base.toml --log measured.csv --out result\n  \
     palpate gap --model drive.toml --log run1.csv --log run2.csv --bandwidth 20 --out result\n  \
     palpate gap --plan --model base.toml --motion motion.toml --noise 0.02\n\n\
-    The verdict is one of no_missing_effect, missing_effects, ambiguous, unexplained; \
+    The verdict is one of no_missing_effect, missing_effects, ambiguous, partly_explained, unexplained; \
     exit status 0 whichever it is."
 )]
 pub struct GapArgs {

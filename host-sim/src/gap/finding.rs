@@ -5,8 +5,8 @@ mod result;
 
 pub use region::{Region, regions_in_words};
 pub use result::{
-    AdvisedMotion, Candidate, Curves, Finding, MissingEffect, ParameterEstimate, Verdict,
-    times_larger,
+    AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, ParameterEstimate,
+    Support, Verdict, times_larger,
 };
 
 /// Name of the file that an advised motion is written to.

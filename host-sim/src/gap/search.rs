@@ -2,6 +2,7 @@
 //! off Σ w r² to stay.
 
 pub(crate) mod eliminate;
+pub(crate) mod evidence;
 pub(crate) mod expand;
 pub(crate) mod forms;
 pub(crate) mod periodic;

@@ -127,6 +127,8 @@ pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
             "after": number(finding.rmse_after_n),
         },
         "noise_floor_n": number(finding.noise_floor_n),
+        "remainder_n": number(finding.remainder_n),
+        "explained_share": finding.explained_share().map(number),
         "bandwidth_hz": finding.bandwidth_hz,
         "floor_ratio": {
             "before": number(finding.ratio_before),
@@ -150,6 +152,13 @@ fn effect(missing: &MissingEffect) -> Value {
     json!({
         "id": missing.id.name(),
         "params": parameters(&missing.parameters),
+        "grade": missing.grade.name(),
+        "support": {
+            "share": number(missing.support.share),
+            "blocks": number(missing.support.blocks),
+            "next": missing.support.next.map(|next| next.id.name()),
+            "next_share": missing.support.next.map(|next| number(next.share)),
+        },
         "alternatives": missing.alternatives.iter().map(|id| id.name()).collect::<Vec<_>>(),
         "where": missing.place,
         "held_out_gain": number(missing.held_out_gain),

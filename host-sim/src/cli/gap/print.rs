@@ -62,10 +62,39 @@ pub(super) fn verdict(finding: &Finding) -> String {
         Verdict::NoMissingEffect => "nothing is missing: the base model explains the log".into(),
         Verdict::MissingEffects => format!("missing: {names}"),
         Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
-        Verdict::Unexplained if names.is_empty() => {
+        Verdict::PartlyExplained => partly_explained(finding, &names),
+        Verdict::Unexplained => {
             "unexplained: something is missing that the catalogue does not hold".into()
         }
-        Verdict::Unexplained => format!("missing: {names}; and something unexplained"),
+    }
+}
+
+/// What was found, then what remains: "time_delay explains 74 % of the disagreement; 14 times the noise
+/// remains, 40 % of it in holds".
+fn partly_explained(finding: &Finding, names: &str) -> String {
+    let explains = match finding.effects.len() {
+        1 => "explains",
+        _ => "explain",
+    };
+    let share = finding.explained_share().unwrap_or(0.0);
+    let text = format!(
+        "partly explained: {names} {explains} {} of the disagreement; {:.1} times what noise and the motion's \
+         errors allow remains",
+        percent(share),
+        finding.ratio_after
+    );
+    match regions_in_words(finding.remaining.get(..1).unwrap_or_default()) {
+        words if words.is_empty() => text,
+        words => format!("{text}: {}", words.replace("of the excess ", "of it ")),
+    }
+}
+
+/// A share in percent, never rounded to all or nothing.
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent > 99.0 => "more than 99 %".into(),
+        percent if percent < 1.0 => "less than 1 %".into(),
+        percent => format!("{percent:.0} %"),
     }
 }
 
@@ -114,7 +143,11 @@ fn floor(finding: &Finding) -> String {
 
 /// An effect: its parameters below each other, then what it explains.
 fn effect(text: &mut String, missing: &MissingEffect) {
-    line(text, "effect", missing.id.name());
+    line(
+        text,
+        "effect",
+        &format!("{} ({})", missing.id.name(), missing.grade.name()),
+    );
     let widest = missing
         .parameters
         .iter()

@@ -3,6 +3,7 @@
 use estimator_core::physics::fit_range::Scale;
 
 use super::fit_data::FitData;
+use super::repetition;
 use crate::stats::{median, quantile};
 
 /// Scales of the logs, from which starts, bounds and thresholds are made: no length, force or time in the
@@ -33,6 +34,8 @@ pub(crate) struct Scales {
     pub(crate) deepest_m: f64,
     /// Largest distance of the position from 0 (m).
     pub(crate) reach_m: f64,
+    /// Frequency (Hz) at which the motion repeats, if it does.
+    pub(crate) motion_hz: Option<f64>,
 }
 
 impl Scales {
@@ -86,6 +89,7 @@ impl Scales {
             speed_noise_mps,
             deepest_m,
             reach_m: deepest_m.abs().max(lowest_m.abs()),
+            motion_hz: repetition::of(first),
         }
     }
 }

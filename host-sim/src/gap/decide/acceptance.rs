@@ -1,12 +1,8 @@
-//! Whether the effects of a decision are accepted.
+//! Effects of a decision that take nothing off, or whose size may as well be 0.
 
-use estimator_core::physics::effect::EffectId;
-
-use crate::gap::decide::{decision::Decision, rivals::discriminability_margin, rivals::related};
-use crate::gap::finding::Candidate;
+use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
 use crate::gap::model::{fit::Fit, shape::Owner};
-use crate::gap::search::sets::{added_effects, is_repeated};
-use crate::gap::thresholds::Acceptance;
+use crate::gap::search::sets::is_repeated;
 
 /// The fit without the effect that is needed least, if that effect takes nothing off.
 pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
@@ -43,41 +39,6 @@ pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
     })
 }
 
-/// The squares beyond those of noise, from residuals over what is allowed.
-fn excess(ratio: f64) -> f64 {
-    (ratio * ratio - 1.0).max(0.0)
-}
-
-/// Whether the effects of a decision are accepted though something is left.
-pub(crate) fn is_accepted(decision: &Decision, tried: &[Candidate]) -> bool {
-    let decide = &decision.thresholds.acceptance;
-    let explained = 1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(1e-12);
-    explained >= decide.explained_share
-        || is_far_ahead(&added_effects(&decision.best), tried, decide)
-}
-
-/// Whether a set of effects that leaves something explains most of the excess, and every other set as
-/// large leaves several times as much: the form of one of the effects differs from that of the
-/// catalogue.
-fn is_far_ahead(ids: &[EffectId], tried: &[Candidate], decide: &Acceptance) -> bool {
-    let left_by = |candidate: &Candidate| excess(candidate.ratio);
-    let of = |ids: &[EffectId]| {
-        let mut tried = tried.iter();
-        tried.find(|candidate| candidate.ids == ids).map(left_by)
-    };
-    let (Some(base), Some(left)) = (of(&[]), of(ids)) else {
-        return false;
-    };
-    let is_relative = |other: &[EffectId]| other.iter().zip(ids).all(|(a, b)| related(*a, *b));
-    let next = tried
-        .iter()
-        .filter(|other| other.ids.len() == ids.len() && other.ids != ids)
-        .filter(|other| !is_relative(&other.ids))
-        .map(left_by)
-        .fold(base, f64::min);
-    left <= decide.largest_remainder * base && next >= decide.least_lead * left
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,7 +50,7 @@ mod tests {
     use crate::log::Log;
     use crate::model::Model;
     use crate::toml_reader::TomlFile;
-    use estimator_core::physics::effect::MOST_PARAMETERS;
+    use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
     use std::path::Path;
 
     /// Cost of the best fit to as many samples.
@@ -128,6 +89,8 @@ mod tests {
             gains: vec![0.5; errors.len()],
             without: without.iter().copied().map(fit).collect(),
             rmse_n: (2.0, 1.0),
+            least_rmse_n: 1.0,
+            evidence: Vec::new(),
             ratio: (2.0, 1.0),
             variances: vec![1.0; SAMPLES],
             held_out: vec![false; SAMPLES],
@@ -171,25 +134,5 @@ mod tests {
         assert!(fit_without_idle_effect(&bad).is_none());
         bad.without[0].cost = 1.001e6;
         assert!(fit_without_idle_effect(&bad).is_some());
-    }
-
-    #[test]
-    fn effects_that_leave_much_are_accepted_only_far_ahead_of_all_others() {
-        let tried = |next: f64| {
-            let of = |ids: Vec<EffectId>, ratio: f64| Candidate { ids, ratio };
-            vec![
-                of(vec![EffectId::ForceOffset], 1.5),
-                of(vec![EffectId::Backlash], next),
-                of(Vec::new(), 4.0),
-            ]
-        };
-        // GIVEN 1.25 of an excess of 15, 8 %: less than the 95 % that are accepted by themselves
-        let left = Decision {
-            ratio: (4.0, 1.5),
-            ..decision(&[0.1], &[2e4])
-        };
-        // THEN it is accepted if a rival leaves 4.3 times as much, and not if one leaves 3.4 times as much.
-        assert!(is_accepted(&left, &tried(2.53)));
-        assert!(!is_accepted(&left, &tried(2.3)));
     }
 }

@@ -4,6 +4,7 @@ use estimator_core::physics::effect::EffectId;
 
 use crate::gap::finding::Verdict;
 use crate::gap::model::fit::Fit;
+use crate::gap::search::evidence::Evidence;
 use crate::gap::thresholds::Thresholds;
 
 /// The decision on the effects of a search.
@@ -27,6 +28,10 @@ pub(crate) struct Decision {
     pub(crate) without: Vec<Fit>,
     /// RMSE (N) on the held-out part, before and after.
     pub(crate) rmse_n: (f64, f64),
+    /// RMSE (N) of the best set of all on the held-out part, whether its effects are named or not.
+    pub(crate) least_rmse_n: f64,
+    /// What speaks for each effect that the search found.
+    pub(crate) evidence: Vec<Evidence>,
     /// Residuals on the held-out part over what is allowed, before and after.
     pub(crate) ratio: (f64, f64),
     /// The variances (N²) that the residuals should have.

@@ -52,6 +52,8 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         gains,
         without,
         rmse_n: (before.rmse_n, after.rmse_n),
+        least_rmse_n: after.rmse_n,
+        evidence: Vec::new(),
         ratio: (before.ratio, after.ratio),
         base,
         best,
@@ -87,6 +89,13 @@ fn held_out_errors(
         .collect()
 }
 
+/// The held-out error (N) of a fit that is refitted to the rest.
+pub(super) fn held_out_rmse_n(dataset: &Dataset<'_>, fit: &Fit) -> f64 {
+    let weights = dataset.weights(fit);
+    let all = dataset.problem(&weights);
+    held_out_errors(dataset, &all, &[fit], &[], &held_out(dataset.logs))[0].rmse_n
+}
+
 /// The residuals over their standard deviations, of the samples with a weight.
 fn white_residuals(all: &Problem<'_>, fit: &Fit) -> Vec<f64> {
     all.residuals(&fit.shape, &fit.numbers)
@@ -99,9 +108,7 @@ fn white_residuals(all: &Problem<'_>, fit: &Fit) -> Vec<f64> {
 
 fn verdict(dataset: &Dataset<'_>, ratio: f64, has_effects: bool, is_ambiguous: bool) -> Verdict {
     let explained = &dataset.thresholds.explained;
-    let (with, without) = (explained.with_effects, explained.without_effects);
-    let most = if has_effects { with } else { without };
-    let limit = allowance(dataset.floors, dataset.thresholds) * most;
+    let limit = allowance(dataset.floors, dataset.thresholds) * explained.residuals;
     if ratio > limit {
         Verdict::Unexplained
     } else if !has_effects {

@@ -1,11 +1,11 @@
 //! Effects that an accepted one could be as well: fits with another effect in its place that explain the
 //! logs as well.
 
-use estimator_core::physics::effect::{EffectId, Family};
+use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, problem::Problem};
-use crate::gap::search::{run::SearchResult, sets::added_effects};
+use crate::gap::search::{evidence::are_late, run::SearchResult, sets::added_effects};
 use crate::gap::thresholds::Rivalry;
 
 /// Most steps of the refit of a rival.
@@ -131,13 +131,6 @@ fn is_worse_throughout(all: &Problem<'_>, best: &Fit, rival: &Fit, sigmas: f64) 
     let sums: Vec<f64> = stretches.map(|stretch| stretch.iter().sum()).collect();
     let error = sums.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
     sums.iter().sum::<f64>() > sigmas * error
-}
-
-/// Whether both effects only make the force late: in slow motion they differ by less than the errors of
-/// a rig.
-pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
-    let is_late = |id: EffectId| id.info().family == Family::Lateness;
-    one != other && is_late(one) && is_late(other)
 }
 
 /// The effect in `others` that takes the place of `id` in `ids`, if all other effects are the same.

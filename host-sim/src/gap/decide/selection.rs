@@ -1,24 +1,33 @@
 //! From the result of a search to a decision: rivals that explain more take over, and effects that do
 //! not stand up to the evaluation are dropped, until what is left does.
 
-use super::acceptance::{effect_without_size, fit_without_idle_effect, is_accepted};
+use super::acceptance::{effect_without_size, fit_without_idle_effect};
 use super::decision::Decision;
-use super::evaluate::evaluate;
-use crate::gap::finding::{Candidate, Verdict};
+use super::evaluate::{evaluate, held_out_rmse_n};
+use crate::gap::finding::Verdict;
 use crate::gap::model::{
     attenuation::corrected, dataset::Dataset, error::std_errors, fit::Fit, weights::weights,
 };
+use crate::gap::search::evidence::Evidence;
 use crate::gap::search::run::SearchResult;
 
-/// Decides on the result of a search; `tried` are the sets of effects that were fitted.
+/// Decides on the result of a search; `evidence` is that for the effects of its best set.
 pub(crate) fn decide(
     dataset: &Dataset<'_>,
     base: &Fit,
     mut result: SearchResult,
-    tried: &[Candidate],
+    evidence: &[Evidence],
 ) -> Decision {
+    // What the best physical set leaves, named or not.
+    let mut least_rmse_n = f64::INFINITY;
+    if result.is_far {
+        // At the log's own rate it would not be nearer: only what stands for itself is evaluated.
+        least_rmse_n = held_out_rmse_n(dataset, &result.best);
+        let (best, _) = with_strong_effects(dataset, &result.best, evidence);
+        result = SearchResult::alone(best);
+    }
     loop {
-        let accepted = accepted_decision(dataset, base, result, tried);
+        let accepted = accepted_decision(dataset, base, result, evidence, &mut least_rmse_n);
         let mut decision = with_standard_errors(dataset, accepted);
         match effect_without_size(&decision) {
             Some(at) => result = SearchResult::alone(decision.without.swap_remove(at)),
@@ -45,7 +54,8 @@ fn accepted_decision(
     dataset: &Dataset<'_>,
     base: &Fit,
     mut result: SearchResult,
-    tried: &[Candidate],
+    evidence: &[Evidence],
+    least_rmse_n: &mut f64,
 ) -> Decision {
     let mut swapped = false;
     loop {
@@ -64,34 +74,43 @@ fn accepted_decision(
             result.best = best.clone();
             continue;
         }
+        *least_rmse_n = least_rmse_n.min(decision.rmse_n.1);
+        decision.least_rmse_n = *least_rmse_n;
+        decision.evidence = evidence.to_vec();
         if decision.without.is_empty() || decision.verdict != Verdict::Unexplained {
             return decision;
         }
-        let is_unambiguous = decision.alternatives.iter().all(Vec::is_empty);
-        let is_accepted = is_accepted(&decision, tried);
-        if is_accepted && is_unambiguous {
+        // Something remains: each effect stands for itself.
+        let (best, dropped) = with_strong_effects(dataset, &decision.best, evidence);
+        if !dropped {
+            decision.verdict = Verdict::PartlyExplained;
             return decision;
         }
-        // Effects that leave much unexplained are not named; of those that explain most, the ones that
-        // another effect could replace are not.
-        result = SearchResult::alone(if is_accepted {
-            without_ambiguous(dataset, &decision)
-        } else {
-            base.clone()
-        });
+        result = SearchResult::alone(best);
     }
 }
 
-/// The best fit without the effects that others could replace.
-fn without_ambiguous(dataset: &Dataset<'_>, decision: &Decision) -> Fit {
-    let best = &decision.best;
-    let added = best.added();
+/// The best fit with the effects that are named though something remains, and whether others were dropped.
+fn with_strong_effects(dataset: &Dataset<'_>, best: &Fit, evidence: &[Evidence]) -> (Fit, bool) {
+    let of = |id| evidence.iter().find(|evidence| evidence.id == id);
     let mut terms = best.shape.terms_at(&best.numbers);
-    let ambiguous = added.iter().zip(&decision.alternatives).rev();
-    for (at, _) in ambiguous.filter(|(_, alternatives)| !alternatives.is_empty()) {
-        terms.remove(*at);
-    }
-    let (shape, start) = best.with_terms(terms, dataset.scales);
-    let weights = weights(&decision.variances);
-    dataset.problem(&weights).fit(&shape, start)
+    let is_any_strong = terms
+        .iter()
+        .any(|term| !term.given && of(term.id).is_some_and(|evidence| evidence.is_strong));
+    let before = terms.len();
+    terms.retain(|term| {
+        term.given
+            || (is_any_strong && of(term.id).is_some_and(|evidence| evidence.is_strong_group))
+    });
+    let dropped = terms.len() < before;
+    let (shape, numbers) = best.with_terms(terms, dataset.scales);
+    let cost = best.cost;
+    let start = Fit {
+        shape,
+        numbers,
+        cost,
+    };
+    let weights = dataset.weights(&start);
+    let problem = dataset.problem(&weights);
+    (problem.fit(&start.shape, start.numbers), dropped)
 }

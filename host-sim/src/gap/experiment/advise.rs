@@ -2,7 +2,7 @@
 
 use estimator_core::physics::effect::{Bounds, EffectId};
 
-use crate::gap::decide::{decision::Decision, rivals::are_late};
+use crate::gap::decide::decision::Decision;
 use crate::gap::experiment::{
     design::ExperimentDesign, discriminability::Discriminability,
     discriminability::EffectSignature, excitations::Excitation, plan::FurtherMotion,
@@ -12,6 +12,7 @@ use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Verdict, regions_in_wo
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, fit::RIDGE, shape::Owner, shape::Shape, shape::Term, start::repeats,
 };
+use crate::gap::search::evidence::are_late;
 use crate::lsq::covariance::inverse;
 use crate::stats::lowest;
 
@@ -59,6 +60,14 @@ fn without_ambiguity(finding: &Finding) -> String {
             "Something is there that the catalogue does not explain: {}. Look at the residuals there \
              before trusting the parameters.",
             regions_in_words(&finding.remaining)
+        ),
+        Verdict::PartlyExplained => format!(
+            "model.toml is better than the base, and no more than that: {}.{}",
+            "look at what remains before trusting its parameters",
+            match regions_in_words(&finding.remaining) {
+                words if words.is_empty() => String::new(),
+                words => format!(" Of it {}.", words.replace("of the excess ", "")),
+            }
         ),
         _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
     }

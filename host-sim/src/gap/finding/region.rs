@@ -1,5 +1,7 @@
 //! The regions in which a model and a log disagree.
 
+use crate::number::quantity;
+
 /// A region and its share of the excess.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
@@ -55,8 +57,8 @@ fn line_in_words(line: &Region) -> Option<String> {
     match (line.hz, line.pitch_m) {
         (Some(hz), _) => Some(format!("{percent:.0} % in a line at {hz:.3} Hz")),
         (_, Some(pitch_m)) => Some(format!(
-            "{percent:.0} % repeats every {:.4} mm along the way",
-            1e3 * pitch_m
+            "{percent:.0} % repeats every {} along the way",
+            quantity(pitch_m, 3, "m")
         )),
         _ => None,
     }

@@ -7,7 +7,7 @@ use crate::gap::noise::floor::NoiseFloor;
 use crate::model::Model;
 use crate::motion::{Limits, Motion};
 
-/// The four answers.
+/// The five answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The base model explains the log to the noise.
@@ -16,7 +16,9 @@ pub enum Verdict {
     MissingEffects,
     /// Something is missing, and this log cannot tell which effect of a group it is.
     Ambiguous,
-    /// Something is missing that nothing in the catalogue explains, or not all of it.
+    /// The effects that are named are missing, and something remains that nothing in the catalogue explains.
+    PartlyExplained,
+    /// Something is missing, and nothing in the catalogue stands out as its cause.
     Unexplained,
 }
 
@@ -27,9 +29,52 @@ impl Verdict {
             Verdict::NoMissingEffect => "no_missing_effect",
             Verdict::MissingEffects => "missing_effects",
             Verdict::Ambiguous => "ambiguous",
+            Verdict::PartlyExplained => "partly_explained",
             Verdict::Unexplained => "unexplained",
         }
     }
+}
+
+/// How sure the name of an effect is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grade {
+    /// The log is explained to the noise, and no other effect would do.
+    Certain,
+    /// Something remains, and the best set without the effect leaves several times as much.
+    Strong,
+    /// Other effects would do as well.
+    Open,
+}
+
+impl Grade {
+    /// The name in `gap.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Grade::Certain => "certain",
+            Grade::Strong => "strong",
+            Grade::Open => "open",
+        }
+    }
+}
+
+/// What speaks for an effect, over all sets that were fitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Support {
+    /// (Q₋ − Q₊)/(Q₋ − Q₀): the share that it takes off what the best set without it leaves above the noise.
+    pub share: f64,
+    /// The fraction of blocks in which it does, of those in which it acts.
+    pub blocks: f64,
+    /// The best rival.
+    pub next: Option<Next>,
+}
+
+/// The best rival of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Next {
+    /// The rival.
+    pub id: EffectId,
+    /// What it takes off in the place of the effect.
+    pub share: f64,
 }
 
 /// A parameter with its standard error.
@@ -54,6 +99,10 @@ pub struct MissingEffect {
     pub id: EffectId,
     /// Its parameters.
     pub parameters: Vec<ParameterEstimate>,
+    /// How sure the name is.
+    pub grade: Grade,
+    /// What speaks for it.
+    pub support: Support,
     /// Effects that this log cannot tell from it, relatives left out.
     pub alternatives: Vec<EffectId>,
     /// Where it takes the most from the residuals, in words.
@@ -118,6 +167,8 @@ pub struct Finding {
     pub rmse_after_n: f64,
     /// What noise would leave (N).
     pub noise_floor_n: f64,
+    /// What the best set of all leaves above the noise (N), on the held-out part.
+    pub remainder_n: f64,
     /// The noise floor of each log.
     pub floors: Vec<NoiseFloor>,
     /// Residuals of the base model over what noise and errors of the motion allow, on the held-out part.
@@ -149,6 +200,15 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// The share of the disagreement that the named effects explain: 1 − (after² − floor²)/(before² − floor²);
+    /// `None` where the base leaves no more than the noise.
+    pub fn explained_share(&self) -> Option<f64> {
+        let excess = |rmse_n: f64| rmse_n.powi(2) - self.noise_floor_n.powi(2);
+        let (before, after) = (excess(self.rmse_before_n), excess(self.rmse_after_n).max(0.0));
+        let is_some = before > 1e-9 * self.rmse_before_n.powi(2) && !self.effects.is_empty();
+        is_some.then(|| (1.0 - after / before).max(0.0))
+    }
+
     /// How far and how fast the logs went.
     pub fn limits(&self) -> Limits {
         let each = self.curves.iter().flat_map(|curves| {
@@ -186,6 +246,7 @@ impl Finding {
 /// How many times larger the held-out squared error is without an effect, in words.
 pub fn times_larger(gain: f64) -> String {
     match 1.0 / (1.0 - gain).max(1e-9) {
+        times if times >= 999.5 => "more than 1000 times as large".into(),
         times if times >= 9.95 => format!("{times:.0} times as large"),
         times if times >= 1.095 => format!("{times:.1} times as large"),
         times if times >= 1.0 => "hardly larger".into(),

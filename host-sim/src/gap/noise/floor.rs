@@ -85,14 +85,15 @@ impl NoiseFloor {
                 high_pass_n,
                 "from second differences: there is no rest in free air",
             ),
-            Some(rest) if rest > decide.coloured * high_pass_n => {
-                (rest, "from rest in free air: the noise is coloured")
+            Some(rest) if rest <= decide.coloured * high_pass_n => {
+                // Both see the same noise; second differences take it from all samples.
+                (high_pass_n, "from second differences, and rest in free air agrees")
             }
-            // Both see the same noise; second differences take it from all samples.
-            Some(_) => (
+            Some(rest) if !is_noise(log, rests, rest / high_pass_n, decide) => (
                 high_pass_n,
-                "from second differences, and rest in free air agrees",
+                "from second differences: what is there at rest in free air is larger, and no noise",
             ),
+            Some(rest) => (rest, "from rest in free air: the noise is coloured"),
         };
         let coloured = used_n > decide.coloured * high_pass_n;
         let error = |rest: &RestNoise| 0.5 * rest.error_n2 / rest.noise_n2.max(f64::MIN_POSITIVE);
@@ -228,6 +229,24 @@ impl RestNoise {
             error_n2: error_n2(0.0).hypot(0.5 * below),
         })
     }
+}
+
+/// Whether what is there at rest is noise, `times` as large as second differences say. A chirp, a burst or a
+/// wander at rest would otherwise become the floor, and everything as small would be explained.
+fn is_noise(log: &UniformLog, rests: &[Range<usize>], times: f64, decide: &Floor) -> bool {
+    let correlation = rest_correlation(log, rests);
+    let each = rests.iter().map(|rest| settled(rest));
+    let count: usize = each.clone().map(|rest| rest.len()).sum();
+    let stretches = each.map(|rest| detrended(&log.force_n[rest]));
+    let (square, fourth) = stretches.flatten().fold((0.0, 0.0), |(two, four), force| {
+        (two + force.powi(2), four + force.powi(4))
+    });
+    let count = count.max(1) as f64;
+    // 3 for normal noise, 1.5 for a sine, 1 for two levels, more than 3 for bursts.
+    let kurtosis = fourth * count / (square * square).max(f64::MIN_POSITIVE);
+    let error = (24.0 * correlation / count).sqrt();
+    times <= decide.largest_colour
+        && (times <= decide.slight_colour || (kurtosis - 3.0).abs() <= decide.sigmas * error)
 }
 
 /// A rest without its first tenth, in which what the motion leaves behind dies out.

@@ -2,16 +2,19 @@
 
 use std::ops::Range;
 
+use estimator_core::physics::effect::EffectId;
+
 use crate::gap::data::fit_data::FitData;
 use crate::gap::decide::decision::Decision;
 use crate::gap::experiment::advise::advice;
 use crate::gap::finding::{
-    Candidate, Curves, Finding, MissingEffect, Region, Verdict, regions_in_words,
+    Candidate, Curves, Finding, Grade, MissingEffect, Region, Support, Verdict, regions_in_words,
 };
 use crate::gap::model::{
     dataset::Dataset, error::std_errors, problem::Problem, simulate::depths, weights::weights,
 };
 use crate::gap::options::Options;
+use crate::gap::search::evidence::Evidence;
 use crate::gap::say::{estimates::Estimates, log_residuals::LogResiduals, regions::regions};
 use crate::model::Model;
 
@@ -29,18 +32,13 @@ pub(crate) fn finding(
     let estimates = Estimates::of(&decision.best, &decision.std_errors);
     let remaining = builder.remaining();
     let effects = builder.effects(&estimates);
-    // If no part of the log stands out, held-out parts that are a little off show how well the other
-    // parts determine the numbers, and nothing that is missing.
-    let most = decision.thresholds.explained.with_effects;
-    let is_nowhere = remaining.is_empty() && effects.is_empty() && decision.ratio.1 <= most;
+    let noise_floor_n = builder.noise_floor_n();
     let mut finding = Finding {
-        verdict: match decision.verdict {
-            Verdict::Unexplained if is_nowhere => Verdict::NoMissingEffect,
-            verdict => verdict,
-        },
+        verdict: decision.verdict,
         rmse_before_n: decision.rmse_n.0,
         rmse_after_n: decision.rmse_n.1,
-        noise_floor_n: builder.noise_floor_n(),
+        noise_floor_n,
+        remainder_n: (decision.least_rmse_n.powi(2) - noise_floor_n.powi(2)).max(0.0).sqrt(),
         floors: dataset.floors.to_vec(),
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,
@@ -59,6 +57,26 @@ pub(crate) fn finding(
     };
     (finding.advice, finding.advised) = advice(&finding, dataset, decision);
     finding
+}
+
+/// How sure the name of an effect is, and what could stand in its place. At the noise floor the rivals of the
+/// set decide, above it the evidence for the effect alone.
+fn graded(
+    verdict: Verdict,
+    evidence: Option<&Evidence>,
+    rivals: &[EffectId],
+) -> (Grade, Vec<EffectId>) {
+    match (verdict, evidence) {
+        (Verdict::PartlyExplained, Some(evidence)) => {
+            let grade = match evidence.is_strong {
+                true => Grade::Strong,
+                false => Grade::Open,
+            };
+            (grade, evidence.alternatives.clone())
+        }
+        _ if rivals.is_empty() => (Grade::Certain, Vec::new()),
+        _ => (Grade::Open, rivals.to_vec()),
+    }
 }
 
 /// A decision with the forces and depths that its fits predict.
@@ -114,10 +132,15 @@ impl<'a> FindingBuilder<'a> {
             .zip(evaluated)
             .map(|(number, ((alternatives, gain), without))| {
                 let forces = self.problem.forces(&without.shape, &without.numbers);
+                let id = decision.best.shape.terms[number].id;
+                let evidence = decision.evidence.iter().find(|evidence| evidence.id == id);
+                let (grade, alternatives) = graded(decision.verdict, evidence, alternatives);
                 MissingEffect {
-                    id: decision.best.shape.terms[number].id,
+                    id,
                     parameters: estimates.of_effect(number),
-                    alternatives: alternatives.clone(),
+                    grade,
+                    support: evidence.map_or(Support::default(), |evidence| evidence.support),
+                    alternatives,
                     place: self.place(&forces),
                     held_out_gain: *gain,
                 }
@@ -156,7 +179,7 @@ impl<'a> FindingBuilder<'a> {
     /// any region.
     fn remaining(&self) -> Vec<Region> {
         match self.decision.verdict {
-            Verdict::Unexplained => self.regions(&self.after_n),
+            Verdict::Unexplained | Verdict::PartlyExplained => self.regions(&self.after_n),
             _ => Vec::new(),
         }
     }

@@ -38,7 +38,7 @@ impl Search<'_> {
         let mut fits = self.continued(fits, FIRST_STEPS[1]);
         truncate(&mut fits, FOLLOWED[1], is_last_repeated);
         let mut done = self.continued(fits, MOST_STEPS);
-        done.retain(is_physical);
+        done.retain(|fit| is_physical(fit, self.dataset.scales));
         done
     }
 

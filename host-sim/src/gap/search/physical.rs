@@ -1,11 +1,23 @@
 //! Fits whose numbers do not mean what the names of their effects say.
 
+use estimator_core::physics::effect::Repeats;
+
+use crate::gap::data::{repetition::repeats_with, scales::Scales};
 use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
 
-/// Whether the numbers of a fit mean what the names of its effects say.
-pub(crate) fn is_physical(fit: &Fit) -> bool {
+/// A wave is a harmonic of another if their pitches or frequencies differ by a whole factor within this.
+const HARMONIC: f64 = 0.02;
+
+/// Whether the numbers of a fit mean what the names of its effects say. What repeats with the motion is of the
+/// motion, and no disturbance in time.
+pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     let terms = fit.shape.terms_at(&fit.numbers);
-    let is_physical = |term: &Term| (term.id.info().is_physical)(&term.row);
+    let is_of_motion = |term: &Term| {
+        term.id.info().repeats == Repeats::InTime
+            && repeats_with(scales.motion_hz, term.row[1], scales.duration_s)
+    };
+    let is_physical =
+        |term: &Term| (term.id.info().is_physical)(&term.row) && !is_of_motion(term);
     terms.iter().all(|term| term.given || is_physical(term))
 }
 
@@ -15,9 +27,25 @@ pub(crate) fn is_fourier_series(fit: &Fit, prominent: f64) -> bool {
     let terms = fit.shape.terms_at(&fit.numbers);
     let waves = terms.iter().filter(|term| !term.given && repeats(term.id));
     waves.clone().any(|wave| {
-        let alike = waves.clone().filter(|other| other.id == wave.id);
-        let mut sizes: Vec<f64> = alike.map(|other| other.row[0].abs()).collect();
-        sizes.sort_by(|a, b| b.total_cmp(a));
-        sizes.len() > 2 && sizes[0] < prominent * sizes[1]
+        let alike: Vec<&Term> = waves.clone().filter(|other| other.id == wave.id).collect();
+        let sizes = sizes(&alike);
+        sizes.len() > 1 && sizes[0] < prominent * sizes[1]
     })
+}
+
+/// The sizes of waves of one kind, the largest first, without the harmonics of that one: a motor's cogging has
+/// a second one, half as large.
+fn sizes(alike: &[&Term]) -> Vec<f64> {
+    let mut waves: Vec<[f64; 2]> = alike
+        .iter()
+        .map(|wave| [wave.row[0].abs(), wave.row[1]])
+        .collect();
+    waves.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    let first = waves.first().map_or(1.0, |wave| wave[1]);
+    let is_harmonic = |wave: &[f64; 2]| {
+        let times = (first / wave[1]).max(wave[1] / first);
+        times > 1.5 && (times - times.round()).abs() < HARMONIC
+    };
+    let each = waves.iter().filter(|wave| !is_harmonic(wave));
+    each.map(|wave| wave[0]).collect()
 }

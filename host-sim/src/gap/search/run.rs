@@ -43,6 +43,8 @@ pub(crate) struct SearchResult {
     pub(crate) best: Fit,
     /// For every effect that was added, the best fits with another one in its place.
     pub(crate) rivals: Vec<Vec<Fit>>,
+    /// Whether the best is far from the noise.
+    pub(crate) is_far: bool,
 }
 
 impl SearchResult {
@@ -51,6 +53,7 @@ impl SearchResult {
         SearchResult {
             best,
             rivals: Vec::new(),
+            is_far: false,
         }
     }
 }
@@ -66,7 +69,6 @@ struct Forward {
 impl Search<'_> {
     /// Finds the effects that are missing in the base.
     pub(crate) fn run(&mut self, base: Fit) -> SearchResult {
-        let prominent = self.decide().prominent_wave;
         let mut state = Forward {
             best: base.clone(),
             base_cost: base.cost,
@@ -76,10 +78,8 @@ impl Search<'_> {
             if self.is_adequate(&state.best) {
                 break;
             }
-            if self.is_hopeless(&state, level) || is_fourier_series(&state.best, prominent) {
-                return SearchResult::alone(base);
-            }
-            if !self.forward_step(&mut state, &base, level) {
+            let before = state.best.cost;
+            if !self.forward_step(&mut state, &base, level) || self.is_idle(before, &state.best) {
                 break;
             }
         }
@@ -87,24 +87,28 @@ impl Search<'_> {
         let (best, base_cost) = (state.best, state.base_cost);
         let best = self.without_insignificant(best, base_cost);
         let best = self.with_form_instead_of_effect(best, base_cost);
-        if is_fourier_series(&best, prominent) {
-            return SearchResult::alone(base);
-        }
         let result = self.with_swaps(best, base_cost);
         let result = self.with_simpler_relative(result, base_cost);
+        let best = self.without_insignificant_forms(result.best, base_cost);
         SearchResult {
-            best: self.without_insignificant_forms(result.best, base_cost),
+            is_far: self.is_far(&best),
+            best,
             ..result
         }
     }
 
-    /// Whether two or three effects explain so little that no catalogue has what is missing.
-    fn is_hopeless(&self, state: &Forward, level: usize) -> bool {
-        let excess = (state.base_cost - self.noise_cost).max(1.0);
-        let left = (state.best.cost - self.noise_cost) / excess;
+    /// Whether a fit is far from the noise.
+    pub(super) fn is_far(&self, fit: &Fit) -> bool {
+        fit.cost > self.decide().ran_away * self.noise_cost
+    }
+
+    /// Whether a step took so little off, far from the noise, that further ones only fit the remainder, or
+    /// was one more wave of a series that fits any curve.
+    fn is_idle(&self, before: f64, after: &Fit) -> bool {
         let decide = self.decide();
-        let most = [decide.hopeless_after_two, decide.hopeless_after_three];
-        level >= 2 && left > most[usize::from(level > 2)]
+        self.is_far(after)
+            && (before - after.cost < decide.least_step * before
+                || is_fourier_series(after, decide.prominent_wave))
     }
 
     /// Adds one effect to each fit of the beam. Returns false if the search ends with this step.
@@ -141,7 +145,8 @@ impl Search<'_> {
         if least < decide.ran_away * self.noise_cost {
             children.retain(|fit| fit.cost - self.noise_cost <= decide.behind * least);
         }
-        children.truncate(BEAM);
+        // Far from the noise the search only has to find what stands out.
+        children.truncate(if level > 0 && self.is_far(&children[0]) { 1 } else { BEAM });
         state.beam = children
             .iter()
             .map(|fit| self.with_present_cost(fit))
@@ -182,7 +187,7 @@ impl Search<'_> {
     }
 
     /// The fit with its cost under the present weights.
-    fn with_present_cost(&self, fit: &Fit) -> Fit {
+    pub(super) fn with_present_cost(&self, fit: &Fit) -> Fit {
         Fit {
             cost: self.problem().cost(&fit.shape, &fit.numbers),
             ..fit.clone()
@@ -205,6 +210,10 @@ impl Search<'_> {
             .collect();
         ladder.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
         keep_first(&mut ladder, |candidate| candidate.ids.clone());
+        // A set that was left before its fit converged may be worse than the base: it says nothing.
+        if let Some(base) = ladder.iter().position(|candidate| candidate.ids.is_empty()) {
+            ladder.truncate(base + 1);
+        }
         ladder
     }
 

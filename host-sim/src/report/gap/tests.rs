@@ -1,7 +1,9 @@
 use estimator_core::physics::effect::EffectId;
 
 use super::*;
-use crate::gap::{Candidate, MissingEffect, NoiseFloor, ParameterEstimate, Region, Verdict};
+use crate::gap::{
+    Candidate, Grade, MissingEffect, NoiseFloor, ParameterEstimate, Region, Support, Verdict,
+};
 
 /// Two seconds of presses at 1 kHz whose base model lacks 0.4 N of friction.
 fn curves() -> Curves {
@@ -53,6 +55,12 @@ fn finding(verdict: Verdict) -> Finding {
     let named = MissingEffect {
         id: EffectId::CoulombFriction,
         parameters: vec![known("force", 0.41, Some(0.003), "N")],
+        grade: match verdict {
+            Verdict::Ambiguous => Grade::Open,
+            Verdict::PartlyExplained => Grade::Strong,
+            _ => Grade::Certain,
+        },
+        support: Support::default(),
         alternatives: match verdict {
             Verdict::Ambiguous => vec![EffectId::Backlash],
             _ => Vec::new(),
@@ -68,13 +76,17 @@ fn finding(verdict: Verdict) -> Finding {
         hz: None,
         pitch_m: None,
     };
-    let has_effects = verdict != Verdict::NoMissingEffect;
+    let has_effects = !matches!(
+        verdict,
+        Verdict::NoMissingEffect | Verdict::Unexplained
+    );
     Finding {
         verdict,
         effects: if has_effects { vec![named] } else { Vec::new() },
         rmse_before_n: 0.4,
         rmse_after_n: 0.0201,
         noise_floor_n: 0.02,
+        remainder_n: 0.002,
         floors: vec![NoiseFloor {
             high_pass_n: 0.02,
             rest_n: None,
@@ -154,8 +166,12 @@ fn every_verdict_gives_a_well_formed_page_that_says_it_first() {
             "or backlash: this log does not tell them apart",
         ),
         (
+            Verdict::PartlyExplained,
+            "What remains no effect of the catalogue explains",
+        ),
+        (
             Verdict::Unexplained,
-            "and something that no effect of the catalogue explains",
+            "Something is missing that no effect of the catalogue explains",
         ),
     ] {
         let html = html(&finding(verdict));

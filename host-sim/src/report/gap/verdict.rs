@@ -13,6 +13,7 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
         Verdict::MissingEffects if finding.effects.len() == 1 => (Tone::Good, "missing effect"),
         Verdict::MissingEffects => (Tone::Good, "missing effects"),
         Verdict::Ambiguous => (Tone::Warning, "ambiguous"),
+        Verdict::PartlyExplained => (Tone::Warning, "partly explained"),
         Verdict::Unexplained => (Tone::Bad, "unexplained"),
     }
 }
@@ -44,13 +45,15 @@ pub(super) fn sentence(finding: &Finding) -> String {
             "The model lacks {names}, or {}: this log does not tell them apart. {shrinks}",
             rivals(finding)
         ),
-        Verdict::Unexplained if finding.effects.is_empty() => format!(
+        Verdict::Unexplained => format!(
             "Something is missing that no effect of the catalogue explains: with its parameters fitted \
              the base model's error on held-out parts is {before}, {}.",
             times(finding.ratio_before)
         ),
-        Verdict::Unexplained => format!(
-            "The model lacks {names}, and something that no effect of the catalogue explains. {shrinks}"
+        Verdict::PartlyExplained => format!(
+            "The model lacks {names}, which takes {:.0}\u{a0}% of the disagreement off. What remains no effect of \
+             the catalogue explains. {shrinks}",
+            100.0 * finding.explained_share().unwrap_or(0.0)
         ),
     }
 }

@@ -1,0 +1,257 @@
+//! The evidence for each effect of the best set, against what that set leaves.
+//!
+//! A measured record keeps a remainder that no catalogue explains, and against the noise floor nothing could
+//! ever be named there. Each effect is therefore weighed by itself, over all sets that were fitted: the best
+//! set with it against the best set of any size without it and without whatever stands for it. That must
+//! leave several times as many squares, in nearly every part of the log where the effect acts, and either
+//! half of the log must give the effect the same size. A form that is not the true one fails here even if it
+//! takes off more than any other of the catalogue.
+
+use estimator_core::physics::effect::{EffectId, Family};
+
+use crate::gap::finding::{Next, Support};
+use crate::gap::model::dataset::Dataset;
+use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner, start::repeats};
+use crate::gap::search::physical::is_fourier_series;
+use crate::gap::search::run::{Search, SearchResult};
+use crate::gap::search::sets::{added_effects, is_repeated};
+use crate::gap::thresholds;
+
+/// Blocks of the logs: a palpation of 15 s has about as many strokes.
+const BLOCKS: usize = 24;
+/// An effect acts in a block if it changes the forces there by at least this share of the mean square.
+const ACTS: f64 = 0.2;
+/// Most steps of the fit to half of the logs.
+const HALF_STEPS: usize = 12;
+
+/// What speaks for one effect of the best set.
+#[derive(Clone, Debug)]
+pub(crate) struct Evidence {
+    pub(crate) id: EffectId,
+    pub(crate) support: Support,
+    /// Effects outside its nested family that leave nearly as little in its place.
+    pub(crate) alternatives: Vec<EffectId>,
+    /// Whether it is named though something remains.
+    pub(crate) is_strong: bool,
+    /// Whether it or one of its alternatives is.
+    pub(crate) is_strong_group: bool,
+}
+
+impl Search<'_> {
+    /// The evidence for each effect of the best set.
+    pub(crate) fn evidence(&self, base: &Fit, result: &SearchResult) -> Vec<Evidence> {
+        let best = &result.best;
+        let mut ids = added_effects(best);
+        ids.dedup();
+        let mut all: Vec<Fit> = [base]
+            .into_iter()
+            .chain(result.rivals.iter().flatten())
+            .chain(&self.tried)
+            .map(|fit| self.with_present_cost(fit))
+            .collect();
+        let plain: Vec<Fit> = ids.iter().map(|id| self.without_kind(best, *id)).collect();
+        all.extend_from_slice(&plain);
+        let halves = Halves::of(&self.dataset, &self.weights, best);
+        let each = ids.iter().zip(&plain);
+        each.map(|(id, plain)| self.evidence_for(*id, best, plain, &all, &halves))
+            .collect()
+    }
+
+    fn evidence_for(
+        &self,
+        id: EffectId,
+        best: &Fit,
+        plain: &Fit,
+        all: &[Fit],
+        halves: &Halves,
+    ) -> Evidence {
+        let decide = &self.dataset.thresholds.evidence;
+        let ids = added_effects(best);
+        let share = |more: f64, less: f64| {
+            ((more - less) / (more - self.noise_cost).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+        };
+        let without = best_without(all, &[id]);
+        let blocks = self.blocks(without, best);
+        let rival = newcomer(without, &ids, &[id]);
+        let support = Support {
+            share: share(without.cost, best.cost),
+            blocks,
+            next: rival.map(|id| Next {
+                id,
+                share: share(plain.cost, without.cost),
+            }),
+        };
+        let is_sound = support.share >= decide.share
+            && blocks >= decide.blocks
+            && halves.agree(best, id, decide)
+            && !(repeats(id) && is_series(best, id, self.decide()));
+        let is_ahead = |fit: &Fit| fit.cost >= decide.lead * best.cost;
+        let mut alternatives = alternatives(all, &ids, id, is_ahead);
+        if let (Some(list), Some(other)) = (&mut alternatives, as_late(all, id)) {
+            list.extend(Some(other.0).filter(|_| !is_ahead(other.1)));
+        }
+        Evidence {
+            is_strong: is_sound && is_ahead(without),
+            is_strong_group: is_sound && alternatives.is_some(),
+            alternatives: alternatives.unwrap_or_default(),
+            id,
+            support,
+        }
+    }
+
+    /// The best fit without an effect and whatever stands for it.
+    fn without_kind(&self, best: &Fit, id: EffectId) -> Fit {
+        let mut terms = best.shape.terms_at(&best.numbers);
+        terms.retain(|term| term.given || !stands_for(term.id, id));
+        let (shape, start) = best.with_terms(terms, self.dataset.scales);
+        let from_file = shape.start();
+        let (a, b) = rayon::join(
+            || self.problem().fit(&shape, start),
+            || self.problem().fit(&shape, from_file),
+        );
+        if a.cost <= b.cost { a } else { b }
+    }
+
+    /// The fraction of blocks in which one fit leaves more than the other, of those in which they differ.
+    fn blocks(&self, without: &Fit, with: &Fit) -> f64 {
+        let residuals = |fit: &Fit| self.problem().residuals(&fit.shape, &fit.numbers);
+        let (more, less) = (residuals(without), residuals(with));
+        let each = more.iter().zip(&less).zip(&self.weights);
+        let rows: Vec<[f64; 2]> = each
+            .map(|((a, b), w)| [w * (a * a - b * b), w * (a - b).powi(2)])
+            .collect();
+        let sum = |block: &[[f64; 2]]| {
+            block
+                .iter()
+                .fold([0.0; 2], |sum, row| [sum[0] + row[0], sum[1] + row[1]])
+        };
+        let blocks: Vec<[f64; 2]> = rows
+            .chunks(rows.len().div_ceil(BLOCKS).max(1))
+            .map(sum)
+            .collect();
+        let mean = blocks.iter().map(|block| block[1]).sum::<f64>() / blocks.len().max(1) as f64;
+        let acting = blocks.iter().filter(|block| block[1] > ACTS * mean);
+        let better = acting.clone().filter(|block| block[0] > 0.0).count();
+        better as f64 / acting.count().max(1) as f64
+    }
+}
+
+/// Whether one effect stands for the other: a special case of it, or as late as it.
+fn stands_for(one: EffectId, other: EffectId) -> bool {
+    let family = one.info().family;
+    one == other || (family != Family::Alone && family == other.info().family)
+}
+
+/// Whether both effects only make the force late: in slow motion they differ by less than the errors of
+/// a rig.
+pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
+    let is_late = |id: EffectId| id.info().family == Family::Lateness;
+    one != other && is_late(one) && is_late(other)
+}
+
+/// The best fit without some effects and whatever stands for them. The base alone is always one.
+fn best_without<'a>(all: &'a [Fit], ids: &[EffectId]) -> &'a Fit {
+    let lacks = |fit: &&Fit| {
+        let added = added_effects(fit);
+        !added
+            .iter()
+            .any(|other| ids.iter().any(|id| stands_for(*other, *id)))
+    };
+    let best = all.iter().filter(lacks);
+    best.min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .unwrap_or(&all[0])
+}
+
+/// The effect of a fit that stands in the place of others.
+fn newcomer(fit: &Fit, ids: &[EffectId], out: &[EffectId]) -> Option<EffectId> {
+    let mut added = added_effects(fit).into_iter();
+    added.find(|other| !ids.contains(other) && !out.contains(other))
+}
+
+/// The best fit with another effect in the place of one that only makes the force late: in slow motion the
+/// two differ by less than a rig errs.
+fn as_late(all: &[Fit], id: EffectId) -> Option<(EffectId, &Fit)> {
+    let other = |fit: &Fit| {
+        let mut added = added_effects(fit).into_iter();
+        added.find(|other| are_late(*other, id))
+    };
+    let others = all
+        .iter()
+        .filter(|fit| !added_effects(fit).contains(&id))
+        .filter_map(|fit| Some((other(fit)?, fit)));
+    others.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))
+}
+
+/// The effects that leave nearly as little in the place of one, if the best set without all of these is
+/// clearly worse; `None` if it is not, or if there are more than three.
+fn alternatives(
+    all: &[Fit],
+    ids: &[EffectId],
+    id: EffectId,
+    is_ahead: impl Fn(&Fit) -> bool,
+) -> Option<Vec<EffectId>> {
+    let mut out = vec![id];
+    for _ in 0..4 {
+        let without = best_without(all, &out);
+        if is_ahead(without) {
+            return Some(out.split_off(1));
+        }
+        out.push(newcomer(without, ids, &out)?);
+    }
+    None
+}
+
+/// Whether an effect that repeats stands several times in a fit and none of its waves is prominent: a series
+/// fits any curve.
+fn is_series(fit: &Fit, id: EffectId, decide: &thresholds::Search) -> bool {
+    is_repeated(id, fit) && is_fourier_series(fit, decide.prominent_wave)
+}
+
+/// Fits to either half of the logs.
+struct Halves {
+    fits: [(Fit, Vec<Option<f64>>); 2],
+}
+
+impl Halves {
+    fn of(dataset: &Dataset<'_>, weights: &[f64], best: &Fit) -> Halves {
+        let half = |is_second: bool| {
+            let is_in = |at: usize| (2 * at >= weights.len()) == is_second;
+            let each = weights.iter().enumerate();
+            let weights: Vec<f64> = each
+                .map(|(at, w)| if is_in(at) { *w } else { 0.0 })
+                .collect();
+            let problem = dataset.problem(&weights);
+            let fit = problem.fit_briefly(&best.shape, best.numbers.clone(), HALF_STEPS);
+            let errors = std_errors(&problem, &fit);
+            (fit, errors)
+        };
+        let (first, second) = rayon::join(|| half(false), || half(true));
+        Halves {
+            fits: [first, second],
+        }
+    }
+
+    /// Whether both halves give an effect the same size, and one of them knows it.
+    fn agree(&self, best: &Fit, id: EffectId, decide: &thresholds::Evidence) -> bool {
+        let is_size = |at: &usize| match best.shape.free[*at].owner {
+            Owner::Effect(number, 0) => {
+                let term = &best.shape.terms[number];
+                !term.given && term.id == id
+            }
+            _ => false,
+        };
+        let mut sizes = (0..best.shape.free.len()).filter(is_size);
+        let differ = |at: usize| {
+            let of = |(fit, errors): &(Fit, Vec<Option<f64>>)| {
+                Some((best.shape.natural(at, fit.numbers[at]), errors[at]?))
+            };
+            match (of(&self.fits[0]), of(&self.fits[1])) {
+                (Some((a, ea)), Some((b, eb))) => (a - b).abs() > decide.halves * ea.hypot(eb),
+                // Half a log may not show the effect at all, as an adhesion at the only lift-off.
+                _ => false,
+            }
+        };
+        // Modes of a spectrum trade their shares.
+        sizes.clone().count() > 1 || !sizes.any(differ)
+    }
+}
