@@ -85,6 +85,9 @@ impl Search<'_> {
             && blocks >= decide.blocks
             && halves.agree(best, id, decide)
             && !(repeats(id) && is_series(best, id, self.decide()));
+        if std::env::var("EVIDENCE").is_ok() {
+            eprintln!("EVID {:24} lead {:.2} share {:.2} blocks {:.2} halves {} series {} next {:?} left {:.1} base {:.1}", id.name(), without.cost / best.cost, support.share, blocks, halves.agree(best, id, decide), repeats(id) && is_series(best, id, self.decide()), support.next.map(|n| (n.id.name(), n.share)), best.cost / self.noise_cost, all[0].cost / self.noise_cost);
+        }
         let is_ahead = |fit: &Fit| fit.cost >= decide.lead * best.cost;
         let mut alternatives = alternatives(all, &ids, id, is_ahead);
         if let (Some(list), Some(other)) = (&mut alternatives, as_late(all, id)) {
