@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use tests::hidden::rig::case::Case;
 use tests::hidden::rig::kind::Kind;
 use tests::hidden::rig::write::Units;
-use tests::hidden::score::{further, run, sweep, table};
+use tests::hidden::score::{further, library, run, sweep, table};
 
 const USAGE: &str = "\
 hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J] [--brief]
              [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
 hidden record RIG --motion FILE --out DIR   (the same rig under another motion, to DIR/further.csv)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]
+hidden hard DIR… [--jobs J] [--list]   (the library's answers to harder rigs, by group)
 hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--brief] [--out OUT]
              (scores the library with the threshold NAME at -25 %, 0 and +25 %, on the rigs below DIR or, without
              one, on N rigs of each kind; without NAME: all thresholds, their defaults and reasons)";
@@ -25,6 +26,7 @@ fn main() {
         Some("record") => record(&arguments[1..]),
         Some("score") => score(&arguments[1..]),
         Some("sweep") => swept(&arguments[1..]),
+        Some("hard") => hard(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
     if let Err(message) = done {
@@ -139,6 +141,21 @@ fn swept(arguments: &[String]) -> Result<(), String> {
         return Err(format!("no truth.json below the folders given\n{USAGE}"));
     }
     print!("{}", sweep::text(name, &rigs, jobs as usize)?);
+    Ok(())
+}
+
+/// Scores the library on harder rigs.
+fn hard(arguments: &[String]) -> Result<(), String> {
+    let dirs = arguments.iter().take_while(|a| !a.starts_with("--"));
+    let rigs: Vec<PathBuf> = dirs.flat_map(|dir| run::rigs(Path::new(dir))).collect();
+    if rigs.is_empty() {
+        return Err(format!("no truth.json below the folders given\n{USAGE}"));
+    }
+    let jobs = number(arguments, "--jobs", 1)? as usize;
+    let options = palpate::gap::Options::default();
+    let scored = run::each(&rigs, jobs, |rig, _| library::score(rig, &options))?;
+    let list = arguments.iter().any(|a| a == "--list");
+    print!("{}", table::hard::text(&scored, list));
     Ok(())
 }
 

@@ -1,13 +1,24 @@
 //! What `palpate gap` answered, as far as it is scored.
 
 use super::truth::strings;
-use palpate::gap::{Finding, ParameterEstimate};
+use palpate::gap::Finding;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Values with their standard errors, by name.
 pub(crate) type Estimates = BTreeMap<String, (f64, f64)>;
+
+/// How sure the answer is of a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Grade {
+    /// The log is explained to the noise, and no rival is near.
+    Certain,
+    /// The name stands, and something else remains.
+    Strong,
+    /// It has rivals.
+    Open,
+}
 
 /// One effect that was named.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +31,8 @@ pub(crate) struct Named {
     pub(crate) without_error: usize,
     /// Ids that describe the data as well.
     pub(crate) alternatives: Vec<String>,
+    /// The grade of the name; `None` where the answer gives no grades.
+    pub(crate) grade: Option<Grade>,
 }
 
 /// What the workflow answered.
@@ -29,6 +42,8 @@ pub struct Answer {
     pub(crate) verdict: String,
     /// The effects that are missing in the model.
     pub(crate) effects: Vec<Named>,
+    /// The RMSE on the held-out part of the base alone, refitted (N).
+    pub(crate) rmse_before_n: f64,
     /// The RMSE on the held-out part with the named effects (N).
     pub(crate) rmse_after_n: f64,
     /// The noise floor that the workflow found (N).
@@ -59,6 +74,7 @@ impl Answer {
             "no_missing_effect",
             "missing_effects",
             "ambiguous",
+            "partly_explained",
             "unexplained",
         ];
         if !known.contains(&verdict.as_str()) {
@@ -72,6 +88,7 @@ impl Answer {
             without_error: effect["params"].as_object().map_or(0, serde_json::Map::len)
                 - estimates(&effect["params"]).len(),
             alternatives: strings(&effect["alternatives"]),
+            grade: grade(&effect["grade"]),
         };
         let rmse_after_n = json["rmse_n"]["after"]
             .as_f64()
@@ -84,6 +101,7 @@ impl Answer {
                 .flatten()
                 .map(named)
                 .collect(),
+            rmse_before_n: json["rmse_n"]["before"].as_f64().unwrap_or(f64::NAN),
             rmse_after_n,
             floor_n: json["noise_floor_n"].as_f64().unwrap_or(f64::NAN),
             base: estimates(&json["base"]["after"]),
@@ -92,34 +110,24 @@ impl Answer {
         })
     }
 
-    /// Takes what is scored from the library's finding.
-    pub(crate) fn of(finding: &Finding, seconds: f64) -> Answer {
-        let estimates = |known: &[ParameterEstimate]| -> Estimates {
-            let one =
-                |own: &ParameterEstimate| Some((own.name.clone(), (own.value, own.std_error?)));
-            known.iter().filter_map(one).collect()
-        };
-        let names = |ids: &[estimator_core::physics::effect::EffectId]| -> Vec<String> {
-            ids.iter().map(|id| id.name().to_string()).collect()
-        };
-        let named = finding.effects.iter().map(|effect| Named {
-            id: effect.id.name().to_string(),
-            params: estimates(&effect.parameters),
-            without_error: effect
-                .parameters
-                .iter()
-                .filter(|p| p.std_error.is_none())
-                .count(),
-            alternatives: names(&effect.alternatives),
-        });
-        Answer {
-            verdict: finding.verdict.name().to_string(),
-            effects: named.collect(),
-            rmse_after_n: finding.rmse_after_n,
-            floor_n: finding.noise_floor_n,
-            base: estimates(&finding.base_after),
-            seconds,
-            cpu_s: f64::NAN,
+    /// Takes what is scored from the library's finding, as the command writes it to gap.json.
+    pub(crate) fn of(finding: &Finding, seconds: f64) -> Result<Answer, String> {
+        Answer::parse(&palpate::cli::gap::json(finding, seconds).to_string())
+    }
+
+    /// The answer without the names that `drop` holds for.
+    pub(crate) fn without(&self, drop: impl Fn(&Named) -> bool) -> Answer {
+        let mut answer = self.clone();
+        answer.effects.retain(|named| !drop(named));
+        answer
+    }
+
+    /// Whether the answer stands for a name: by its grade, and without grades by the verdict
+    /// `missing_effects`.
+    pub(crate) fn stands_for(&self, named: &Named) -> bool {
+        match named.grade {
+            Some(grade) => grade != Grade::Open,
+            None => self.verdict == "missing_effects",
         }
     }
 
@@ -143,16 +151,25 @@ impl Answer {
         ids
     }
 
-    /// The answer's column in the confusion matrix: the names, with `?` for ambiguous and `!` for
-    /// unexplained.
+    /// The answer's column in the confusion matrix: the names, with `?` for ambiguous, `~` for partly
+    /// explained and `!` for unexplained.
     pub(crate) fn label(&self) -> String {
         let ids = self.ids().join("+");
         match self.verdict.as_str() {
             "no_missing_effect" => "null".into(),
             "ambiguous" => format!("{ids}?"),
+            "partly_explained" => format!("{ids}~"),
             "unexplained" => format!("{ids}!"),
             _ => ids,
         }
+    }
+}
+
+fn grade(value: &Value) -> Option<Grade> {
+    match value.as_str()? {
+        "certain" => Some(Grade::Certain),
+        "strong" => Some(Grade::Strong),
+        _ => Some(Grade::Open),
     }
 }
 

@@ -16,6 +16,7 @@ mod confusion;
 mod coverage;
 mod errors_and_times;
 mod false_alarms;
+pub mod hard;
 mod named;
 mod poor;
 mod runs;
