@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use tests::hidden::rig::case::Case;
 use tests::hidden::rig::kind::Kind;
 use tests::hidden::rig::write::Units;
+use tests::hidden::score::injected::{self, Question};
 use tests::hidden::score::{further, library, run, sweep, table};
 
 const USAGE: &str = "\
@@ -15,6 +16,9 @@ hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|
 hidden record RIG --motion FILE --out DIR   (the same rig under another motion, to DIR/further.csv)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]
 hidden hard DIR… [--jobs J] [--list]   (the library's answers to harder rigs, by group)
+hidden injected [--sizes 1,2,5] [--records DIR] [--only NAME[,NAME]…] [--every N]
+             (effects put into measured records, of the repository and of DIR; NAME: a part of the name of a
+             record or an effect)
 hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--brief] [--out OUT]
              (scores the library with the threshold NAME at -25 %, 0 and +25 %, on the rigs below DIR or, without
              one, on N rigs of each kind; without NAME: all thresholds, their defaults and reasons)";
@@ -27,6 +31,7 @@ fn main() {
         Some("score") => score(&arguments[1..]),
         Some("sweep") => swept(&arguments[1..]),
         Some("hard") => hard(&arguments[1..]),
+        Some("injected") => inject(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
     if let Err(message) = done {
@@ -156,6 +161,28 @@ fn hard(arguments: &[String]) -> Result<(), String> {
     let scored = run::each(&rigs, jobs, |rig, _| library::score(rig, &options))?;
     let list = arguments.iter().any(|a| a == "--list");
     print!("{}", table::hard::text(&scored, list));
+    Ok(())
+}
+
+/// Puts effects into measured records.
+fn inject(arguments: &[String]) -> Result<(), String> {
+    let sizes = option(arguments, "--sizes").unwrap_or("1,2,5");
+    let size = |text: &str| {
+        let size = text.parse().ok().filter(|size: &f64| *size > 0.0);
+        size.ok_or_else(|| format!("--sizes {sizes}: numbers such as 1,2,5 are expected"))
+    };
+    let question = Question {
+        sizes: sizes.split(',').map(size).collect::<Result<_, _>>()?,
+        only: option(arguments, "--only").map_or(Vec::new(), |names| {
+            names.split(',').map(String::from).collect()
+        }),
+        every: number(arguments, "--every", 1)?.max(1) as usize,
+    };
+    let mut roots = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("data")];
+    roots.extend(option(arguments, "--records").map(PathBuf::from));
+    let examined = injected::examine(&question, &roots, &|at| eprint!("\r\x1b[K{at} "));
+    eprintln!();
+    print!("{}", table::injected::text(&examined));
     Ok(())
 }
 

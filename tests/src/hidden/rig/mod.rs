@@ -8,6 +8,7 @@ pub(crate) mod drive;
 pub mod effect;
 pub mod fit;
 pub mod form;
+pub mod inject;
 pub mod kind;
 pub mod material;
 pub mod motion;

@@ -17,6 +17,7 @@ mod coverage;
 mod errors_and_times;
 mod false_alarms;
 pub mod hard;
+pub mod injected;
 mod named;
 mod poor;
 mod runs;
