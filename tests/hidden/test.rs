@@ -3,6 +3,7 @@
 //! whole workflow on short rigs.
 
 mod catalogue;
+mod injected;
 mod physics;
 mod scoring;
 mod small;

@@ -117,6 +117,7 @@ impl Truth {
     fn read_ours(mut self, json: &Value) -> Truth {
         self.kind = json["kind"].as_str().unwrap_or_default().to_string();
         self.base = numbers(&json["base"]);
+        self.tolerate = strings(&json["tolerate"]);
         let form = |id: &str| json["forms"][id].as_str().unwrap_or_default().to_string();
         for id in &self.effects {
             if form(id) == "catalogue" {

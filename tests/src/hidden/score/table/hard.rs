@@ -8,7 +8,10 @@ use crate::hidden::score::share::{Share, quantile};
 /// The groups: their row, and the kinds of rigs that belong to them. A kind that is in none has a row of
 /// its own.
 const GROUPS: [(&str, &[&str]); 7] = [
-    ("one effect, other form", &["other", "mismatched"]),
+    (
+        "one effect, other form",
+        &["other", "mismatched", "foreign"],
+    ),
     ("one effect, same form", &["same", "single"]),
     ("nothing", &["none"]),
     ("two effects", &["pair", "pair_mismatched"]),

@@ -27,9 +27,10 @@ mod unknown;
 pub const WIDE: usize = 100;
 
 /// The kinds of rigs in the order of the rows.
-const KINDS: [&str; 9] = [
+const KINDS: [&str; 10] = [
     "single",
     "mismatched",
+    "foreign",
     "pair",
     "pair_mismatched",
     "triple",
