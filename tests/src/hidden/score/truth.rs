@@ -106,7 +106,8 @@ impl Truth {
         } else {
             truth.read_older(&json)
         };
-        let something = !["none", "unknown", "poor", "scale"].contains(&truth.kind.as_str());
+        let something = !truth.effects.is_empty()
+            && !["unknown", "poor", "scale"].contains(&truth.kind.as_str());
         // The base nearly hides the effect, whatever the generator was asked for.
         if something && ratio("gap_ratio").is_some_and(|ratio| ratio < LEAST_RATIO) {
             truth.kind = "weak".into();
