@@ -3,6 +3,7 @@
 //! whole workflow on short rigs.
 
 mod catalogue;
+mod harder;
 mod injected;
 mod physics;
 mod scoring;

@@ -82,8 +82,10 @@ impl Running {
                     self.level += 1.0;
                 }
                 match self.kind {
-                    // The fourth touch meets it: three of some eight are the old material's.
-                    Stranger::Swap if self.level > 3.0 => 1.0 + self.strength.min(1.5),
+                    // The second or the fourth touch meets it, of some two or eight.
+                    Stranger::Swap if self.level > if self.hz < 40.0 { 1.0 } else { 3.0 } => {
+                        1.0 + self.strength.min(1.5)
+                    }
                     Stranger::Swap => 1.0,
                     _ => (1.0 + self.strength.min(0.3)).powf(-self.level),
                 }
