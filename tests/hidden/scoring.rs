@@ -100,8 +100,11 @@ fn answers_get_the_mark_that_they_deserve() {
     }
 }
 
-/// A name with a grade.
-fn graded(names: &[(&str, &str)]) -> String {
+/// Names with their grades.
+type Graded = &'static [(&'static str, &'static str)];
+
+/// The names as the answer writes them.
+fn graded(names: Graded) -> String {
     let one = |(id, grade): &(&str, &str)| {
         format!(r#"{{"id": "{id}", "alternatives": ["time_delay"], "grade": "{grade}"}}"#)
     };
@@ -111,7 +114,7 @@ fn graded(names: &[(&str, &str)]) -> String {
 
 #[test]
 fn a_name_is_judged_by_its_grade() {
-    let rows: [(&str, &str, &[(&str, &str)], Mark); 11] = [
+    let rows: [(&str, &str, Graded, Mark); 11] = [
         (
             "[]",
             "partly_explained",

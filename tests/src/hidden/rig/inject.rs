@@ -227,8 +227,8 @@ fn lagged(record: &Record, time: f64) -> Vec<f64> {
     out
 }
 
-/// −1 to 1: an element that is dragged along with the motion, and first bends by a fiftieth of a per cent
-/// of the travel, or by four counts of the encoder.
+/// −1 to 1: an element that is dragged along with the motion, and first bends by 0.2 % of the travel, or by
+/// four counts of the encoder.
 fn rubbing(record: &Record, way: f64) -> Vec<f64> {
     let bends = f64::max(4.0 * count(record), 2e-3 * way);
     let mut state: f64 = 0.0;
@@ -306,10 +306,11 @@ fn parabola(record: &Record, from: usize, to: usize, t: f64) -> [f64; 2] {
         }
     }
     for i in 0..3 {
-        for j in i + 1..3 {
-            let factor = m[j][i] / m[i][i];
-            for c in i..4 {
-                m[j][c] -= factor * m[i][c];
+        let pivot = m[i];
+        for row in &mut m[i + 1..] {
+            let factor = row[i] / pivot[i];
+            for (cell, above) in row.iter_mut().zip(pivot) {
+                *cell -= factor * above;
             }
         }
     }
