@@ -20,6 +20,33 @@ pub(crate) enum Grade {
     Open,
 }
 
+/// What speaks for a name.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Support {
+    /// The share of what can be taken off that the effect takes off.
+    share: f64,
+    /// The share of the blocks in which it does.
+    blocks: f64,
+    /// The best rival, and its share in the effect's place.
+    next: String,
+    next_share: f64,
+}
+
+impl std::fmt::Display for Support {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Support {
+            share,
+            blocks,
+            next,
+            next_share,
+        } = self;
+        write!(
+            f,
+            "share {share:.2} in {blocks:.2} of the blocks, next {next} {next_share:.2}"
+        )
+    }
+}
+
 /// One effect that was named.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Named {
@@ -33,6 +60,8 @@ pub(crate) struct Named {
     pub(crate) alternatives: Vec<String>,
     /// The grade of the name; `None` where the answer gives no grades.
     pub(crate) grade: Option<Grade>,
+    /// What speaks for the name, where the answer says it.
+    pub(crate) support: Option<Support>,
 }
 
 /// What the workflow answered.
@@ -48,6 +77,12 @@ pub struct Answer {
     pub(crate) rmse_after_n: f64,
     /// The noise floor that the workflow found (N).
     pub(crate) floor_n: f64,
+    /// What the best model of all leaves beyond the floor (N), and the share of the disagreement that is
+    /// explained, where the answer says so.
+    pub(crate) remainder_n: Option<f64>,
+    pub(crate) explained_share: Option<f64>,
+    /// The ids of the best set of all that were fitted.
+    pub(crate) best_set: Vec<String>,
     /// The base's parameters after the fit.
     pub base: Estimates,
     /// Wall-clock time of the process (s).
@@ -89,6 +124,7 @@ impl Answer {
                 - estimates(&effect["params"]).len(),
             alternatives: strings(&effect["alternatives"]),
             grade: grade(&effect["grade"]),
+            support: support(&effect["support"]),
         };
         let rmse_after_n = json["rmse_n"]["after"]
             .as_f64()
@@ -104,6 +140,9 @@ impl Answer {
             rmse_before_n: json["rmse_n"]["before"].as_f64().unwrap_or(f64::NAN),
             rmse_after_n,
             floor_n: json["noise_floor_n"].as_f64().unwrap_or(f64::NAN),
+            remainder_n: json["remainder_n"].as_f64(),
+            explained_share: json["explained_share"].as_f64(),
+            best_set: strings(&json["candidates"][0]["effects"]),
             base: estimates(&json["base"]["after"]),
             seconds: json["seconds"].as_f64().unwrap_or(f64::NAN),
             cpu_s: f64::NAN,
@@ -152,9 +191,16 @@ impl Answer {
     }
 
     /// The answer's column in the confusion matrix: the names, with `?` for ambiguous, `~` for partly
-    /// explained and `!` for unexplained.
+    /// explained and `!` for unexplained; in brackets the names that a partly explained log leaves open.
     pub(crate) fn label(&self) -> String {
-        let ids = self.ids().join("+");
+        let standing = self.without(|named| !self.stands_for(named));
+        let partly = self.verdict == "partly_explained";
+        let shown = |id: &&str| match partly && !standing.ids().contains(id) {
+            true => format!("({id})"),
+            false => (*id).to_string(),
+        };
+        let ids: Vec<String> = self.ids().iter().map(shown).collect();
+        let ids = ids.join("+");
         match self.verdict.as_str() {
             "no_missing_effect" => "null".into(),
             "ambiguous" => format!("{ids}?"),
@@ -171,6 +217,16 @@ fn grade(value: &Value) -> Option<Grade> {
         "strong" => Some(Grade::Strong),
         _ => Some(Grade::Open),
     }
+}
+
+fn support(value: &Value) -> Option<Support> {
+    let number = |name: &str| value[name].as_f64();
+    Some(Support {
+        share: number("share")?,
+        blocks: number("blocks").unwrap_or(f64::NAN),
+        next: value["next"].as_str().unwrap_or("none").to_string(),
+        next_share: number("next_share").unwrap_or(0.0),
+    })
 }
 
 fn estimates(value: &Value) -> Estimates {

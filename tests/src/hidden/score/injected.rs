@@ -77,8 +77,12 @@ pub struct Outcome {
     pub companion: bool,
     /// The found size over the true one, where the effect is named.
     pub ratio: Option<f64>,
+    /// The effect is in the best set of all that were fitted, whatever was then said of it.
+    pub in_best_set: bool,
     /// The answer in short, or how the workflow failed.
     pub label: String,
+    /// The parameter that was put in, and what speaks for the name where the answer says it.
+    pub detail: String,
 }
 
 impl Outcome {
@@ -186,8 +190,9 @@ fn owners_model(log: &Log, base: &Model, options: &Options) -> Result<(Clean, Mo
         records::parsed(&text).map_err(|e| format!("its model.toml cannot be read back: {e}"))?;
     let (again, _) = asked(log, &owner, options)?;
     let beyond = again.rmse_before_n.powi(2) - again.floor_n.powi(2);
+    let remainder_n = found.remainder_n.unwrap_or(beyond.max(0.0).sqrt());
     // Where the model explains everything, the noise is what an effect is measured by.
-    let remainder_n = beyond.max(again.floor_n.powi(2)).sqrt();
+    let remainder_n = remainder_n.max(again.floor_n);
     Ok((
         Clean {
             found,
@@ -244,6 +249,8 @@ fn altered(
             named: false,
             companion: false,
             ratio: None,
+            in_best_set: false,
+            detail: String::new(),
             label: error.lines().next().unwrap_or_default().to_string(),
         },
     })
@@ -253,12 +260,20 @@ fn judged(id: &str, injection: &Injection, answer: &Answer, worse: f64, left: f6
     let right = |named: &&Named| family(id).contains(&named.id.as_str());
     let mut standing = answer.effects.iter().filter(|named| stands(named));
     let named = standing.clone().find(right);
+    let mut best = answer.best_set.iter();
+    let mut detail = format!("{} {:.3e}", injection.name, injection.value);
+    let supported = answer.effects.iter().filter(right);
+    for support in supported.filter_map(|named| named.support.as_ref()) {
+        detail += &format!(", {support}");
+    }
     Outcome {
         worse,
         left,
         named: named.is_some(),
         companion: standing.any(|named| !right(&named)),
         ratio: named.and_then(|named| ratio(named, injection)),
+        in_best_set: best.any(|best| family(id).contains(&best.as_str())),
+        detail,
         label: answer.label(),
     }
 }

@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 pub(super) struct Coverage {
     pub(super) added: Share,
     pub(super) base: Share,
+    /// The truths within three standard errors, base and added.
+    pub(super) near: Share,
     /// The same for each parameter.
     each: BTreeMap<String, Share>,
     /// The numbers of named effects, and those without an interval.
@@ -30,6 +32,9 @@ pub(super) fn of<'a>(scored: impl IntoIterator<Item = &'a Scored>) -> Coverage {
             continue;
         }
         let (of_added, of_base) = errors(&one.truth, answer);
+        for (_, error) in of_added.iter().chain(&of_base) {
+            coverage.near.push(error.abs() <= 3.0);
+        }
         // An estimate at a bound may have no interval; it is neither covered nor part of the share.
         for effect in &answer.effects {
             coverage.numbers += effect.params.len() + effect.without_error;
@@ -58,6 +63,7 @@ pub(super) fn text(scored: &[Scored]) -> String {
         each,
         numbers,
         without,
+        ..
     } = of(something);
     if added.of + base.of == 0 {
         return String::new();

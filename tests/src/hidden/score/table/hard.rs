@@ -26,18 +26,11 @@ const ADEQUATE: f64 = 1.3;
 /// The table, then each run that is neither right and alone nor right or open; with `list` every run.
 pub fn text(scored: &[Scored], list: bool) -> String {
     let mut text = format!(
-        "{:<25}{:>5}{:>11}{:>10}{:>8}{:>8}{:>7}{:>14}{:>9}{:>10}{:>8}\n{:<25}{:>5}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{:>9}{:>10}{:>8}\n",
-        "",
-        "",
-        "right and",
-        "right or",
-        "wrong",
-        "nothing",
-        "false",
-        "R",
-        "R",
-        "95 %",
-        "s",
+        "{:<25}{:>5}{:>11}{:>10}{:>8}{:>8}{:>7}{:>14}{:>9}{:>12}{:>7}\n",
+        "", "", "right and", "right or", "wrong", "nothing", "false", "R", "R", "covered, %", "s"
+    );
+    text += &format!(
+        "{:<25}{:>5}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{:>9}{:>7}{:>5}{:>7}\n",
         "group",
         "n",
         "alone, %",
@@ -48,8 +41,9 @@ pub fn text(scored: &[Scored], list: bool) -> String {
         "median",
         "p90",
         "> 1.3",
-        "cover, %",
-        "p95",
+        "95 %",
+        "3 σ",
+        "p95"
     );
     for (name, runs) in groups(scored) {
         text += &row(&name, &runs);
@@ -59,7 +53,8 @@ pub fn text(scored: &[Scored], list: bool) -> String {
     text += "right: where nothing is hidden nothing named, in no catalogue unexplained and nothing named. wrong\n\
              name: as certain or strong. nothing named: something of the catalogue is hidden and the answer names\n\
              nothing. R: held-out RMSE after, over the true floor, where right; > 1.3: answers that are adequate by\n\
-             their own word above 1.3 floors, of how many. cover: truths in 95 % intervals, base and added.\n";
+             their own word above 1.3 floors, of how many. covered: truths of base and added parameters within\n\
+             their 95 % interval and within three standard errors. s: of wall clock.\n";
     let missed = scored.iter().filter(|one| list || !right_or_open(one));
     missed.map(runs::line).for_each(|line| text += &line);
     text
@@ -127,7 +122,7 @@ fn row(name: &str, of: &[&Scored]) -> String {
         false => format!("{value:.decimals$}"),
     };
     format!(
-        "{name:<25}{:>5}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{:>9}{:>10}{:>8}\n",
+        "{name:<25}{:>5}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{:>9}{:>7}{:>5}{:>7}\n",
         of.len(),
         percent(is(&alone)),
         percent(is(&right_or_open)),
@@ -138,6 +133,10 @@ fn row(name: &str, of: &[&Scored]) -> String {
         shown(quantile(&named, 0.9), 2),
         format!("{}/{}", above.hits, above.of),
         percent(both),
+        match covered.near.of {
+            0 => "–".to_string(),
+            of => format!("{:.0}", 100.0 * covered.near.hits as f64 / of as f64),
+        },
         shown(quantile(&seconds, 0.95), 1),
     )
 }

@@ -51,7 +51,11 @@ fn clean(examined: &[Examined]) -> String {
                     again.rmse_before_n / found.rmse_after_n,
                     again.verdict,
                 );
-                text += &wrapped("    ", &format!("owner's model: {}", found.label()));
+                let share = found.explained_share.map_or(String::new(), |share| {
+                    format!(", explains {:.1} %", 100.0 * share)
+                });
+                let model = format!("owner's model: {}{share}", found.label());
+                text += &wrapped("    ", &model);
             }
             Err(error) => line!(text, "{:<24}  no model: {error}", one.record),
         }
@@ -87,8 +91,8 @@ fn effects(examined: &[Examined]) -> String {
             .push(outcome);
     }
     let mut text = format!(
-        "{:<24}{:>5}{:>16}{:>18}{:>16}{:>10}\n",
-        "injected", "n", "named, %", "and a wrong one", "within 20 %", "left"
+        "{:<24}{:>5}{:>16}{:>10}{:>17}{:>13}{:>7}\n",
+        "injected", "n", "named, %", "best set", "a wrong one, %", "within 20 %", "left"
     );
     for (name, counted) in by_size.iter().chain(&by_name).chain(&by_record) {
         let share = |what: &dyn Fn(&Outcome) -> bool| Share {
@@ -103,18 +107,20 @@ fn effects(examined: &[Examined]) -> String {
         let left: Vec<f64> = counted.iter().map(|one| one.left).collect();
         line!(
             text,
-            "{name:<24}{:>5}{:>16}{:>18}{:>16}{:>10.2}",
+            "{name:<24}{:>5}{:>16}{:>10}{:>17}{:>13}{:>7.2}",
             counted.len(),
             named.to_string(),
-            share(&|one| one.companion).hits,
+            share(&|one| one.in_best_set).hits,
+            share(&|one| one.companion).to_string(),
             format!("{} of {}", close.hits, close.of),
             crate::hidden::score::share::quantile(&left, 0.5),
         );
     }
     line!(
         text,
-        "named: itself or a member of its nested family stands. left: error after over the error on the\n\
-         clean record, median; 1 is as good as before the effect came."
+        "named: itself or a member of its nested family stands. best set: it is in the best set of all that\n\
+         were fitted. left: error after over the error on the clean record, median; 1 is as good as before\n\
+         the effect came."
     );
     text
 }
@@ -128,7 +134,8 @@ fn each(examined: &[Examined]) -> impl Iterator<Item = (&str, &Injected)> {
 
 fn misses(examined: &[Examined]) -> String {
     let mut text = String::from(
-        "missed, with a wrong companion, or of another size (! unexplained, ~ partly, ? open):\n",
+        "missed, with a wrong companion, or of another size (! unexplained, ~ partly explained with what it\n\
+         leaves open in brackets, ? ambiguous; * the effect is in the best set):\n",
     );
     for (record, injected) in each(examined) {
         let Ok(one) = &injected.outcome else { continue };
@@ -139,8 +146,14 @@ fn misses(examined: &[Examined]) -> String {
             format!(", size {ratio:.2} of the true one")
         });
         let said = format!(
-            "{record} {} {} ×: {:.2} times worse → {} leaves {:.2}{size}",
-            injected.id, injected.size, one.worse, one.label, one.left
+            "{record} {} {} ×{}: {:.2} times worse → {} leaves {:.2}{size} ({})",
+            injected.id,
+            injected.size,
+            if one.in_best_set { " *" } else { "" },
+            one.worse,
+            one.label,
+            one.left,
+            one.detail,
         );
         text += &wrapped("  ", &said);
     }
