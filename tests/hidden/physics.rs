@@ -225,3 +225,45 @@ fn the_loop_of_a_rate_independent_contact_does_not_know_the_rate() {
     // z = 1 − 2e^{−s/d} after a reversal: the rectangle 4·A·F_h less d at each end.
     close(slow, 4.0 * 0.5 * (1e-3 - 0.2e-3), 1e-3);
 }
+
+#[test]
+fn elements_that_slip_take_their_energy_from_every_cycle() {
+    let elements = vec![(0.1, 0.2e-3), (0.3, 1e-3)];
+    let lost = |(force, slips): &(f64, f64)| 4.0 * force * (5e-3 - slips);
+    let expected: f64 = elements.iter().map(lost).sum();
+    let force = forces(&linear(vec![Effect::Iwan { elements }]), 2.0, free_sine);
+    // The first cycle starts in the middle.
+    let work = |k: usize| force[k] * free_sine(k as f64 * DT_S)[1] * DT_S;
+    close(
+        (force.len() / 2..force.len()).map(work).sum(),
+        expected,
+        2e-3,
+    );
+}
+
+#[test]
+fn a_load_cell_that_resonates_is_late_by_its_damping() {
+    let (hz, damping, rate) = (40.0, 0.5, 3.0);
+    let ramp = Effect::Drift {
+        rate,
+        time: 0.0,
+        bend: 0.0,
+        scale: 1.0,
+    };
+    let hidden = vec![ramp, Effect::Resonance { hz, damping }];
+    let force = forces(&linear(hidden), 1.0, free_sine);
+    let late_s = 0.9 - force[(0.9 / DT_S).round() as usize] / rate;
+    // 2ζ/ω for a ramp, to a sub-step.
+    close(late_s, 2.0 * damping / (std::f64::consts::TAU * hz), 0.02);
+}
+
+#[test]
+fn an_attraction_pulls_before_the_touch_as_after_it() {
+    let attraction = Effect::Attraction {
+        force: 0.3,
+        range: 0.2e-3,
+    };
+    let at = |x: f64| forces(&linear(vec![attraction.clone()]), 0.01, |_| [x, 0.0, 0.0])[100];
+    close(at(-0.2e-3), -0.3 / 4.0, 1e-9);
+    close(at(1e-3), K * 1e-3 - 0.3, 1e-9);
+}

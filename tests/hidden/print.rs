@@ -5,15 +5,23 @@
 
 use std::path::{Path, PathBuf};
 use tests::hidden::rig::case::Case;
+use tests::hidden::rig::harder::{GROUPS, Group, Rig};
 use tests::hidden::rig::kind::Kind;
 use tests::hidden::rig::write::Units;
-use tests::hidden::score::{further, run, sweep, table};
+use tests::hidden::score::injected::{self, Question};
+use tests::hidden::score::{further, library, run, sweep, table};
 
 const USAGE: &str = "\
-hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched] [--seed S] [--jobs J] [--brief]
+hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched|foreign] [--seed S] [--jobs J] [--brief]
              [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
 hidden record RIG --motion FILE --out DIR   (the same rig under another motion, to DIR/further.csv)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]
+hidden hard [DIR…] [--rigs N] [--only NAME[,NAME]…] [--seed S] [--out OUT] [--jobs J] [--list]
+             (the library's answers to harder rigs, by group: those below DIR or, without one, N fresh ones of
+             each group whose name contains a NAME)
+hidden injected [--sizes 1,2,5] [--records DIR] [--only NAME[,NAME]…] [--every N]
+             (effects put into measured records, of the repository and of DIR; NAME: a part of the name of a
+             record or an effect)
 hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--brief] [--out OUT]
              (scores the library with the threshold NAME at -25 %, 0 and +25 %, on the rigs below DIR or, without
              one, on N rigs of each kind; without NAME: all thresholds, their defaults and reasons)";
@@ -25,6 +33,8 @@ fn main() {
         Some("record") => record(&arguments[1..]),
         Some("score") => score(&arguments[1..]),
         Some("sweep") => swept(&arguments[1..]),
+        Some("hard") => hard(&arguments[1..]),
+        Some("injected") => inject(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
     if let Err(message) = done {
@@ -90,13 +100,16 @@ fn kind(name: &str) -> Result<Kind, String> {
 
 /// Draws and saves cases, several at a time.
 fn save_all(dir: &Path, cases: u64, jobs: u64, draw: impl Fn(u64) -> Case + Sync, say: fn(&str)) {
+    for_each(cases, jobs, |index| say(&save(dir, &draw(index), index)));
+}
+
+/// Does something for each index, several at a time.
+fn for_each(count: u64, jobs: u64, act: impl Fn(u64) + Sync) {
     std::thread::scope(|scope| {
         for job in 0..jobs {
-            let draw = &draw;
+            let act = &act;
             scope.spawn(move || {
-                for index in (job..cases).step_by(jobs as usize) {
-                    say(&save(dir, &draw(index), index));
-                }
+                (job..count).step_by(jobs as usize).for_each(act);
             });
         }
     });
@@ -139,6 +152,83 @@ fn swept(arguments: &[String]) -> Result<(), String> {
         return Err(format!("no truth.json below the folders given\n{USAGE}"));
     }
     print!("{}", sweep::text(name, &rigs, jobs as usize)?);
+    Ok(())
+}
+
+/// Scores the library on harder rigs: on those below folders, or on fresh ones.
+fn hard(arguments: &[String]) -> Result<(), String> {
+    let words = arguments.iter().take_while(|a| !a.starts_with("--"));
+    let mut dirs: Vec<PathBuf> = words.map(PathBuf::from).collect();
+    let jobs = number(arguments, "--jobs", 1)?.max(1);
+    if dirs.is_empty() {
+        dirs = fresh(arguments, jobs)?;
+    }
+    let rigs: Vec<PathBuf> = dirs.iter().flat_map(|dir| run::rigs(dir)).collect();
+    if rigs.is_empty() {
+        return Err(format!("no truth.json below the folders given\n{USAGE}"));
+    }
+    let options = palpate::gap::Options::default();
+    let jobs = jobs as usize;
+    let scored = run::each(&rigs, jobs, |rig, _| library::score(rig, &options))?;
+    let list = arguments.iter().any(|a| a == "--list");
+    print!("{}", table::hard::text(&scored, list));
+    Ok(())
+}
+
+/// Draws harder rigs of each group, and says where they are.
+fn fresh(arguments: &[String], jobs: u64) -> Result<Vec<PathBuf>, String> {
+    let (rigs, seed) = (
+        number(arguments, "--rigs", 6)?,
+        number(arguments, "--seed", 1)?,
+    );
+    let only = option(arguments, "--only").unwrap_or("");
+    let chosen = |group: &&Group| only.split(',').any(|part| group.name.contains(part));
+    let out = Path::new(option(arguments, "--out").unwrap_or("target/hidden-hard"));
+    let mut dirs = Vec::new();
+    for group in GROUPS.iter().filter(chosen) {
+        let name = group.name.replace([' ', ',', '%', '.'], "");
+        let dir = out.join(format!("{seed}-{rigs}")).join(name);
+        // An hour takes minutes to draw.
+        let rigs = if group.name == "an hour" {
+            rigs.min(3)
+        } else {
+            rigs
+        };
+        for_each(rigs, jobs, |index| {
+            let rig = Rig::draw(group, seed, index);
+            let to = dir.join(format!("rig-{:03}", index + 1));
+            match rig.save(&to) {
+                Ok(()) => eprintln!("{} {rig}", to.display()),
+                Err(error) => eprintln!("{}: {error}", to.display()),
+            }
+        });
+        dirs.push(dir);
+    }
+    match dirs.is_empty() {
+        true => Err(format!("--only {only}: no group has such a name")),
+        false => Ok(dirs),
+    }
+}
+
+/// Puts effects into measured records.
+fn inject(arguments: &[String]) -> Result<(), String> {
+    let sizes = option(arguments, "--sizes").unwrap_or("1,2,5");
+    let size = |text: &str| {
+        let size = text.parse().ok().filter(|size: &f64| *size > 0.0);
+        size.ok_or_else(|| format!("--sizes {sizes}: numbers such as 1,2,5 are expected"))
+    };
+    let question = Question {
+        sizes: sizes.split(',').map(size).collect::<Result<_, _>>()?,
+        only: option(arguments, "--only").map_or(Vec::new(), |names| {
+            names.split(',').map(String::from).collect()
+        }),
+        every: number(arguments, "--every", 1)?.max(1) as usize,
+    };
+    let mut roots = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("data")];
+    roots.extend(option(arguments, "--records").map(PathBuf::from));
+    let examined = injected::examine(&question, &roots, &|at| eprint!("\r\x1b[K{at} "));
+    eprintln!();
+    print!("{}", table::injected::text(&examined));
     Ok(())
 }
 

@@ -100,6 +100,134 @@ fn answers_get_the_mark_that_they_deserve() {
     }
 }
 
+/// Names with their grades.
+type Graded = &'static [(&'static str, &'static str)];
+
+/// The names as the answer writes them.
+fn graded(names: Graded) -> String {
+    let one = |(id, grade): &(&str, &str)| {
+        format!(r#"{{"id": "{id}", "alternatives": ["time_delay"], "grade": "{grade}"}}"#)
+    };
+    let all: Vec<String> = names.iter().map(one).collect();
+    format!("[{}]", all.join(","))
+}
+
+#[test]
+fn a_name_is_judged_by_its_grade() {
+    let rows: [(&str, &str, Graded, Mark); 11] = [
+        (
+            "[]",
+            "partly_explained",
+            &[("cogging", "strong")],
+            Mark::ConfidentWrong,
+        ),
+        ("[]", "unexplained", &[("cogging", "open")], Mark::Doubtful),
+        (
+            r#"["unknown"]"#,
+            "partly_explained",
+            &[("cogging", "strong")],
+            Mark::ConfidentWrong,
+        ),
+        (
+            r#"["unknown"]"#,
+            "partly_explained",
+            &[("cogging", "open")],
+            Mark::Junk,
+        ),
+        (
+            r#"["unknown"]"#,
+            "ambiguous",
+            &[("cogging", "certain")],
+            Mark::ConfidentWrong,
+        ),
+        (
+            r#"["cogging"]"#,
+            "partly_explained",
+            &[("cogging", "strong")],
+            Mark::NotAdequate,
+        ),
+        (
+            r#"["cogging"]"#,
+            "partly_explained",
+            &[("cogging", "open")],
+            Mark::InGroup,
+        ),
+        (
+            r#"["cogging"]"#,
+            "partly_explained",
+            &[("backlash", "strong")],
+            Mark::ConfidentWrong,
+        ),
+        // A rival leaves it open that the right one stands.
+        (
+            r#"["time_delay"]"#,
+            "partly_explained",
+            &[("force_lag", "open")],
+            Mark::InGroup,
+        ),
+        // One of two stands, the other is open and wrong.
+        (
+            r#"["cogging", "backlash"]"#,
+            "partly_explained",
+            &[("cogging", "strong"), ("force_drift", "open")],
+            Mark::Doubtful,
+        ),
+        (
+            r#"["cogging", "backlash"]"#,
+            "partly_explained",
+            &[("cogging", "strong")],
+            Mark::Incomplete,
+        ),
+    ];
+    for (effects, verdict, named, expected) in rows {
+        let given = mark(&truth(effects, "{}"), &answer(verdict, &graded(named)));
+        assert_eq!(given, expected, "{effects}: {verdict} {named:?}");
+    }
+}
+
+#[test]
+fn true_parts_that_are_not_asked_for_are_no_wrong_names() {
+    let truth = |effects: &str| {
+        let text = format!(
+            r#"{{"category": "same", "kind": "cogging", "effects": {effects}, "floor_n": 0.01,
+                "accept": [["cogging"], ["cogging", "backlash"]],
+                "tolerate": ["periodic_disturbance@50", "force_offset"],
+                "params": {{"cogging.amplitude": 0.2}}, "law": "hunt_crossley", "base": {{"K": 1000.0}}}}"#
+        );
+        Truth::parse(&text).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let line = |hz: f64| {
+        format!(
+            r#"{{"id": "periodic_disturbance", "params": {{"frequency": {{"value": {hz}, "std_error": 0.01}}}}}}"#
+        )
+    };
+    let cogging = r#"{"id": "cogging"}"#;
+    let marked = |effects: &str, named: &[&str]| {
+        let named = format!("[{}]", named.join(","));
+        mark(&truth(effects), &answer("missing_effects", &named))
+    };
+    let something = r#"["cogging"]"#;
+    assert_eq!(marked(something, &[cogging, &line(50.02)]), Mark::Exact);
+    assert_eq!(
+        marked(something, &[cogging, r#"{"id": "force_offset"}"#]),
+        Mark::Exact
+    );
+    assert_eq!(
+        marked(something, &[cogging, r#"{"id": "backlash"}"#]),
+        Mark::Exact
+    );
+    assert_eq!(
+        marked(something, &[cogging, &line(44.0)]),
+        Mark::ConfidentWrong
+    );
+    // Where nothing else is hidden, the hum alone is no alarm.
+    assert_eq!(marked("[]", &[&line(50.02)]), Mark::Exact);
+    assert_eq!(marked("[]", &[&line(44.0)]), Mark::ConfidentWrong);
+    let read = truth(something);
+    assert_eq!(read.params["cogging"]["amplitude"], 0.2);
+    assert_eq!(read.base["stiffness"], 1000.0);
+}
+
 #[test]
 fn errors_are_counted_in_standard_errors_and_phases_modulo_a_turn() {
     let truth = truth(r#"["cogging"]"#, r#"{"cogging": "catalogue"}"#);

@@ -3,6 +3,8 @@
 //! whole workflow on short rigs.
 
 mod catalogue;
+mod harder;
+mod injected;
 mod physics;
 mod scoring;
 mod small;

@@ -7,5 +7,17 @@
 //! are answered in another way. `cargo run --release -p tests --example hidden -- sweep` lists the thresholds.
 //! A value that was chosen on some seeds is scored on others.
 
+//!
+//! Two further tables ask about the world as it is:
+//!
+//! - `… --example hidden -- hard --rigs 10 --seed 5`: harder rigs, with sensors and sampling as they are on a
+//!   bench ([`rig::harder`]), forms that the catalogue lacks and nineteen misfits that are in none, by group;
+//!   `--only none,unknown` draws some groups, and `hard DIR` scores rigs that are there already, also those
+//!   of others.
+//! - `… --example hidden -- injected --sizes 1,2,5`: effects put into measured records ([`rig::inject`]). The
+//!   model that `gap` finds on the clean record is its owner's; what that leaves is the remainder; an effect
+//!   that changes the force by so many remainders (rms) has to be named, and nothing but it, and on the clean
+//!   record nothing. `--records DIR` adds records whose licence keeps them out of the repository.
+
 pub mod rig;
 pub mod score;

@@ -5,6 +5,8 @@ mod motion;
 mod plan;
 pub mod print;
 
+pub use files::json;
+
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;

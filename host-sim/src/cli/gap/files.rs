@@ -118,7 +118,7 @@ fn csv(writer: &mut dyn Write, curves: &Curves) -> io::Result<()> {
 }
 
 /// The content of `gap.json`.
-pub(super) fn json(finding: &Finding, seconds: f64) -> Value {
+pub fn json(finding: &Finding, seconds: f64) -> Value {
     json!({
         "verdict": finding.verdict.name(),
         "effects": finding.effects.iter().map(effect).collect::<Vec<_>>(),

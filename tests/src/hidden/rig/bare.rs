@@ -119,7 +119,11 @@ impl Bare {
     /// Seeks the strength of a misfit that is in no catalogue.
     pub(super) fn strange(&self, which: Stranger, random: &mut Random) -> Option<(Stranger, f64)> {
         let from = match which {
-            Stranger::GainWalk | Stranger::TouchStiffness | Stranger::Crackle => 0.03,
+            Stranger::GainWalk
+            | Stranger::TouchStiffness
+            | Stranger::Crackle
+            | Stranger::Swap
+            | Stranger::Fatigue => 0.03,
             Stranger::Dropouts => 0.3,
             _ => 0.02 * self.scale.peak_n,
         };

@@ -21,6 +21,9 @@ pub(super) struct Drive<'a> {
     friction: f64,
     loose: [f64; 2],
     lag: [f64; 2],
+    slips: [f64; MOST],
+    /// Force and its rate behind a load cell that resonates.
+    cell: [f64; 2],
     last: f64,
     before_x: f64,
     started: bool,
@@ -49,6 +52,8 @@ impl<'a> Drive<'a> {
             friction: 0.0,
             loose: [0.0; 2],
             lag: [0.0; 2],
+            slips: [0.0; MOST],
+            cell: [0.0; 2],
             last: 0.0,
             before_x: x,
             started: false,
@@ -186,6 +191,15 @@ impl<'a> Drive<'a> {
                     mass * ((1.0 - loose) * a
                         + loose * swing(&mut self.loose, a, *hz, *damping, dt))
                 }
+                Effect::Iwan { elements } => {
+                    let way = x - self.before_x;
+                    let each = self.slips.iter_mut().zip(elements);
+                    each.map(|(z, (force, slips))| {
+                        *z = (*z + way / slips).clamp(-1.0, 1.0);
+                        force * *z
+                    })
+                    .sum()
+                }
                 effect => plain_load(effect, t, x, v),
             };
         }
@@ -197,6 +211,12 @@ impl<'a> Drive<'a> {
     fn lagged(&mut self, force: f64, dt: f64) -> f64 {
         let mut read = force;
         for effect in &self.plant.hidden {
+            if let Effect::Resonance { hz, damping } = effect {
+                if !self.started {
+                    self.cell = [force, 0.0];
+                }
+                read = resonated(&mut self.cell, force, *hz, *damping, dt);
+            }
             if let Effect::Lag { time, order } = effect {
                 let stage_s = time / *order as f64;
                 let mut input = (if self.started { self.last } else { force }, force);
@@ -231,6 +251,14 @@ fn rubbed(before: f64, way: f64, v: f64, friction: &Friction) -> f64 {
     } else {
         0.0
     }
+}
+
+/// The force (N) behind a load cell of second order, semi-implicit.
+pub(super) fn resonated(state: &mut [f64; 2], force: f64, hz: f64, damping: f64, dt: f64) -> f64 {
+    let w = std::f64::consts::TAU * hz;
+    state[1] += dt * (w * w * (force - state[0]) - 2.0 * damping * w * state[1]);
+    state[0] += dt * state[1];
+    state[0]
 }
 
 /// The acceleration (m/s²) of a mass that hangs on a spring, semi-implicit.

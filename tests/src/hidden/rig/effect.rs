@@ -123,6 +123,12 @@ pub enum Effect {
     /// A force in the load path that is a formula of time, position and speed: of any effect that needs no
     /// more, with its parameters.
     Load { formula: Formula, params: Vec<f64> },
+    /// Elements with a force and the way (m) after which they slip, in the load path.
+    Iwan { elements: Vec<(f64, f64)> },
+    /// −force in contact, and −force/(1 + gap/range)² before it and after it.
+    Attraction { force: f64, range: f64 },
+    /// A load cell that resonates.
+    Resonance { hz: f64, damping: f64 },
     /// x_read = x + amplitude·sin(2πx/pitch + phase) with a second harmonic [second 0].
     Encoder {
         amplitude: f64,
@@ -229,11 +235,23 @@ pub(crate) enum Stranger {
     SquareDamping,
     /// The cable of the load cell drops out.
     Dropouts,
+    /// A disturbance sweeps through its band again and again, at rest as well.
+    Chirps,
+    /// The zero is loud now and then, at rest as well.
+    Bursts,
+    /// The zero jumps between two levels.
+    Telegraph,
+    /// After some touches another material is there.
+    Swap,
+    /// Every touch leaves the material softer.
+    Fatigue,
+    /// A hand pushes now and then.
+    HandBumps,
 }
 
 impl Stranger {
     /// Every misfit.
-    pub(crate) const ALL: [Stranger; 13] = [
+    pub(crate) const ALL: [Stranger; 19] = [
         Stranger::Chatter,
         Stranger::GainWalk,
         Stranger::TouchStiffness,
@@ -247,6 +265,12 @@ impl Stranger {
         Stranger::Crackle,
         Stranger::SquareDamping,
         Stranger::Dropouts,
+        Stranger::Chirps,
+        Stranger::Bursts,
+        Stranger::Telegraph,
+        Stranger::Swap,
+        Stranger::Fatigue,
+        Stranger::HandBumps,
     ];
 
     /// The name in truth.json.
@@ -265,6 +289,12 @@ impl Stranger {
             Stranger::Crackle => "crackle",
             Stranger::SquareDamping => "square_damping",
             Stranger::Dropouts => "dropouts",
+            Stranger::Chirps => "chirps",
+            Stranger::Bursts => "bursts",
+            Stranger::Telegraph => "telegraph",
+            Stranger::Swap => "swap",
+            Stranger::Fatigue => "fatigue",
+            Stranger::HandBumps => "hand_bumps",
         }
     }
 }

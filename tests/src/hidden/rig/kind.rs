@@ -1,6 +1,7 @@
 //! The kinds of cases, and which effects they hide.
 
 use super::draw::CATALOGUE;
+use super::draw::foreign::FORMS;
 use super::motion::Profile;
 use super::random::Random;
 
@@ -38,11 +39,13 @@ pub enum Kind {
     Weak,
     /// Two effects in other forms.
     PairMismatched,
+    /// One effect in a form that is foreign to the catalogue.
+    Foreign,
 }
 
 impl Kind {
     /// Every kind with its name in truth.json.
-    pub const ALL: [(Kind, &'static str); 9] = [
+    pub const ALL: [(Kind, &'static str); 10] = [
         (Kind::Single, "single"),
         (Kind::Mismatched, "mismatched"),
         (Kind::Pair, "pair"),
@@ -52,6 +55,7 @@ impl Kind {
         (Kind::Poor, "poor"),
         (Kind::Weak, "weak"),
         (Kind::PairMismatched, "pair_mismatched"),
+        (Kind::Foreign, "foreign"),
     ];
 
     /// The name in truth.json.
@@ -79,6 +83,7 @@ impl Kind {
         match self {
             Kind::Single => random.log_between(1.7, 20.0),
             Kind::Mismatched | Kind::PairMismatched | Kind::Poor => random.log_between(1.7, 6.0),
+            Kind::Foreign => random.log_between(2.0, 12.0),
             Kind::Weak => random.between(1.15, 1.45),
             _ => random.log_between(2.0, 8.0),
         }
@@ -95,6 +100,7 @@ pub(super) fn ids(kind: Kind, index: u64, random: &mut Random) -> Vec<&'static s
     let index = index as usize;
     match kind {
         Kind::Single | Kind::Mismatched | Kind::Weak => vec![CATALOGUE[index % CATALOGUE.len()]],
+        Kind::Foreign => vec![FORMS[index % FORMS.len()].0],
         Kind::Poor => vec![POOR[index % POOR.len()]],
         Kind::None | Kind::Unknown => Vec::new(),
         Kind::Pair | Kind::PairMismatched | Kind::Triple => {

@@ -70,15 +70,24 @@ impl Plant {
         };
         let dt = (SUBSTEPS / every) as f64 / FINE_HZ;
         let force = self.force(&thin(&track.x), &thin(&track.v), &thin(&track.a), dt);
-        self.sensed(&force, every, track.samples)
+        let instants = (0..track.samples).map(|k| (k * every) as f64);
+        self.sensed(&force, every as f64 * 1e3, instants)
     }
 
-    /// Delay and saturation: the samples at 1 kHz, from `every` sub-steps in a sample.
-    pub(crate) fn sensed(&self, force: &[f64], every: usize, samples: usize) -> Vec<f64> {
+    /// Delay and saturation: the samples at instants (in sub-steps, of which a second has `hz`).
+    pub(crate) fn sensed(
+        &self,
+        force: &[f64],
+        hz: f64,
+        instants: impl Iterator<Item = f64>,
+    ) -> Vec<f64> {
+        let mut before = None;
         let mut random = Random::new(self.seed, 78);
         let mut stranger = self.running(1);
-        (0..samples)
-            .map(|k| {
+        instants
+            .map(|instant| {
+                let dt = before.map_or(1e-3, |before| (instant - before) / hz);
+                before = Some(instant);
                 let mut back = 0.0;
                 let mut limits = Vec::new();
                 for effect in &self.hidden {
@@ -92,12 +101,12 @@ impl Plant {
                         _ => {}
                     }
                 }
-                let mut read = at(force, (k * every) as f64 - back * 1e3 * every as f64);
+                let mut read = at(force, instant - back * hz);
                 for (limit, sharpness) in limits {
                     read = limited(read, limit, sharpness);
                 }
                 match &mut stranger {
-                    Some(stranger) => stranger.sensor(read, self.peak_n, 1e-3),
+                    Some(stranger) => stranger.sensor(read, self.peak_n, dt),
                     None => read,
                 }
             })
@@ -275,6 +284,9 @@ impl Plant {
     fn adhesion(&self, now: &mut Memory, depth: f64, speed: f64) -> f64 {
         let mut pull = 0.0;
         for effect in &self.hidden {
+            if let Effect::Attraction { force, range } = effect {
+                pull += force / (1.0 + (-depth).max(0.0) / range).powi(2);
+            }
             if let Effect::Adhesion {
                 force,
                 neck,
@@ -332,7 +344,7 @@ fn limited(force: f64, limit: f64, sharpness: f64) -> f64 {
 }
 
 /// The series between its sub-steps, linear; constant beyond both ends.
-fn at(series: &[f64], index: f64) -> f64 {
+pub(super) fn at(series: &[f64], index: f64) -> f64 {
     let index = index.clamp(0.0, (series.len() - 1) as f64);
     let low = (index as usize).min(series.len() - 2);
     let share = index - low as f64;

@@ -49,25 +49,25 @@ impl Noise {
         }
     }
 
-    /// `count` samples at 1 kHz of unit variance (in expectation).
-    pub(crate) fn samples(self, count: usize, random: &mut Random) -> Vec<f64> {
+    /// `count` samples of unit variance (in expectation), `dt` (s) apart.
+    pub(crate) fn samples(self, count: usize, dt: f64, random: &mut Random) -> Vec<f64> {
         match self {
             Noise::White => (0..count).map(|_| random.normal()).collect(),
-            Noise::Corner(hz) => coloured(&[hz], count, random),
-            Noise::Pink => coloured(&[0.7, 2.8, 11.2, 45.0, 180.0], count, random),
+            Noise::Corner(hz) => coloured(&[hz], count, dt, random),
+            Noise::Pink => coloured(&[0.7, 2.8, 11.2, 45.0, 180.0], count, dt, random),
             Noise::Hump {
                 hz,
                 width_hz,
                 share,
             } => {
                 let (a, b) = (
-                    coloured(&[width_hz], count, random),
-                    coloured(&[width_hz], count, random),
+                    coloured(&[width_hz], count, dt, random),
+                    coloured(&[width_hz], count, dt, random),
                 );
                 let (line, rest) = (share.sqrt(), (1.0 - share).sqrt());
                 (0..count)
                     .map(|k| {
-                        let angle = std::f64::consts::TAU * hz * k as f64 * 1e-3;
+                        let angle = std::f64::consts::TAU * hz * k as f64 * dt;
                         line * (a[k] * angle.cos() + b[k] * angle.sin()) + rest * random.normal()
                     })
                     .collect()
@@ -77,8 +77,8 @@ impl Noise {
 }
 
 /// The sum of first-order noises of equal power.
-fn coloured(corners_hz: &[f64], count: usize, random: &mut Random) -> Vec<f64> {
-    let keep = |hz: &f64| (-std::f64::consts::TAU * hz * 1e-3).exp();
+fn coloured(corners_hz: &[f64], count: usize, dt: f64, random: &mut Random) -> Vec<f64> {
+    let keep = |hz: &f64| (-std::f64::consts::TAU * hz * dt).exp();
     let keeps: Vec<f64> = corners_hz.iter().map(keep).collect();
     let mut states: Vec<f64> = keeps.iter().map(|_| random.normal()).collect();
     let scale = (corners_hz.len() as f64).sqrt();
@@ -130,7 +130,7 @@ impl Sensor {
         track: &Track,
         random: &mut Random,
     ) -> Recorded {
-        let noise = self.noise.samples(clean.len(), random);
+        let noise = self.noise.samples(clean.len(), 1e-3, random);
         let row = |(k, (clean, noise)): (usize, (&f64, &f64))| {
             let x = plant.read_m(track.x[k * SUBSTEPS]);
             let position = (x / COUNT_M).round() * COUNT_M;

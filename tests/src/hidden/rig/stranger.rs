@@ -77,6 +77,19 @@ impl Running {
                 }
                 1.0 - (self.strength * self.level).min(0.8)
             }
+            Stranger::Swap | Stranger::Fatigue => {
+                if self.touches(depth) {
+                    self.level += 1.0;
+                }
+                match self.kind {
+                    // The second or the fourth touch meets it, of some two or eight.
+                    Stranger::Swap if self.level > if self.hz < 40.0 { 1.0 } else { 3.0 } => {
+                        1.0 + self.strength.min(1.5)
+                    }
+                    Stranger::Swap => 1.0,
+                    _ => (1.0 + self.strength.min(0.3)).powf(-self.level),
+                }
+            }
             _ => 1.0,
         }
     }
@@ -109,6 +122,12 @@ impl Running {
                     self.level = self.random.normal().clamp(-2.5, 2.5);
                 }
                 self.strength * self.level
+            }
+            Stranger::HandBumps => {
+                self.event(0.9, 0.1, 0.35, dt);
+                // A hand pushes softly: both flanks of a bump take 30 ms.
+                self.walk[0] += dt / 0.03 * (self.level - self.walk[0]);
+                self.strength * self.walk[0]
             }
             _ => 0.0,
         }
@@ -151,6 +170,21 @@ impl Running {
                 self.event(0.5, 0.02, 0.08, dt);
                 // A share of the force is lost while the contact of the plug is bad.
                 force * (1.0 - (self.strength * self.level.abs()).min(1.0))
+            }
+            Stranger::Chirps => {
+                // From 3 to 3 + 25 Hz in 2.5 s, and again.
+                self.left += dt;
+                let at = self.left % 2.5;
+                self.phase += std::f64::consts::TAU * dt * (3.0 + 10.0 * at);
+                force + self.strength * self.phase.sin()
+            }
+            Stranger::Bursts => {
+                self.event(0.6, 0.1, 0.4, dt);
+                force + self.strength * self.level * self.random.normal()
+            }
+            Stranger::Telegraph => {
+                self.event(0.7, 0.2, 1.5, dt);
+                force + self.strength * self.level.signum() * f64::from(self.level != 0.0)
             }
             _ => force,
         }

@@ -1,13 +1,51 @@
 //! What `palpate gap` answered, as far as it is scored.
 
 use super::truth::strings;
-use palpate::gap::{Finding, ParameterEstimate};
+use palpate::gap::Finding;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Values with their standard errors, by name.
 pub(crate) type Estimates = BTreeMap<String, (f64, f64)>;
+
+/// How sure the answer is of a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Grade {
+    /// The log is explained to the noise, and no rival is near.
+    Certain,
+    /// The name stands, and something else remains.
+    Strong,
+    /// It has rivals.
+    Open,
+}
+
+/// What speaks for a name.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Support {
+    /// The share of what can be taken off that the effect takes off.
+    share: f64,
+    /// The share of the blocks in which it does.
+    blocks: f64,
+    /// The best rival, and its share in the effect's place.
+    next: String,
+    next_share: f64,
+}
+
+impl std::fmt::Display for Support {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Support {
+            share,
+            blocks,
+            next,
+            next_share,
+        } = self;
+        write!(
+            f,
+            "share {share:.2} in {blocks:.2} of the blocks, next {next} {next_share:.2}"
+        )
+    }
+}
 
 /// One effect that was named.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +58,10 @@ pub(crate) struct Named {
     pub(crate) without_error: usize,
     /// Ids that describe the data as well.
     pub(crate) alternatives: Vec<String>,
+    /// The grade of the name; `None` where the answer gives no grades.
+    pub(crate) grade: Option<Grade>,
+    /// What speaks for the name, where the answer says it.
+    pub(crate) support: Option<Support>,
 }
 
 /// What the workflow answered.
@@ -29,10 +71,18 @@ pub struct Answer {
     pub(crate) verdict: String,
     /// The effects that are missing in the model.
     pub(crate) effects: Vec<Named>,
+    /// The RMSE on the held-out part of the base alone, refitted (N).
+    pub(crate) rmse_before_n: f64,
     /// The RMSE on the held-out part with the named effects (N).
     pub(crate) rmse_after_n: f64,
     /// The noise floor that the workflow found (N).
     pub(crate) floor_n: f64,
+    /// What the best model of all leaves beyond the floor (N), and the share of the disagreement that is
+    /// explained, where the answer says so.
+    pub(crate) remainder_n: Option<f64>,
+    pub(crate) explained_share: Option<f64>,
+    /// The ids of the best set of all that were fitted.
+    pub(crate) best_set: Vec<String>,
     /// The base's parameters after the fit.
     pub base: Estimates,
     /// Wall-clock time of the process (s).
@@ -59,6 +109,7 @@ impl Answer {
             "no_missing_effect",
             "missing_effects",
             "ambiguous",
+            "partly_explained",
             "unexplained",
         ];
         if !known.contains(&verdict.as_str()) {
@@ -72,6 +123,8 @@ impl Answer {
             without_error: effect["params"].as_object().map_or(0, serde_json::Map::len)
                 - estimates(&effect["params"]).len(),
             alternatives: strings(&effect["alternatives"]),
+            grade: grade(&effect["grade"]),
+            support: support(&effect["support"]),
         };
         let rmse_after_n = json["rmse_n"]["after"]
             .as_f64()
@@ -84,42 +137,36 @@ impl Answer {
                 .flatten()
                 .map(named)
                 .collect(),
+            rmse_before_n: json["rmse_n"]["before"].as_f64().unwrap_or(f64::NAN),
             rmse_after_n,
             floor_n: json["noise_floor_n"].as_f64().unwrap_or(f64::NAN),
+            remainder_n: json["remainder_n"].as_f64(),
+            explained_share: json["explained_share"].as_f64(),
+            best_set: strings(&json["candidates"][0]["effects"]),
             base: estimates(&json["base"]["after"]),
             seconds: json["seconds"].as_f64().unwrap_or(f64::NAN),
             cpu_s: f64::NAN,
         })
     }
 
-    /// Takes what is scored from the library's finding.
-    pub(crate) fn of(finding: &Finding, seconds: f64) -> Answer {
-        let estimates = |known: &[ParameterEstimate]| -> Estimates {
-            let one =
-                |own: &ParameterEstimate| Some((own.name.clone(), (own.value, own.std_error?)));
-            known.iter().filter_map(one).collect()
-        };
-        let names = |ids: &[estimator_core::physics::effect::EffectId]| -> Vec<String> {
-            ids.iter().map(|id| id.name().to_string()).collect()
-        };
-        let named = finding.effects.iter().map(|effect| Named {
-            id: effect.id.name().to_string(),
-            params: estimates(&effect.parameters),
-            without_error: effect
-                .parameters
-                .iter()
-                .filter(|p| p.std_error.is_none())
-                .count(),
-            alternatives: names(&effect.alternatives),
-        });
-        Answer {
-            verdict: finding.verdict.name().to_string(),
-            effects: named.collect(),
-            rmse_after_n: finding.rmse_after_n,
-            floor_n: finding.noise_floor_n,
-            base: estimates(&finding.base_after),
-            seconds,
-            cpu_s: f64::NAN,
+    /// Takes what is scored from the library's finding, as the command writes it to gap.json.
+    pub(crate) fn of(finding: &Finding, seconds: f64) -> Result<Answer, String> {
+        Answer::parse(&palpate::cli::gap::json(finding, seconds).to_string())
+    }
+
+    /// The answer without the names that `drop` holds for.
+    pub(crate) fn without(&self, drop: impl Fn(&Named) -> bool) -> Answer {
+        let mut answer = self.clone();
+        answer.effects.retain(|named| !drop(named));
+        answer
+    }
+
+    /// Whether the answer stands for a name: by its grade, and without grades by the verdict
+    /// `missing_effects`.
+    pub(crate) fn stands_for(&self, named: &Named) -> bool {
+        match named.grade {
+            Some(grade) => grade != Grade::Open,
+            None => self.verdict == "missing_effects",
         }
     }
 
@@ -143,17 +190,43 @@ impl Answer {
         ids
     }
 
-    /// The answer's column in the confusion matrix: the names, with `?` for ambiguous and `!` for
-    /// unexplained.
+    /// The answer's column in the confusion matrix: the names, with `?` for ambiguous, `~` for partly
+    /// explained and `!` for unexplained; in brackets the names that a partly explained log leaves open.
     pub(crate) fn label(&self) -> String {
-        let ids = self.ids().join("+");
+        let standing = self.without(|named| !self.stands_for(named));
+        let partly = self.verdict == "partly_explained";
+        let shown = |id: &&str| match partly && !standing.ids().contains(id) {
+            true => format!("({id})"),
+            false => (*id).to_string(),
+        };
+        let ids: Vec<String> = self.ids().iter().map(shown).collect();
+        let ids = ids.join("+");
         match self.verdict.as_str() {
             "no_missing_effect" => "null".into(),
             "ambiguous" => format!("{ids}?"),
+            "partly_explained" => format!("{ids}~"),
             "unexplained" => format!("{ids}!"),
             _ => ids,
         }
     }
+}
+
+fn grade(value: &Value) -> Option<Grade> {
+    match value.as_str()? {
+        "certain" => Some(Grade::Certain),
+        "strong" => Some(Grade::Strong),
+        _ => Some(Grade::Open),
+    }
+}
+
+fn support(value: &Value) -> Option<Support> {
+    let number = |name: &str| value[name].as_f64();
+    Some(Support {
+        share: number("share")?,
+        blocks: number("blocks").unwrap_or(f64::NAN),
+        next: value["next"].as_str().unwrap_or("none").to_string(),
+        next_share: number("next_share").unwrap_or(0.0),
+    })
 }
 
 fn estimates(value: &Value) -> Estimates {

@@ -7,22 +7,23 @@ use super::truth::{Numbers, Truth};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mark {
     /// It names exactly what is hidden, as `missing_effects`; where nothing is hidden,
-    /// `no_missing_effect`; for a misfit that is in no catalogue, `unexplained` without any name.
+    /// `no_missing_effect`; for a misfit that is in no catalogue, `unexplained` without any name. Names of
+    /// true parts that are not asked for are left out first.
     Exact,
-    /// It is `ambiguous`, and every name stands for another hidden effect, by itself or through an
-    /// alternative.
+    /// It is `ambiguous` or `partly_explained`, and every name stands for another hidden effect, by itself
+    /// or through an alternative.
     InGroup,
-    /// It names exactly what is hidden, but the verdict is `unexplained`.
+    /// It names exactly what is hidden, but the verdict is `unexplained` or `partly_explained`.
     NotAdequate,
     /// It is `unexplained` with names, for a misfit that is in no catalogue.
     Junk,
     /// It names some of what is hidden and nothing else.
     Incomplete,
-    /// It is `unexplained` or `ambiguous` with a name that is wrong.
+    /// It leaves a name open that is wrong.
     Doubtful,
     /// It says that nothing is missing, although something is.
     Missed,
-    /// It gives a wrong name as a certainty.
+    /// It gives a wrong name as certain or strong.
     ConfidentWrong,
     /// There is no answer: the program failed, or its gap.json cannot be read.
     Failed,
@@ -30,15 +31,20 @@ pub enum Mark {
 
 /// Judges an answer.
 pub fn mark(truth: &Truth, answer: &Answer) -> Mark {
-    let verdict = answer.verdict.as_str();
+    let left = answer.without(|named| truth.tolerates(named));
+    let only_tolerated = left.effects.is_empty() && !answer.effects.is_empty();
+    let answer = &left;
+    let stands = answer.effects.iter().any(|named| answer.stands_for(named));
     let stranger = truth.effects.iter().any(|id| id == "unknown");
-    match (verdict, truth.effects.is_empty(), stranger) {
+    match (answer.verdict.as_str(), truth.effects.is_empty(), stranger) {
         ("no_missing_effect", true, _) => Mark::Exact,
         ("no_missing_effect", false, _) => Mark::Missed,
-        ("missing_effects", true, _) | ("missing_effects", _, true) => Mark::ConfidentWrong,
+        ("missing_effects" | "ambiguous", true, _) if only_tolerated => Mark::Exact,
+        ("missing_effects", _, true) => Mark::ConfidentWrong,
+        (_, true, _) | (_, _, true) if stands => Mark::ConfidentWrong,
         (_, true, _) => Mark::Doubtful,
-        ("unexplained", _, true) if answer.effects.is_empty() => Mark::Exact,
-        ("unexplained", _, true) => Mark::Junk,
+        ("unexplained" | "partly_explained", _, true) if answer.effects.is_empty() => Mark::Exact,
+        ("unexplained" | "partly_explained", _, true) => Mark::Junk,
         (_, _, true) => Mark::Doubtful,
         _ => named(truth, answer),
     }
@@ -46,16 +52,28 @@ pub fn mark(truth: &Truth, answer: &Answer) -> Mark {
 
 fn named(truth: &Truth, answer: &Answer) -> Mark {
     let ids = answer.ids();
-    let one = |named: &&str| truth.effects.iter().any(|id| truth.same(id, named));
-    let only = ids.len() <= truth.effects.len() && ids.iter().all(one);
-    let stand = |id: &str, at: usize| truth.same(id, ids[at]);
+    let sets = truth.right_sets();
     // One name for each effect: Coulomb and Stribeck together are one too many for one friction.
-    let the_set = ids.len() == truth.effects.len() && paired(&truth.effects, ids.len(), &stand);
+    let one_each = |ids: &[&str]| {
+        sets.iter().any(|set| {
+            let stand = |id: &str, at: usize| truth.same(id, ids[at]);
+            ids.len() == set.len() && paired(set, ids.len(), &stand)
+        })
+    };
+    let right = |ids: &[&str]| {
+        sets.iter().any(|set| {
+            let one = |named: &&str| set.iter().any(|id| truth.same(id, named));
+            ids.len() <= set.len() && ids.iter().all(one)
+        })
+    };
+    let firm = answer.without(|named| !answer.stands_for(named));
     match answer.verdict.as_str() {
-        "missing_effects" if the_set => Mark::Exact,
-        "unexplained" if the_set => Mark::NotAdequate,
-        "ambiguous" if in_group(truth, answer) => Mark::InGroup,
-        _ if only && !ids.is_empty() => Mark::Incomplete,
+        "missing_effects" if one_each(&ids) => Mark::Exact,
+        "unexplained" if one_each(&ids) => Mark::NotAdequate,
+        "partly_explained" if firm.ids() == ids && one_each(&ids) => Mark::NotAdequate,
+        _ if !right(&firm.ids()) => Mark::ConfidentWrong,
+        "ambiguous" | "partly_explained" if in_group(truth, answer) => Mark::InGroup,
+        _ if right(&ids) && !ids.is_empty() => Mark::Incomplete,
         "missing_effects" => Mark::ConfidentWrong,
         _ => Mark::Doubtful,
     }
@@ -70,7 +88,9 @@ fn in_group(truth: &Truth, answer: &Answer) -> bool {
         let mut also = named.flat_map(|named| &named.alternatives);
         truth.same(id, ids[at]) || also.any(|also| truth.same(id, also))
     };
-    ids.len() == truth.effects.len() && paired(&truth.effects, ids.len(), &stands)
+    let sets = truth.right_sets();
+    sets.iter()
+        .any(|set| ids.len() == set.len() && paired(set, ids.len(), &stands))
 }
 
 /// Whether the `effects` can be paired with different ones of `count` names.

@@ -1,6 +1,7 @@
 //! The answer of the library to one rig, without running the program.
 
 use super::answer::Answer;
+use super::run::measured;
 use super::scored::Scored;
 use super::truth::Truth;
 use palpate::gap::{Options, gap};
@@ -26,9 +27,9 @@ pub fn score(rig: &Path, options: &Options) -> Result<Scored, String> {
 
 fn answer(rig: &Path, options: &Options) -> Result<Answer, String> {
     let model = Model::read(&rig.join("base.toml")).map_err(|e| e.to_string())?;
-    let log = Log::read(&rig.join("measured.csv"), &ReadOptions::default());
+    let log = Log::read(&measured(rig), &ReadOptions::default());
     let log = log.and_then(|log| log.uniform());
     let log = log.map_err(|e| e.to_string())?;
     let found = gap(&model, &[log], options).map_err(|e| e.to_string())?;
-    Ok(Answer::of(&found, f64::NAN))
+    Answer::of(&found, f64::NAN)
 }

@@ -2,9 +2,11 @@
 
 pub mod answer;
 pub mod further;
+pub mod injected;
 pub mod judge;
 pub mod library;
 pub mod process;
+pub mod records;
 pub mod run;
 pub mod scored;
 pub mod share;

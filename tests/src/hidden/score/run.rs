@@ -39,13 +39,22 @@ pub fn rigs(dir: &Path) -> Vec<PathBuf> {
     below.iter().flat_map(|path| rigs(path)).collect()
 }
 
+/// The log of a rig, gzipped or not.
+pub(crate) fn measured(rig: &Path) -> PathBuf {
+    let plain = rig.join("measured.csv");
+    match plain.is_file() {
+        true => plain,
+        false => rig.join("measured.csv.gz"),
+    }
+}
+
 /// Runs the command on all rigs and scores its answers, in the order of the rigs.
 pub fn all(rigs: &[PathBuf], options: &Options) -> Result<Vec<Scored>, String> {
     each(rigs, options.jobs, |rig, index| score(rig, index, options))
 }
 
 /// Scores rigs, several at a time, in their order.
-pub(crate) fn each(
+pub fn each(
     rigs: &[PathBuf],
     jobs: usize,
     score: impl Fn(&Path, usize) -> Result<Scored, String> + Sync,
@@ -82,7 +91,7 @@ fn score(rig: &Path, index: usize, options: &Options) -> Result<Scored, String> 
         parent.display(),
         name.display()
     ));
-    let measured = rig.join("measured.csv");
+    let measured = measured(rig);
     let richer = Some(rig.join("richer.csv")).filter(|path| options.richer && path.is_file());
     let logs: Vec<PathBuf> = std::iter::once(measured.clone()).chain(richer).collect();
     let answer = answered(rig, &logs, &out, options);

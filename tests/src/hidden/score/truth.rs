@@ -1,6 +1,7 @@
 //! Reads a truth.json: of the generator [`rig`](crate::hidden::rig), or of the older rigs in
 //! `data/hidden-effects`.
 
+use super::answer::Named;
 use crate::hidden::rig::case::LEAST_RATIO;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -19,6 +20,10 @@ pub struct Truth {
     pub(crate) effects: Vec<String>,
     /// For each effect the other ids that are right as well.
     pub(crate) accepts: BTreeMap<String, Vec<String>>,
+    /// The sets of names that are exactly right; where there is none it is `effects`.
+    pub(crate) sets: Vec<Vec<String>>,
+    /// True parts that never count as wrong: an id, or `ID@HZ` for a line at that frequency.
+    pub(crate) tolerate: Vec<String>,
     /// The rig's row in the confusion matrix.
     pub label: String,
     /// The parameters under the catalogue's names, only for effects in the catalogue's form.
@@ -96,10 +101,13 @@ impl Truth {
         };
         let mut truth = if json["forms"].is_object() {
             truth.read_ours(&json)
+        } else if json["accept"].is_array() {
+            truth.read_harder(&json)
         } else {
             truth.read_older(&json)
         };
-        let something = !["none", "unknown", "poor"].contains(&truth.kind.as_str());
+        let something = !truth.effects.is_empty()
+            && !["unknown", "poor", "scale"].contains(&truth.kind.as_str());
         // The base nearly hides the effect, whatever the generator was asked for.
         if something && ratio("gap_ratio").is_some_and(|ratio| ratio < LEAST_RATIO) {
             truth.kind = "weak".into();
@@ -110,6 +118,7 @@ impl Truth {
     fn read_ours(mut self, json: &Value) -> Truth {
         self.kind = json["kind"].as_str().unwrap_or_default().to_string();
         self.base = numbers(&json["base"]);
+        self.tolerate = strings(&json["tolerate"]);
         let form = |id: &str| json["forms"][id].as_str().unwrap_or_default().to_string();
         for id in &self.effects {
             if form(id) == "catalogue" {
@@ -125,6 +134,37 @@ impl Truth {
             [form] if form != "catalogue" => format!("{} ({form})", self.effects[0]),
             _ => self.effects.join("+"),
         };
+        self
+    }
+
+    /// The rigs of others in `data/hard-rigs`.
+    fn read_harder(mut self, json: &Value) -> Truth {
+        let text = |name: &str| json[name].as_str().unwrap_or_default().to_string();
+        self.kind = text("category");
+        self.label = text("kind");
+        self.noise = json["sensors"]["colour"]
+            .as_str()
+            .unwrap_or_default()
+            .into();
+        self.sets = json["accept"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .map(strings)
+            .collect();
+        self.tolerate = strings(&json["tolerate"]);
+        for (name, value) in numbers(&json["params"]) {
+            if let Some((id, name)) = name.split_once('.') {
+                self.params
+                    .entry(id.into())
+                    .or_default()
+                    .insert(name.into(), value);
+            }
+        }
+        // The base of a rig of another size is written down as it was before it was scaled.
+        if self.kind != "scale" {
+            self.read_base(json);
+        }
         self
     }
 
@@ -150,13 +190,38 @@ impl Truth {
                     .insert(name.into(), value);
             }
         }
+        self.read_base(json);
+        self
+    }
+
+    fn read_base(&mut self, json: &Value) {
         let law = json["law"].as_str().unwrap_or_default();
         for (theirs, name, laws) in OLDER_BASE {
             if let (Some(value), true) = (json["base"][theirs].as_f64(), laws.contains(&law)) {
                 self.base.insert(name.into(), value);
             }
         }
-        self
+    }
+
+    /// The sets of names that are exactly right.
+    pub(crate) fn right_sets(&self) -> Vec<&[String]> {
+        match self.sets.is_empty() {
+            true => vec![&self.effects],
+            false => self.sets.iter().map(Vec::as_slice).collect(),
+        }
+    }
+
+    /// Whether a name is a true part of the rig that is neither asked for nor wrong.
+    pub(crate) fn tolerates(&self, named: &Named) -> bool {
+        let hz = named.params.get("frequency").map(|(hz, _)| *hz);
+        self.tolerate.iter().any(|part| match part.split_once('@') {
+            // Within the 2 % that the mains wander by at most; of a line without an error nothing is known.
+            Some((id, at)) => {
+                let near = |at: f64| hz.is_some_and(|hz| (hz / at - 1.0).abs() < 0.02);
+                named.id == id && at.parse().is_ok_and(near)
+            }
+            None => named.id == *part,
+        })
     }
 
     /// Whether the name `named` is right for the hidden effect `id`.

@@ -4,6 +4,7 @@
 //! finds the strength that a wanted gap needs. Strength 1 is a few per cent of the peak force.
 
 mod contact;
+pub(crate) mod foreign;
 mod guide;
 mod sensing;
 mod soft;
@@ -79,14 +80,17 @@ pub struct Hidden {
 /// friction as well.
 pub(crate) fn accepted(id: &str, form: &str) -> &'static [&'static str] {
     match (id, form) {
-        ("coulomb_friction", "stribeck" | "lugre") => &["stribeck_friction"],
+        ("coulomb_friction", "stribeck" | "lugre" | "bristles" | "iwan" | "by_position") => {
+            &["stribeck_friction"]
+        }
+        ("force_lag", "resonant_cell") => &["time_delay"],
         _ => &[],
     }
 }
 
 /// Whether an effect makes sense on a law.
 pub(crate) fn fits(id: &str, law: Law) -> bool {
-    match id {
+    match foreign::id_of(id).unwrap_or(id) {
         "power_law_stiffness" | "depth_dependent_damping" => law == Law::KelvinVoigt,
         "stress_relaxation" => law != Law::Zener,
         _ => true,
@@ -105,6 +109,7 @@ pub(crate) fn build(
     random: &mut Random,
 ) -> Hidden {
     let from = [
+        foreign::draw,
         soft::draw,
         contact::draw,
         guide::draw,
@@ -118,7 +123,7 @@ pub(crate) fn build(
         .find_map(|draw| draw(id, mismatched, strength, scale, &mut random.clone()));
     let (form, effect, params) = drawn.unwrap_or_else(|| panic!("{id} is not in the catalogue"));
     Hidden {
-        id,
+        id: foreign::id_of(id).unwrap_or(id),
         form,
         effect,
         params,

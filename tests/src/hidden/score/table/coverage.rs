@@ -7,35 +7,64 @@ use crate::hidden::score::share::Share;
 use crate::tolerance::SURE;
 use std::collections::BTreeMap;
 
-/// The share of truths within their 95 % intervals, over the answers that name exactly what is hidden in
-/// the catalogue's form; empty where there is none.
-pub(super) fn text(scored: &[Scored]) -> String {
-    let (mut added, mut base) = (Share::default(), Share::default());
-    let (mut numbers, mut without) = (0, 0);
-    let mut each: BTreeMap<String, Share> = BTreeMap::new();
+/// The shares of truths within their 95 % intervals.
+#[derive(Default)]
+pub(super) struct Coverage {
+    pub(super) added: Share,
+    pub(super) base: Share,
+    /// The truths within three standard errors, base and added.
+    pub(super) near: Share,
+    /// The same for each parameter.
+    each: BTreeMap<String, Share>,
+    /// The numbers of named effects, and those without an interval.
+    numbers: usize,
+    without: usize,
+}
+
+/// Counts over the answers that name exactly what is hidden in the catalogue's form.
+pub(super) fn of<'a>(scored: impl IntoIterator<Item = &'a Scored>) -> Coverage {
+    let mut coverage = Coverage::default();
     for one in scored {
         let Ok(answer) = &one.answer else { continue };
         let same_form = one.truth.params.len() == one.truth.effects.len();
-        let shown = !["none", "poor"].contains(&one.truth.kind.as_str());
+        let shown = one.truth.kind != "poor";
         if !same_form || !shown || one.mark() != Mark::Exact {
             continue;
         }
         let (of_added, of_base) = errors(&one.truth, answer);
+        for (_, error) in of_added.iter().chain(&of_base) {
+            coverage.near.push(error.abs() <= 3.0);
+        }
         // An estimate at a bound may have no interval; it is neither covered nor part of the share.
         for effect in &answer.effects {
-            numbers += effect.params.len() + effect.without_error;
-            without += effect.without_error;
+            coverage.numbers += effect.params.len() + effect.without_error;
+            coverage.without += effect.without_error;
         }
         for (name, error) in of_added {
-            added.push(error.abs() <= SURE);
-            each.entry(name).or_default().push(error.abs() <= SURE);
+            coverage.added.push(error.abs() <= SURE);
+            let each = coverage.each.entry(name).or_default();
+            each.push(error.abs() <= SURE);
         }
         for (name, error) in of_base {
-            base.push(error.abs() <= SURE);
-            let name = format!("base.{name}");
-            each.entry(name).or_default().push(error.abs() <= SURE);
+            coverage.base.push(error.abs() <= SURE);
+            let each = coverage.each.entry(format!("base.{name}")).or_default();
+            each.push(error.abs() <= SURE);
         }
     }
+    coverage
+}
+
+/// The shares in words; empty where there is none. Rigs that hide nothing are left out.
+pub(super) fn text(scored: &[Scored]) -> String {
+    let something = scored.iter().filter(|one| one.truth.kind != "none");
+    let Coverage {
+        added,
+        base,
+        each,
+        numbers,
+        without,
+        ..
+    } = of(something);
     if added.of + base.of == 0 {
         return String::new();
     }

@@ -16,6 +16,8 @@ mod confusion;
 mod coverage;
 mod errors_and_times;
 mod false_alarms;
+pub mod hard;
+pub mod injected;
 mod named;
 mod poor;
 mod runs;
@@ -25,9 +27,10 @@ mod unknown;
 pub const WIDE: usize = 100;
 
 /// The kinds of rigs in the order of the rows.
-const KINDS: [&str; 9] = [
+const KINDS: [&str; 10] = [
     "single",
     "mismatched",
+    "foreign",
     "pair",
     "pair_mismatched",
     "triple",

@@ -6,9 +6,10 @@ use crate::hidden::score::truth::CRUDE;
 use std::fmt::Write as _;
 
 /// The kinds whose hidden effects are in the catalogue.
-const NAMED: [&str; 6] = [
+const NAMED: [&str; 7] = [
     "single",
     "mismatched",
+    "foreign",
     "pair",
     "pair_mismatched",
     "triple",

@@ -6,7 +6,12 @@ use crate::hidden::score::scored::Scored;
 /// Every run with `list`, else every run that is not right.
 pub(super) fn text(scored: &[Scored], list: bool) -> String {
     let listed = scored.iter().filter(|one| list || !one.is_right());
-    listed.map(|one| wrapped("", &story(one))).collect()
+    listed.map(line).collect()
+}
+
+/// One run: what was hidden, what was answered, and how good that is.
+pub(super) fn line(one: &Scored) -> String {
+    wrapped("", &story(one))
 }
 
 fn story(one: &Scored) -> String {
