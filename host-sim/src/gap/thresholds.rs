@@ -46,9 +46,9 @@ thresholds! {
             /// estimate at rest is then the right one. Not measured.
             coloured: 1.06 over 1.0,
             /// What is at rest is a disturbance and no noise if it is larger than second differences say by more
-            /// than this factor. First-order noise of the hard rigs: 2.9; a chirp, a chaos, a wander at rest:
-            /// 7 to 15.
-            largest_colour: 6.0 over 1.0,
+            /// than this factor. First-order noise with a corner of 1 Hz at 1 kHz: 8; a chirp or a chaos at
+            /// rest: 14 and more.
+            largest_colour: 10.0 over 1.0,
             /// From this factor on it must have the fourth moment of normal noise as well. A telegraph signal at
             /// rest: 3.6.
             slight_colour: 2.0 over 1.0,
@@ -100,8 +100,8 @@ thresholds! {
             /// An excess below this share of the Σ w r² of noise counts as this share when fits are compared
             /// with the best. Not measured.
             least_excess: 0.25,
-            /// Far from the noise the search ends when a step takes less than this share off what is left:
-            /// what comes after that is not strong by itself. Not measured.
+            /// Far from the noise the search ends when two steps in turn take less than this share off what is
+            /// left: what comes after them only fits the remainder. Not measured.
             least_step: 0.3,
             /// The largest of three waves of a kind stands out if it is this many times as large as the next;
             /// if it does not, they are a Fourier series of something that is no wave. Not measured.

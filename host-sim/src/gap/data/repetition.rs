@@ -3,7 +3,6 @@
 //! Whatever depends on the motion repeats with it, so that a line at that frequency or at a harmonic of it
 //! says nothing about a disturbance in time.
 
-
 use super::fit_data::FitData;
 use crate::spectral;
 

@@ -204,7 +204,10 @@ impl Finding {
     /// `None` where the base leaves no more than the noise.
     pub fn explained_share(&self) -> Option<f64> {
         let excess = |rmse_n: f64| rmse_n.powi(2) - self.noise_floor_n.powi(2);
-        let (before, after) = (excess(self.rmse_before_n), excess(self.rmse_after_n).max(0.0));
+        let (before, after) = (
+            excess(self.rmse_before_n),
+            excess(self.rmse_after_n).max(0.0),
+        );
         let is_some = before > 1e-9 * self.rmse_before_n.powi(2) && !self.effects.is_empty();
         is_some.then(|| (1.0 - after / before).max(0.0))
     }

@@ -87,7 +87,10 @@ impl NoiseFloor {
             ),
             Some(rest) if rest <= decide.coloured * high_pass_n => {
                 // Both see the same noise; second differences take it from all samples.
-                (high_pass_n, "from second differences, and rest in free air agrees")
+                (
+                    high_pass_n,
+                    "from second differences, and rest in free air agrees",
+                )
             }
             Some(rest) if !is_noise(log, rests, rest / high_pass_n, decide) => (
                 high_pass_n,
@@ -235,7 +238,7 @@ impl RestNoise {
 /// wander at rest would otherwise become the floor, and everything as small would be explained.
 fn is_noise(log: &UniformLog, rests: &[Range<usize>], times: f64, decide: &Floor) -> bool {
     let correlation = rest_correlation(log, rests);
-    let each = rests.iter().map(|rest| settled(rest));
+    let each = rests.iter().map(settled);
     let count: usize = each.clone().map(|rest| rest.len()).sum();
     let stretches = each.map(|rest| detrended(&log.force_n[rest]));
     let (square, fourth) = stretches.flatten().fold((0.0, 0.0), |(two, four), force| {

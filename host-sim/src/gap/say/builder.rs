@@ -14,8 +14,8 @@ use crate::gap::model::{
     dataset::Dataset, error::std_errors, problem::Problem, simulate::depths, weights::weights,
 };
 use crate::gap::options::Options;
-use crate::gap::search::evidence::Evidence;
 use crate::gap::say::{estimates::Estimates, log_residuals::LogResiduals, regions::regions};
+use crate::gap::search::evidence::Evidence;
 use crate::model::Model;
 
 /// Builds the finding.
@@ -38,7 +38,9 @@ pub(crate) fn finding(
         rmse_before_n: decision.rmse_n.0,
         rmse_after_n: decision.rmse_n.1,
         noise_floor_n,
-        remainder_n: (decision.least_rmse_n.powi(2) - noise_floor_n.powi(2)).max(0.0).sqrt(),
+        remainder_n: (decision.least_rmse_n.powi(2) - noise_floor_n.powi(2))
+            .max(0.0)
+            .sqrt(),
         floors: dataset.floors.to_vec(),
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,

@@ -70,11 +70,12 @@ impl Search<'_> {
         let share = |more: f64, less: f64| {
             ((more - less) / (more - self.noise_cost).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
         };
+        let with = best_with(all, best, id);
         let without = best_without(all, &[id]);
-        let blocks = self.blocks(without, best);
+        let blocks = self.blocks(without, with);
         let rival = newcomer(without, &ids, &[id]);
         let support = Support {
-            share: share(without.cost, best.cost),
+            share: share(without.cost, with.cost),
             blocks,
             next: rival.map(|id| Next {
                 id,
@@ -85,10 +86,7 @@ impl Search<'_> {
             && blocks >= decide.blocks
             && halves.agree(best, id, decide)
             && !(repeats(id) && is_series(best, id, self.decide()));
-        if std::env::var("EVIDENCE").is_ok() {
-            eprintln!("EVID {:24} lead {:.2} share {:.2} blocks {:.2} halves {} series {} next {:?} left {:.1} base {:.1}", id.name(), without.cost / best.cost, support.share, blocks, halves.agree(best, id, decide), repeats(id) && is_series(best, id, self.decide()), support.next.map(|n| (n.id.name(), n.share)), best.cost / self.noise_cost, all[0].cost / self.noise_cost);
-        }
-        let is_ahead = |fit: &Fit| fit.cost >= decide.lead * best.cost;
+        let is_ahead = |fit: &Fit| fit.cost >= decide.lead * with.cost;
         let mut alternatives = alternatives(all, &ids, id, is_ahead);
         if let (Some(list), Some(other)) = (&mut alternatives, as_late(all, id)) {
             list.extend(Some(other.0).filter(|_| !is_ahead(other.1)));
@@ -150,6 +148,14 @@ fn stands_for(one: EffectId, other: EffectId) -> bool {
 pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
     let is_late = |id: EffectId| id.info().family == Family::Lateness;
     one != other && is_late(one) && is_late(other)
+}
+
+/// The best fit with an effect, of any size as those without it.
+fn best_with<'a>(all: &'a [Fit], best: &'a Fit, id: EffectId) -> &'a Fit {
+    let has = all.iter().filter(|fit| added_effects(fit).contains(&id));
+    has.chain([best])
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .unwrap_or(best)
 }
 
 /// The best fit without some effects and whatever stands for them. The base alone is always one.

@@ -16,8 +16,7 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
         term.id.info().repeats == Repeats::InTime
             && repeats_with(scales.motion_hz, term.row[1], scales.duration_s)
     };
-    let is_physical =
-        |term: &Term| (term.id.info().is_physical)(&term.row) && !is_of_motion(term);
+    let is_physical = |term: &Term| (term.id.info().is_physical)(&term.row) && !is_of_motion(term);
     terms.iter().all(|term| term.given || is_physical(term))
 }
 

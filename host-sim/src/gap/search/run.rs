@@ -74,12 +74,22 @@ impl Search<'_> {
             base_cost: base.cost,
             beam: vec![base.clone()],
         };
+        // Effects that only work together take little off one by one.
+        let mut idle = 0;
         for level in 0..MOST_ADDED {
             if self.is_adequate(&state.best) {
                 break;
             }
             let before = state.best.cost;
-            if !self.forward_step(&mut state, &base, level) || self.is_idle(before, &state.best) {
+            if !self.forward_step(&mut state, &base, level) {
+                break;
+            }
+            idle = if self.is_idle(before, &state.best) {
+                idle + 1
+            } else {
+                0
+            };
+            if idle == 2 || self.is_series(&state.best) {
                 break;
             }
         }
@@ -102,13 +112,14 @@ impl Search<'_> {
         fit.cost > self.decide().ran_away * self.noise_cost
     }
 
-    /// Whether a step took so little off, far from the noise, that further ones only fit the remainder, or
-    /// was one more wave of a series that fits any curve.
+    /// Whether a step took little off, far from the noise.
     fn is_idle(&self, before: f64, after: &Fit) -> bool {
-        let decide = self.decide();
-        self.is_far(after)
-            && (before - after.cost < decide.least_step * before
-                || is_fourier_series(after, decide.prominent_wave))
+        self.is_far(after) && before - after.cost < self.decide().least_step * before
+    }
+
+    /// Whether waves of a fit that is far from the noise are a series that fits any curve.
+    fn is_series(&self, fit: &Fit) -> bool {
+        self.is_far(fit) && is_fourier_series(fit, self.decide().prominent_wave)
     }
 
     /// Adds one effect to each fit of the beam. Returns false if the search ends with this step.
@@ -145,8 +156,7 @@ impl Search<'_> {
         if least < decide.ran_away * self.noise_cost {
             children.retain(|fit| fit.cost - self.noise_cost <= decide.behind * least);
         }
-        // Far from the noise the search only has to find what stands out.
-        children.truncate(if level > 0 && self.is_far(&children[0]) { 1 } else { BEAM });
+        children.truncate(BEAM);
         state.beam = children
             .iter()
             .map(|fit| self.with_present_cost(fit))

@@ -76,10 +76,7 @@ fn finding(verdict: Verdict) -> Finding {
         hz: None,
         pitch_m: None,
     };
-    let has_effects = !matches!(
-        verdict,
-        Verdict::NoMissingEffect | Verdict::Unexplained
-    );
+    let has_effects = !matches!(verdict, Verdict::NoMissingEffect | Verdict::Unexplained);
     Finding {
         verdict,
         effects: if has_effects { vec![named] } else { Vec::new() },
