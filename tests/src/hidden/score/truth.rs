@@ -213,6 +213,10 @@ impl Truth {
 
     /// Whether a name is a true part of the rig that is neither asked for nor wrong.
     pub(crate) fn tolerates(&self, named: &Named) -> bool {
+        let asked = |set: &&[String]| set.iter().any(|id| self.same(id, &named.id));
+        if self.right_sets().iter().any(asked) {
+            return false;
+        }
         let hz = named.params.get("frequency").map(|(hz, _)| *hz);
         self.tolerate.iter().any(|part| match part.split_once('@') {
             // Within the 2 % that the mains wander by at most; of a line without an error nothing is known.
