@@ -10,6 +10,7 @@ mod coarse;
 mod columns;
 mod encoding;
 mod guess;
+mod mcap;
 mod names;
 mod orientation;
 mod preamble;
@@ -25,8 +26,9 @@ mod write;
 
 pub use channel::Channel;
 pub use columns::ColumnMap;
+pub use mcap::{McapTopics, write_mcap};
 pub use record::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
 pub use resample::{Compensated, UniformLog};
-pub use source::STANDARD_INPUT;
 pub use sampling::{Drops, Sampling, Stamps};
+pub use source::STANDARD_INPUT;
 pub use timing::{Gap, Timing};

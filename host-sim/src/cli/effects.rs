@@ -1,6 +1,7 @@
 //! `palpate effects`: the catalogue of what a rig can hide, and what each does to an estimate.
 
 mod ignored;
+mod json;
 mod page;
 mod text;
 
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 pub use ignored::{Ignored, ignored};
 
 use crate::diagnostic::{Diagnostic, listed, nearest};
-use crate::output::say;
+use crate::output::{result, say, try_folder};
 use crate::report::Provenance;
 
 /// Arguments of `palpate effects`.
@@ -49,6 +50,10 @@ pub fn run(args: &EffectsArgs) -> Result<(), Box<dyn Error>> {
         None => EffectId::ALL.to_vec(),
         Some(name) => vec![EffectId::from_name(name).ok_or_else(|| unknown(name))?],
     };
+    if let Some(out) = &args.out {
+        try_folder(out)?;
+    }
+    result(&json::catalogue(&chosen))?;
     let shown = match (args.id.is_some(), args.out.is_some()) {
         (false, false) => Vec::new(),
         _ => all(&chosen, args.seed)?,

@@ -38,12 +38,13 @@ impl ReadingArgs {
         }
     }
 
-    /// Reads a log onto an even grid.
+    /// Reads every recording of a file onto an even grid.
     ///
     /// # Errors
     /// What is wrong with the file.
-    pub fn read(&self, path: &Path) -> Result<UniformLog, Diagnostic> {
-        Log::read(path, &self.options())?.uniform()
+    pub fn read(&self, path: &Path) -> Result<Vec<UniformLog>, Diagnostic> {
+        let logs = Log::read_all(path, &self.options())?;
+        logs.into_iter().map(Log::into_uniform).collect()
     }
 }
 

@@ -22,11 +22,13 @@ pub(super) struct NumberFormat {
 impl NumberFormat {
     /// The format that some cells of a file have in common.
     pub(super) fn of<'a>(cells: impl Iterator<Item = &'a str>, delimiter: u8) -> NumberFormat {
-        let (mut decimal, mut grouped, mut points, mut both, mut large_plain) = (false, false, false, false, false);
+        let (mut decimal, mut grouped, mut points, mut both, mut large_plain) =
+            (false, false, false, false, false);
         for cell in cells.filter(|cell| looks_like_number(cell)) {
             let (commas, dots) = (cell.matches(',').count(), cell.matches('.').count());
             points |= dots == 1 && commas == 0;
-            large_plain |= commas + dots == 0 && cell.chars().filter(char::is_ascii_digit).count() > 3;
+            large_plain |=
+                commas + dots == 0 && cell.chars().filter(char::is_ascii_digit).count() > 3;
             match (commas, dots) {
                 (0, 0 | 1) => {}
                 (1.., 1..) => {
@@ -40,8 +42,8 @@ impl NumberFormat {
         }
         // `1,234` beside `12,5` is a decimal comma; beside `0.5` or `1,234,567` it is a thousand. Whoever
         // writes 1,234 for a thousand writes no 1234.
-        let has_decimal_comma = decimal
-            || (grouped && !points && !both && (delimiter != b',' || large_plain));
+        let has_decimal_comma =
+            decimal || (grouped && !points && !both && (delimiter != b',' || large_plain));
         NumberFormat {
             decimal_comma: has_decimal_comma,
             thousands: both || (grouped && !has_decimal_comma),
@@ -69,7 +71,11 @@ pub(super) fn number(cell: &[u8], format: NumberFormat) -> Cell {
     let Ok(text) = std::str::from_utf8(cell) else {
         return Cell::Text;
     };
-    match text.parse::<f64>().ok().or_else(|| other_number(text, format)) {
+    match text
+        .parse::<f64>()
+        .ok()
+        .or_else(|| other_number(text, format))
+    {
         Some(value) if value.is_finite() => Cell::Number(value),
         Some(_) => Cell::Missing,
         None if matches!(text, "-" | "--" | "n/a" | "N/A" | "#N/A" | "NaN") => Cell::Missing,
@@ -119,7 +125,8 @@ pub(super) fn looks_like_number(text: &str) -> bool {
         Some(_) => return false,
         None => body,
     };
-    let mut groups = mantissa.split(|c| matches!(c, ',' | '.' | '\'' | '’' | ' ' | '\u{a0}' | '\u{202f}'));
+    let mut groups =
+        mantissa.split(|c| matches!(c, ',' | '.' | '\'' | '’' | ' ' | '\u{a0}' | '\u{202f}'));
     let first = groups.next().unwrap_or_default();
     let is_digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
     let separators: Vec<char> = mantissa.chars().filter(|c| !c.is_ascii_digit()).collect();
@@ -167,7 +174,18 @@ mod tests {
 
     #[test]
     fn what_is_no_number_is_none() {
-        for text in ["1,2,3", "001 1", "12:30", "0.5 N", "1.2.3", "2024-01-01", ",", "", "e5", "1,,2"] {
+        for text in [
+            "1,2,3",
+            "001 1",
+            "12:30",
+            "0.5 N",
+            "1.2.3",
+            "2024-01-01",
+            ",",
+            "",
+            "e5",
+            "1,,2",
+        ] {
             assert!(!looks_like_number(text), "{text}");
         }
     }

@@ -10,7 +10,9 @@ impl Log {
     /// Leaves every sample out whose stamp is that of the sample before.
     pub(super) fn leave_out_repeated(&mut self) {
         let time_s = &self.time_s;
-        let kept: Vec<bool> = (0..time_s.len()).map(|at| at == 0 || time_s[at] != time_s[at - 1]).collect();
+        let kept: Vec<bool> = (0..time_s.len())
+            .map(|at| at == 0 || time_s[at] != time_s[at - 1])
+            .collect();
         let channels = [&mut self.time_s, &mut self.position_m, &mut self.force_n];
         let extra = self.extra.iter_mut().map(|column| &mut column.values);
         for channel in channels.into_iter().chain(extra) {
@@ -24,10 +26,19 @@ impl Log {
     pub(super) fn spread_evenly(&mut self) -> Option<String> {
         let first_s = *self.time_s.first()?;
         let last_s = *self.time_s.last()?;
-        let steps: Vec<f64> = self.time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        let steps: Vec<f64> = self
+            .time_s
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .filter(|step| *step > 0.0)
+            .collect();
         let step_s = steps.iter().copied().fold(f64::INFINITY, f64::min);
         // The first and the last stamp may be shared by fewer samples: those between them count.
-        let inner = self.time_s.iter().filter(|t| **t > first_s && **t < last_s).count();
+        let inner = self
+            .time_s
+            .iter()
+            .filter(|t| **t > first_s && **t < last_s)
+            .count();
         let next_s = *self.time_s.iter().find(|t| **t > first_s)?;
         let before = self.time_s.iter().take_while(|t| **t <= first_s).count();
         if inner == 0 {
@@ -40,7 +51,10 @@ impl Log {
             return None;
         }
         self.time_s = (0..self.time_s.len()).map(even_s).collect();
-        let (step, rate_hz) = (quantity(step_s, 3, "s"), super::timing::snapped(1.0 / period_s));
+        let (step, rate_hz) = (
+            quantity(step_s, 3, "s"),
+            super::timing::snapped(1.0 / period_s),
+        );
         Some(format!(
             "the time stamps come in steps of {step}, coarser than the sampling: the samples between them are \
              taken as even, {rate_hz:.6} a second"
@@ -66,7 +80,13 @@ mod tests {
 
     #[test]
     fn stamps_that_stand_still_for_long_are_left_alone() {
-        let stamps = (0..2000).map(|i: i32| f64::from(if i < 1000 { i / 10 } else { 100 + (i - 1000) / 50 }) * 0.01);
+        let stamps = (0..2000).map(|i: i32| {
+            f64::from(if i < 1000 {
+                i / 10
+            } else {
+                100 + (i - 1000) / 50
+            }) * 0.01
+        });
         let mut log = log(stamps.collect());
         let before = log.clone();
         assert_eq!(log.spread_evenly(), None);

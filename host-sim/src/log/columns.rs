@@ -114,7 +114,10 @@ fn malformed(what: &str, part: &str, text: &str) -> Diagnostic {
 impl ColumnMap {
     /// Whether any of these names was asked for.
     pub(super) fn names_any_of(&self, names: &[String]) -> bool {
-        self.channels.iter().flatten().any(|mapped| names.contains(&mapped.name))
+        self.channels
+            .iter()
+            .flatten()
+            .any(|mapped| names.contains(&mapped.name))
     }
 
     /// Whether a header holds every name that was asked for, or all those of our own logs.
@@ -135,22 +138,33 @@ impl ColumnMap {
     }
 
     /// Finds the columns in a header. Without a column of time, `is_timed` must not ask for one.
-    pub(super) fn place(&self, header: Header, is_timed: bool) -> Result<[Option<Placed>; 3], Diagnostic> {
+    pub(super) fn place(
+        &self,
+        header: Header,
+        is_timed: bool,
+    ) -> Result<[Option<Placed>; 3], Diagnostic> {
+        let is_wanted = |channel: Channel| is_timed || channel != Channel::Time;
+        let mut named = Channel::ALL.map(|channel| match is_wanted(channel) {
+            true => self.named(channel, header),
+            false => Ok(None),
+        });
+        let mut taken: Vec<usize> = Vec::new();
+        taken.extend(named.iter().flatten().flatten().map(|placed| placed.index));
         let mut placed: [Option<Placed>; 3] = [None; 3];
-        for channel in Channel::ALL {
-            if channel == Channel::Time && !is_timed {
-                continue;
-            }
-            placed[channel as usize] = self.named(channel, header)?;
-        }
-        // Units and specific names first: a letter may be any channel's.
-        for channel in Channel::ALL {
-            if placed[channel as usize].is_some() || (channel == Channel::Time && !is_timed) {
-                continue;
-            }
-            let taken: Vec<usize> = placed.iter().flatten().map(|placed| placed.index).collect();
-            let guess = guess::guess(channel, header, &taken);
-            placed[channel as usize] = Some(guess.map_err(|why| self.question(channel, header, &why))?);
+        for channel in Channel::ALL
+            .into_iter()
+            .filter(|channel| is_wanted(*channel))
+        {
+            let slot = channel as usize;
+            let named = std::mem::replace(&mut named[slot], Ok(None))?;
+            placed[slot] = match named {
+                Some(named) => Some(named),
+                None => {
+                    let guess = guess::guess(channel, header, &taken);
+                    Some(guess.map_err(|why| self.question(channel, header, &why))?)
+                }
+            };
+            taken.extend(placed[slot].map(|placed| placed.index));
         }
         kind(&placed, header)?;
         Ok(placed)
@@ -189,7 +203,10 @@ impl ColumnMap {
             Some(_) => None,
             None => guess::unit(channel, header, index),
         };
-        let factor = mapped.factor.or(unit.map(|unit| unit.factor)).unwrap_or(1.0);
+        let factor = mapped
+            .factor
+            .or(unit.map(|unit| unit.factor))
+            .unwrap_or(1.0);
         Ok(Some(Placed {
             index,
             factor: if mapped.is_reversed { -factor } else { factor },
@@ -214,7 +231,10 @@ impl ColumnMap {
             Channel::Force => "*1e3 if it is in kN, *1e-3 if in mN, nothing if in N",
         };
         self.missing(channel, header)
-            .note(format!("`{name}` may hold the {}, but its unit is not said", channel.noun()))
+            .note(format!(
+                "`{name}` may hold the {}, but its unit is not said",
+                channel.noun()
+            ))
             .note(format!("in --columns, {examples}"))
     }
 
@@ -235,7 +255,8 @@ impl ColumnMap {
             diagnostic = diagnostic.note(format!("the nearest name is `{near}`"));
         }
         if channel == Channel::Time && mapped.is_none() {
-            diagnostic = diagnostic.note("if the file has no time: --rate HZ, with its samples per second");
+            diagnostic =
+                diagnostic.note("if the file has no time: --rate HZ, with its samples per second");
         }
         diagnostic.remedy(match guess::suggestion(header) {
             Some(columns) => format!("name the columns, perhaps --columns '{columns}'"),
@@ -250,12 +271,17 @@ impl ColumnMap {
 fn several(channel: Channel, header: Header, indices: &[usize]) -> Diagnostic {
     let names = || indices.iter().map(|index| header.names[*index].as_str());
     let letter = channel.letter();
-    let flags: Vec<String> = names().map(|name| format!("--columns '{letter}={name}'")).collect();
+    let flags: Vec<String> = names()
+        .map(|name| format!("--columns '{letter}={name}'"))
+        .collect();
     let flags: Vec<String> = flags.into_iter().take(3).collect();
-    Diagnostic::new(format!("more than one column may hold the {}", channel.noun()))
-        .in_column(names().next().unwrap_or_default())
-        .note(format!("they are {}", listed(names())))
-        .remedy(format!("say which: {}", flags.join(" or ")))
+    Diagnostic::new(format!(
+        "more than one column may hold the {}",
+        channel.noun()
+    ))
+    .in_column(names().next().unwrap_or_default())
+    .note(format!("they are {}", listed(names())))
+    .remedy(format!("say which: {}", flags.join(" or ")))
 }
 
 /// Whether the rig turns: radians and N m. One channel of each is a mistake.
@@ -278,7 +304,11 @@ fn kind(placed: &[Option<Placed>; 3], header: Header) -> Result<(), Diagnostic> 
         position.symbol, force.symbol
     ))
     .in_column(name(Channel::Force))
-    .note(format!("they are `{}` and `{}`", name(Channel::Position), name(Channel::Force)))
+    .note(format!(
+        "they are `{}` and `{}`",
+        name(Channel::Position),
+        name(Channel::Force)
+    ))
     .remedy("name two columns that do, rad and N m or m and N: --columns 'x=NAME,f=NAME'"))
 }
 

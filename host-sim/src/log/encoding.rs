@@ -14,7 +14,9 @@ pub(super) fn of(head: &[u8]) -> Option<(&'static Encoding, &'static str)> {
     }
     // Numbers in UTF-16 without a mark: every other byte is nothing, and no other is.
     let pairs = || head.chunks_exact(2).take(512);
-    let all = |low: usize| pairs().count() > 4 && pairs().all(|pair| pair[low] == 0 && pair[1 - low] != 0);
+    let all = |low: usize| {
+        pairs().count() > 4 && pairs().all(|pair| pair[low] == 0 && pair[1 - low] != 0)
+    };
     if all(1) {
         return Some((UTF_16LE, "UTF-16"));
     }
@@ -125,12 +127,17 @@ mod tests {
 
     #[test]
     fn the_encoding_is_told_by_the_first_bytes() {
-        let utf_16: Vec<u8> = "t_s,x_m,f_n\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let utf_16: Vec<u8> = "t_s,x_m,f_n\n"
+            .encode_utf16()
+            .flat_map(u16::to_le_bytes)
+            .collect();
         assert_eq!(of(&utf_16).unwrap().0, UTF_16LE);
         let marked = [&[0xff, 0xfe], utf_16.as_slice()].concat();
         assert_eq!(of(&marked).unwrap().0, UTF_16LE);
         let mut text = String::new();
-        decoded(io::Cursor::new(marked), UTF_16LE).read_to_string(&mut text).unwrap();
+        decoded(io::Cursor::new(marked), UTF_16LE)
+            .read_to_string(&mut text)
+            .unwrap();
         assert_eq!(text, "t_s,x_m,f_n\n");
         assert_eq!(of(b"Weg [\xb5m]").unwrap().0, WINDOWS_1252);
         assert_eq!(of("Weg [µm]".as_bytes()), None);

@@ -48,26 +48,47 @@ struct Candidate {
 /// The column of a channel, among those that no other channel has.
 pub(super) fn guess(channel: Channel, header: Header, taken: &[usize]) -> Result<Placed, Unclear> {
     let free = (0..header.names.len()).filter(|index| !taken.contains(index));
-    let candidates: Vec<Candidate> = free.filter_map(|index| candidate(channel, header, index)).collect();
+    let candidates: Vec<Candidate> = free
+        .filter_map(|index| candidate(channel, header, index))
+        .collect();
     let known = |candidate: &&Candidate| candidate.unit.is_some();
-    let best = candidates.iter().filter(known).map(|candidate| candidate.fit).min();
+    let best = candidates
+        .iter()
+        .filter(known)
+        .map(|candidate| candidate.fit)
+        .min();
     let Some(best) = best else {
         let first = candidates.iter().min_by_key(|candidate| candidate.fit);
         return Err(first.map_or(Unclear::Nothing, |first| Unclear::Unit(first.index)));
     };
     // A better name without a unit is no worse than one with it.
-    if let Some(better) = candidates.iter().find(|candidate| candidate.unit.is_none() && candidate.fit < best) {
+    if let Some(better) = candidates
+        .iter()
+        .find(|candidate| candidate.unit.is_none() && candidate.fit < best)
+    {
         return Err(Unclear::Unit(better.index));
     }
-    let equal: Vec<&Candidate> = candidates.iter().filter(known).filter(|c| c.fit == best).collect();
+    let equal: Vec<&Candidate> = candidates
+        .iter()
+        .filter(known)
+        .filter(|c| c.fit == best)
+        .collect();
     match equal[..] {
-        [Candidate { index, unit: Some(unit), .. }] => Ok(Placed {
+        [
+            Candidate {
+                index,
+                unit: Some(unit),
+                ..
+            },
+        ] => Ok(Placed {
             index: *index,
             factor: unit.factor,
             unit: Some(*unit),
             origin: Origin::Guessed,
         }),
-        _ => Err(Unclear::Several(equal.iter().map(|candidate| candidate.index).collect())),
+        _ => Err(Unclear::Several(
+            equal.iter().map(|candidate| candidate.index).collect(),
+        )),
     }
 }
 
@@ -99,7 +120,10 @@ fn name<'a>(header: Header<'a>, index: usize) -> &'a str {
 /// Whether a unit stands in a row of its own or in brackets, and not only behind a `_`.
 fn is_unit_sure(header: Header, index: usize) -> bool {
     let in_row = header.units.get(index).is_some_and(|cell| !cell.is_empty());
-    in_row || header.names[index].trim_end().ends_with([')', ']', '>', '}'])
+    in_row
+        || header.names[index]
+            .trim_end()
+            .ends_with([')', ']', '>', '}'])
 }
 
 /// The unit that a column says it has, whatever it measures.
@@ -108,7 +132,8 @@ fn stated_unit(channel: Channel, header: Header, index: usize) -> Option<Unit> {
     let (name, in_name) = units::split(&header.names[index]);
     let unit = in_row.or(in_name)?;
     // `torque_nm` in small letters is no length.
-    let is_torque = channel == Channel::Force && unit.symbol == "nm" && names::FORCE.fit(name).is_some();
+    let is_torque =
+        channel == Channel::Force && unit.symbol == "nm" && names::FORCE.fit(name).is_some();
     Some(if is_torque { units::torque() } else { unit })
 }
 
@@ -160,7 +185,11 @@ pub(super) fn suggestion(header: Header) -> Option<String> {
         taken.push(index);
         let unit = unit(channel, header, index).filter(|unit| !unit.factor_text.is_empty());
         let factor = unit.map_or(String::new(), |unit| format!("*{}", unit.factor_text));
-        parts.push(format!("{}={}{factor}", channel.letter(), header.names[index]));
+        parts.push(format!(
+            "{}={}{factor}",
+            channel.letter(),
+            header.names[index]
+        ));
     }
     Some(parts.join(","))
 }
@@ -193,14 +222,60 @@ mod tests {
     #[test]
     fn machines_are_understood_by_names_and_units() {
         for (names, units, row, wanted) in [
-            (&["Time (s)", "Extension (mm)", "Load (kN)"][..], &[][..], &["0", "0", "0"][..], [(0, 1.0), (1, 1e-3), (2, 1e3)]),
-            (&["Prüfzeit", "Standardweg", "Traversenweg", "Standardkraft"], &["s", "mm", "mm", "N"], &["0"; 4], [(0, 1.0), (1, 1e-3), (3, 1.0)]),
-            (&["Depth (nm)", "Load (µN)", "Time (s)", "Depth (V)", "Load (V)"], &[], &["0"; 5], [(2, 1.0), (0, 1e-9), (1, 1e-6)]),
-            (&["Temps (s)", "Déplacement (mm)", "Force (N)"], &[], &["0"; 3], [(0, 1.0), (1, 1e-3), (2, 1.0)]),
-            (&["Tiempo (s)", "Carrera (mm)", "Fuerza (N)"], &[], &["0"; 3], [(0, 1.0), (1, 1e-3), (2, 1.0)]),
-            (&["Kanal 1 [s]", "Kanal 2 [N]", "Kanal 3 [mm]"], &[], &["0"; 3], [(0, 1.0), (2, 1e-3), (1, 1.0)]),
-            (&["timestamp", "pos_mm", "Fz (N)"], &[], &["1772366400000", "0", "0"], [(0, 1e-3), (1, 1e-3), (2, 1.0)]),
-            (&["Date", "Time", "Weg / mm", "Kraft / N"], &[], &["2026-03-01", "12:00:00.1", "0", "0"], [(1, 1.0), (2, 1e-3), (3, 1.0)]),
+            (
+                &["Time (s)", "Extension (mm)", "Load (kN)"][..],
+                &[][..],
+                &["0", "0", "0"][..],
+                [(0, 1.0), (1, 1e-3), (2, 1e3)],
+            ),
+            (
+                &["Prüfzeit", "Standardweg", "Traversenweg", "Standardkraft"],
+                &["s", "mm", "mm", "N"],
+                &["0"; 4],
+                [(0, 1.0), (1, 1e-3), (3, 1.0)],
+            ),
+            (
+                &[
+                    "Depth (nm)",
+                    "Load (µN)",
+                    "Time (s)",
+                    "Depth (V)",
+                    "Load (V)",
+                ],
+                &[],
+                &["0"; 5],
+                [(2, 1.0), (0, 1e-9), (1, 1e-6)],
+            ),
+            (
+                &["Temps (s)", "Déplacement (mm)", "Force (N)"],
+                &[],
+                &["0"; 3],
+                [(0, 1.0), (1, 1e-3), (2, 1.0)],
+            ),
+            (
+                &["Tiempo (s)", "Carrera (mm)", "Fuerza (N)"],
+                &[],
+                &["0"; 3],
+                [(0, 1.0), (1, 1e-3), (2, 1.0)],
+            ),
+            (
+                &["Kanal 1 [s]", "Kanal 2 [N]", "Kanal 3 [mm]"],
+                &[],
+                &["0"; 3],
+                [(0, 1.0), (2, 1e-3), (1, 1.0)],
+            ),
+            (
+                &["timestamp", "pos_mm", "Fz (N)"],
+                &[],
+                &["1772366400000", "0", "0"],
+                [(0, 1e-3), (1, 1e-3), (2, 1.0)],
+            ),
+            (
+                &["Date", "Time", "Weg / mm", "Kraft / N"],
+                &[],
+                &["2026-03-01", "12:00:00.1", "0", "0"],
+                [(1, 1.0), (2, 1e-3), (3, 1.0)],
+            ),
         ] {
             assert_eq!(guessed(names, units, row), Ok(wanted.to_vec()), "{names:?}");
         }
@@ -208,11 +283,19 @@ mod tests {
 
     #[test]
     fn where_a_guess_could_be_wrong_it_is_none() {
-        let two = guessed(&["Time (s)", "Extension (mm)", "Position (mm)", "Load (N)"], &[], &["0"; 4]);
+        let two = guessed(
+            &["Time (s)", "Extension (mm)", "Position (mm)", "Load (N)"],
+            &[],
+            &["0"; 4],
+        );
         assert_eq!(two, Err(Unclear::Several(vec![1, 2])));
         let bare = guessed(&["Time (s)", "Extension (mm)", "Load"], &[], &["0"; 3]);
         assert_eq!(bare, Err(Unclear::Unit(2)));
-        let none = guessed(&["Time (s)", "Temperature (°C)", "Load (N)"], &[], &["0"; 3]);
+        let none = guessed(
+            &["Time (s)", "Temperature (°C)", "Load (N)"],
+            &[],
+            &["0"; 3],
+        );
         assert_eq!(none, Err(Unclear::Nothing));
     }
 }

@@ -38,9 +38,17 @@ pub(super) fn of(position: &[f64], force: &[f64]) -> Orientation {
     }
     let end = END * travel;
     let (at_low, at_high) = (near(low, low + end), near(high - end, high));
-    let inner = |from: f64| near(low + (from - 0.5 * END) * travel, low + (from + 0.5 * END) * travel);
+    let inner = |from: f64| {
+        near(
+            low + (from - 0.5 * END) * travel,
+            low + (from + 0.5 * END) * travel,
+        )
+    };
     // How much the force changes over the outer quarter of either side.
-    let (low_side, high_side) = ((inner(SIDE) - at_low).abs(), (at_high - inner(1.0 - SIDE)).abs());
+    let (low_side, high_side) = (
+        (inner(SIDE) - at_low).abs(),
+        (at_high - inner(1.0 - SIDE)).abs(),
+    );
     let rise = at_high - at_low;
     let noise = signal::noise(force);
     if !rise.is_finite() || rise.abs() < PUSHES * noise {

@@ -185,7 +185,11 @@ fn longest_table(lines: &[Line], delimiter: u8) -> Option<Table> {
     let mut best: Option<Table> = None;
     let mut run: Option<Table> = None;
     let mut count = 0usize;
-    for (index, line) in lines.iter().enumerate().filter(|(_, line)| !line.is_comment) {
+    for (index, line) in lines
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| !line.is_comment)
+    {
         count += 1;
         let columns = columns_of_numbers(&line.text, delimiter);
         run = match (columns, run) {
@@ -212,8 +216,12 @@ fn columns_of_numbers(line: &str, delimiter: u8) -> Option<usize> {
     let cells = split(line, delimiter);
     let numbers = cells.iter().filter(|cell| is_value(cell)).count();
     let begun = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
-    let broken = cells.iter().any(|cell| begun(cell) && !is_value(cell) && cell.len() > 2);
-    let texts = cells.iter().filter(|cell| !cell.is_empty() && !is_value(cell));
+    let broken = cells
+        .iter()
+        .any(|cell| begun(cell) && !is_value(cell) && cell.len() > 2);
+    let texts = cells
+        .iter()
+        .filter(|cell| !cell.is_empty() && !is_value(cell));
     let sure = numbers >= 2 && !broken && texts.count() <= numbers;
     sure.then_some(cells.len())
 }
@@ -228,7 +236,10 @@ fn header_above(lines: &[Line], table: &Table, delimiter: u8) -> Option<usize> {
     let from = table.start.saturating_sub(HEADER_LINES);
     let names = |at: usize| {
         let cells = split(&lines[at].text, delimiter);
-        let texts = cells.iter().filter(|cell| !cell.is_empty() && !is_value(cell)).count();
+        let texts = cells
+            .iter()
+            .filter(|cell| !cell.is_empty() && !is_value(cell))
+            .count();
         let fits = cells.len() == table.columns || cells.len() + 1 == table.columns;
         fits && 2 * texts > cells.len() && !are_units(&cells)
     };
@@ -239,7 +250,9 @@ fn header_above(lines: &[Line], table: &Table, delimiter: u8) -> Option<usize> {
 /// Whether every cell is a unit or empty, and one is a unit of the three channels.
 fn are_units(cells: &[String]) -> bool {
     let known = |cell: &String| units::parse(cell);
-    cells.iter().all(|cell| cell.is_empty() || known(cell).is_some())
+    cells
+        .iter()
+        .all(|cell| cell.is_empty() || known(cell).is_some())
         && cells
             .iter()
             .filter_map(known)
@@ -254,7 +267,9 @@ fn lines(head: &[u8]) -> impl Iterator<Item = Line> {
         .map(move |(index, line)| {
             end += line.len();
             let text = decoded(line);
-            let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
+            let text = text
+                .trim_start_matches('\u{feff}')
+                .trim_end_matches(['\r', '\n']);
             let comment = uncommented(text);
             Line {
                 number: index + 1,
@@ -269,9 +284,13 @@ fn lines(head: &[u8]) -> impl Iterator<Item = Line> {
 /// What stands in a comment; `None` of another line. Bruker's JPK writes `# columns: …` and `# units: …`.
 fn uncommented(line: &str) -> Option<&str> {
     let line = line.trim();
-    let text = ["#", "%", "//"].into_iter().find_map(|mark| line.strip_prefix(mark))?;
+    let text = ["#", "%", "//"]
+        .into_iter()
+        .find_map(|mark| line.strip_prefix(mark))?;
     let text = text.trim_start_matches(['#', '%', '/']).trim();
-    let keyed = ["columns:", "units:"].into_iter().find_map(|key| text.strip_prefix(key));
+    let keyed = ["columns:", "units:"]
+        .into_iter()
+        .find_map(|key| text.strip_prefix(key));
     Some(keyed.unwrap_or(text).trim())
 }
 
@@ -293,7 +312,10 @@ pub(super) fn decoded(bytes: &[u8]) -> String {
 fn any_delimiter(header: &str) -> u8 {
     let count = |delimiter: &u8| header.bytes().filter(|byte| byte == delimiter).count();
     let usual = [b',', b';', b'\t'].into_iter();
-    usual.max_by_key(count).filter(|d| count(d) > 0).unwrap_or(b',')
+    usual
+        .max_by_key(count)
+        .filter(|d| count(d) > 0)
+        .unwrap_or(b',')
 }
 
 /// The cells of a line, without blanks around them.
@@ -402,7 +424,10 @@ mod tests {
         let found = parsed(text);
         assert_eq!(found.names, ["Prüfzeit", "Standardweg", "Standardkraft"]);
         assert_eq!(found.units, ["s", "mm", "N"]);
-        assert_eq!((found.header_line, found.data_line, found.titles), (5, 7, 3));
+        assert_eq!(
+            (found.header_line, found.data_line, found.titles),
+            (5, 7, 3)
+        );
         assert!(found.format.decimal_comma);
     }
 

@@ -32,9 +32,12 @@ impl Log {
         let mut logs = Log::read_all(path, options)?;
         match (logs.pop(), logs.len()) {
             (Some(log), 0) => Ok(log),
-            (_, others) => Err(Diagnostic::new(format!("the file holds {} recordings", others + 1))
-                .in_file(path)
-                .remedy("give a file with one recording, or leave --trace-column out")),
+            (_, others) => Err(Diagnostic::new(format!(
+                "the file holds {} recordings",
+                others + 1
+            ))
+            .in_file(path)
+            .remedy("give a file with one recording, or leave --trace-column out")),
         }
     }
 
@@ -60,7 +63,9 @@ fn read_all(path: &Path, options: &ReadOptions) -> Result<Vec<Log>, Diagnostic> 
         let error = error.in_file(path);
         match preamble.header_line {
             0 => error,
-            line => error.at_line(line).excerpt(preamble.header_text.clone(), 0..0),
+            line => error
+                .at_line(line)
+                .excerpt(preamble.header_text.clone(), 0..0),
         }
     };
     let is_timed = options.rate_hz.is_none();
@@ -120,7 +125,8 @@ fn oriented(
     placed: &[Option<Placed>; 3],
     columns: &super::columns::ColumnMap,
 ) -> Orientation {
-    let is_guessed = |slot: usize| placed[slot].is_some_and(|placed| placed.origin == Origin::Guessed);
+    let is_guessed =
+        |slot: usize| placed[slot].is_some_and(|placed| placed.origin == Origin::Guessed);
     if !(is_guessed(1) || is_guessed(2)) || columns.orients() {
         return Orientation::AsIs;
     }

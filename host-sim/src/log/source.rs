@@ -7,8 +7,8 @@ use std::sync::OnceLock;
 
 use flate2::bufread::MultiGzDecoder;
 
-use super::encoding;
 use super::preamble::{decoded, is_comment};
+use super::{encoding, mcap};
 use crate::diagnostic::Diagnostic;
 
 /// How much of a file is looked at before it is read (bytes): a header of a thousand columns fits.
@@ -30,7 +30,15 @@ impl Source {
     pub(super) fn open(path: &Path) -> Result<Source, Diagnostic> {
         let failed = |error: io::Error| unreadable(path, &error);
         let mut raw = unzipped(path).map_err(failed)?;
-        let head = beginning(&mut raw).map_err(failed)?;
+        let mut head = beginning(&mut raw).map_err(failed)?;
+        if head.starts_with(mcap::MAGIC) {
+            raw.read_to_end(&mut head).map_err(failed)?;
+            let table = mcap::table(&head).map_err(|mcap::Unusable(what, remedy)| {
+                Diagnostic::new(what).in_file(path).remedy(remedy)
+            })?;
+            raw = Box::new(Cursor::new(table));
+            head = beginning(&mut raw).map_err(failed)?;
+        }
         let encoding = encoding::of(&head);
         let raw = Cursor::new(head).chain(raw);
         let (mut rest, encoding) = match encoding {

@@ -138,12 +138,17 @@ pub(super) fn split(header: &str) -> (&str, Option<Unit>) {
             return (name.trim(), Some(unit));
         }
         // Brackets around a remark: `Load (raw)`. With a slash or a percent it is a unit of something else.
-        let other = inside.contains(['/', '%', '²', '^']).then(|| unit("?", Other, 1.0, ""));
+        let other = inside
+            .contains(['/', '%', '²', '^'])
+            .then(|| unit("?", Other, 1.0, ""));
         return (if other.is_some() { name.trim() } else { text }, other);
     }
     let separated = text.rfind(['_', '/', ',', ' ', '.', '-']);
     let Some((at, length)) = separated.map(|at| (at, 1)) else {
-        return (text, parse(text).filter(|unit| unit.quantity == Time && text.len() > 1));
+        return (
+            text,
+            parse(text).filter(|unit| unit.quantity == Time && text.len() > 1),
+        );
     };
     let (name, last) = (&text[..at], &text[at + length..]);
     let name = name.trim_end_matches(['_', '/', ',', ' ']);
@@ -164,7 +169,10 @@ fn last_bracket(text: &str) -> Option<(&str, &str)> {
         _ => return None,
     };
     let from = text.rfind(open)?;
-    Some((&text[..from], text[from + 1..].trim_end_matches(close).trim()))
+    Some((
+        &text[..from],
+        text[from + 1..].trim_end_matches(close).trim(),
+    ))
 }
 
 #[cfg(test)]
@@ -180,7 +188,11 @@ mod tests {
             ("Weg in mm", "Weg", "mm"),
             ("Time, s", "Time", "s"),
             ("pos_mm", "pos", "mm"),
-            ("Position(Linear:Position) (mm)", "Position(Linear:Position)", "mm"),
+            (
+                "Position(Linear:Position) (mm)",
+                "Position(Linear:Position)",
+                "mm",
+            ),
             ("Kraft [µN]", "Kraft", "µN"),
             ("Kraft [\u{3bc}N]", "Kraft", "µN"),
             ("Force (MN)", "Force", "MN"),

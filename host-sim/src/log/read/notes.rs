@@ -15,9 +15,15 @@ pub(super) fn understood(
     logs: &[Log],
 ) -> Option<String> {
     let mut facts = Vec::new();
-    let is_own = table.placed.iter().flatten().all(|placed| placed.origin == Origin::Own);
+    let is_own = table
+        .placed
+        .iter()
+        .flatten()
+        .all(|placed| placed.origin == Origin::Own);
     if !is_own {
-        let channels = Channel::ALL.into_iter().filter_map(|channel| column(table, channel));
+        let channels = Channel::ALL
+            .into_iter()
+            .filter_map(|channel| column(table, channel));
         facts.push(channels.collect::<Vec<_>>().join(", "));
     }
     if let Some(rate_hz) = options.rate_hz {
@@ -25,7 +31,10 @@ pub(super) fn understood(
     }
     facts.extend(signs(orientation).map(str::to_string));
     if is_rotary(table) {
-        facts.push("a rig that turns: the position is an angle in rad and the force a torque in N m".into());
+        facts.push(
+            "a rig that turns: the position is an angle in rad and the force a torque in N m"
+                .into(),
+        );
     }
     let preamble = table.preamble;
     if preamble.titles > 0 {
@@ -63,9 +72,15 @@ fn column(table: &Table, channel: Channel) -> Option<String> {
 fn signs(orientation: Orientation) -> Option<&'static str> {
     match orientation {
         Orientation::AsIs | Orientation::One => None,
-        Orientation::Both => Some("both signs reversed, since the file counts compression as negative"),
-        Orientation::Position => Some("the sign of the position reversed, so that it grows into the material"),
-        Orientation::Force => Some("the sign of the force reversed, so that it pushes the probe out"),
+        Orientation::Both => {
+            Some("both signs reversed, since the file counts compression as negative")
+        }
+        Orientation::Position => {
+            Some("the sign of the position reversed, so that it grows into the material")
+        }
+        Orientation::Force => {
+            Some("the sign of the force reversed, so that it pushes the probe out")
+        }
     }
 }
 

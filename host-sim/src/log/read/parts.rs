@@ -49,7 +49,11 @@ pub(super) fn separators(
         }
     };
     Ok(Separators {
-        segment: of("--segment-column", &options.segment_column, names::is_segment)?,
+        segment: of(
+            "--segment-column",
+            &options.segment_column,
+            names::is_segment,
+        )?,
         trace: of("--trace-column", &options.trace_column, names::is_trace)?,
     })
 }
@@ -60,7 +64,13 @@ fn named(
     header: Header,
     time: Option<Placed>,
 ) -> Result<Separator, Diagnostic> {
-    let names = || header.names.iter().map(String::as_str).filter(|name| !name.is_empty());
+    let names = || {
+        header
+            .names
+            .iter()
+            .map(String::as_str)
+            .filter(|name| !name.is_empty())
+    };
     let Some(index) = header.names.iter().position(|name| name == wanted) else {
         let mut diagnostic = Diagnostic::new(format!("no column `{wanted}` for {flag}"))
             .in_column(wanted)

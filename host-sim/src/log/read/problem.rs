@@ -11,12 +11,27 @@ use crate::log::source::line_at;
 /// What is wrong with a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Problem {
-    Ragged { found: usize },
-    Text { slot: usize, value: String, is_first: bool },
-    Missing { slot: usize, value: String },
-    Backward { time_s: f64, last_s: f64 },
+    Ragged {
+        found: usize,
+    },
+    Text {
+        slot: usize,
+        value: String,
+        is_first: bool,
+    },
+    Missing {
+        slot: usize,
+        value: String,
+    },
+    Backward {
+        time_s: f64,
+        last_s: f64,
+    },
     /// Time begins again, and nothing says whether a new recording does.
-    Restart { time_s: f64, last_s: f64 },
+    Restart {
+        time_s: f64,
+        last_s: f64,
+    },
 }
 
 impl Problem {
@@ -53,7 +68,11 @@ impl Table<'_> {
         let text = located.as_ref().map_or("", |(_, text)| text.as_str());
         let diagnostic = match problem {
             Problem::Ragged { found } => self.ragged(*found, text),
-            Problem::Text { slot, value, is_first } => self.text(*slot, text, value, *is_first),
+            Problem::Text {
+                slot,
+                value,
+                is_first,
+            } => self.text(*slot, text, value, *is_first),
             Problem::Missing { slot, value } => self.missing(*slot, text, value),
             Problem::Backward { time_s, last_s } => self
                 .backward(*time_s, *last_s, text)
@@ -72,7 +91,9 @@ impl Table<'_> {
         Diagnostic::new("the force falls on the way in: the sign of one of the two is reversed")
             .in_column(force)
             .note("the position must grow into the material and the force push the probe out")
-            .remedy(format!("say which: --columns 'x=-{position}' or --columns 'f=-{force}'"))
+            .remedy(format!(
+                "say which: --columns 'x=-{position}' or --columns 'f=-{force}'"
+            ))
     }
 
     fn in_cell(&self, slot: usize, text: &str, value: &str) -> Diagnostic {

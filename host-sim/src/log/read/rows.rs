@@ -71,7 +71,11 @@ fn offset(record: &ByteRecord) -> u64 {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(table: &'a Table<'a>, separators: &'a Separators, rate_hz: Option<f64>) -> Self {
+    pub(super) fn new(
+        table: &'a Table<'a>,
+        separators: &'a Separators,
+        rate_hz: Option<f64>,
+    ) -> Self {
         let names = &table.preamble.names;
         let further: Vec<usize> = (0..names.len())
             .filter(|index| table.placed.iter().flatten().all(|p| p.index != *index))
@@ -189,13 +193,23 @@ impl<'a> Rows<'a> {
         if slot == Channel::Time as usize && self.has_stamps {
             let is_first = self.log.is_empty();
             return stamp::seconds(&value()).ok_or_else(|| match cell.trim_ascii().is_empty() {
-                true => Problem::Missing { slot, value: value() },
-                false => Problem::Text { slot, value: value(), is_first },
+                true => Problem::Missing {
+                    slot,
+                    value: value(),
+                },
+                false => Problem::Text {
+                    slot,
+                    value: value(),
+                    is_first,
+                },
             });
         }
         match number(cell, self.table.preamble.format) {
             Cell::Number(number) => Ok(number * placed.factor),
-            Cell::Missing => Err(Problem::Missing { slot, value: value() }),
+            Cell::Missing => Err(Problem::Missing {
+                slot,
+                value: value(),
+            }),
             Cell::Text => Err(Problem::Text {
                 slot,
                 value: value(),
@@ -207,7 +221,9 @@ impl<'a> Rows<'a> {
     /// The time of a row in its recording (s).
     fn placed_in_time(&mut self, record: &ByteRecord, given_s: f64) -> Result<f64, Problem> {
         let is_far = self.has_stamps || given_s.abs() > FAR_AWAY_S;
-        let origin_s = *self.origin_s.get_or_insert(if is_far { given_s } else { 0.0 });
+        let origin_s = *self
+            .origin_s
+            .get_or_insert(if is_far { given_s } else { 0.0 });
         let stamp_s = given_s - origin_s;
         let Some(last_s) = self.log.time_s.last().copied() else {
             self.begin(record, Begin::Recording, stamp_s);
@@ -228,7 +244,9 @@ impl<'a> Rows<'a> {
 
     fn begins(&self, record: &ByteRecord, time_s: f64, last_s: f64) -> Result<Begin, Problem> {
         let changed = |separator: Separator, last: &[u8]| {
-            separator.column().is_some_and(|index| record.get(index) != Some(last))
+            separator
+                .column()
+                .is_some_and(|index| record.get(index) != Some(last))
         };
         let trace = changed(self.separators.trace, &self.last_trace);
         let segment = changed(self.separators.segment, &self.last_segment);
@@ -373,12 +391,20 @@ impl<'a> Rows<'a> {
     /// Stamps that repeat: few are left out; many that do so evenly are coarser than the sampling, and the line
     /// through them takes their place.
     fn spread_stamps(&self, log: &mut Log) -> Result<(), Diagnostic> {
-        let repeats = log.time_s.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        let repeats = log
+            .time_s
+            .windows(2)
+            .filter(|pair| pair[0] == pair[1])
+            .count();
         if repeats == 0 {
             return Ok(());
         }
         if repeats as f64 <= MOST_LEFT_OUT * log.len() as f64 {
-            let first_s = log.time_s.windows(2).find(|pair| pair[0] == pair[1]).map_or(0.0, |pair| pair[0]);
+            let first_s = log
+                .time_s
+                .windows(2)
+                .find(|pair| pair[0] == pair[1])
+                .map_or(0.0, |pair| pair[0]);
             log.leave_out_repeated();
             log.notes.push(format!(
                 "{repeats} samples left out whose time stamp repeats the one before, the first at {first_s} s"
@@ -431,17 +457,27 @@ impl<'a> Rows<'a> {
         let mut notes = Vec::new();
         let line = |offset: u64| self.table.locate(offset);
         if let Some((offset, _)) = self.first_skipped {
-            let place = line(offset).map_or(String::new(), |(line, _)| format!(", the first at line {line}"));
+            let place = line(offset).map_or(String::new(), |(line, _)| {
+                format!(", the first at line {line}")
+            });
             notes.push(format!("{} bad rows left out{place}", self.skipped));
         }
         if let Some((offset, _, count)) = &self.summary {
             let text = line(*offset).map_or(String::new(), |(line, text)| {
-                format!(" from line {line} on (`{}`)", text.chars().take(40).collect::<String>())
+                format!(
+                    " from line {line} on (`{}`)",
+                    text.chars().take(40).collect::<String>()
+                )
             });
-            notes.push(format!("{count} rows below the table left out{text}: a summary"));
+            notes.push(format!(
+                "{count} rows below the table left out{text}: a summary"
+            ));
         }
         if self.segments > 1 {
-            notes.push(format!("{} segments put one after the other", self.segments));
+            notes.push(format!(
+                "{} segments put one after the other",
+                self.segments
+            ));
         }
         for (column, cells) in self.log.extra.iter().zip(&self.text_cells) {
             if *cells > 0 {
@@ -459,7 +495,16 @@ impl<'a> Rows<'a> {
 fn numbered(path: &std::path::Path, number: usize, label: &str) -> std::path::PathBuf {
     let label: String = match label.is_empty() {
         true => number.to_string(),
-        false => label.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect(),
+        false => label
+            .chars()
+            .map(|c| {
+                if c.is_alphanumeric() || "-_.".contains(c) {
+                    c
+                } else {
+                    '_'
+                }
+            })
+            .collect(),
     };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{name}#{label}"))
