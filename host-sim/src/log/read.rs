@@ -1,5 +1,6 @@
 //! A file into logs: its table is found, its columns and signs are understood, its rows are read.
 
+mod finish;
 mod notes;
 mod parts;
 mod problem;

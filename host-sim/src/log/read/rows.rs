@@ -12,9 +12,6 @@ use crate::log::record::{ExtraColumn, FEWEST_SAMPLES, Log};
 use crate::log::stamp;
 use crate::stats::median;
 
-/// Largest share of rows that may be left out, or of stamps that may repeat: beyond it the rest no
-/// longer stands for the measurement.
-const MOST_LEFT_OUT: f64 = 0.2;
 /// Rows that may stand below a table as its summary.
 const MOST_SUMMARY_ROWS: usize = 60;
 /// Stamps that begin later than this count from something far away, such as 1970 (s).
@@ -24,29 +21,29 @@ const AGAIN: f64 = 0.01;
 
 /// The channels while they grow, and what has been noticed.
 pub(super) struct Rows<'a> {
-    table: &'a Table<'a>,
+    pub(super) table: &'a Table<'a>,
     separators: &'a Separators,
     rate_hz: Option<f64>,
     has_stamps: bool,
     /// Indices of the further columns.
     further: Vec<usize>,
-    text_cells: Vec<usize>,
+    pub(super) text_cells: Vec<usize>,
     /// All recordings, one after the other.
-    log: Log,
+    pub(super) log: Log,
     /// Where each recording begins, and what the column of traces says there.
-    starts: Vec<(usize, String)>,
+    pub(super) starts: Vec<(usize, String)>,
     /// Where the present part begins, what its time began at, and what is added to its stamps.
     part: Part,
     last_segment: Vec<u8>,
     last_trace: Vec<u8>,
     /// What all stamps count from (s).
     origin_s: Option<f64>,
-    segments: usize,
+    pub(super) segments: usize,
     /// Rows that may be a summary: the first with its problem, and how many.
-    summary: Option<(u64, Problem, usize)>,
-    skipped: usize,
-    first_skipped: Option<(u64, Problem)>,
-    first_repeated: Option<(u64, f64)>,
+    pub(super) summary: Option<(u64, Problem, usize)>,
+    pub(super) skipped: usize,
+    pub(super) first_skipped: Option<(u64, Problem)>,
+    pub(super) first_repeated: Option<(u64, f64)>,
     headers: usize,
 }
 
@@ -329,183 +326,4 @@ impl<'a> Rows<'a> {
             self.log.extra[slot].values.push(value);
         }
     }
-
-    /// The recordings of the file.
-    pub(super) fn finish(mut self) -> Result<Vec<Log>, Diagnostic> {
-        let rows = self.log.len() + self.skipped;
-        if rows == 0 {
-            let preamble = self.table.preamble;
-            let message = "there is a header, but no row of numbers below it";
-            return Err(Diagnostic::new(message)
-                .in_file(self.table.path)
-                .at_line(preamble.header_line)
-                .excerpt(preamble.header_text.clone(), 0..0)
-                .remedy("record again: the file was closed before the first sample"));
-        }
-        if self.skipped as f64 > MOST_LEFT_OUT * rows as f64 {
-            return Err(self.too_many_bad_rows(rows));
-        }
-        let notes = self.notes();
-        let mut logs = self.recordings();
-        for log in &mut logs {
-            log.notes.extend(notes.iter().cloned());
-            self.spread_stamps(log)?;
-            if log.len() < FEWEST_SAMPLES {
-                return Err(Diagnostic::new(format!(
-                    "the log has {} samples, fewer than {FEWEST_SAMPLES}",
-                    log.len()
-                ))
-                .in_file(&log.path)
-                .remedy("record longer: a touch at 1 kHz takes a few hundred samples"));
-            }
-        }
-        Ok(logs)
-    }
-
-    /// The rows of each recording as a log of its own, in order.
-    fn recordings(&mut self) -> Vec<Log> {
-        let mut logs = Vec::new();
-        let is_one = self.starts.len() == 1;
-        for (number, (start, label)) in self.starts.iter().enumerate().rev() {
-            let path = match is_one {
-                true => self.table.path.to_path_buf(),
-                false => numbered(self.table.path, number + 1, label),
-            };
-            let extra = self.log.extra.iter_mut().map(|column| ExtraColumn {
-                name: column.name.clone(),
-                values: column.values.split_off(*start),
-            });
-            logs.push(Log {
-                path,
-                extra: extra.collect(),
-                time_s: self.log.time_s.split_off(*start),
-                position_m: self.log.position_m.split_off(*start),
-                force_n: self.log.force_n.split_off(*start),
-                notes: Vec::new(),
-            });
-        }
-        logs.reverse();
-        logs
-    }
-
-    /// Stamps that repeat: few are left out; many that do so evenly are coarser than the sampling, and the line
-    /// through them takes their place.
-    fn spread_stamps(&self, log: &mut Log) -> Result<(), Diagnostic> {
-        let repeats = log
-            .time_s
-            .windows(2)
-            .filter(|pair| pair[0] == pair[1])
-            .count();
-        if repeats == 0 {
-            return Ok(());
-        }
-        if repeats as f64 <= MOST_LEFT_OUT * log.len() as f64 {
-            let first_s = log
-                .time_s
-                .windows(2)
-                .find(|pair| pair[0] == pair[1])
-                .map_or(0.0, |pair| pair[0]);
-            log.leave_out_repeated();
-            log.notes.push(format!(
-                "{repeats} samples left out whose time stamp repeats the one before, the first at {first_s} s"
-            ));
-            return Ok(());
-        }
-        match log.spread_evenly() {
-            Some(note) => {
-                log.notes.push(note);
-                Ok(())
-            }
-            None => Err(self.too_coarse_clock(repeats, log.len())),
-        }
-    }
-
-    fn too_many_bad_rows(&self, rows: usize) -> Diagnostic {
-        let Some((offset, problem)) = &self.first_skipped else {
-            unreachable!("a skipped row is remembered");
-        };
-        let mut diagnostic = self.table.diagnostic(*offset, problem);
-        diagnostic.what = format!(
-            "{} of {rows} rows are unusable, more than 20 %; the first: {}",
-            self.skipped, diagnostic.what
-        );
-        diagnostic.remedy("repair the recording: what is left would not stand for it")
-    }
-
-    fn too_coarse_clock(&self, repeats: usize, rows: usize) -> Diagnostic {
-        let (offset, time_s) = self.first_repeated.unwrap_or_default();
-        let mut diagnostic = Diagnostic::new(format!(
-            "{repeats} of {rows} time stamps repeat the one before, and not evenly"
-        ))
-        .in_file(self.table.path)
-        .in_column(self.table.name(0))
-        .value(time_s)
-        .note("that is the first one that repeats; more than 20 % do")
-        .remedy(
-            "if the sampling was even, give its rate: --rate HZ; else record the time with more digits \
-             than the sampling period has",
-        );
-        if let Some((line, text)) = self.table.locate(offset) {
-            let cell = self.table.cell(0, &text);
-            diagnostic = diagnostic.at_line(line).excerpt(text, cell);
-        }
-        diagnostic
-    }
-
-    /// What was left out, and how the parts were put together.
-    fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        let line = |offset: u64| self.table.locate(offset);
-        if let Some((offset, _)) = self.first_skipped {
-            let place = line(offset).map_or(String::new(), |(line, _)| {
-                format!(", the first at line {line}")
-            });
-            notes.push(format!("{} bad rows left out{place}", self.skipped));
-        }
-        if let Some((offset, _, count)) = &self.summary {
-            let text = line(*offset).map_or(String::new(), |(line, text)| {
-                format!(
-                    " from line {line} on (`{}`)",
-                    text.chars().take(40).collect::<String>()
-                )
-            });
-            notes.push(format!(
-                "{count} rows below the table left out{text}: a summary"
-            ));
-        }
-        if self.segments > 1 {
-            notes.push(format!(
-                "{} segments put one after the other",
-                self.segments
-            ));
-        }
-        for (column, cells) in self.log.extra.iter().zip(&self.text_cells) {
-            if *cells > 0 {
-                notes.push(format!(
-                    "column `{}` holds text in {cells} rows: read as missing",
-                    column.name
-                ));
-            }
-        }
-        notes
-    }
-}
-
-/// A name for a recording within a file.
-fn numbered(path: &std::path::Path, number: usize, label: &str) -> std::path::PathBuf {
-    let label: String = match label.is_empty() {
-        true => number.to_string(),
-        false => label
-            .chars()
-            .map(|c| {
-                if c.is_alphanumeric() || "-_.".contains(c) {
-                    c
-                } else {
-                    '_'
-                }
-            })
-            .collect(),
-    };
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{name}#{label}"))
 }
