@@ -149,3 +149,20 @@ fn an_estimate_in_mcap_is_a_log_again() {
     let again: Value = serde_json::from_str(&said(&again)).unwrap();
     assert_eq!(again["parameters"], first["parameters"]);
 }
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_a_verb_with_the_status_that_shells_expect() {
+    use std::io::Write;
+    let folder = Folder::new();
+    let mut command = folder.command(&["check", "-"]);
+    let mut child = command.stdin(std::process::Stdio::piped()).spawn().unwrap();
+    let mut input = child.stdin.take().unwrap();
+    // More than a pipe holds: whoever takes it is past its beginning.
+    input.write_all(&vec![b'\n'; 1 << 20]).unwrap();
+    let pressed = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(pressed.unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}

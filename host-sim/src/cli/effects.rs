@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 pub use ignored::{Ignored, ignored};
 
+use crate::cli::progress::Spinner;
 use crate::diagnostic::{Diagnostic, listed, nearest};
 use crate::output::{result, say, try_folder};
 use crate::report::Provenance;
@@ -54,10 +55,12 @@ pub fn run(args: &EffectsArgs) -> Result<(), Box<dyn Error>> {
         try_folder(out)?;
     }
     result(&json::catalogue(&chosen))?;
+    let spinner = Spinner::new(1);
     let shown = match (args.id.is_some(), args.out.is_some()) {
         (false, false) => Vec::new(),
         _ => all(&chosen, args.seed)?,
     };
+    drop(spinner);
     match (&args.id, shown.first()) {
         (Some(_), Some(one)) => say(text::one(one))?,
         _ => say(text::catalogue())?,
