@@ -1,5 +1,6 @@
 //! From rows to recordings: what was left out, stamps that repeat, and what is said about it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::rows::Rows;
@@ -47,10 +48,21 @@ impl Rows<'_> {
     fn recordings(&mut self) -> Vec<Log> {
         let mut logs = Vec::new();
         let is_one = self.starts.len() == 1;
+        let labels: BTreeSet<&str> = self
+            .starts
+            .iter()
+            .map(|(_, label)| label.as_str())
+            .collect();
+        // A label that comes twice names nothing.
+        let is_labelled = labels.len() == self.starts.len() && !labels.contains("");
         for (number, (start, label)) in self.starts.iter().enumerate().rev() {
+            let label = match is_labelled {
+                true => label.clone(),
+                false => (number + 1).to_string(),
+            };
             let path = match is_one {
                 true => self.table.path.to_path_buf(),
-                false => numbered(self.table.path, number + 1, label),
+                false => labelled(self.table.path, &label),
             };
             let extra = self.log.extra.iter_mut().map(|column| ExtraColumn {
                 name: column.name.clone(),
@@ -173,20 +185,15 @@ impl Rows<'_> {
 }
 
 /// A name for a recording within a file.
-fn numbered(path: &Path, number: usize, label: &str) -> PathBuf {
-    let label: String = match label.is_empty() {
-        true => number.to_string(),
-        false => label
-            .chars()
-            .map(|c| {
-                if c.is_alphanumeric() || "-_.".contains(c) {
-                    c
-                } else {
-                    '_'
-                }
-            })
-            .collect(),
+fn labelled(path: &Path, label: &str) -> PathBuf {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '_'
+        }
     };
+    let label: String = label.chars().map(plain).collect();
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{name}#{label}"))
 }

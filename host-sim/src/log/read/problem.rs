@@ -92,7 +92,8 @@ impl Table<'_> {
             .in_column(force)
             .note("the position must grow into the material and the force push the probe out")
             .remedy(format!(
-                "say which: --columns 'x=-{position}' or --columns 'f=-{force}'"
+                "say which: --columns 'x=-{position}' or --columns 'f=-{force}'; if nothing is touched and \
+                 both are right, --columns 'f={force}'"
             ))
     }
 

@@ -114,7 +114,7 @@ impl<'a> Rows<'a> {
 
     /// Takes a row.
     pub(super) fn take(&mut self, record: &ByteRecord) -> Result<(), Diagnostic> {
-        if is_comment(&record[0]) || self.is_header(record) {
+        if record.get(0).is_none_or(is_comment) || self.is_header(record) {
             return Ok(());
         }
         let taken = self.push(record);
