@@ -118,6 +118,15 @@ fn machines() -> Vec<Brought> {
                 let english = |value| grouped(value).replace('.', "\u{1}").replace(',', ".").replace('\u{1}', ",");
                 format!("\"{}\",\"{}\",\"{}\"", english(t * 1e3), english(x * 1e6), english(f * 1e3))
             }).into(), &[], "separated thousands"),
+        ("thousands of whole numbers", written("sep=;\nZeit [s];Weg [nm];Kraft [µN]\n",
+            |_, [t, x, f]| {
+                let whole = |value: f64| grouped(value.round()).replace(",00", "");
+                format!("{};{};{}", comma(format!("{t:.3}")), whole(x * 1e9), whole(f * 1e6))
+            }).into(), &[], "separated thousands"),
+        ("titles above columns without names", written("Instrument\tDMA\nSize\t12.0 mm\nSig1\tTime (min)\nStartOfData\n",
+            |_, [t, x, f]| format!("{:.7}\t{:.2}\t{f:.4}", t / 60.0, x * 1e6)).into(), &["--columns", "t=1*60,x=2*1e-6,f=3"], "time from `1` × 60"),
+        ("an empty row below the units", written("Time;Position;Force\n[s];[mm];[N]\n;;\n",
+            |_, [t, x, f]| format!("{t:.3};{:.4};{f:.4}", x * 1e3)).into(), &[], "units in line 2"),
         ("dates of ISO 8601", written("time,position_mm,force_N\n",
             |_, [t, x, f]| format!("2026-03-01T{}Z,{:.4},{f:.4}", clock(t), x * 1e3)).into(), &[], "time from `time` in s"),
         ("German dates", written("Zeitstempel;Weg / mm;Kraft / N\n",

@@ -15,38 +15,85 @@ pub(super) enum Cell {
 pub(super) struct NumberFormat {
     /// A comma alone is the decimal point, and no separator of thousands.
     pub(super) decimal_comma: bool,
+    /// A point alone separates thousands, and is no decimal point.
+    pub(super) thousands_point: bool,
     /// Thousands are separated.
     pub(super) thousands: bool,
 }
 
-impl NumberFormat {
-    /// The format that some cells of a file have in common.
-    pub(super) fn of<'a>(cells: impl Iterator<Item = &'a str>, delimiter: u8) -> NumberFormat {
-        let (mut decimal, mut grouped, mut points, mut both, mut large_plain) =
-            (false, false, false, false, false);
-        for cell in cells.filter(|cell| looks_like_number(cell)) {
-            let (commas, dots) = (cell.matches(',').count(), cell.matches('.').count());
-            points |= dots == 1 && commas == 0;
-            large_plain |=
-                commas + dots == 0 && cell.chars().filter(char::is_ascii_digit).count() > 3;
-            match (commas, dots) {
-                (0, 0 | 1) => {}
-                (1.., 1..) => {
-                    both = true;
-                    decimal |= cell.rfind(',') > cell.rfind('.');
-                }
-                (1, 0) if is_group(cell, ',') => grouped = true,
-                (1, 0) => decimal = true,
-                _ => both = true,
+/// How often the cells of a file, or of one of its columns, have one separator.
+#[derive(Clone, Copy, Debug, Default)]
+struct Separated {
+    /// With three digits behind and no leading zero: a thousand or a number of three decimals.
+    groups: usize,
+    /// Otherwise: a decimal point.
+    decimals: usize,
+    /// Without any separator, and other than zero, up to 999 and beyond.
+    plain: usize,
+    large: usize,
+}
+
+impl Separated {
+    fn of<'a>(cells: impl Iterator<Item = &'a str>, separator: char) -> Separated {
+        let mut counts = Separated::default();
+        for cell in cells {
+            let separators = cell.matches([',', '.']).count();
+            let digits = cell.chars().filter(char::is_ascii_digit).count();
+            match (separators, cell.matches(separator).count()) {
+                (0, _) if digits > 3 => counts.large += 1,
+                (0, _) if cell != "0" => counts.plain += 1,
+                (1, 1) if is_group(cell, separator) => counts.groups += 1,
+                (1, 1) => counts.decimals += 1,
+                _ => {}
             }
         }
-        // `1,234` beside `12,5` is a decimal comma; beside `0.5` or `1,234,567` it is a thousand. Whoever
-        // writes 1,234 for a thousand writes no 1234.
-        let has_decimal_comma =
-            decimal || (grouped && !points && !both && (delimiter != b',' || large_plain));
+        counts
+    }
+
+    /// Whoever separates thousands writes 999 and 1,000 into one column, and no 1000; three decimals stand in
+    /// every cell.
+    fn are_thousands(&self) -> bool {
+        self.decimals + self.large == 0 && self.plain > 0 && self.groups > 0
+    }
+}
+
+impl NumberFormat {
+    /// The format that the first rows of a file have in common.
+    pub(super) fn of(rows: &[Vec<String>], delimiter: u8) -> NumberFormat {
+        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+        let column = |at: usize| {
+            let cells = rows.iter().filter_map(move |row| row.get(at));
+            cells
+                .map(String::as_str)
+                .filter(|cell| looks_like_number(cell))
+        };
+        let all = || (0..columns).flat_map(column);
+        let any_thousands =
+            |mark: char| (0..columns).any(|at| Separated::of(column(at), mark).are_thousands());
+        let several = || all().filter(|cell| cell.matches([',', '.']).count() > 1);
+        // Of 1.234,5 the last mark is the decimal one; 1.234.567 has none.
+        let decimal_last = |mark: char| {
+            let mixed = several().filter(|cell| cell.contains(',') && cell.contains('.'));
+            let mut marks = mixed.filter_map(|cell| cell.chars().rfind(|c| matches!(c, ',' | '.')));
+            marks.any(|last| last == mark)
+        };
+        let both = several().next().is_some();
+        let (commas, points) = (Separated::of(all(), ','), Separated::of(all(), '.'));
+        let decimal_comma = match commas.decimals > 0 || decimal_last(',') {
+            true => true,
+            false => {
+                let may_be = commas.groups > 0 && points.groups + points.decimals == 0 && !both;
+                may_be && !any_thousands(',') && (delimiter != b',' || commas.large > 0)
+            }
+        };
+        let thousands_point = points.decimals == 0
+            && points.groups > 0
+            && !decimal_last('.')
+            && (decimal_comma || any_thousands('.'));
         NumberFormat {
-            decimal_comma: has_decimal_comma,
-            thousands: both || (grouped && !has_decimal_comma),
+            decimal_comma,
+            thousands_point,
+            thousands: both || thousands_point || (commas.groups > 0 && !decimal_comma),
         }
     }
 }
@@ -71,11 +118,11 @@ pub(super) fn number(cell: &[u8], format: NumberFormat) -> Cell {
     let Ok(text) = std::str::from_utf8(cell) else {
         return Cell::Text;
     };
-    match text
-        .parse::<f64>()
-        .ok()
-        .or_else(|| other_number(text, format))
-    {
+    let plain = match format.thousands_point && text.contains('.') {
+        true => None,
+        false => text.parse::<f64>().ok(),
+    };
+    match plain.or_else(|| other_number(text, format)) {
         Some(value) if value.is_finite() => Cell::Number(value),
         Some(_) => Cell::Missing,
         None if matches!(text, "-" | "--" | "n/a" | "N/A" | "#N/A" | "NaN") => Cell::Missing,
@@ -99,6 +146,7 @@ fn other_number(text: &str, format: NumberFormat) -> Option<f64> {
         (0, 0) => None,
         (1.., 1..) => last,
         (1, 0) if format.decimal_comma => last,
+        (0, 1) if format.thousands_point && is_group(&plain, '.') => None,
         (0, 1) => last,
         // Several of a kind, or a comma in front of a thousand.
         (1, 0) if is_group(&plain, ',') => None,
@@ -158,6 +206,11 @@ mod tests {
         for (cells, text, wanted) in [
             (&["0,5", "1,234"][..], "1,234", 1.234),
             (&["0.5", "1,234"], "1,234", 1234.0),
+            (&["999", "1,234"], "1,234", 1234.0),
+            (&["999", "1.234"], "1.234", 1234.0),
+            (&["9.990", "1.234"], "1.234", 1.234),
+            (&["9,990", "1,234"], "1,234", 1.234),
+            (&["0,5", "1.234"], "1.234", 1234.0),
             (&["1,234.5", "0.5"], "12,345.25", 12345.25),
             (&["1.234,5", "0,5"], "12.345,25", 12345.25),
             (&["1 234,5", "0,5"], "-1 234,5", -1234.5),
@@ -167,7 +220,8 @@ mod tests {
             (&["1,234,567"], "1,234,567", 1_234_567.0),
             (&["0,001"], ",5", 0.5),
         ] {
-            let format = NumberFormat::of(cells.iter().copied(), b';');
+            let rows: Vec<Vec<String>> = cells.iter().map(|cell| vec![cell.to_string()]).collect();
+            let format = NumberFormat::of(&rows, b';');
             assert_eq!(value(text, format), Some(wanted), "{text} in {cells:?}");
         }
     }

@@ -179,7 +179,10 @@ pub(super) fn suggestion(header: Header) -> Option<String> {
             Ok(index) | Err(Unclear::Unit(index)) => index,
             Err(Unclear::Several(indices)) => *indices.first()?,
             // Without a column of time there is --rate.
-            Err(Unclear::Nothing) if channel == Channel::Time => continue,
+            Err(Unclear::Nothing) if channel == Channel::Time => {
+                parts.push("t=NAME".to_string());
+                continue;
+            }
             Err(Unclear::Nothing) => return None,
         };
         taken.push(index);

@@ -49,6 +49,13 @@ struct Line {
     end: usize,
 }
 
+/// The line that a table begins with, by its index.
+#[derive(Clone, Copy, Debug)]
+enum Begin {
+    Header(usize),
+    Numbers(usize),
+}
+
 /// Finds the header in the first bytes of a file: where the columns that were asked for stand, or else
 /// right above the longest table of numbers. Lines that begin with `#`, `%` or `//` are comments; a header
 /// may stand in one.
@@ -62,8 +69,10 @@ pub(super) fn parse(head: &[u8], path: &Path, wanted: &ColumnMap) -> Result<Prea
     let by_name = with_names(&lines, wanted);
     let found = by_name.or_else(|| above_numbers(&lines));
     let (at, delimiter) = match found {
-        Some((Some(at), delimiter)) => (at, delimiter),
-        Some((None, delimiter)) => return without_header(&lines, delimiter, path, wanted),
+        Some((Begin::Header(at), delimiter)) => (at, delimiter),
+        Some((Begin::Numbers(at), delimiter)) => {
+            return without_header(&lines, at, delimiter, path, wanted);
+        }
         None => {
             let first = lines.iter().position(|line| !line.is_comment).unwrap_or(0);
             (first, any_delimiter(&lines[first].text))
@@ -92,7 +101,7 @@ fn preamble(lines: &[Line], at: usize, delimiter: u8) -> Preamble {
     let sample = rows(&lines[last + 1..], delimiter);
     Preamble {
         delimiter,
-        format: format(&sample, delimiter),
+        format: NumberFormat::of(&sample, delimiter),
         names,
         units,
         header_line: header.number,
@@ -107,27 +116,29 @@ fn preamble(lines: &[Line], at: usize, delimiter: u8) -> Preamble {
 /// A table without a header: its columns are called by their numbers.
 fn without_header(
     lines: &[Line],
+    start: usize,
     delimiter: u8,
     path: &Path,
     wanted: &ColumnMap,
 ) -> Result<Preamble, Diagnostic> {
-    let rows = rows(lines, delimiter);
+    let rows = rows(&lines[start..], delimiter);
     let count = rows.first().map_or(0, Vec::len);
     let names: Vec<String> = (1..=count).map(|number| number.to_string()).collect();
     if !wanted.names_any_of(&names) {
-        let first = lines.iter().find(|line| !line.is_comment);
-        let (number, text) = first.map_or((1, ""), |line| (line.number, line.text.as_str()));
-        return Err(no_header(path, number, text));
+        let first = &lines[start];
+        return Err(no_header(path, first.number, &first.text, start > 0));
     }
+    // What stands above is no part of the table.
+    let above = start.checked_sub(1).map(|at| &lines[at]);
     Ok(Preamble {
         delimiter,
-        format: format(&rows, delimiter),
+        format: NumberFormat::of(&rows, delimiter),
         names,
         units: Vec::new(),
         header_line: 0,
         header_text: String::new(),
-        data_offset: 0,
-        data_line: 1,
+        data_offset: above.map_or(0, |line| line.end),
+        data_line: above.map_or(1, |line| line.number + 1),
         titles: 0,
         sample: rows,
     })
@@ -140,35 +151,33 @@ fn rows(lines: &[Line], delimiter: u8) -> Vec<Vec<String>> {
         .collect()
 }
 
-fn format(rows: &[Vec<String>], delimiter: u8) -> NumberFormat {
-    NumberFormat::of(rows.iter().flatten().map(String::as_str), delimiter)
-}
-
 /// The first line that holds every name that was asked for.
-fn with_names(lines: &[Line], wanted: &ColumnMap) -> Option<(Option<usize>, u8)> {
+fn with_names(lines: &[Line], wanted: &ColumnMap) -> Option<(Begin, u8)> {
     lines.iter().enumerate().find_map(|(at, line)| {
         let separators = DELIMITERS.into_iter();
         let mut holding = separators.filter(|d| wanted.are_in(&split(&line.text, *d)));
-        holding.next().map(|delimiter| (Some(at), delimiter))
+        holding
+            .next()
+            .map(|delimiter| (Begin::Header(at), delimiter))
     })
 }
 
-/// The header above the longest table of numbers, and the delimiter; no header if numbers come first.
-fn above_numbers(lines: &[Line]) -> Option<(Option<usize>, u8)> {
+/// The header above the longest table of numbers, or else its first row; and the delimiter.
+fn above_numbers(lines: &[Line]) -> Option<(Begin, u8)> {
     let table = |delimiter: u8| longest_table(lines, delimiter).map(|table| (delimiter, table));
     let tables: Vec<(u8, Table)> = DELIMITERS.into_iter().filter_map(table).collect();
     let longest = tables.iter().map(|(_, table)| table.rows).max()?;
     // A table of few columns in the preamble may have another delimiter.
     let (delimiter, table) = tables.iter().find(|(_, table)| 2 * table.rows >= longest)?;
     let Some(at) = header_above(lines, table, *delimiter) else {
-        return Some((None, *delimiter));
+        return Some((Begin::Numbers(table.start), *delimiter));
     };
     // A file in parts repeats its header: the first one counts.
     let names = split(&lines[at].text, *delimiter);
     let first = lines[..at]
         .iter()
         .position(|line| split(&line.text, *delimiter) == names);
-    Some((Some(first.unwrap_or(at)), *delimiter))
+    Some((Begin::Header(first.unwrap_or(at)), *delimiter))
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -177,6 +186,8 @@ struct Table {
     start: usize,
     rows: usize,
     columns: usize,
+    /// Whether its first row ends with an empty cell.
+    is_closed: bool,
 }
 
 /// The longest run of rows of numbers with equally many cells; fewer than [`TABLE_ROWS`] only where the file
@@ -202,6 +213,9 @@ fn longest_table(lines: &[Line], delimiter: u8) -> Option<Table> {
                 start: index,
                 rows: 1,
                 columns,
+                is_closed: split(&line.text, delimiter)
+                    .last()
+                    .is_some_and(String::is_empty),
             }),
         };
         if run.is_some_and(|run| best.is_none_or(|best| run.rows > best.rows)) {
@@ -240,7 +254,9 @@ fn header_above(lines: &[Line], table: &Table, delimiter: u8) -> Option<usize> {
             .iter()
             .filter(|cell| !cell.is_empty() && !is_value(cell))
             .count();
-        let fits = cells.len() == table.columns || cells.len() + 1 == table.columns;
+        // A delimiter that ends every row makes an empty cell more.
+        let fits =
+            cells.len() == table.columns || (table.is_closed && cells.len() + 1 == table.columns);
         fits && 2 * texts > cells.len() && !are_units(&cells)
     };
     // Without a mistake in its first rows, the header is near.
@@ -368,8 +384,12 @@ fn split_at_blanks(line: &str) -> Vec<String> {
     cells
 }
 
-fn no_header(path: &Path, line: usize, text: &str) -> Diagnostic {
-    Diagnostic::new("the first line holds numbers, not the names of the columns")
+fn no_header(path: &Path, line: usize, text: &str, has_titles: bool) -> Diagnostic {
+    let what = match has_titles {
+        true => "no line above these numbers has a name for each of their columns",
+        false => "the first line holds numbers, not the names of the columns",
+    };
+    Diagnostic::new(what)
         .in_file(path)
         .at_line(line)
         .excerpt(text, 0..text.len())

@@ -32,7 +32,7 @@ pub(super) fn understood(
     facts.extend(signs(orientation).map(str::to_string));
     if is_rotary(table) {
         facts.push(
-            "a rig that turns: the position is an angle in rad and the force a torque in N m"
+            "a rig that turns: where positions in m and forces in N are said, they are angles in rad and torques in N m"
                 .into(),
         );
     }

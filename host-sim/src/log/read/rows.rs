@@ -62,6 +62,11 @@ enum Begin {
     Recording,
 }
 
+/// Whether a row holds nothing but delimiters.
+fn is_blank(record: &ByteRecord) -> bool {
+    record.iter().all(|cell| cell.trim_ascii().is_empty())
+}
+
 /// Byte of a row, from the end of the header.
 fn offset(record: &ByteRecord) -> u64 {
     record.position().map_or(0, csv::Position::byte)
@@ -114,7 +119,7 @@ impl<'a> Rows<'a> {
 
     /// Takes a row.
     pub(super) fn take(&mut self, record: &ByteRecord) -> Result<(), Diagnostic> {
-        if record.get(0).is_none_or(is_comment) || self.is_header(record) {
+        if record.get(0).is_none_or(is_comment) || is_blank(record) || self.is_header(record) {
             return Ok(());
         }
         let taken = self.push(record);
