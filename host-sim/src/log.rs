@@ -9,6 +9,7 @@ mod channel;
 mod coarse;
 mod columns;
 mod encoding;
+mod fields;
 mod guess;
 mod mcap;
 mod names;

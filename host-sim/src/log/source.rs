@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use flate2::bufread::MultiGzDecoder;
 
-use super::preamble::{decoded, is_comment};
+use super::fields::{decoded, is_comment};
 use super::{encoding, mcap};
 use crate::diagnostic::Diagnostic;
 

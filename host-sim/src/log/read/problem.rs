@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::diagnostic::Diagnostic;
 use crate::log::channel::{Channel, Placed};
-use crate::log::preamble::{Preamble, split};
+use crate::log::fields::split;
+use crate::log::preamble::Preamble;
 use crate::log::source::line_at;
 
 /// What is wrong with a row.

@@ -7,7 +7,7 @@ use super::problem::{Problem, Table};
 use crate::diagnostic::Diagnostic;
 use crate::log::cell::{Cell, number};
 use crate::log::channel::Channel;
-use crate::log::preamble::is_comment;
+use crate::log::fields::is_comment;
 use crate::log::record::{ExtraColumn, FEWEST_SAMPLES, Log};
 use crate::log::stamp;
 use crate::stats::median;
