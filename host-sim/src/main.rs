@@ -17,7 +17,13 @@ use palpate::{interrupt, output};
 /// Without a verb it runs the demo: a simulated rig palpates the gel and the plastic of Biagiotti &
 /// Melchiorri, and the estimator tells them apart.
 #[derive(Parser)]
-#[command(version, about, long_about, arg_required_else_help = false)]
+#[command(
+    name = "palpate",
+    version,
+    about,
+    long_about,
+    arg_required_else_help = false
+)]
 struct Command {
     /// Write the result alone to standard output, as JSON.
     #[arg(long, global = true)]

@@ -173,8 +173,7 @@ pub(super) fn looks_like_number(text: &str) -> bool {
         Some(_) => return false,
         None => body,
     };
-    let mut groups =
-        mantissa.split(|c| matches!(c, ',' | '.' | '\'' | '’' | ' ' | '\u{a0}' | '\u{202f}'));
+    let mut groups = mantissa.split([',', '.', '\'', '’', ' ', '\u{a0}', '\u{202f}']);
     let first = groups.next().unwrap_or_default();
     let is_digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
     let separators: Vec<char> = mantissa.chars().filter(|c| !c.is_ascii_digit()).collect();

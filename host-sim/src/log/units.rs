@@ -84,7 +84,7 @@ const UNITS: &[(Unit, &[&str])] = &[
 /// a length.
 pub(super) fn parse(text: &str) -> Option<Unit> {
     let text = unbracketed(text);
-    let text = text.replace('\u{3bc}', "µ").replace('\u{b7}', "·");
+    let text = text.replace('\u{3bc}', "µ");
     match text.as_str() {
         "Nm" => return Some(torque()),
         "mNm" | "mN m" => return by_name("mnm"),
