@@ -7,10 +7,13 @@ pub mod demo;
 pub mod effects;
 pub mod estimate;
 pub mod gap;
+mod logs;
+pub mod manual;
 pub mod monitor;
 mod progress;
 mod reading;
 pub mod record;
 pub mod simulate;
+mod summary;
 
 pub use reading::ReadingArgs;

@@ -133,8 +133,8 @@ impl Diagnostic {
 
     fn place(&self) -> Option<String> {
         let mut place = match (&self.path, self.line) {
-            (Some(path), Some(line)) => format!("{}:{line}", path.display()),
-            (Some(path), None) => path.display().to_string(),
+            (Some(path), Some(line)) => format!("{}:{line}", shown(path)),
+            (Some(path), None) => shown(path),
             (None, Some(line)) => format!("line {line}"),
             (None, None) => String::new(),
         };
@@ -218,6 +218,14 @@ impl Excerpt {
         let indent = before.saturating_sub(from) + cut.chars().count();
         let width = marked.min(EXCERPT_WIDTH.saturating_sub(before.saturating_sub(from)));
         (format!("{cut}{text}"), indent, width)
+    }
+}
+
+/// A path as it is said; `-` is standard input.
+fn shown(path: &Path) -> String {
+    match path == Path::new("-") {
+        true => "standard input".into(),
+        false => path.display().to_string(),
     }
 }
 

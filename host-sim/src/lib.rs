@@ -7,6 +7,7 @@ pub mod diagnostic;
 pub mod estimate;
 pub mod gap;
 pub mod inspect;
+pub mod interrupt;
 pub mod json;
 mod kinematics;
 pub mod link;

@@ -5,18 +5,31 @@
 //! reader of the log should know (rows left out, stamps that repeat) stands in [`Log::notes`].
 
 mod cell;
+mod channel;
+mod coarse;
 mod columns;
+mod encoding;
+mod fields;
+mod guess;
+mod mcap;
+mod names;
+mod orientation;
 mod preamble;
 mod read;
 mod record;
 mod resample;
 mod sampling;
 mod source;
+mod stamp;
 mod timing;
+mod units;
 mod write;
 
-pub use columns::{Channel, ColumnMap};
+pub use channel::Channel;
+pub use columns::ColumnMap;
+pub use mcap::{McapTopics, write_mcap};
 pub use record::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
 pub use resample::{Compensated, UniformLog};
 pub use sampling::{Drops, Sampling, Stamps};
+pub use source::STANDARD_INPUT;
 pub use timing::{Gap, Timing};

@@ -4,18 +4,33 @@ use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use palpate::cli::{check, config, demo, effects, estimate, gap, monitor, record, simulate};
+use clap::{CommandFactory, Parser, Subcommand};
+use palpate::cli::{
+    check, config, demo, effects, estimate, gap, manual, monitor, record, simulate,
+};
 use palpate::diagnostic::Diagnostic;
 use palpate::wrap::wrapped;
+use palpate::{interrupt, output};
 
 /// Contact estimation: what a load cell and an encoder say about what they touch.
 ///
 /// Without a verb it runs the demo: a simulated rig palpates the gel and the plastic of Biagiotti &
 /// Melchiorri, and the estimator tells them apart.
 #[derive(Parser)]
-#[command(version, about, long_about, arg_required_else_help = false)]
+#[command(
+    name = "palpate",
+    version,
+    about,
+    long_about,
+    arg_required_else_help = false
+)]
 struct Command {
+    /// Write the result alone to standard output, as JSON.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     verb: Option<Verb>,
 }
@@ -40,10 +55,34 @@ enum Verb {
     Config(config::ConfigArgs),
     /// Palpate gel and plastic on the simulated rig; also what `palpate` alone does
     Demo(demo::DemoArgs),
+    /// Print the completions of the command for a shell
+    Completions(manual::CompletionsArgs),
+    /// Write the manual pages
+    Man(manual::ManArgs),
+}
+
+impl Verb {
+    /// Verbs whose answer is no result that a program would read.
+    fn has_no_result(&self) -> bool {
+        matches!(
+            self,
+            Verb::Record(_)
+                | Verb::Monitor(_)
+                | Verb::Config(_)
+                | Verb::Completions(_)
+                | Verb::Man(_)
+        )
+    }
 }
 
 fn main() -> ExitCode {
     let command = Command::parse();
+    output::speak(command.json, command.quiet);
+    interrupt::catch();
+    if command.json && command.verb.as_ref().is_some_and(Verb::has_no_result) {
+        let refused = Diagnostic::new("this verb has no result to write as JSON");
+        return fail(&refused.value("--json").remedy("leave --json out"));
+    }
     let done = match &command.verb {
         Some(Verb::Estimate(args)) => estimate::run(args),
         Some(Verb::Gap(args)) => gap::run(args),
@@ -54,6 +93,8 @@ fn main() -> ExitCode {
         Some(Verb::Monitor(args)) => monitor::run(args),
         Some(Verb::Config(args)) => config::run(args),
         Some(Verb::Demo(args)) => demo::run(args),
+        Some(Verb::Completions(args)) => manual::completions(args, &mut Command::command()),
+        Some(Verb::Man(args)) => manual::man(args, Command::command()),
         None => demo::run(&demo::DemoArgs::default()),
     };
     match done {

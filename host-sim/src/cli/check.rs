@@ -10,25 +10,29 @@ use std::path::PathBuf;
 use clap::Args;
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
+use serde_json::{Map, Value};
 
 use crate::cli::ReadingArgs;
+use crate::cli::logs::{names, part_name};
+use crate::cli::summary::{Answer, Failure, each};
 use crate::estimate::{Choices, estimate};
 use crate::inspect::{Inspection, suspicions};
 use crate::json::write_json;
-use crate::log::{Log, Sampling, UniformLog};
+use crate::log::{Log, STANDARD_INPUT, Sampling, UniformLog};
 use crate::number::quantity;
-use crate::output::say;
+use crate::output::try_folder;
 use crate::stats::extent;
 use crate::wrap::wrapped;
 
 /// Arguments of `palpate check`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "Example:\n  palpate check log.csv")]
+#[command(after_help = "Example:\n  palpate check log.csv\n  palpate check runs --out checked")]
 pub struct CheckArgs {
-    /// The log: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out).
-    #[arg(value_name = "LOG")]
-    pub log: PathBuf,
-    /// Where check.json goes.
+    /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or what a machine
+    /// exports; .gz, folders, patterns such as 'runs/*.csv', or - for standard input.
+    #[arg(required = true, value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    /// Where check.json goes; a folder per log, summary.csv and summary.json if there are several.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// How the log is read.
@@ -41,7 +45,26 @@ pub struct CheckArgs {
 /// # Errors
 /// A [`crate::diagnostic::Diagnostic`] for a file that cannot be read.
 pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
-    let raw = Log::read(&args.log, &args.reading.options())?;
+    if let Some(out) = &args.out {
+        try_folder(out)?;
+    }
+    each(&args.logs, args.out.as_deref(), &|file, name| {
+        let logs = Log::read_all(file, &args.reading.options())?;
+        let is_one = logs.len() == 1;
+        let only = names(&[file.to_path_buf()]).remove(0);
+        let checked = logs.into_iter().map(|log| {
+            let folder = match (name, is_one) {
+                (None, true) => None,
+                (name, _) => Some(part_name(name.unwrap_or(&only), &log.path)),
+            };
+            checked(args, folder.as_deref(), &log)
+        });
+        checked.collect()
+    })
+}
+
+/// Checks a recording and writes its file.
+fn checked(args: &CheckArgs, folder: Option<&str>, raw: &Log) -> Result<Answer, Failure> {
     let log = raw.uniform()?;
     // Kelvin–Voigt: any contact will do to find the touches.
     let estimation = estimate(
@@ -50,7 +73,6 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
         &[Method::KELVIN_VOIGT],
         Choices::default(),
     )?;
-    let name = args.log.display().to_string();
     let facts = raw.sampling();
     let mut inspection = estimation.inspection;
     if estimation.decimated.is_some() {
@@ -59,13 +81,38 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
         inspection.force_step_n = facts.force_step_n;
         inspection.position_step_m = facts.position_step_m;
     }
-    let inspection = &inspection;
-    say(describe(&name, &raw, &facts, &log, inspection))?;
+    let json = files::json(raw, &facts, &inspection);
     if let Some(out) = &args.out {
-        let numbers = files::json(&raw, &facts, inspection);
-        write_json(&out.join("check.json"), &numbers)?;
+        let folder = folder.map_or(out.clone(), |folder| out.join(folder));
+        write_json(&folder.join("check.json"), &json)?;
     }
-    Ok(())
+    let name = match raw.path.as_os_str() == STANDARD_INPUT {
+        true => "standard input".to_string(),
+        false => raw.path.display().to_string(),
+    };
+    Ok(Answer {
+        path: raw.path.clone(),
+        text: describe(&name, raw, &facts, &log, &inspection),
+        row: row(&json, &log, &inspection),
+        json,
+    })
+}
+
+/// A log's row in the table of several.
+fn row(json: &Value, log: &UniformLog, inspection: &Inspection) -> Map<String, Value> {
+    let mut row = Map::new();
+    for key in ["samples", "duration_s"] {
+        row.insert(key.into(), json[key].clone());
+    }
+    for key in ["rate_hz", "stamps", "missing"] {
+        row.insert(key.into(), json["sampling"][key].clone());
+    }
+    row.insert("force_noise_n".into(), json["force_noise_n"].clone());
+    row.insert("touches".into(), inspection.touches.len().into());
+    let (good, _) = uses(inspection);
+    row.insert("good_for".into(), good.join("; ").into());
+    row.insert("suspicions".into(), suspicions(log).join("; ").into());
+    row
 }
 
 /// The text of `check`: a screen at most for an ordinary log.

@@ -1,6 +1,7 @@
 //! `palpate effects`: the catalogue of what a rig can hide, and what each does to an estimate.
 
 mod ignored;
+mod json;
 mod page;
 mod text;
 
@@ -14,8 +15,9 @@ use rayon::prelude::*;
 
 pub use ignored::{Ignored, ignored};
 
+use crate::cli::progress::Spinner;
 use crate::diagnostic::{Diagnostic, listed, nearest};
-use crate::output::say;
+use crate::output::{result, say, try_folder};
 use crate::report::Provenance;
 
 /// Arguments of `palpate effects`.
@@ -49,10 +51,16 @@ pub fn run(args: &EffectsArgs) -> Result<(), Box<dyn Error>> {
         None => EffectId::ALL.to_vec(),
         Some(name) => vec![EffectId::from_name(name).ok_or_else(|| unknown(name))?],
     };
+    if let Some(out) = &args.out {
+        try_folder(out)?;
+    }
+    result(&json::catalogue(&chosen))?;
+    let spinner = Spinner::new(1);
     let shown = match (args.id.is_some(), args.out.is_some()) {
         (false, false) => Vec::new(),
         _ => all(&chosen, args.seed)?,
     };
+    drop(spinner);
     match (&args.id, shown.first()) {
         (Some(_), Some(one)) => say(text::one(one))?,
         _ => say(text::catalogue())?,

@@ -20,7 +20,7 @@ use crate::json::write_json;
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
-use crate::output::say;
+use crate::output::{result, say, try_folder};
 
 /// Arguments of `palpate gap`.
 #[derive(Args, Clone, Debug)]
@@ -88,9 +88,11 @@ fn plan_motion(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     let motion = named.map(|path| Motion::read(path)).transpose()?;
     let plan = gap::plan(&model, motion.as_ref(), args.noise, &Options::default())?;
     if let Some(folder) = &args.out {
+        try_folder(folder)?;
         motion::put(folder, plan::motion(&plan).as_deref())?;
         write_json(&folder.join("plan.json"), &plan::json(&plan))?;
     }
+    result(&plan::json(&plan))?;
     say(plan::summary(&plan))?;
     if let Some(folder) = args
         .out
@@ -116,11 +118,12 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     }
     let clock = Instant::now();
     let model = Model::read(&args.model)?;
-    let logs: Vec<UniformLog> = args
-        .logs
-        .iter()
-        .map(|path| args.reading.read(path))
-        .collect::<Result<_, Diagnostic>>()?;
+    if let Some(folder) = &args.out {
+        try_folder(folder)?;
+    }
+    let read = args.logs.iter().map(|path| args.reading.read(path));
+    let logs: Vec<Vec<UniformLog>> = read.collect::<Result<_, Diagnostic>>()?;
+    let logs: Vec<UniformLog> = logs.into_iter().flatten().collect();
     let options = Options {
         bandwidth_hz: args.bandwidth,
         ..Options::default()
@@ -136,6 +139,7 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         };
         files::write(folder, &finding, &inputs, seconds)?;
     }
+    result(&files::json(&finding, seconds))?;
     say(print::summary(&finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;
     if finding.advised.is_some() {

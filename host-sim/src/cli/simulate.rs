@@ -4,11 +4,12 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::json;
 
 use crate::diagnostic::Diagnostic;
 use crate::model::Model;
 use crate::motion::Motion;
-use crate::output::say;
+use crate::output::{result, say, try_folder};
 use crate::plant::{Contact, Effects, Rig, Run, Stage, depth_at_m};
 use crate::stats::highest;
 
@@ -54,7 +55,10 @@ pub struct SimulateArgs {
 /// A [`Diagnostic`] for a model or motion that cannot be read or simulated; an I/O error if the log
 /// cannot be written.
 pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
+    try_folder(&args.out)?;
     say(record(args)?)?;
+    let log = args.out.join("log.csv").display().to_string();
+    result(&json!({ "log": log, "seed": args.seed }))?;
     Ok(())
 }
 

@@ -2,134 +2,28 @@
 
 use std::str::FromStr;
 
+use super::channel::Channel;
+use super::channel::{Header, Origin, Placed};
+use super::guess::{self, Unclear};
+use super::units::{self, Quantity};
 use crate::diagnostic::{Diagnostic, listed, nearest};
 
-/// One of the three channels of a log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// Time (s).
-    Time,
-    /// Position (m).
-    Position,
-    /// Force (N).
-    Force,
-}
-
-impl Channel {
-    /// All three, in the order of a log's columns.
-    pub const ALL: [Channel; 3] = [Channel::Time, Channel::Position, Channel::Force];
-
-    /// The name of its column in a log of our own.
-    pub const fn column(self) -> &'static str {
-        match self {
-            Channel::Time => "t_s",
-            Channel::Position => "x_m",
-            Channel::Force => "f_n",
-        }
-    }
-
-    /// Its letter in `--columns`.
-    pub const fn letter(self) -> char {
-        match self {
-            Channel::Time => 't',
-            Channel::Position => 'x',
-            Channel::Force => 'f',
-        }
-    }
-
-    /// Quantity and unit, for sentences.
-    pub const fn quantity(self) -> &'static str {
-        match self {
-            Channel::Time => "time in seconds",
-            Channel::Position => "position in metres",
-            Channel::Force => "force in newtons",
-        }
-    }
-
-    /// Beginnings of the names that other machines give the column.
-    const fn usual_names(self) -> &'static [&'static str] {
-        match self {
-            Channel::Time => &["time", "elapsed", "t", "sec"],
-            Channel::Position => &[
-                "pos",
-                "disp",
-                "depth",
-                "indent",
-                "penetration",
-                "travel",
-                "extension",
-                "height",
-                "stroke",
-                "x",
-                "z",
-                "gap",
-            ],
-            Channel::Force => &["force", "load", "axial", "f", "n"],
-        }
-    }
-
-    /// Units of names, longest first, and what makes them SI.
-    const fn usual_units(self) -> &'static [(&'static str, &'static str)] {
-        match self {
-            Channel::Time => &[
-                ("ms", "1e-3"),
-                ("us", "1e-6"),
-                ("µs", "1e-6"),
-                ("min", "60"),
-            ],
-            Channel::Position => &[
-                ("mm", "1e-3"),
-                ("um", "1e-6"),
-                ("µm", "1e-6"),
-                ("nm", "1e-9"),
-                ("cm", "1e-2"),
-            ],
-            Channel::Force => &[
-                ("mn", "1e-3"),
-                ("un", "1e-6"),
-                ("µn", "1e-6"),
-                ("nn", "1e-9"),
-                ("kn", "1e3"),
-                ("gf", "9.80665e-3"),
-                ("lbf", "4.4482216"),
-            ],
-        }
-    }
-}
-
-/// A column and what turns its numbers into SI.
+/// A column that was named, and what turns its numbers into SI.
 #[derive(Clone, Debug, PartialEq)]
 struct Mapped {
     name: String,
-    factor: f64,
+    is_reversed: bool,
+    /// `None`: the unit in the header decides.
+    factor: Option<f64>,
 }
 
-/// The columns of the three channels: `t_s,x_m,f_n` unless said otherwise.
+/// The columns of the three channels, where they are named; the others are found by their names and units.
 ///
 /// Written as `t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz`: a letter, a column's name as it stands in the
-/// header, a sign before it, a factor after it. Letters that are left out keep their usual column.
-#[derive(Clone, Debug, PartialEq)]
+/// header, a sign before it, a factor after it. Without a factor the unit in the header counts.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
-    channels: [Mapped; 3],
-}
-
-/// Where in a row a channel stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Placed {
-    pub(super) channel: Channel,
-    pub(super) index: usize,
-    pub(super) factor: f64,
-}
-
-impl Default for ColumnMap {
-    fn default() -> Self {
-        ColumnMap {
-            channels: Channel::ALL.map(|channel| Mapped {
-                name: channel.column().to_string(),
-                factor: 1.0,
-            }),
-        }
-    }
+    channels: [Option<Mapped>; 3],
 }
 
 impl FromStr for ColumnMap {
@@ -143,7 +37,7 @@ impl FromStr for ColumnMap {
             if std::mem::replace(&mut seen[slot], true) {
                 return Err(malformed("a channel is given twice", part, text));
             }
-            map.channels[slot] = mapped;
+            map.channels[slot] = Some(mapped);
         }
         Ok(map)
     }
@@ -175,18 +69,25 @@ fn parse_part(part: &str, text: &str) -> Result<(usize, Mapped), Diagnostic> {
         return Err(malformed("not a channel and a column", part, text));
     };
     let (signed, factor) = match column.rsplit_once('*') {
-        None => (column, 1.0),
-        Some((name, factor)) => (name.trim(), parse_factor(factor.trim(), part, text)?),
+        None => (column, None),
+        Some((name, factor)) => (name.trim(), Some(parse_factor(factor.trim(), part, text)?)),
     };
-    let (name, factor) = match signed.strip_prefix('-') {
-        Some(name) => (name.trim(), -factor),
-        None => (signed, factor),
+    let (name, is_reversed) = match signed.strip_prefix('-') {
+        Some(name) => (name.trim(), true),
+        None => (signed, false),
     };
     if name.is_empty() {
         return Err(malformed("no column is named", part, text));
     }
     let name = name.to_string();
-    Ok((slot, Mapped { name, factor }))
+    Ok((
+        slot,
+        Mapped {
+            name,
+            is_reversed,
+            factor,
+        },
+    ))
 }
 
 fn parse_factor(factor: &str, part: &str, text: &str) -> Result<f64, Diagnostic> {
@@ -211,43 +112,138 @@ fn malformed(what: &str, part: &str, text: &str) -> Diagnostic {
 }
 
 impl ColumnMap {
-    /// Finds the three columns in a header.
-    pub(super) fn place(&self, header: &[String]) -> Result<[Placed; 3], Diagnostic> {
-        let mut placed = [Placed {
-            channel: Channel::Time,
-            index: 0,
-            factor: 1.0,
-        }; 3];
-        for (slot, channel) in Channel::ALL.into_iter().enumerate() {
-            let mapped = &self.channels[slot];
-            let mut hits = header
+    /// Whether any of these names was asked for.
+    pub(super) fn names_any_of(&self, names: &[String]) -> bool {
+        self.channels
+            .iter()
+            .flatten()
+            .any(|mapped| names.contains(&mapped.name))
+    }
+
+    /// Whether a header holds every name that was asked for, or all those of our own logs.
+    pub(super) fn are_in(&self, header: &[String]) -> bool {
+        let is_in = |name: &str| header.iter().any(|cell| cell == name);
+        let mut named = self.channels.iter().flatten().peekable();
+        match named.peek() {
+            Some(_) => header.len() > 1 && named.all(|mapped| is_in(&mapped.name)),
+            None => Channel::ALL
                 .iter()
-                .enumerate()
-                .filter(|(_, name)| **name == mapped.name);
-            let Some((index, _)) = hits.next() else {
-                return Err(self.missing(channel, header));
-            };
-            if hits.next().is_some() {
-                return Err(Diagnostic::new("two columns have the same name")
-                    .in_column(&mapped.name)
-                    .remedy("rename one of them in the header"));
-            }
-            placed[slot] = Placed {
-                channel,
-                index,
-                factor: mapped.factor,
-            };
+                .all(|channel| is_in(channel.column()) || is_in(channel.rotary_column())),
         }
+    }
+
+    /// Whether position or force was named, and so its sign was said.
+    pub(super) fn orients(&self) -> bool {
+        self.channels[1..].iter().any(Option::is_some)
+    }
+
+    /// Finds the columns in a header. Without a column of time, `is_timed` must not ask for one.
+    pub(super) fn place(
+        &self,
+        header: Header,
+        is_timed: bool,
+    ) -> Result<[Option<Placed>; 3], Diagnostic> {
+        let is_wanted = |channel: Channel| is_timed || channel != Channel::Time;
+        let mut named = Channel::ALL.map(|channel| match is_wanted(channel) {
+            true => self.named(channel, header),
+            false => Ok(None),
+        });
+        let mut taken: Vec<usize> = Vec::new();
+        taken.extend(named.iter().flatten().flatten().map(|placed| placed.index));
+        let mut placed: [Option<Placed>; 3] = [None; 3];
+        for channel in Channel::ALL
+            .into_iter()
+            .filter(|channel| is_wanted(*channel))
+        {
+            let slot = channel as usize;
+            let named = std::mem::replace(&mut named[slot], Ok(None))?;
+            placed[slot] = match named {
+                Some(named) => Some(named),
+                None => {
+                    let guess = guess::guess(channel, header, &taken);
+                    Some(guess.map_err(|why| self.question(channel, header, &why))?)
+                }
+            };
+            taken.extend(placed[slot].map(|placed| placed.index));
+        }
+        kind(&placed, header)?;
         Ok(placed)
     }
 
-    fn missing(&self, channel: Channel, header: &[String]) -> Diagnostic {
-        let wanted = &self.channels[channel as usize].name;
+    /// The column that was named, or that has the name of our own logs.
+    fn named(&self, channel: Channel, header: Header) -> Result<Option<Placed>, Diagnostic> {
+        let mapped = self.channels[channel as usize].as_ref();
+        let rotary = channel.rotary_column();
+        let own = match header.names.iter().any(|name| name == rotary) {
+            true => rotary,
+            false => channel.column(),
+        };
+        let name = mapped.map_or(own, |mapped| mapped.name.as_str());
+        let mut hits = (0..header.names.len()).filter(|index| header.names[*index] == name);
+        let Some(index) = hits.next() else {
+            return match mapped {
+                Some(_) => Err(self.missing(channel, header)),
+                None => Ok(None),
+            };
+        };
+        if hits.next().is_some() {
+            return Err(Diagnostic::new("two columns have the same name")
+                .in_column(name)
+                .remedy("rename one of them in the header"));
+        }
+        let Some(mapped) = mapped else {
+            return Ok(Some(Placed {
+                index,
+                factor: 1.0,
+                unit: units::own(name),
+                origin: Origin::Own,
+            }));
+        };
+        let unit = match mapped.factor {
+            Some(_) => None,
+            None => guess::unit(channel, header, index),
+        };
+        let factor = mapped
+            .factor
+            .or(unit.map(|unit| unit.factor))
+            .unwrap_or(1.0);
+        Ok(Some(Placed {
+            index,
+            factor: if mapped.is_reversed { -factor } else { factor },
+            unit,
+            origin: Origin::Named,
+        }))
+    }
+
+    fn question(&self, channel: Channel, header: Header, why: &Unclear) -> Diagnostic {
+        match why {
+            Unclear::Nothing => self.missing(channel, header),
+            Unclear::Unit(index) => self.unit_missing(channel, header, *index),
+            Unclear::Several(indices) => several(channel, header, indices),
+        }
+    }
+
+    fn unit_missing(&self, channel: Channel, header: Header, index: usize) -> Diagnostic {
+        let name = &header.names[index];
+        let examples = match channel {
+            Channel::Time => "*1e-3 if it is in ms, nothing if in s",
+            Channel::Position => "*1e-3 if it is in mm, *1e-6 if in µm, nothing if in m",
+            Channel::Force => "*1e3 if it is in kN, *1e-3 if in mN, nothing if in N",
+        };
+        self.missing(channel, header)
+            .note(format!(
+                "`{name}` may hold the {}, but its unit is not said",
+                channel.noun()
+            ))
+            .note(format!("in --columns, {examples}"))
+    }
+
+    fn missing(&self, channel: Channel, header: Header) -> Diagnostic {
+        let mapped = self.channels[channel as usize].as_ref();
+        let wanted = mapped.map_or(channel.column(), |mapped| mapped.name.as_str());
         let names = || {
-            header
-                .iter()
-                .map(String::as_str)
-                .filter(|name| !name.is_empty())
+            let names = header.names.iter().map(String::as_str);
+            names.filter(|name| !name.is_empty())
         };
         let mut diagnostic = Diagnostic::new(format!(
             "no column `{wanted}` for the {}",
@@ -255,14 +251,14 @@ impl ColumnMap {
         ))
         .in_column(wanted)
         .note(format!("the columns are {}", listed(names())));
-        if header.len() < Channel::ALL.len() {
-            let advice = "the header must be the first line, with commas, semicolons or tabs; put # before lines above it";
-            return diagnostic.remedy(advice);
-        }
         if let Some(near) = nearest(wanted, names()) {
             diagnostic = diagnostic.note(format!("the nearest name is `{near}`"));
         }
-        diagnostic.remedy(match suggestion(header) {
+        if channel == Channel::Time && mapped.is_none() {
+            diagnostic =
+                diagnostic.note("if the file has no time: --rate HZ, with its samples per second");
+        }
+        diagnostic.remedy(match guess::suggestion(header) {
             Some(columns) => format!("name the columns, perhaps --columns '{columns}'"),
             None => "name the columns: --columns 't=NAME*FACTOR,x=NAME*FACTOR,f=NAME*FACTOR', \
                      the factors into s, m and N"
@@ -271,73 +267,90 @@ impl ColumnMap {
     }
 }
 
-/// What `--columns` probably should be, from the words that other machines use.
-fn suggestion(header: &[String]) -> Option<String> {
-    let mut taken = Vec::new();
-    let mut parts = Vec::new();
-    for channel in Channel::ALL {
-        let (index, name) = guess(channel, header, &taken)?;
-        taken.push(index);
-        let factor = unit_factor(channel, name).map_or(String::new(), |f| format!("*{f}"));
-        parts.push(format!("{}={name}{factor}", channel.letter()));
+/// Several columns may be the channel.
+fn several(channel: Channel, header: Header, indices: &[usize]) -> Diagnostic {
+    let names = || indices.iter().map(|index| header.names[*index].as_str());
+    let letter = channel.letter();
+    let flags: Vec<String> = names()
+        .map(|name| format!("--columns '{letter}={name}'"))
+        .collect();
+    let flags: Vec<String> = flags.into_iter().take(3).collect();
+    Diagnostic::new(format!(
+        "more than one column may hold the {}",
+        channel.noun()
+    ))
+    .in_column(names().next().unwrap_or_default())
+    .note(format!("they are {}", listed(names())))
+    .remedy(format!("say which: {}", flags.join(" or ")))
+}
+
+/// Whether the rig turns: radians and N m. One channel of each is a mistake.
+fn kind(placed: &[Option<Placed>; 3], header: Header) -> Result<(), Diagnostic> {
+    let unit = |channel: Channel| placed[channel as usize].and_then(|placed| placed.unit);
+    let (Some(position), Some(force)) = (unit(Channel::Position), unit(Channel::Force)) else {
+        return Ok(());
+    };
+    let is_angle = position.quantity == Quantity::Angle;
+    let is_torque = force.quantity == Quantity::Torque;
+    if is_angle == is_torque {
+        return Ok(());
     }
-    Some(parts.join(","))
-}
-
-fn guess<'a>(channel: Channel, header: &'a [String], taken: &[usize]) -> Option<(usize, &'a str)> {
-    let free = || {
-        header
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| !taken.contains(index))
+    let name = |channel: Channel| {
+        let index = placed[channel as usize].map_or(0, |placed| placed.index);
+        header.names.get(index).map_or("", String::as_str)
     };
-    let exact = free().find(|(_, name)| *name == channel.column());
-    let by_word = || {
-        channel
-            .usual_names()
-            .iter()
-            .find_map(|word| free().find(|(_, name)| name.to_lowercase().starts_with(word)))
-    };
-    exact
-        .or_else(by_word)
-        .map(|(index, name)| (index, name.as_str()))
-}
-
-fn unit_factor(channel: Channel, name: &str) -> Option<&'static str> {
-    let name = name.to_lowercase();
-    let last_word = name
-        .split(|c: char| !c.is_alphanumeric())
-        .rfind(|word| !word.is_empty())?;
-    let units = channel.usual_units().iter();
-    units
-        .clone()
-        .find(|(unit, _)| *unit == last_word)
-        .map(|(_, factor)| *factor)
+    Err(Diagnostic::new(format!(
+        "a position in {} and a force in {} do not belong to one machine",
+        position.symbol, force.symbol
+    ))
+    .in_column(name(Channel::Force))
+    .note(format!(
+        "they are `{}` and `{}`",
+        name(Channel::Position),
+        name(Channel::Force)
+    ))
+    .remedy("name two columns that do, rad and N m or m and N: --columns 'x=NAME,f=NAME'"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn header(names: &[&str]) -> Vec<String> {
-        names.iter().map(|name| (*name).to_string()).collect()
+    fn placed(columns: &str, names: &[&str]) -> Result<[(usize, f64); 3], Diagnostic> {
+        let map = match columns {
+            "" => ColumnMap::default(),
+            text => text.parse().unwrap(),
+        };
+        let names: Vec<String> = names.iter().map(|name| (*name).to_string()).collect();
+        let header = Header {
+            names: &names,
+            units: &[],
+            sample: &[],
+        };
+        let placed = map.place(header, true)?;
+        Ok(placed.map(|placed| placed.map_or((99, 0.0), |p| (p.index, p.factor))))
     }
 
     #[test]
     fn names_may_hold_brackets_spaces_and_commas() {
-        let map: ColumnMap = "t=Time [ms]*1e-3, x=pos, raw*1e-6,f=-Fz".parse().unwrap();
-        let placed = map
-            .place(&header(&["Fz", "Time [ms]", "pos, raw"]))
-            .unwrap();
-        let found = placed.map(|p| (p.index, p.factor));
+        let columns = "t=Time [ms]*1e-3, x=pos, raw*1e-6,f=-Fz";
+        let found = placed(columns, &["Fz", "Time [ms]", "pos, raw"]).unwrap();
         assert_eq!(found, [(1, 1e-3), (2, 1e-6), (0, -1.0)]);
     }
 
     #[test]
     fn channels_that_are_left_out_keep_their_column() {
-        let map: ColumnMap = "f=-f_n".parse().unwrap();
-        let placed = map.place(&header(&["t_s", "x_m", "f_n"])).unwrap();
-        assert_eq!(placed.map(|p| p.factor), [1.0, 1.0, -1.0]);
+        let found = placed("f=-f_n", &["t_s", "x_m", "f_n"]).unwrap();
+        assert_eq!(found, [(0, 1.0), (1, 1.0), (2, -1.0)]);
+    }
+
+    #[test]
+    fn a_unit_in_the_header_counts_unless_a_factor_is_given() {
+        let names = ["Time (ms)", "Extension (mm)", "Position (mm)", "Load (N)"];
+        let found = placed("x=-Extension (mm)", &names).unwrap();
+        assert_eq!(found, [(0, 1e-3), (1, -1e-3), (3, 1.0)]);
+        let given = placed("x=Extension (mm)*2", &names).unwrap();
+        assert_eq!(given[1], (1, 2.0));
     }
 
     #[test]
@@ -357,40 +370,47 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_column_is_answered_with_the_columns_option_that_would_fit() {
-        let names = header(&["Elapsed Time (s)", "Displacement (mm)", "Load [kN]", "Temp"]);
-        let error = ColumnMap::default().place(&names).unwrap_err();
+    fn a_column_without_a_unit_is_answered_with_the_columns_option_that_would_fit() {
+        let names = ["Elapsed Time (s)", "Displacement (mm)", "Load", "Temp"];
+        let error = placed("", &names).unwrap_err();
         let remedy = error.remedy.as_deref().unwrap();
         assert!(
-            remedy.contains("'t=Elapsed Time (s),x=Displacement (mm)*1e-3,f=Load [kN]*1e3'"),
+            remedy.contains("'t=Elapsed Time (s),x=Displacement (mm)*1e-3,f=Load'"),
             "{remedy}"
         );
         assert!(error.notes[0].contains("`Temp`"));
+        assert!(error.notes[1].contains("its unit is not said"), "{error}");
+    }
+
+    #[test]
+    fn two_columns_that_fit_are_a_question_with_its_flags() {
+        let names = ["Time (s)", "Extension (mm)", "Position (mm)", "Load (N)"];
+        let error = placed("", &names).unwrap_err();
+        let remedy = error.remedy.as_deref().unwrap();
+        let wanted = "--columns 'x=Extension (mm)' or --columns 'x=Position (mm)'";
+        assert!(remedy.contains(wanted), "{remedy}");
     }
 
     #[test]
     fn a_misspelt_column_finds_its_neighbour() {
-        let error = ColumnMap::default()
-            .place(&header(&["t_s", "x_m", "fn"]))
-            .unwrap_err();
+        let error = placed("", &["t_s", "x_m", "fn"]).unwrap_err();
         assert_eq!(error.field.as_deref(), Some("column f_n"));
         assert!(error.notes[1].contains("`fn`"), "{error}");
     }
 
     #[test]
-    fn a_title_above_the_header_is_answered_with_what_to_do_about_it() {
-        let error = ColumnMap::default()
-            .place(&header(&["Results Table 1"]))
-            .unwrap_err();
-        assert!(
-            error.remedy.as_deref().unwrap().contains("put # before"),
-            "{error}"
-        );
+    fn two_columns_of_one_name_are_refused() {
+        let error = placed("", &["t_s", "x_m", "x_m", "f_n"]).unwrap_err();
+        assert!(error.what.contains("same name"));
     }
 
     #[test]
-    fn two_columns_of_one_name_are_refused() {
-        let error = ColumnMap::default().place(&header(&["t_s", "x_m", "x_m", "f_n"]));
-        assert!(error.unwrap_err().what.contains("same name"));
+    fn a_rig_that_turns_is_read_and_half_of_one_is_refused() {
+        let rotary = placed("", &["t_s", "x_rad", "f_nm"]).unwrap();
+        assert_eq!(rotary, [(0, 1.0), (1, 1.0), (2, 1.0)]);
+        let degrees = placed("", &["Time (s)", "Angle (deg)", "Torque (mNm)"]).unwrap();
+        assert!((degrees[1].1 - 1f64.to_radians()).abs() < 1e-15 && degrees[2].1 == 1e-3);
+        let half = placed("", &["Time (s)", "Angle (deg)", "Force (N)"]).unwrap_err();
+        assert!(half.what.contains("do not belong to one machine"), "{half}");
     }
 }

@@ -42,6 +42,12 @@ pub struct ReadOptions {
     /// Leave out rows with a missing, infinite or NaN value or a wrong number of values, and count
     /// them, instead of stopping at the first. More than 20 % such rows stay an error.
     pub skip_bad_rows: bool,
+    /// Samples per second (Hz) of a file whose time cannot be used: its samples are even.
+    pub rate_hz: Option<f64>,
+    /// The column whose changes separate the parts of one touch; the column of time: where time begins again.
+    pub segment_column: Option<String>,
+    /// The column whose changes separate recordings of their own; the column of time: where time begins again.
+    pub trace_column: Option<String>,
 }
 
 impl Log {

@@ -105,7 +105,32 @@ impl Log {
     pub fn uniform(&self) -> Result<UniformLog, Diagnostic> {
         let timing = self.timing();
         let rate_hz = timing.rate_hz();
-        if self.len() < 2 || self.is_even_at(rate_hz) {
+        match self.is_even_at_all(rate_hz) {
+            true => Ok(self.clone().untouched(rate_hz)),
+            false => self.on_even_grid(),
+        }
+    }
+
+    /// The same of a log that is not needed any more: an even one gives its samples away.
+    ///
+    /// # Errors
+    /// Those of [`Log::resample`].
+    pub fn into_uniform(self) -> Result<UniformLog, Diagnostic> {
+        let rate_hz = self.timing().rate_hz();
+        match self.is_even_at_all(rate_hz) {
+            true => Ok(self.untouched(rate_hz)),
+            false => self.on_even_grid(),
+        }
+    }
+
+    fn is_even_at_all(&self, rate_hz: f64) -> bool {
+        self.len() >= 2 && rate_hz > 0.0 && self.is_even_at(rate_hz)
+    }
+
+    fn on_even_grid(&self) -> Result<UniformLog, Diagnostic> {
+        let timing = self.timing();
+        let rate_hz = timing.rate_hz();
+        if self.len() < 2 {
             return self.on_grid(rate_hz, &timing);
         }
         let line = Line::through(&self.time_s, &timing);
@@ -142,7 +167,7 @@ impl Log {
                 .remedy("give samples per second, such as 1000"));
         }
         if self.is_even_at(rate_hz) {
-            return Ok(self.untouched(rate_hz));
+            return Ok(self.clone().untouched(rate_hz));
         }
         if self.duration_s() * rate_hz > LARGEST_GRID {
             return Err(self.grid_too_large(rate_hz, timing));
@@ -160,19 +185,19 @@ impl Log {
             })
     }
 
-    fn untouched(&self, rate_hz: f64) -> UniformLog {
+    fn untouched(self, rate_hz: f64) -> UniformLog {
         UniformLog {
-            path: self.path.clone(),
+            path: self.path,
             rate_hz,
-            time_s: self.time_s.clone(),
-            position_m: self.position_m.clone(),
-            force_n: self.force_n.clone(),
-            in_gap: vec![false; self.len()],
+            in_gap: vec![false; self.time_s.len()],
+            time_s: self.time_s,
+            position_m: self.position_m,
+            force_n: self.force_n,
             slower: Vec::new(),
             recognised: Vec::new(),
             untouched: true,
             compensated: Compensated::default(),
-            notes: self.notes.clone(),
+            notes: self.notes,
         }
     }
 

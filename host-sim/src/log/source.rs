@@ -3,48 +3,103 @@
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use flate2::bufread::MultiGzDecoder;
 
+use super::fields::{decoded, is_comment};
+use super::{encoding, mcap};
 use crate::diagnostic::Diagnostic;
 
 /// How much of a file is looked at before it is read (bytes): a header of a thousand columns fits.
 const HEAD_BYTES: u64 = 1 << 16;
 
-/// An open file and its beginning.
+/// The path that stands for standard input.
+pub const STANDARD_INPUT: &str = "-";
+
+/// An open file and its beginning, as UTF-8 with lines that end in \n.
 pub(super) struct Source {
     pub(super) head: Vec<u8>,
+    /// What its text is written in, where that is not UTF-8.
+    pub(super) encoding: Option<&'static str>,
     rest: Box<dyn Read>,
 }
 
 impl Source {
-    /// Opens `path`, through gzip if its first bytes say so.
+    /// Opens `path`, through gzip and other encodings if its first bytes say so.
     pub(super) fn open(path: &Path) -> Result<Source, Diagnostic> {
         let failed = |error: io::Error| unreadable(path, &error);
-        let file = File::open(path).map_err(failed)?;
-        let mut file = BufReader::with_capacity(1 << 18, file);
-        let zipped = file.fill_buf().map_err(failed)?.starts_with(&[0x1f, 0x8b]);
-        let mut rest: Box<dyn Read> = match zipped {
-            true => Box::new(BufReader::with_capacity(1 << 18, MultiGzDecoder::new(file))),
-            false => Box::new(file),
+        let mut raw = unzipped(path).map_err(failed)?;
+        let mut head = beginning(&mut raw).map_err(failed)?;
+        if head.starts_with(mcap::MAGIC) {
+            raw.read_to_end(&mut head).map_err(failed)?;
+            let table = mcap::table(&head).map_err(|mcap::Unusable(what, remedy)| {
+                Diagnostic::new(what).in_file(path).remedy(remedy)
+            })?;
+            raw = Box::new(Cursor::new(table));
+            head = beginning(&mut raw).map_err(failed)?;
+        }
+        let encoding = encoding::of(&head);
+        let raw = Cursor::new(head).chain(raw);
+        let (mut rest, encoding) = match encoding {
+            Some((encoding, name)) => (encoding::decoded(raw, encoding), Some(name)),
+            None => (Box::new(raw) as Box<dyn Read>, None),
         };
-        let mut head = Vec::new();
-        rest.by_ref()
-            .take(HEAD_BYTES)
-            .read_to_end(&mut head)
-            .map_err(failed)?;
+        let mut head = beginning(&mut rest).map_err(failed)?;
+        if head.contains(&b'\r') && !head.contains(&b'\n') {
+            head.iter_mut().for_each(encoding::end_line);
+            rest = Box::new(encoding::LineEnds(rest));
+        }
         match not_a_table(&head) {
-            None => Ok(Source { head, rest }),
+            None => Ok(Source {
+                head,
+                encoding,
+                rest,
+            }),
             Some((what, remedy)) => Err(Diagnostic::new(what).in_file(path).remedy(remedy)),
         }
     }
 
-    /// Everything from byte `offset` of the head on.
-    pub(super) fn starting_at(self, offset: usize) -> impl Read {
+    /// Everything from byte `offset` of the head on, with runs of blanks as one where blanks separate cells.
+    pub(super) fn starting_at(self, offset: usize, delimiter: u8) -> Box<dyn Read> {
         let mut head = Cursor::new(self.head);
         head.set_position(offset as u64);
-        head.chain(self.rest)
+        let whole = head.chain(self.rest);
+        match delimiter {
+            b' ' => Box::new(encoding::SingleBlanks::new(whole)),
+            _ => Box::new(whole),
+        }
     }
+}
+
+/// The bytes of a file or of standard input, through gzip if they begin so.
+fn unzipped(path: &Path) -> io::Result<Box<dyn Read>> {
+    let mut file: Box<dyn BufRead> = match path == Path::new(STANDARD_INPUT) {
+        true => Box::new(Cursor::new(standard_input()?)),
+        false => Box::new(BufReader::with_capacity(1 << 18, File::open(path)?)),
+    };
+    let is_zipped = file.fill_buf()?.starts_with(&[0x1f, 0x8b]);
+    Ok(match is_zipped {
+        true => Box::new(BufReader::with_capacity(1 << 18, MultiGzDecoder::new(file))),
+        false => Box::new(file),
+    })
+}
+
+/// All of standard input, which can be read only once: an error looks its line up again.
+fn standard_input() -> io::Result<&'static [u8]> {
+    static INPUT: OnceLock<Vec<u8>> = OnceLock::new();
+    if INPUT.get().is_none() {
+        let mut input = Vec::new();
+        io::stdin().lock().read_to_end(&mut input)?;
+        let _ = INPUT.set(input);
+    }
+    Ok(INPUT.get().map_or(&[], Vec::as_slice))
+}
+
+fn beginning(source: &mut dyn Read) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    source.take(HEAD_BYTES).read_to_end(&mut head)?;
+    Ok(head)
 }
 
 /// What the operating system says about a file.
@@ -94,19 +149,11 @@ fn not_a_table(head: &[u8]) -> Option<(String, String)> {
     if let Some((_, kind)) = known {
         return Some((format!("this is {kind}, not a log"), WRITE_CSV.into()));
     }
-    if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
-        let remedy = "save it as UTF-8 (in a spreadsheet: \"CSV UTF-8\")";
-        return Some(("the text is in UTF-16".into(), remedy.into()));
-    }
     if head
         .iter()
         .any(|byte| *byte < b'\t' || (0x0e..0x20).contains(byte))
     {
         return Some(("this is a binary file, not a log".into(), WRITE_CSV.into()));
-    }
-    if text.contains(&b'\r') && !text.contains(&b'\n') {
-        let remedy = "save it with the line ends of Unix or Windows";
-        return Some(("the lines end as on an old Macintosh".into(), remedy.into()));
     }
     wrong_text(text).map(|kind| (format!("this is {kind}, not a log"), WRITE_CSV.into()))
 }
@@ -133,11 +180,18 @@ fn is_table_name(byte: &u8) -> bool {
     byte.is_ascii_alphabetic() || matches!(byte, b'_' | b'.' | b'[' | b']')
 }
 
-/// Number (from 1) and text of the line that holds byte `offset` or, when only a line end or a
-/// comment follows there, of the next row. Reads the file again: only for errors.
-pub(super) fn line_at(path: &Path, offset: u64) -> Option<(usize, String)> {
-    let mut reader = BufReader::new(Source::open(path).ok()?.starting_at(0));
-    let (mut number, mut end) = (0, 0);
+/// Number and text of the line that holds byte `offset` of the table or, when only a line end or a comment
+/// follows there, of the next row. The table begins at byte `start` of the file, with line `first`. Reads
+/// the file again: only for errors.
+pub(super) fn line_at(
+    path: &Path,
+    (start, first): (usize, usize),
+    delimiter: u8,
+    offset: u64,
+) -> Option<(usize, String)> {
+    let table = Source::open(path).ok()?.starting_at(start, delimiter);
+    let mut reader = BufReader::new(table);
+    let (mut number, mut end) = (first - 1, 0);
     let mut line = Vec::new();
     loop {
         line.clear();
@@ -150,8 +204,8 @@ pub(super) fn line_at(path: &Path, offset: u64) -> Option<(usize, String)> {
         // The byte may be the \n of the line before: csv stops a row at \r.
         let remainder = &line[line.len() - (end.saturating_sub(offset) as usize).min(length)..];
         let content = remainder.trim_ascii();
-        if end > offset && !content.is_empty() && content[0] != b'#' {
-            let text = super::preamble::decoded(&line);
+        if end > offset && !content.is_empty() && !is_comment(content) {
+            let text = decoded(&line);
             return Some((number, text.trim_end_matches(['\r', '\n']).to_string()));
         }
     }
@@ -166,7 +220,6 @@ mod tests {
         for (head, name) in [
             (&b""[..], "empty"),
             (b"\xef\xbb\xbf \n\n ", "empty"),
-            (b"t_s,x_m,f_n\r0,1,2\r", "Macintosh"),
             (b"{\"a\": 1}", "JSON"),
             (b"[1, 2]", "JSON"),
             (b"<!DOCTYPE html>", "HTML"),
@@ -174,7 +227,6 @@ mod tests {
             (b"[[segment]]\n", "TOML"),
             (b"PK\x03\x04....", "xlsx"),
             (b"t_s,x_m\0\0", "binary"),
-            (b"\xff\xfet\0_\0", "UTF-16"),
         ] {
             let (what, _) = not_a_table(head).unwrap();
             assert!(what.contains(name), "{what}");

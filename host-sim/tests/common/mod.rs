@@ -61,8 +61,38 @@ impl Folder {
     }
 }
 
+/// Every JSON file of a run has to be as its schema says.
+fn assert_as_described(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() {
+            assert_as_described(&path);
+        } else if let Some(kind) = name.strip_suffix(".json") {
+            let schemas = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
+            // A file of the test itself has none.
+            let Ok(schema) = std::fs::read_to_string(schemas.join(format!("{kind}.schema.json")))
+            else {
+                continue;
+            };
+            let schema = serde_json::from_str(&schema).unwrap();
+            let text = std::fs::read_to_string(&path).unwrap();
+            let written = serde_json::from_str(&text).unwrap();
+            let validator = jsonschema::validator_for(&schema).unwrap();
+            let errors = validator.iter_errors(&written);
+            let wrong: Vec<String> = errors
+                .map(|e| format!("{}: {e}", e.instance_path()))
+                .collect();
+            assert!(wrong.is_empty(), "{name}: {}", wrong.join("; "));
+        }
+    }
+}
+
 impl Drop for Folder {
     fn drop(&mut self) {
+        if !std::thread::panicking() {
+            assert_as_described(&self.0);
+        }
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -16,12 +16,14 @@ use crate::settings::Settings;
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Example:\n  palpate estimate log.csv --law hunt_crossley --out result\n  \
+    palpate estimate runs --out result\n  \
     palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\"\n  \
     palpate estimate indentation.csv --method batch --indenter sphere:0.003 --out result\n  \
     palpate estimate log.csv --compensate model.toml --out result"
 )]
 pub struct EstimateArgs {
-    /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or .csv.gz.
+    /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or what a machine
+    /// exports; .gz, folders, patterns such as 'runs/*.csv', or - for standard input.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// The contact law; auto takes the one that explains the force best.
@@ -31,7 +33,8 @@ pub struct EstimateArgs {
     /// estimator explains the force.
     #[arg(long, value_enum)]
     pub method: Option<MethodChoice>,
-    /// Where estimate.json, estimate.csv and report.html go; a folder per log if there are several.
+    /// Where estimate.json, estimate.csv and report.html go; a folder per log, summary.csv and
+    /// summary.json if there are several.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Estimator configuration (TOML): filter, contact, forgetting, initial values.
@@ -50,6 +53,9 @@ pub struct EstimateArgs {
     /// Write every N-th sample into estimate.csv.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
+    /// Also write estimate.mcap: samples and estimates over time, for Foxglove and PlotJuggler.
+    #[arg(long, requires = "out")]
+    pub mcap: bool,
     /// What is given for a fit of the whole log.
     #[command(flatten)]
     pub batch: BatchArgs,
@@ -59,13 +65,15 @@ pub struct EstimateArgs {
 }
 
 impl EstimateArgs {
-    /// Reads a log and takes off it what the rig adds.
-    pub(super) fn read(&self, path: &Path) -> Result<UniformLog, Diagnostic> {
-        let log = self.reading.read(path)?;
-        match &self.compensate {
-            None => Ok(log),
-            Some(model) => crate::compensate::read(log, model),
-        }
+    /// Reads every recording of a file and takes off it what the rig adds.
+    pub(super) fn read(&self, path: &Path) -> Result<Vec<UniformLog>, Diagnostic> {
+        let logs = self.reading.read(path)?;
+        let Some(model) = &self.compensate else {
+            return Ok(logs);
+        };
+        logs.into_iter()
+            .map(|log| crate::compensate::read(log, model))
+            .collect()
     }
 
     /// The configuration that was given, or the defaults.
@@ -76,13 +84,10 @@ impl EstimateArgs {
         }
     }
 
-    /// Where the files of a log go.
-    pub(super) fn folder(&self, name: &str) -> Option<PathBuf> {
+    /// Where the files of a log go: into a folder of that name, or into `--out` itself.
+    pub(super) fn folder(&self, name: Option<&str>) -> Option<PathBuf> {
         let out = self.out.as_ref()?;
-        Some(match self.logs.len() > 1 {
-            true => out.join(name),
-            false => out.clone(),
-        })
+        Some(name.map_or(out.clone(), |name| out.join(name)))
     }
 
     /// Whether law and method are left open: then the fit of the whole log may stand in for them.
@@ -135,22 +140,6 @@ impl BatchArgs {
     }
 }
 
-/// A folder for each log: its name without endings, and with a number where an earlier log has the
-/// same (`simulate` calls every one log.csv).
-pub(super) fn names(logs: &[PathBuf]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for path in logs {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let name = name.trim_end_matches(".gz").trim_end_matches(".csv");
-        let numbered = (2..).map(|number| format!("{name}-{number}"));
-        let free = std::iter::once(name.to_string())
-            .chain(numbered)
-            .find(|name| !names.contains(name));
-        names.extend(free);
-    }
-    names
-}
-
 fn positive(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     if value > 0.0 {
@@ -168,21 +157,5 @@ fn finite(text: &str) -> Result<f64, String> {
         Ok(value)
     } else {
         Err("must be finite".into())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_folder_of_a_log_is_its_name_without_endings() {
-        assert_eq!(names(&["a/b/log.1.csv.gz".into()]), ["log.1"]);
-    }
-
-    #[test]
-    fn logs_of_one_name_do_not_overwrite_each_other() {
-        let logs = ["a/log.csv", "b/log.csv", "log-2.csv", "c/log.csv.gz"].map(PathBuf::from);
-        assert_eq!(names(&logs), ["log", "log-2", "log-2-2", "log-3"]);
     }
 }

@@ -4,5 +4,5 @@ mod files;
 mod print;
 mod show;
 
-pub(super) use files::write;
+pub(super) use files::{numbers, write};
 pub(super) use print::summary;

@@ -1,15 +1,16 @@
 //! `--method batch` on the command line.
 
-use std::error::Error;
+use std::io;
 use std::path::Path;
 
 use estimator_core::physics::law::LawId;
 
-use super::{args::EstimateArgs, args::names, batch::summary, batch::write};
-use crate::batch::{Batch, Family, Options, all_families, batch};
+use serde_json::Value;
+
+use super::{args::EstimateArgs, batch::numbers, batch::summary, batch::write};
+use crate::batch::{Batch, Family, Options, all_families};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
-use crate::output::say;
 use crate::settings::Settings;
 
 fn families(law: Option<LawId>, modes: Option<u8>) -> Vec<Family> {
@@ -37,33 +38,23 @@ pub(super) fn options(args: &EstimateArgs, settings: &Settings) -> Result<Option
     Ok(options)
 }
 
-/// Fits every log.
-pub(super) fn run(args: &EstimateArgs) -> Result<(), Box<dyn Error>> {
-    let settings = args.settings()?;
-    let options = options(args, &settings)?;
-    for (path, name) in args.logs.iter().zip(names(&args.logs)) {
-        let log = args.read(path)?;
-        let fitted = batch(&log, settings.config, &options)?;
-        tell(args, path, &name, &log, &fitted)?;
-    }
-    Ok(())
-}
-
-/// Prints a fit and writes its files.
-pub(super) fn tell(
+/// Writes the files of a fit, and gives what is said of it and its JSON.
+pub(super) fn told(
     args: &EstimateArgs,
+    file: &Path,
     path: &Path,
-    name: &str,
+    folder: Option<&str>,
     log: &UniformLog,
     fitted: &Batch,
-) -> Result<(), Box<dyn Error>> {
-    say(summary(path, log, fitted))?;
-    if let Some(folder) = args.folder(name) {
-        write(&folder, path, log, fitted, args.every as usize)?;
-        let report = folder.join("report.html");
-        say(format!("report: {}\n", report.display()))?;
+) -> io::Result<(String, Value)> {
+    let numbers = numbers(log, fitted);
+    if let Some(folder) = args.folder(folder) {
+        write(&folder, file, log, fitted, &numbers, args.every as usize)?;
+        if args.mcap {
+            super::mcap::write(&folder.join("estimate.mcap"), log, None)?;
+        }
     }
-    Ok(())
+    Ok((summary(path, log, fitted), numbers))
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 //! The fields of the recursive methods, and more: `per_touch`, `youngs_modulus`, `force_offset`,
 //! `force_skew`, `misfit`, and `parameters`, `modes` and `score` in `selection`.
 
-use std::error::Error;
 use std::io;
 use std::path::Path;
 
@@ -27,14 +26,20 @@ pub(crate) fn write(
     path: &Path,
     log: &UniformLog,
     batch: &Batch,
+    numbers: &Value,
     every: usize,
-) -> Result<(), Box<dyn Error>> {
-    let mut numbers = json(batch);
-    numbers["compensated"] = json!(log.compensated.effects);
-    write_json(&folder.join("estimate.json"), &numbers)?;
+) -> io::Result<()> {
+    write_json(&folder.join("estimate.json"), numbers)?;
     write_csv(&folder.join("estimate.csv"), log, batch, every)?;
     show::document(log, batch, path)?.write(&folder.join("report.html"))?;
     Ok(())
+}
+
+/// The content of `estimate.json` for a log.
+pub(crate) fn numbers(log: &UniformLog, batch: &Batch) -> Value {
+    let mut numbers = json(batch);
+    numbers["compensated"] = json!(log.compensated.effects);
+    numbers
 }
 
 fn estimated(estimate: Option<Estimated<f64>>, unit: &str) -> Value {

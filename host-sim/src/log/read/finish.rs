@@ -1,0 +1,199 @@
+//! From rows to recordings: what was left out, stamps that repeat, and what is said about it.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::rows::Rows;
+use crate::diagnostic::Diagnostic;
+use crate::log::record::{ExtraColumn, FEWEST_SAMPLES, Log};
+
+/// Largest share of rows that may be left out, or of stamps that may repeat: beyond it the rest no
+/// longer stands for the measurement.
+const MOST_LEFT_OUT: f64 = 0.2;
+
+impl Rows<'_> {
+    /// The recordings of the file.
+    pub(super) fn finish(mut self) -> Result<Vec<Log>, Diagnostic> {
+        let rows = self.log.len() + self.skipped;
+        if rows == 0 {
+            let preamble = self.table.preamble;
+            let message = "there is a header, but no row of numbers below it";
+            return Err(Diagnostic::new(message)
+                .in_file(self.table.path)
+                .at_line(preamble.header_line)
+                .excerpt(preamble.header_text.clone(), 0..0)
+                .remedy("record again: the file was closed before the first sample"));
+        }
+        if self.skipped as f64 > MOST_LEFT_OUT * rows as f64 {
+            return Err(self.too_many_bad_rows(rows));
+        }
+        let notes = self.notes();
+        let mut logs = self.recordings();
+        for log in &mut logs {
+            log.notes.extend(notes.iter().cloned());
+            self.spread_stamps(log)?;
+            if log.len() < FEWEST_SAMPLES {
+                return Err(Diagnostic::new(format!(
+                    "the log has {} samples, fewer than {FEWEST_SAMPLES}",
+                    log.len()
+                ))
+                .in_file(&log.path)
+                .remedy("record longer: a touch at 1 kHz takes a few hundred samples"));
+            }
+        }
+        Ok(logs)
+    }
+
+    /// The rows of each recording as a log of its own, in order.
+    fn recordings(&mut self) -> Vec<Log> {
+        let mut logs = Vec::new();
+        let is_one = self.starts.len() == 1;
+        let labels: BTreeSet<&str> = self
+            .starts
+            .iter()
+            .map(|(_, label)| label.as_str())
+            .collect();
+        // A label that comes twice names nothing.
+        let is_labelled = labels.len() == self.starts.len() && !labels.contains("");
+        for (number, (start, label)) in self.starts.iter().enumerate().rev() {
+            let label = match is_labelled {
+                true => label.clone(),
+                false => (number + 1).to_string(),
+            };
+            let path = match is_one {
+                true => self.table.path.to_path_buf(),
+                false => labelled(self.table.path, &label),
+            };
+            let extra = self.log.extra.iter_mut().map(|column| ExtraColumn {
+                name: column.name.clone(),
+                values: column.values.split_off(*start),
+            });
+            logs.push(Log {
+                path,
+                extra: extra.collect(),
+                time_s: self.log.time_s.split_off(*start),
+                position_m: self.log.position_m.split_off(*start),
+                force_n: self.log.force_n.split_off(*start),
+                notes: Vec::new(),
+            });
+        }
+        logs.reverse();
+        logs
+    }
+
+    /// Stamps that repeat: few are left out; many that do so evenly are coarser than the sampling, and the line
+    /// through them takes their place.
+    fn spread_stamps(&self, log: &mut Log) -> Result<(), Diagnostic> {
+        let repeats = log
+            .time_s
+            .windows(2)
+            .filter(|pair| pair[0] == pair[1])
+            .count();
+        if repeats == 0 {
+            return Ok(());
+        }
+        if repeats as f64 <= MOST_LEFT_OUT * log.len() as f64 {
+            let first_s = log
+                .time_s
+                .windows(2)
+                .find(|pair| pair[0] == pair[1])
+                .map_or(0.0, |pair| pair[0]);
+            log.leave_out_repeated();
+            log.notes.push(format!(
+                "{repeats} samples left out whose time stamp repeats the one before, the first at {first_s} s"
+            ));
+            return Ok(());
+        }
+        match log.spread_evenly() {
+            Some(note) => {
+                log.notes.push(note);
+                Ok(())
+            }
+            None => Err(self.too_coarse_clock(repeats, log.len())),
+        }
+    }
+
+    fn too_many_bad_rows(&self, rows: usize) -> Diagnostic {
+        let Some((offset, problem)) = &self.first_skipped else {
+            unreachable!("a skipped row is remembered");
+        };
+        let mut diagnostic = self.table.diagnostic(*offset, problem);
+        diagnostic.what = format!(
+            "{} of {rows} rows are unusable, more than 20 %; the first: {}",
+            self.skipped, diagnostic.what
+        );
+        diagnostic.remedy("repair the recording: what is left would not stand for it")
+    }
+
+    fn too_coarse_clock(&self, repeats: usize, rows: usize) -> Diagnostic {
+        let (offset, time_s) = self.first_repeated.unwrap_or_default();
+        let mut diagnostic = Diagnostic::new(format!(
+            "{repeats} of {rows} time stamps repeat the one before, and not evenly"
+        ))
+        .in_file(self.table.path)
+        .in_column(self.table.name(0))
+        .value(time_s)
+        .note("that is the first one that repeats; more than 20 % do")
+        .remedy(
+            "if the sampling was even, give its rate: --rate HZ; else record the time with more digits \
+             than the sampling period has",
+        );
+        if let Some((line, text)) = self.table.locate(offset) {
+            let cell = self.table.cell(0, &text);
+            diagnostic = diagnostic.at_line(line).excerpt(text, cell);
+        }
+        diagnostic
+    }
+
+    /// What was left out, and how the parts were put together.
+    fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let line = |offset: u64| self.table.locate(offset);
+        if let Some((offset, _)) = self.first_skipped {
+            let place = line(offset).map_or(String::new(), |(line, _)| {
+                format!(", the first at line {line}")
+            });
+            notes.push(format!("{} bad rows left out{place}", self.skipped));
+        }
+        if let Some((offset, _, count)) = &self.summary {
+            let text = line(*offset).map_or(String::new(), |(line, text)| {
+                format!(
+                    " from line {line} on (`{}`)",
+                    text.chars().take(40).collect::<String>()
+                )
+            });
+            notes.push(format!(
+                "{count} rows below the table left out{text}: a summary"
+            ));
+        }
+        if self.segments > 1 {
+            notes.push(format!(
+                "{} segments put one after the other",
+                self.segments
+            ));
+        }
+        for (column, cells) in self.log.extra.iter().zip(&self.text_cells) {
+            if *cells > 0 {
+                notes.push(format!(
+                    "column `{}` holds text in {cells} rows: read as missing",
+                    column.name
+                ));
+            }
+        }
+        notes
+    }
+}
+
+/// A name for a recording within a file.
+fn labelled(path: &Path, label: &str) -> PathBuf {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
+    let label: String = label.chars().map(plain).collect();
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{name}#{label}"))
+}
