@@ -7,6 +7,7 @@ pub mod frame;
 pub mod instants;
 pub mod link;
 pub mod message;
+pub mod outbox;
 pub mod ram_flash;
 pub mod reflection;
 pub mod sampling;

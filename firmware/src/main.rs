@@ -109,14 +109,14 @@ mod app {
         let (telemetry, service) = (cx.local.telemetry, cx.local.service);
         // The copy is taken before the queue is emptied: records from before the end are then still sent.
         let budget = cx.shared.budget.lock(|budget| *budget);
-        // Answers go before the records: a line that the records fill would never have room for them.
+        // Answers and health go before the records: a line that these fill would have no room for them.
         service.answer(telemetry, &mut cx.shared.output);
-        while telemetry.has_room()
+        service.report(telemetry, &budget);
+        while telemetry.has_room_for_a_record()
             && let Some(record) = cx.local.inbox.dequeue()
         {
             telemetry.send(&record);
         }
-        service.report(telemetry, &budget);
         telemetry.poll();
         if budget.finished {
             telemetry.finish();

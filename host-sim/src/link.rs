@@ -6,6 +6,7 @@
 pub mod backup;
 pub mod board;
 pub mod device;
+mod line;
 pub mod port;
 pub mod record;
 pub mod world;

@@ -3,7 +3,8 @@
 
 pub use crate::board::message::{Answer, Command, Health, Identity, Name, Range, Refusal, Reply};
 
-use crate::board::frame::{Decoder, Frame};
+use crate::board::frame::{Decoder, Frame, MAX_ENCODED, RECORD_ENCODED};
+use crate::board::outbox::OUTBOX;
 use crate::board::reflection::Packet;
 use crate::board::settings::store::{Loaded, Store};
 use crate::board::settings::{Key, Settings, Setup};
@@ -14,6 +15,11 @@ use embedded_storage::nor_flash::NorFlash;
 pub const BAUD: u32 = 2_000_000;
 /// Bytes that the serial line carries in a millisecond: a byte takes ten bits.
 pub const BYTES_PER_MS: usize = BAUD as usize / 10 / 1000;
+
+/// The room (bytes) with which a board sends the next record: for its frames, and then still for an answer and
+/// its health, so that a line that the records fill does not silence the board.
+pub const RECORD_ROOM: usize = RECORD_ENCODED + 2 * MAX_ENCODED;
+const _: () = assert!(RECORD_ROOM + BYTES_PER_MS <= OUTBOX);
 
 /// The answer to a command, and what the sampling task has to take over for it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 //! [`Sampler::tick`].
 
 use crate::board::{
-    budget::Sampled, budget::StageTimes, frame::Frame, link::Change, reflection::Packet,
+    budget::Sampled, budget::StageTimes, frame::Frame, frame::Instant, link::Change, reflection::Packet,
     reflection::Rendered, reflection::Renderer, reflection::Speed, sensing::Codes, sensing::Watch,
     settings::Setup,
 };
@@ -94,11 +94,7 @@ impl Record {
     /// Hands over the frames that are due, in the order in which they go out.
     pub fn for_each_frame(&self, mut send: impl FnMut(&Frame)) {
         if self.due.shown {
-            if let Some(codes) = self.codes {
-                send(&Frame::Codes(codes));
-            }
-            send(&Frame::Sample(self.sample));
-            send(&Frame::Estimate(self.estimate));
+            self.for_each_shown(&mut send);
             if let Some(rendered) = self.rendered {
                 send(&Frame::Rendered(rendered));
             }
@@ -106,6 +102,23 @@ impl Record {
         if let Some(packet) = self.packet() {
             send(&Frame::Reflection(packet));
         }
+    }
+
+    /// Hands over codes, sample and estimate, in one frame where one has room for them.
+    fn for_each_shown(&self, send: &mut impl FnMut(&Frame)) {
+        if let Some(codes) = self.codes {
+            let instant = Instant {
+                codes,
+                sample: self.sample,
+                estimate: self.estimate,
+            };
+            if instant.fits() {
+                return send(&Frame::Record(instant));
+            }
+            send(&Frame::Codes(codes));
+        }
+        send(&Frame::Sample(self.sample));
+        send(&Frame::Estimate(self.estimate));
     }
 
     /// Returns the faults of the instant: those of estimate and rendering, and

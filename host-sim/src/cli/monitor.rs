@@ -147,7 +147,8 @@ impl View {
                 self.rendered = Some(*rendered);
                 self.faults = self.faults | rendered.faults;
             }
-            Frame::Codes(_) | Frame::Command(_) | Frame::Reply(_) => {}
+            // A device gives a record as its parts.
+            Frame::Record(_) | Frame::Codes(_) | Frame::Command(_) | Frame::Reply(_) => {}
         }
         false
     }

@@ -3,15 +3,15 @@
 //!
 //! The core's tick runs here as it runs in the firmware. Around it are the parts that the firmware adds: a
 //! queue of records whose overflow is counted, frames that go out as the line has room, commands, and the
-//! board's health once a second.
+//! board's health once a second. The line drains as the board's does ([`super::line`]).
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use estimator_core::board::{
-    budget::Budget, frame::Frame, frame::MAX_ENCODED, frame::RECORD_ENCODED, frame::encode,
+    budget::Budget, frame::Frame, frame::MAX_ENCODED, frame::encode,
     link::Answer, link::Change, link::Command, link::Health, link::Identity, link::Name,
-    link::Refusal, link::Reply, link::Responder, ram_flash::RamFlash, ram_flash::SECTOR,
+    link::RECORD_ROOM, link::Refusal, link::Reply, link::Responder, ram_flash::RamFlash, ram_flash::SECTOR,
     reflection::Packet, sampling::FULL, sampling::PERIOD_US, sampling::Ports, sampling::QUEUE,
     sampling::RATE_HZ, sampling::Reading, sampling::Record, sampling::Sampler, settings::Key,
     settings::Settings, settings::store::LAYOUT, settings::store::Store,
@@ -19,10 +19,9 @@ use estimator_core::board::{
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Faults};
 
+use super::line::Line;
 use super::world::World;
 
-/// The most bytes that wait for the line: two chunks, as in the firmware.
-const LINE: usize = 1024;
 /// The length of a tick on the stopwatch (ns).
 const TICK_NS: u32 = 1_000_000_000 / RATE_HZ;
 /// The hardware around the simulated tick.
@@ -67,9 +66,9 @@ pub struct SimulatedBoard {
     change: Option<Change>,
     ports: SimulatedPorts,
     budget: Budget,
-    line: VecDeque<u8>,
-    bytes_per_ms: usize,
-    arrived: VecDeque<u8>,
+    /// The number of samples at the last health.
+    reported: u32,
+    line: Line,
     commands: VecDeque<u8>,
     sequence: u16,
     ticks: u64,
@@ -102,9 +101,8 @@ impl SimulatedBoard {
             change: None,
             ports: SimulatedPorts::default(),
             budget: Budget::new(),
-            line: VecDeque::new(),
-            bytes_per_ms,
-            arrived: VecDeque::new(),
+            reported: 0,
+            line: Line::new(bytes_per_ms),
             commands: VecDeque::new(),
             sequence: 0,
             ticks: 0,
@@ -137,13 +135,14 @@ impl SimulatedBoard {
 
     /// Returns how many bytes have gone over the line and wait to be taken.
     pub fn waiting(&self) -> usize {
-        self.arrived.len()
+        self.line.arrived.len()
     }
 
     /// Takes bytes that have gone over the line, and returns how many.
     pub fn take(&mut self, into: &mut [u8]) -> usize {
-        let count = into.len().min(self.arrived.len());
-        for (slot, byte) in into.iter_mut().zip(self.arrived.drain(..count)) {
+        let arrived = &mut self.line.arrived;
+        let count = into.len().min(arrived.len());
+        for (slot, byte) in into.iter_mut().zip(arrived.drain(..count)) {
             *slot = byte;
         }
         count
@@ -158,16 +157,19 @@ impl SimulatedBoard {
     pub fn tick(&mut self) {
         self.sample();
         self.answer();
-        while self.room()
+        // Health goes before the records, for which a line that is too slow never has room left.
+        if self.budget.samples.wrapping_sub(self.reported) >= RATE_HZ
+            && self.line.outbox.room() >= MAX_ENCODED
+        {
+            self.reported = self.budget.samples;
+            self.send(&Frame::Health(self.health()));
+        }
+        while self.line.outbox.room() >= RECORD_ROOM
             && let Some(record) = self.ports.queue.pop_front()
         {
             self.send_record(&record);
         }
-        if self.budget.samples.is_multiple_of(RATE_HZ) && self.room() {
-            self.send(&Frame::Health(self.health()));
-        }
-        let carried = self.bytes_per_ms.min(self.line.len());
-        self.arrived.extend(self.line.drain(..carried));
+        self.line.carry_for_a_millisecond();
     }
 
     fn sample(&mut self) {
@@ -188,7 +190,7 @@ impl SimulatedBoard {
     }
 
     fn answer(&mut self) {
-        while self.room()
+        while self.line.outbox.room() >= MAX_ENCODED
             && let Some(byte) = self.commands.pop_front()
         {
             let Some((to, command)) = self.responder.push(byte) else {
@@ -227,10 +229,6 @@ impl SimulatedBoard {
         }
     }
 
-    fn room(&self) -> bool {
-        LINE - self.line.len() >= RECORD_ENCODED
-    }
-
     fn send_record(&mut self, record: &Record) {
         record.for_each_frame(|frame| self.send(frame));
         self.faults = record.faults();
@@ -240,7 +238,7 @@ impl SimulatedBoard {
     fn send(&mut self, frame: &Frame) {
         let mut bytes = [0; MAX_ENCODED];
         let length = encode(frame, self.sequence, &mut bytes);
-        self.line.extend(&bytes[..length]);
+        self.line.outbox.write(&bytes[..length]);
         self.sequence = self.sequence.wrapping_add(1);
     }
 }

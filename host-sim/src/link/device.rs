@@ -104,7 +104,7 @@ impl<P: Port> Device<P> {
                     self.statistics.lost += u64::from(sequence.wrapping_sub(expected));
                     self.expected = Some(sequence.wrapping_add(1));
                     self.statistics.frames += 1;
-                    self.waiting.push_back(frame);
+                    self.waiting.extend(frame.parts());
                 }
                 Some(Err(_)) => self.statistics.garbled += u64::from(self.in_step),
                 None => {}

@@ -17,7 +17,8 @@ use core::ffi::CStr;
 // The log goes to QEMU's standard output.
 use defmt_semihosting as _;
 use embedded_hal::digital::{ErrorType, OutputPin};
-use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, RECORD_ENCODED};
+use estimator_core::board::frame::{Decoder, Frame};
+use estimator_core::board::link::RECORD_ROOM;
 use estimator_core::board::ram_flash::{RamFlash, SECTOR};
 use estimator_core::board::sampling::{FULL, RATE_HZ, Reading};
 use estimator_core::board::settings::store::Store;
@@ -205,7 +206,7 @@ impl Link for Output {
     }
 
     fn poll(&mut self) {
-        if self.room() < MAX_ENCODED + 2 * RECORD_ENCODED {
+        if self.room() < 2 * RECORD_ROOM {
             self.finish();
         }
     }
