@@ -28,7 +28,8 @@ pub(crate) fn every_frame_is_numbered(frames: &[(u16, Frame)]) {
     for (sequence, frame) in frames {
         let goes_on = matches!(
             (&last, frame),
-            (Some(Frame::Codes(_)), Frame::Sample(_)) | (Some(Frame::Sample(_)), Frame::Estimate(_))
+            (Some(Frame::Codes(_)), Frame::Sample(_))
+                | (Some(Frame::Sample(_)), Frame::Estimate(_))
         );
         if !goes_on || *sequence == next {
             assert_eq!(*sequence, next, "{frame:?}");

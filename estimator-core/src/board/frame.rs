@@ -12,7 +12,7 @@ pub use record::Instant;
 use crate::board::message::{Command, Health, Reply};
 use crate::board::reflection::{Packet, Rendered};
 use crate::board::sensing::Codes;
-use crate::board::wire::{FrameError, MAX_BODY, Reader, RECORD_VERSION, VERSION, Writer};
+use crate::board::wire::{FrameError, MAX_BODY, RECORD_VERSION, Reader, VERSION, Writer};
 use crate::estimate::Estimate;
 use crate::estimate::fault::Faults;
 use crate::estimate::record::PARAMETER_SLOTS;

@@ -29,7 +29,9 @@ impl core::fmt::Display for FrameError {
         match self {
             FrameError::Framing => f.write_str("not a frame"),
             FrameError::Checksum => f.write_str("check sum does not fit"),
-            FrameError::Version(v) => write!(f, "frame version {v}, this is version {RECORD_VERSION}"),
+            FrameError::Version(v) => {
+                write!(f, "frame version {v}, this is version {RECORD_VERSION}")
+            }
             FrameError::Content => f.write_str("content unknown to this version"),
         }
     }

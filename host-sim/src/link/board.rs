@@ -9,12 +9,13 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use estimator_core::board::{
-    budget::Budget, frame::Frame, frame::MAX_ENCODED, frame::encode,
-    link::Answer, link::Change, link::Command, link::Health, link::Identity, link::Name,
-    link::RECORD_ROOM, link::Refusal, link::Reply, link::Responder, ram_flash::RamFlash, ram_flash::SECTOR,
-    reflection::Packet, sampling::FULL, sampling::PERIOD_US, sampling::Ports, sampling::QUEUE,
-    sampling::RATE_HZ, sampling::Reading, sampling::Record, sampling::Sampler, settings::Key,
-    settings::Settings, settings::store::LAYOUT, settings::store::Store,
+    budget::Budget, budget::Started, frame::Frame, frame::MAX_ENCODED, frame::encode,
+    history::History, link::Answer, link::Change, link::Command, link::Health, link::Identity,
+    link::Name, link::RECORD_ROOM, link::Refusal, link::Reply, link::Responder,
+    ram_flash::RamFlash, ram_flash::SECTOR, reflection::Packet, sampling::FULL,
+    sampling::PERIOD_US, sampling::Ports, sampling::QUEUE, sampling::RATE_HZ, sampling::Reading,
+    sampling::Record, sampling::Sampler, settings::Key, settings::Settings,
+    settings::store::LAYOUT, settings::store::Store,
 };
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Faults};
@@ -45,7 +46,7 @@ impl Ports for SimulatedPorts {
         self.packet.take()
     }
 
-    fn put(&mut self, code: u16) {
+    fn put(&mut self, code: u16, _rest: u16) {
         self.force_code = code;
     }
 
@@ -74,6 +75,7 @@ pub struct SimulatedBoard {
     ticks: u64,
     last: Option<Estimate<f32>>,
     faults: Faults,
+    history: History,
     /// The settings that the firmware of this board does not know yet.
     unknown: Vec<Key>,
 }
@@ -108,6 +110,7 @@ impl SimulatedBoard {
             ticks: 0,
             last: None,
             faults: Faults::NONE,
+            history: History::default(),
             unknown: Vec::new(),
         }
     }
@@ -115,6 +118,12 @@ impl SimulatedBoard {
     /// Makes the firmware an older one, which does not know these settings.
     pub fn without(mut self, unknown: &[Key]) -> Self {
         self.unknown = unknown.to_vec();
+        self
+    }
+
+    /// Gives the board a history, as if its last run had ended so.
+    pub fn after(mut self, history: History) -> Self {
+        self.history = history;
         self
     }
 
@@ -182,10 +191,14 @@ impl SimulatedBoard {
         let start = (self.ticks * u64::from(TICK_NS)) as u32;
         self.ports.now_ns = start;
         let reading = Reading::Codes(codes);
-        let sampled = self.sampler.tick(start, reading, &mut self.ports);
+        let started = Started { due: start, start };
+        let sampled = self.sampler.tick(started, reading, &mut self.ports);
         self.budget.count(&sampled, PERIOD_US, TICK_NS);
         if let Some(change) = self.change.take() {
             self.sampler.apply(&change);
+        }
+        if self.budget.latched != Faults::NONE {
+            self.responder.disarm();
         }
     }
 
@@ -225,6 +238,7 @@ impl SimulatedBoard {
             garbled: self.responder.garbled(),
             faults: self.faults,
             concerns: self.responder.concerns(),
+            history: self.history,
             ..self.budget.health()
         }
     }

@@ -83,7 +83,9 @@ mod tests {
         }
         let arrived = line.arrived.len();
         assert!((184_000..188_000).contains(&arrived), "{arrived}");
-        let in_order = (0_u64..).zip(&line.arrived).all(|(i, byte)| i as u8 == *byte);
+        let in_order = (0_u64..)
+            .zip(&line.arrived)
+            .all(|(i, byte)| i as u8 == *byte);
         assert!(in_order);
     }
 

@@ -34,7 +34,8 @@ impl Instant {
             estimate,
         } = self;
         let delay_us = sample.time_us.checked_sub(estimate.time_us);
-        let narrow = i16::try_from(codes.force_low).is_ok() && i16::try_from(codes.force_high).is_ok();
+        let narrow =
+            i16::try_from(codes.force_low).is_ok() && i16::try_from(codes.force_high).is_ok();
         codes.time_us == sample.time_us
             && sample.time_us <= LATEST_US
             && delay_us.is_some_and(|delay_us| delay_us <= LONGEST_DELAY_US)
