@@ -5,6 +5,7 @@
 
 pub mod backup;
 pub mod board;
+pub mod condition;
 pub mod device;
 mod line;
 pub mod port;

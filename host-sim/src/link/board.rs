@@ -10,8 +10,8 @@ use std::sync::{Arc, Mutex};
 
 use estimator_core::board::{
     budget::Budget, budget::Started, frame::Frame, frame::MAX_ENCODED, frame::encode,
-    history::History, link::Answer, link::Change, link::Command, link::Health, link::Identity,
-    link::Name, link::RECORD_ROOM, link::Refusal, link::Reply, link::Responder,
+    history::History, link::Answer, link::Change, link::Command, link::Description, link::Health,
+    link::Identity, link::Name, link::RECORD_ROOM, link::Refusal, link::Reply, link::Responder,
     ram_flash::RamFlash, ram_flash::SECTOR, reflection::Packet, sampling::FULL,
     sampling::PERIOD_US, sampling::Ports, sampling::QUEUE, sampling::RATE_HZ, sampling::Reading,
     sampling::Record, sampling::Sampler, settings::Key, settings::Settings,
@@ -76,6 +76,8 @@ pub struct SimulatedBoard {
     last: Option<Estimate<f32>>,
     faults: Faults,
     history: History,
+    /// A setting that only the firmware of this board knows, with its value.
+    newer: Option<(Description, f32)>,
     /// The settings that the firmware of this board does not know yet.
     unknown: Vec<Key>,
 }
@@ -111,6 +113,7 @@ impl SimulatedBoard {
             last: None,
             faults: Faults::NONE,
             history: History::default(),
+            newer: None,
             unknown: Vec::new(),
         }
     }
@@ -118,6 +121,13 @@ impl SimulatedBoard {
     /// Makes the firmware an older one, which does not know these settings.
     pub fn without(mut self, unknown: &[Key]) -> Self {
         self.unknown = unknown.to_vec();
+        self
+    }
+
+    /// Makes the firmware a newer one, with a setting that the host does not know. Its number is larger than all
+    /// others.
+    pub fn with(mut self, setting: Description) -> Self {
+        self.newer = Some((setting, setting.default));
         self
     }
 
@@ -216,6 +226,10 @@ impl SimulatedBoard {
                 self.send(&Frame::Reply(Reply { to, answer }));
                 continue;
             }
+            if let Some(answer) = self.newer(&command) {
+                self.send(&Frame::Reply(Reply { to, answer }));
+                continue;
+            }
             let answered = self.responder.answer(to, command, in_contact, busy);
             self.change = answered.change.or(self.change.take());
             self.ports.packet = answered.packet.or(self.ports.packet.take());
@@ -230,6 +244,21 @@ impl SimulatedBoard {
         };
         let key = Key::from_id(*id).filter(|key| self.unknown.contains(key));
         key.map(Key::id)
+    }
+
+    /// Returns the answer about the setting that only this firmware knows, for a command that is about it.
+    fn newer(&mut self, command: &Command) -> Option<Answer> {
+        let (setting, value) = self.newer.as_mut()?;
+        let last = Key::ALL.into_iter().map(Key::id).max().unwrap_or(0);
+        match command {
+            Command::Describe(id) if *id > last => Some(Answer::Description(*setting)),
+            Command::Get(id) if *id == setting.id => Some(Answer::Value(*id, *value)),
+            Command::Set(id, new) if *id == setting.id => {
+                *value = *new;
+                Some(Answer::Value(*id, *new))
+            }
+            _ => None,
+        }
     }
 
     fn health(&self) -> Health {

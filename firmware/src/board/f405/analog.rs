@@ -165,7 +165,9 @@ impl AnalogAndQuadrature {
         let adc = unsafe { &*ADC1::ptr() };
         adc.cr2()
             .modify(|_, w| w.adon().clear_bit().dma().clear_bit());
-        adc.sr().modify(|_, w| w.ovr().clear_bit());
+        // Nothing that was converted before is left, and no overrun: all flags are cleared by 0.
+        // SAFETY: the flags are the only bits.
+        adc.sr().write(|w| unsafe { w.bits(0) });
         self.forces.start();
         self.positions.start();
         adc.cr2().modify(|_, w| w.dma().set_bit());

@@ -61,8 +61,20 @@ impl<S: Stream + StreamISR> Ring<S> {
         }
     }
 
-    /// Starts the stream, or starts it anew, with the block at which it stands.
+    /// Starts the stream, or starts it anew, with the block at which it stands, while nothing asks for transfers. A
+    /// request from before, which the stream serves at once, would shift the block: then it starts once more.
     pub fn start(&mut self) {
+        for _ in 0..3 {
+            self.start_once();
+            // A transfer takes some cycles.
+            cortex_m::asm::delay(50);
+            if self.stream.number_of_transfers() == OVERSAMPLING {
+                break;
+            }
+        }
+    }
+
+    fn start_once(&mut self) {
         // SAFETY: the stream is off while its registers change; the memory is static and has a value for each
         // transfer; nothing else uses the stream, since `self` owns it.
         unsafe {
@@ -76,8 +88,7 @@ impl<S: Stream + StreamISR> Ring<S> {
             self.stream.clear_all_flags();
             let [zero, one] = self.blocks;
             self.stream.set_memory_address(zero.as_ptr() as u32);
-            self.stream
-                .set_alternate_memory_address(one.as_ptr() as u32);
+            self.stream.set_alternate_memory_address(one.as_ptr() as u32);
             self.stream.set_number_of_transfers(OVERSAMPLING);
             self.first = self.stream.current_buffer();
             self.stream.enable();
