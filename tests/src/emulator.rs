@@ -2,9 +2,11 @@
 
 mod budget;
 mod elf;
+mod image;
 
 pub use budget::{Budget, Meter};
 pub use elf::footprint;
+pub use image::{FLASH_START, Image};
 
 use estimator_core::Sample;
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};

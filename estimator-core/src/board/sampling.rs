@@ -191,7 +191,12 @@ impl Sampler {
         }
         let rested = ports.rested();
         let (rendered, code) = self.render(&sample, rested, P::FULL);
-        ports.put(code, self.setup.output.code(0.0, P::FULL));
+        // Nothing is rendered: the code is that of 0 N.
+        let rest = match rendered {
+            None => code,
+            Some(_) => self.setup.output.code(0.0, P::FULL),
+        };
+        ports.put(code, rest);
         let put_out = ports.now();
         let contact = self.compensate(sample);
         let compensated = ports.now();
