@@ -191,6 +191,15 @@ impl<F: NorFlash> Responder<F> {
     }
 
     fn try_to_answer(&mut self, command: Command, in_contact: bool, busy: bool) -> Done {
+        // A restart is taken in contact as well: a zero that has crept looks like contact, and this is the way out.
+        let disturbs = matches!(command, Command::Save | Command::Reload | Command::Defaults);
+        permit(disturbs && in_contact, Refusal::InContact, 0)?;
+        let changes = disturbs
+            || matches!(
+                command,
+                Command::Restart | Command::Commit | Command::Arm | Command::Disarm
+            );
+        permit(changes && busy, Refusal::Busy, 0)?;
         match command {
             Command::Identify => {
                 let identity = Identity {
@@ -209,35 +218,14 @@ impl<F: NorFlash> Responder<F> {
                 permit(busy, Refusal::Busy, id)?;
                 self.set(key, value)
             }
-            Command::Save => {
-                permit(in_contact, Refusal::InContact, 0)?;
-                permit(busy, Refusal::Busy, 0)?;
-                // While the flash is written nothing runs that could stop a force.
-                self.arming = 0;
-                let saved = self.store.save(&self.settings);
-                saved.map_err(|_| (Refusal::FlashFailed, 0))?;
-                self.saved = self.settings;
-                self.forgive()
-            }
-            Command::Reload => {
-                permit(in_contact, Refusal::InContact, 0)?;
-                permit(busy, Refusal::Busy, 0)?;
-                self.reload()
-            }
+            Command::Save => self.save(),
+            Command::Reload => self.reload(),
             Command::Defaults => {
-                permit(in_contact, Refusal::InContact, 0)?;
-                permit(busy, Refusal::Busy, 0)?;
                 self.settings = Settings::default();
                 self.prepared = None;
-                self.arming = 0;
                 self.restarted()
             }
-            // In contact as well: a zero that has crept looks like contact, and this is the way out.
-            Command::Restart => {
-                permit(busy, Refusal::Busy, 0)?;
-                self.arming = 0;
-                self.restarted()
-            }
+            Command::Restart => self.restarted(),
             Command::Discard => {
                 self.prepared = None;
                 Ok((Answer::Done, None))
@@ -247,22 +235,24 @@ impl<F: NorFlash> Responder<F> {
                 self.prepared.get_or_insert(self.settings).put(key, value);
                 Ok((Answer::Value(id, value), None))
             }
-            Command::Commit => {
-                permit(busy, Refusal::Busy, 0)?;
-                self.commit(in_contact)
-            }
-            Command::Arm => {
-                permit(busy, Refusal::Busy, 0)?;
-                self.arm()
-            }
+            Command::Commit => self.commit(in_contact),
+            Command::Arm => self.arm(),
             Command::Disarm => {
-                permit(busy, Refusal::Busy, 0)?;
                 self.arming = 0;
                 Ok((Answer::Done, self.change(false)))
             }
             Command::Describe(from) => describe(from).map(|answer| (answer, None)),
             Command::Unknown(_) | Command::Reflect(_) => Err((Refusal::UnknownCommand, 0)),
         }
+    }
+
+    /// Keeps the settings. While the flash is written nothing runs that could stop a force.
+    fn save(&mut self) -> Done {
+        self.arming = 0;
+        let saved = self.store.save(&self.settings);
+        saved.map_err(|_| (Refusal::FlashFailed, 0))?;
+        self.saved = self.settings;
+        self.forgive()
     }
 
     fn set(&mut self, key: Key, value: f32) -> Done {
@@ -307,7 +297,6 @@ impl<F: NorFlash> Responder<F> {
         }
         (self.saved, self.standing, self.concerns) = (self.settings, Faults::NONE, None);
         self.prepared = None;
-        self.arming = 0;
         self.restarted()
     }
 
@@ -330,7 +319,9 @@ impl<F: NorFlash> Responder<F> {
         Ok((Answer::Done, self.change(stood)))
     }
 
+    /// Lets the estimator start anew. The force output waits for another arming.
     fn restarted(&mut self) -> Done {
+        self.arming = 0;
         Ok((Answer::Done, self.change(true)))
     }
 
