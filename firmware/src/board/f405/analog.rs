@@ -215,6 +215,8 @@ impl Sensors for AnalogAndQuadrature {
     fn start(&mut self) {
         if let Some(guard) = self.guard.take() {
             systick::start(guard, CORE_HZ, GUARD_MS);
+            // Its looks come in the middle of a tick, not together with the end of a block.
+            cortex_m::asm::delay(CORE_HZ / 1000 * 3 / 5);
         }
         self.start_streams();
     }

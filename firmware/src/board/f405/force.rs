@@ -98,12 +98,11 @@ impl ForceOutput for Pwm {
     const FULL: u16 = FULL;
 
     fn put(&mut self, code: u16, rest: u16) {
-        // SAFETY: only registers and bits of channel 2 change, which belongs to this output alone.
-        let tim2 = unsafe { &*TIM2::ptr() };
         let before = self.pulse;
         let at_end = self.pulse.place(code);
         let edges = (self.pulse.edge(code), self.pulse.edge(rest));
-        if self.listed.replace(edges) != Some(edges) {
+        let last = self.listed.replace(edges);
+        if last != Some(edges) {
             let (edge, at_rest) = edges;
             for entry in &LIST {
                 entry.store(edge.into(), Ordering::Relaxed);
@@ -111,16 +110,19 @@ impl ForceOutput for Pwm {
             if let Some(last) = LIST.last() {
                 last.store(at_rest.into(), Ordering::Relaxed);
             }
-            tim2.ccr2().write(|w| unsafe { w.bits(edge.into()) });
         }
+        Pwm::restart_list();
+        // SAFETY: only bits of channel 2 change, which belongs to this output alone.
+        let tim2 = unsafe { &*TIM2::ptr() };
         if self.pulse != before {
             tim2.ccmr1_output().modify(|_, w| match at_end {
                 false => w.oc2m().pwm_mode1(),
                 true => w.oc2m().pwm_mode2(),
             });
         }
-        Pwm::restart_list();
-        tim2.ccer().modify(|_, w| w.cc2e().set_bit());
+        if last.is_none() {
+            tim2.ccer().modify(|_, w| w.cc2e().set_bit());
+        }
     }
 
     fn rested(&mut self) -> bool {

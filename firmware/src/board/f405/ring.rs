@@ -88,7 +88,8 @@ impl<S: Stream + StreamISR> Ring<S> {
             self.stream.clear_all_flags();
             let [zero, one] = self.blocks;
             self.stream.set_memory_address(zero.as_ptr() as u32);
-            self.stream.set_alternate_memory_address(one.as_ptr() as u32);
+            self.stream
+                .set_alternate_memory_address(one.as_ptr() as u32);
             self.stream.set_number_of_transfers(OVERSAMPLING);
             self.first = self.stream.current_buffer();
             self.stream.enable();
@@ -101,10 +102,12 @@ impl<S: Stream + StreamISR> Ring<S> {
     }
 
     /// Returns whether a block has ended since the last call, and clears the interrupt's request. A block that
-    /// ends afterwards raises it again.
+    /// ends afterwards raises it again: one that ends between the look and the answer is not cleared.
     pub fn has_ended(&mut self) -> bool {
         let ended = self.stream.is_transfer_complete();
-        self.stream.clear_transfer_complete();
+        if ended {
+            self.stream.clear_transfer_complete();
+        }
         ended
     }
 
