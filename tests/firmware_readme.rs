@@ -1,10 +1,10 @@
 //! What firmware/README.md says in numbers and names is what the code has.
 
 use estimator_core::Fault;
-use estimator_core::board::frame::{CODES_ENCODED, Frame, MAX_ENCODED, SAMPLE_ENCODED, encode};
+use estimator_core::board::frame::{Frame, Instant, MAX_ENCODED, encode};
 use estimator_core::board::link::{BAUD, BYTES_PER_MS};
 use estimator_core::board::sampling::{FULL, QUEUE};
-use estimator_core::board::sensing::CODES_PER_COUNT;
+use estimator_core::board::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::board::settings::compensation::Parameter;
 use estimator_core::board::settings::store::SLOT;
 use estimator_core::board::settings::{Key, Settings};
@@ -77,26 +77,35 @@ fn its_table_of_compensations_has_every_effect_with_its_numbers() {
     assert!(table.contains(&format!("estimates {} ms later", late / 1000)));
 }
 
-/// Bytes of an estimate on the wire.
+/// Bytes of codes, sample and estimate on the wire, in one frame.
 fn record_of(law: LawKind) -> usize {
     let params = Config::default()
         .validate::<f32>()
         .expect("the default is valid");
     let mut estimate = step(&params, &mut State::new(&params), Sample::default());
     estimate.law = law;
-    encode(&Frame::Estimate(estimate), 0, &mut [0; MAX_ENCODED])
+    let instant = Instant {
+        // Many conversions are summed.
+        codes: Codes {
+            force_high: 1,
+            ..Codes::default()
+        },
+        sample: Sample::default(),
+        estimate,
+    };
+    assert!(instant.fits());
+    encode(&Frame::Record(instant), 0, &mut [0; MAX_ENCODED])
 }
 
 #[test]
 fn its_bytes_and_counts_are_those_of_the_frames_and_the_store() {
     let readme = of_the_firmware("README.md");
-    let record = |law| record_of(law) + SAMPLE_ENCODED + CODES_ENCODED;
-    let longest = LawKind::ALL.into_iter().map(record).max().expect("laws");
+    let longest = LawKind::ALL.into_iter().map(record_of).max().expect("laws");
     assert!(
         readme.contains(&format!("\n{longest} bytes, of {BYTES_PER_MS}")),
         "{longest}"
     );
-    let default = record(LawKind::HuntCrossley);
+    let default = record_of(LawKind::HuntCrossley);
     assert!(
         readme.contains(&format!("Hunt–Crossley's {default}")),
         "{default}"

@@ -4,9 +4,12 @@
 pub mod budget;
 pub mod calibration;
 pub mod frame;
+pub mod history;
 pub mod instants;
 pub mod link;
 pub mod message;
+pub mod outbox;
+pub mod protection;
 pub mod ram_flash;
 pub mod reflection;
 pub mod sampling;

@@ -23,7 +23,7 @@ pub use selected::{Selected, device};
 
 use embedded_hal::digital::OutputPin;
 use embedded_storage::nor_flash::NorFlash;
-use estimator_core::board::{sampling::Reading, settings::store::Store};
+use estimator_core::board::{history::ResetCause, sampling::Reading, settings::store::Store};
 
 /// A board as a whole: how it starts, its stopwatch, and how it ends.
 pub trait Board {
@@ -47,18 +47,22 @@ pub trait Board {
     /// The force output takes the rendered force.
     type Output: ForceOutput + Send;
 
-    /// Brings the board up. The board may raise the tick from here on; RTIC delivers it after `init`.
+    /// Brings the board up. It raises no tick before [`Sensors::start`].
     ///
     /// Every wait for something that may be absent (a crystal) has a bound, and the log names the
     /// replacement. Without any replacement, the log says so and the function does not return.
     fn start(core: cortex_m::Peripherals) -> Parts<Self>;
 
     /// Reads a free-running counter in [`Board::COST_UNIT`] that wraps at 2³². Differences are right up to
-    /// 4 s (emulator) or 25 s (F405). Takes no more than a load.
+    /// 4 s (emulator) or 51 s (F405). No debugger stops it. Takes no more than a load.
     fn now() -> u32;
 
     /// Waits, called over and over while there is nothing to do. Returns with the next tick at the latest.
     fn idle();
+
+    /// Puts the force output into the state that it has after a reset, at once and for good. It is the first thing
+    /// that a program does which cannot go on, from any task or exception.
+    fn make_safe();
 
     /// Ends the program; a healthy board never calls it. The emulator exits with a status. A board stops
     /// with interrupts off and with its outputs, the force output included, as they are after a reset; its
@@ -77,16 +81,22 @@ pub struct Parts<B: Board + ?Sized> {
     /// The store has the flash sectors that are reserved for settings. An erase may stall the core for
     /// seconds.
     pub store: Store<B::Flash>,
-    /// The watchdog. It may run from the start, or begin with the first [`Watchdog::feed`].
+    /// The watchdog. It may run from the start, long enough for it, or begin with the first [`Watchdog::feed`].
     pub watchdog: B::Watchdog,
     /// The force output goes to the sampling task, except while settings are saved.
     pub output: B::Output,
     /// True if a replacement drives the clock: times are off by up to 1 %.
     pub clock_fallback: bool,
+    /// The cause of the reset before this start.
+    pub reset: ResetCause,
 }
 
 /// The source of the samples.
 pub trait Sensors {
+    /// Starts the ticks. It is the last thing that the start does: a tick that nobody takes for milliseconds would
+    /// give all later ones a false phase.
+    fn start(&mut self);
+
     /// Reads the instant that belongs to this tick. Only the sampling task calls it, once a tick.
     ///
     /// Force and position are of the same instant. `time_us` increases strictly and also counts the
@@ -117,9 +127,12 @@ pub trait Link {
 
 /// A timer that resets the board when it is not fed.
 pub trait Watchdog {
-    /// Restarts the timer; called while the sampling task meets its deadlines. The timer is at least 8 s
-    /// long, because an erase of the flash may take 4 s.
+    /// Restarts the timer, called every tenth of a second while the sampling task meets its deadlines. From the
+    /// first call on the timer is at least 0.3 s long and at most 1 s, whatever the speed of its oscillator.
     fn feed(&mut self);
+
+    /// Makes the timer longer until it is fed again: more than the 4 s that an erase of the flash may take.
+    fn lengthen(&mut self);
 }
 
 /// The force command: an analog or PWM signal to whatever drives a master, an amplifier with a current
@@ -129,19 +142,23 @@ pub trait ForceOutput {
     /// The code of the full output; 0 is no output.
     const FULL: u16;
 
-    /// Puts out a code of at most [`ForceOutput::FULL`] until the next call. The code takes effect within a
-    /// tick, and the call takes a microsecond at most. Called at every tick, with the code of 0 N while
-    /// nothing is rendered.
+    /// Puts out a code of at most [`ForceOutput::FULL`] until the next call, or for 1.8 ms: without another call
+    /// the hardware then puts out `rest`, the code of 0 N, and needs no instruction for it. The code takes effect
+    /// within a tick, and the call takes a microsecond at most. Called at every tick, with the code of 0 N
+    /// while nothing is rendered.
     ///
     /// Before the first call and after [`Board::stop`] the output is as the hardware leaves it without a
     /// program: wire it so that this is 0 N.
-    fn put(&mut self, code: u16);
+    fn put(&mut self, code: u16, rest: u16);
+
+    /// Returns whether the hardware has put the output to rest since the last [`ForceOutput::put`].
+    fn rested(&mut self) -> bool;
 }
 
 /// The answer to [`Sensors::sample`].
 pub enum Acquired {
-    /// The sensors were read.
-    Reading(Reading),
+    /// The sensors were read; with the stopwatch's reading at which the instant was due.
+    Reading(Reading, u32),
     /// The call was spurious: there is no new instant.
     Nothing,
     /// The recording is used up; only the emulator has one.

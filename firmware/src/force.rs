@@ -18,21 +18,25 @@ impl<O: ForceOutput> Force<O> {
         }
     }
 
-    /// Puts a code out, or ignores it while the output is held.
-    pub fn put(&mut self, code: u16) {
-        if !self.held {
-            self.output.put(code);
-        }
+    /// Puts a code out, or `rest` while the output is held.
+    pub fn put(&mut self, code: u16, rest: u16) {
+        let code = if self.held { rest } else { code };
+        self.output.put(code, rest);
+    }
+
+    /// Returns whether the hardware has put the output to rest since the last code.
+    pub fn rested(&mut self) -> bool {
+        self.output.rested()
     }
 
     /// Puts out `rest`, the code of 0 N, and holds it. While settings are saved the core stands still, for
-    /// seconds if flash is erased, and the last force would stay on.
+    /// seconds if flash is erased.
     pub fn hold(&mut self, rest: u16) {
-        self.output.put(rest);
+        self.output.put(rest, rest);
         self.held = true;
     }
 
-    /// Gives the output back to the sampling task.
+    /// Gives the output back, once the sampling task has taken over that it is not armed.
     pub fn release(&mut self) {
         self.held = false;
     }

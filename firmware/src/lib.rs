@@ -5,10 +5,11 @@
 #![deny(missing_docs)]
 
 pub mod board;
+pub mod crash;
 pub mod driver;
 pub mod force;
 pub mod sampling;
 pub mod service;
-mod stack;
+pub mod stack;
 pub mod systick;
 pub mod telemetry;

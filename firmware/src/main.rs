@@ -15,15 +15,17 @@ mod halt;
 mod app {
     use core::mem::MaybeUninit;
     use estimator_core::board::budget::Budget;
+    use estimator_core::board::history::Stage;
     use estimator_core::board::link::Change;
     use estimator_core::board::reflection::Packet;
     use estimator_core::board::sampling::{PERIOD_US, QUEUE, Record, Sampler};
     use heapless::spsc::{Consumer, Queue};
-    use palpate_firmware::board::{Board, Outcome, Parts, Selected};
+    use palpate_firmware::board::{Board, Outcome, Parts, Selected, Sensors};
     use palpate_firmware::force::Force;
     use palpate_firmware::sampling::{CHANGES, Output, PACKETS, Sampling, Tick};
-    use palpate_firmware::service::Service;
+    use palpate_firmware::service::{Outlets, Service};
     use palpate_firmware::telemetry::Telemetry;
+    use palpate_firmware::{crash, stack};
 
     #[shared]
     struct Shared {
@@ -60,29 +62,40 @@ mod app {
             watchdog,
             output,
             clock_fallback,
+            reset,
         } = Selected::start(cx.core);
+        let history = crash::found(reset);
         let (outbox, inbox) = cx.local.records.split();
         let (to_sampler, changes) = cx.local.setups.split();
         let (to_renderer, packets) = cx.local.impedances.split();
-        let service = Service::new(store, watchdog, to_sampler, to_renderer, clock_fallback);
+        let outlets = Outlets {
+            changes: to_sampler,
+            packets: to_renderer,
+        };
+        let service = Service::new(store, watchdog, outlets, history, clock_fallback);
         let Some(setup) = service.setup() else {
             defmt::panic!("the default settings are not valid");
         };
+        let mut sampling = Sampling {
+            sensors,
+            sampler: cx.local.sampler.write(Sampler::new(setup)),
+            outbox,
+            changes,
+            packets,
+        };
+        let telemetry = Telemetry::new(link, light);
+        stack::never_used();
+        // The last thing: nobody takes a tick before this function returns.
+        sampling.sensors.start();
         (
             Shared {
                 budget: Budget::new(),
                 output: Force::new(output),
             },
             Local {
-                sampling: Sampling {
-                    sensors,
-                    sampler: cx.local.sampler.write(Sampler::new(setup)),
-                    outbox,
-                    changes,
-                    packets,
-                },
+                sampling,
                 inbox,
-                telemetry: Telemetry::new(link, light),
+                telemetry,
                 service,
             },
         )
@@ -91,33 +104,43 @@ mod app {
     /// Runs a tick at 1 kHz, above everything else: read, convert, render, compensate, step, queue.
     #[task(binds = TICK, priority = 3, local = [sampling], shared = [budget, output])]
     fn sample(mut cx: sample::Context) {
+        let before = crash::mark(Stage::Read);
         let sampling = cx.local.sampling;
         let ticked = cx.shared.output.lock(|output| sampling.tick(output));
+        crash::mark(Stage::Count);
         cx.shared.budget.lock(|budget| match &ticked {
             Tick::Sampled(sampled) => budget.count(sampled, PERIOD_US, Selected::TICK),
             Tick::Nothing => {}
             Tick::End => budget.finished = true,
         });
-        sampling.change();
-        // An error says that the task is spawned already; it then sends this record as well.
-        let _ = telemetry::spawn();
+        if sampling.change() {
+            cx.shared.output.lock(Force::release);
+        }
+        crash::mark(before);
+        if !matches!(ticked, Tick::Nothing) {
+            // An error says that the task is spawned already; it then sends this record as well.
+            let _ = telemetry::spawn();
+        }
     }
 
     /// Sends the queued records, answers commands, and reports the board's health once a second.
     #[task(priority = 1, local = [inbox, telemetry, service], shared = [budget, output])]
     async fn telemetry(mut cx: telemetry::Context) {
+        crash::mark(Stage::Answer);
         let (telemetry, service) = (cx.local.telemetry, cx.local.service);
         // The copy is taken before the queue is emptied: records from before the end are then still sent.
         let budget = cx.shared.budget.lock(|budget| *budget);
-        // Answers go before the records: a line that the records fill would never have room for them.
+        // Answers and health go before the records: a line that these fill would have no room for them.
         service.answer(telemetry, &mut cx.shared.output);
-        while telemetry.has_room()
+        crash::mark(Stage::Send);
+        service.report(telemetry, &budget);
+        while telemetry.has_room_for_a_record()
             && let Some(record) = cx.local.inbox.dequeue()
         {
             telemetry.send(&record);
         }
-        service.report(telemetry, &budget);
         telemetry.poll();
+        crash::mark(Stage::Idle);
         if budget.finished {
             telemetry.finish();
             Service::<Selected>::log(&budget, &telemetry.encode);

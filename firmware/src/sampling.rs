@@ -2,8 +2,10 @@
 //! else. The link proof shows that it is free of panics, the reading of the sensors included.
 
 use crate::board::{Acquired, Board, ForceOutput, Selected, Sensors};
+use crate::crash;
 use crate::force::Force;
-use estimator_core::board::budget::Sampled;
+use estimator_core::board::budget::{Sampled, Started};
+use estimator_core::board::history::Stage;
 use estimator_core::board::link::Change;
 use estimator_core::board::reflection::Packet;
 use estimator_core::board::sampling::{Ports, QUEUE, Record, Sampler};
@@ -59,14 +61,20 @@ impl Ports for BoardPorts<'_> {
     }
 
     fn packet(&mut self) -> Option<Packet> {
+        crash::mark(Stage::Render);
         if self.packets.capacity() != PACKETS - 1 {
             return None;
         }
         self.packets.dequeue()
     }
 
-    fn put(&mut self, code: u16) {
-        self.output.put(code);
+    fn put(&mut self, code: u16, rest: u16) {
+        self.output.put(code, rest);
+        crash::mark(Stage::Estimate);
+    }
+
+    fn rested(&mut self) -> bool {
+        self.output.rested()
     }
 
     fn queue(&mut self, record: Record) -> bool {
@@ -78,8 +86,8 @@ impl Sampling {
     /// Takes one instant from the sensors to the queue.
     pub fn tick(&mut self, output: &mut Output) -> Tick {
         let start = Selected::now();
-        let reading = match self.sensors.sample() {
-            Acquired::Reading(reading) => reading,
+        let (reading, due) = match self.sensors.sample() {
+            Acquired::Reading(reading, due) => (reading, due),
             Acquired::Nothing => return Tick::Nothing,
             Acquired::End => return Tick::End,
         };
@@ -88,16 +96,19 @@ impl Sampling {
             outbox: &mut self.outbox,
             packets: &mut self.packets,
         };
-        Tick::Sampled(self.sampler.tick(start, reading, &mut ports))
+        let started = Started { due, start };
+        Tick::Sampled(self.sampler.tick(started, reading, &mut ports))
     }
 
-    /// Takes over other settings if some have come. This runs after the sample and after the last reading
-    /// of the stopwatch, because a change is rare.
-    pub fn change(&mut self) {
+    /// Takes over other settings if some have come, and returns whether they have. This runs after the sample and
+    /// after the last reading of the stopwatch, because a change is rare.
+    pub fn change(&mut self) -> bool {
         if self.changes.capacity() == CHANGES - 1
             && let Some(change) = self.changes.dequeue()
         {
             self.sampler.apply(&change);
+            return true;
         }
+        false
     }
 }

@@ -2,15 +2,17 @@
 //! health.
 
 use crate::board::{Board, ForceOutput, Link, Watchdog};
+use crate::crash;
 use crate::force::Force;
 use crate::stack;
 use crate::telemetry::Telemetry;
 use embedded_hal::digital::OutputPin;
+use estimator_core::Faults;
 use estimator_core::board::{
-    budget::Budget, budget::Meter, frame::Frame, link::Answer, link::Change, link::Command,
-    link::Health, link::Identity, link::Name, link::Refusal, link::Reply, link::Responder,
-    reflection::Packet, sampling::RATE_HZ, settings::Setup, settings::store::LAYOUT,
-    settings::store::Store,
+    budget::Budget, budget::Meter, frame::Frame, history::History, history::Stage, link::Answer,
+    link::Change, link::Command, link::Health, link::Identity, link::Name, link::Refusal,
+    link::Reply, link::Responder, reflection::Packet, sampling::RATE_HZ, settings::Setup,
+    settings::store::LAYOUT, settings::store::Store,
 };
 use estimator_core::estimate::Phase;
 use heapless::spsc::Producer;
@@ -23,8 +25,8 @@ const LOG_EVERY: u32 = 10 * RATE_HZ;
 pub struct Service<B: Board> {
     responder: Responder<B::Flash>,
     watchdog: B::Watchdog,
-    changes: Producer<'static, Change>,
-    packets: Producer<'static, Packet>,
+    outlets: Outlets,
+    history: History,
     clock_fallback: bool,
     /// Number of samples at the last health frame.
     reported: u32,
@@ -36,15 +38,33 @@ pub struct Service<B: Board> {
     overruns: u32,
 }
 
+/// The ways to the sampling task.
+pub struct Outlets {
+    /// Settings to take over.
+    pub changes: Producer<'static, Change>,
+    /// Impedances to render.
+    pub packets: Producer<'static, Packet>,
+}
+
 impl<B: Board> Service<B> {
     /// Loads the settings; if they cannot be used, the log says so and the defaults count.
     pub fn new(
         store: Store<B::Flash>,
         watchdog: B::Watchdog,
-        changes: Producer<'static, Change>,
-        packets: Producer<'static, Packet>,
+        outlets: Outlets,
+        history: History,
         clock_fallback: bool,
     ) -> Self {
+        if let Some(crash) = &history.crash {
+            defmt::warn!(
+                "the last run ended: {=str} while {=str}, at {=u32:#x} from {=u32:#x}; reset: {=str}",
+                crash.kind.describe(),
+                crash.stage.describe(),
+                crash.at,
+                crash.from,
+                history.reset.describe()
+            );
+        }
         let identity = Identity {
             board: const { Name::new(B::NAME) },
             firmware: const { Name::new(env!("CARGO_PKG_VERSION")) },
@@ -63,8 +83,8 @@ impl<B: Board> Service<B> {
         Service {
             responder,
             watchdog,
-            changes,
-            packets,
+            outlets,
+            history,
             clock_fallback,
             reported: 0,
             logged: 0,
@@ -103,20 +123,22 @@ impl<B: Board> Service<B> {
         output: &mut impl Mutex<T = Force<B::Output>>,
     ) {
         let in_contact = telemetry.phase() == Phase::Contact;
-        let busy = !self.changes.is_empty();
-        // An erase may take 4 s, during which nothing runs: the last force would stay on.
+        let busy = !self.outlets.changes.is_empty();
+        // An erase may take 4 s, during which nothing runs.
         let stalls = command == Command::Save && !in_contact && !busy;
         if stalls {
-            self.watchdog.feed();
+            crash::mark(Stage::Save);
+            self.watchdog.lengthen();
             let rest = self.responder.settings().output();
             output.lock(|output| output.hold(rest.code(0.0, B::Output::FULL)));
         }
         let mut answered = self.responder.answer(to, command, in_contact, busy);
         if stalls {
-            output.lock(Force::release);
+            crash::mark(Stage::Answer);
         }
+        // The sampling task takes a change over and gives the output back; a save always makes one.
         if let Some(change) = answered.change
-            && self.changes.enqueue(change).is_err()
+            && self.outlets.changes.enqueue(change).is_err()
         {
             // Not reached: the responder refuses a change while another one waits.
             answered.reply = Reply {
@@ -125,7 +147,7 @@ impl<B: Board> Service<B> {
             };
         }
         if let Some(packet) = answered.packet
-            && self.packets.enqueue(packet).is_err()
+            && self.outlets.packets.enqueue(packet).is_err()
         {
             answered.reply.answer = Answer::Refused(Refusal::Busy, 0);
         }
@@ -138,6 +160,9 @@ impl<B: Board> Service<B> {
         telemetry: &mut Telemetry<L, P>,
         budget: &Budget,
     ) {
+        if budget.latched != Faults::NONE {
+            self.responder.disarm();
+        }
         if budget.samples.wrapping_sub(self.fed) >= RATE_HZ / 10 {
             self.fed = budget.samples;
             // The watchdog is not fed by a task that is always late: 100 overruns in 100 samples.
@@ -170,6 +195,7 @@ impl<B: Board> Service<B> {
             faults: telemetry.faults(),
             concerns: self.responder.concerns(),
             clock_fallback: self.clock_fallback,
+            history: self.history,
             ..budget.health()
         }
     }
@@ -178,7 +204,7 @@ impl<B: Board> Service<B> {
     /// the line.
     pub fn log(budget: &Budget, encode: &Meter) {
         defmt::info!(
-            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} render={} compensate={} step={} queue={} task={} encode={}",
+            "budget: unit={=str} samples={=u32} ticks={=u32} dropped={=u32} overruns={=u32} missed={=u32} stack_free={=u32} tick={=u32} period={} convert={} render={} compensate={} step={} queue={} task={} response={} encode={}",
             B::COST_UNIT,
             budget.samples,
             budget.ticks,
@@ -194,6 +220,7 @@ impl<B: Board> Service<B> {
             Shown(&budget.step),
             Shown(&budget.queue),
             Shown(&budget.task),
+            Shown(&budget.response),
             Shown(encode),
         );
     }

@@ -4,7 +4,8 @@
 use crate::board::{Board, Link, Selected};
 use embedded_hal::digital::OutputPin;
 use estimator_core::board::budget::Meter;
-use estimator_core::board::frame::{self, Frame, MAX_ENCODED, RECORD_ENCODED};
+use estimator_core::board::frame::{self, Frame, MAX_ENCODED};
+use estimator_core::board::link::RECORD_ROOM;
 use estimator_core::board::sampling::Record;
 use estimator_core::estimate::{Event, Phase};
 use estimator_core::{Estimate, Faults, Status};
@@ -35,10 +36,16 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
         }
     }
 
-    /// Returns whether the frames of one record fit into the link. If not, the queue fills and the
-    /// sampling task counts the drops: this is the only place where they are counted.
+    /// Returns whether the frames of one record fit into the link, and leave room for an answer and for health.
+    /// If not, the queue fills and the sampling task counts the drops: this is the only place where they are
+    /// counted.
+    pub fn has_room_for_a_record(&self) -> bool {
+        self.link.room() >= RECORD_ROOM
+    }
+
+    /// Returns whether one frame fits into the link.
     pub fn has_room(&self) -> bool {
-        self.link.room() >= RECORD_ENCODED
+        self.link.room() >= MAX_ENCODED
     }
 
     /// Sends the frames of a record and logs what happened in it.

@@ -5,7 +5,9 @@
 
 pub mod backup;
 pub mod board;
+pub mod condition;
 pub mod device;
+mod line;
 pub mod port;
 pub mod record;
 pub mod world;

@@ -36,6 +36,9 @@ fn set<P: Port>(device: &mut Device<P>, values: &[(Key, f32)]) {
         device.prepare(*key, *value).unwrap();
     }
     device.order(Command::Commit).unwrap();
+    if values.iter().any(|(key, _)| *key == Key::RenderForceN) {
+        device.order(Command::Arm).unwrap();
+    }
 }
 
 /// A board that sends packets at 200 Hz and everything else at 20 Hz: 74 of the 200 bytes that a millisecond

@@ -10,11 +10,11 @@ use crate::frames::{
 };
 use crate::settings::{changed, save};
 use estimator_core::board::frame::Frame;
-use estimator_core::board::link::{Answer, Command, Refusal};
+use estimator_core::board::link::{Answer, Change, Command, Refusal};
 use estimator_core::board::reflection::{Limit, Packet};
 use estimator_core::board::sampling::{Record, Sampler};
 use estimator_core::board::sensing::Codes;
-use estimator_core::board::settings::{Key, Settings};
+use estimator_core::board::settings::{Key, Settings, Setup};
 use estimator_core::estimate::Estimated;
 use estimator_core::{Config, Fault, Params, Sample, State, step};
 use std::fs;
@@ -50,7 +50,9 @@ static REFLECTING: LazyLock<Reflecting> = LazyLock::new(|| {
         (400, told(2_000_000, [11_500.0, 70.0, 1.2, -1e-4])),
         (400, told(2_500_000, [200.0, 1.0, 1.6, 0.0])),
     ];
-    let commands = told.map(|(quiet_ms, packet)| (quiet_ms, Command::Reflect(packet)));
+    // A packet that comes before the output is armed is refused.
+    let mut commands = vec![(0, Command::Reflect(told[0].1)), (50, Command::Arm)];
+    commands.extend(told.map(|(quiet_ms, packet)| (quiet_ms + 50, Command::Reflect(packet))));
     let emulator = Emulator::from_env("reflecting").expect("set-up");
     save(&emulator, &settings);
     let bytes = with_pauses(&commands);
@@ -92,37 +94,53 @@ fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
         forces,
         ..
     } = &*REFLECTING;
-    let mut host = Sampler::new(settings.setup().expect("valid"));
+    let setup = settings.setup().expect("valid");
+    let mut host = Sampler::new(setup);
+    let mut unarmed = 0;
     every_frame_is_numbered(&run.frames);
     let frames = records(&run.frames);
-    let mut frames = frames.iter();
-    let mut next = || {
-        frames
-            .next()
-            .unwrap_or_else(|| panic!("frames are missing"))
-    };
+    let mut frames = frames.iter().peekable();
     let (mut taken, mut written) = (0, forces.chunks(6).map(put_out).peekable());
     let (mut last_code, mut packets, mut seen, mut pushed) = (None, 0, 0_u8, 0);
     let mut stopped = 0;
     for (index, codes) in codes.iter().enumerate() {
-        assert_eq!(next(), &Frame::Codes(*codes));
+        assert_eq!(frames.next(), Some(&Frame::Codes(*codes)));
         let read = host.convert(codes);
-        assert!(matches!(next(), Frame::Sample(_)));
-        let Frame::Estimate(estimate) = next() else {
+        assert!(matches!(frames.next(), Some(Frame::Sample(_))));
+        let Some(Frame::Estimate(estimate)) = frames.next() else {
             panic!("sample {index}: no estimate");
         };
-        let Frame::Rendered(rendered) = next() else {
-            panic!("sample {index}: nothing rendered");
+        // The emulator says when it was armed: nothing is rendered before, and something at every sample since.
+        let rendered = match frames.peek() {
+            Some(Frame::Rendered(rendered)) => Some(rendered),
+            _ => None,
         };
+        if rendered.is_some() {
+            frames.next();
+        }
+        if rendered.is_some() && unarmed == index {
+            let armed = Setup { arming: 1, ..setup };
+            host.apply(&Change {
+                setup: armed,
+                restart: false,
+            });
+        }
+        unarmed += usize::from(rendered.is_none());
+        let sequence = rendered.map_or(0, |rendered| rendered.sequence);
         // The emulator says when a packet came, the host what has to follow from it.
-        if rendered.sequence != taken {
-            taken = rendered.sequence;
+        if sequence != taken {
+            taken = sequence;
             let packet = told.iter().find(|packet| packet.sequence == taken);
             host.take(packet.expect("one that was told"));
         }
-        let (force, code) = host.render(&read, estimator_core::board::sampling::FULL);
-        let force = force.expect("rendering");
-        assert_same(index, &force, rendered, rendered_fields);
+        let (force, code) = host.render(&read, false, estimator_core::board::sampling::FULL);
+        assert_eq!(force.is_some(), rendered.is_some(), "sample {index}");
+        if let (Some(force), Some(rendered)) = (&force, rendered) {
+            assert_same(index, force, rendered, rendered_fields);
+            seen |= rendered.limits;
+            pushed += u32::from(rendered.force_n > 0.5);
+            stopped += u32::from(rendered.faults.has(Fault::RenderStopped));
+        }
         // A change of the output at this tick.
         if last_code.replace(code) != Some(code) {
             assert_eq!(written.next(), Some((index as u32, code)));
@@ -139,13 +157,12 @@ fn what_is_reflected_and_what_is_rendered_has_the_bits_of_the_host() {
             due,
         };
         if let Some(packet) = record.packet() {
-            assert_eq!(next(), &Frame::Reflection(packet), "sample {index}");
+            let sent = frames.next();
+            assert_eq!(sent, Some(&Frame::Reflection(packet)), "sample {index}");
             packets += 1;
         }
-        seen |= rendered.limits;
-        pushed += u32::from(rendered.force_n > 0.5);
-        stopped += u32::from(rendered.faults.has(Fault::RenderStopped));
     }
+    assert!((50..200).contains(&unarmed), "{unarmed}");
     assert_eq!((frames.next(), written.next()), (None, None));
     assert_eq!(packets, codes.len() / 5);
     assert!(pushed > 1000 && stopped > 1000, "{pushed} {stopped}");
@@ -168,6 +185,8 @@ fn packets_to_render_are_done_or_refused_for_their_reason() {
     assert_eq!(
         answers,
         [
+            refused(Refusal::NotArmed),
+            Answer::Done,
             Answer::Done,
             refused(Refusal::Overtaken),
             refused(Refusal::NotRenderable),
@@ -175,11 +194,13 @@ fn packets_to_render_are_done_or_refused_for_their_reason() {
             Answer::Done,
         ]
     );
-    assert_eq!(answers.len(), told.len());
+    assert_eq!(answers.len(), told.len() + 2);
 }
 
+/// WHEN settings are saved, THEN the force is at rest and stays there until the output is armed again; a save that is
+/// refused in contact changes nothing.
 #[test]
-fn while_settings_are_saved_the_force_is_at_rest_and_then_goes_on() {
+fn a_save_puts_the_force_to_rest_and_only_an_arming_brings_it_back() {
     let settings = changed([
         (Key::RenderForceN, 8.0),
         (Key::RenderDeviceNsPerM, 8.0),
@@ -189,25 +210,36 @@ fn while_settings_are_saved_the_force_is_at_rest_and_then_goes_on() {
     let emulator = Emulator::from_env("saving").expect("set-up");
     save(&emulator, &settings);
     // GIVEN a surface so far out that there is a force wherever the probe is
-    let push = Command::Reflect(told(1_000_000, [300.0, 0.0, 1.0, -2e-2]));
-    let commands = [vec![(0, push)], vec![(150, Command::Save); 10]].concat();
+    let push = |i: u64| Command::Reflect(told(1_000_000 + 1000 * i, [300.0, 0.0, 1.0, -2e-2]));
+    let mut commands = vec![(0, Command::Arm), (50, push(0))];
+    for i in 1..=10 {
+        // Only every second save is followed by an arming.
+        commands.push((150, Command::Save));
+        commands.extend((i % 2 == 0).then_some((150, Command::Arm)));
+        commands.push((50, push(i)));
+    }
     let answers = answers(&emulator, &commands, &[]);
-    let done = answers
-        .iter()
-        .skip(1)
-        .filter(|answer| **answer == Answer::Done)
-        .count();
-    assert!((1..10).contains(&done), "{answers:?}");
-    // THEN it is at rest as often as settings were saved, and not when that was refused
+    let (mut armed, mut rests) = (false, 0);
+    for ((_, command), answer) in commands.iter().zip(&answers) {
+        match (command, answer) {
+            (Command::Arm, Answer::Done) => armed = true,
+            (Command::Save, Answer::Done) => {
+                rests += usize::from(armed);
+                armed = false;
+            }
+            (Command::Save, Answer::Refused(Refusal::InContact, 0)) => {}
+            (Command::Reflect(_), Answer::Done) => assert!(armed),
+            (Command::Reflect(_), Answer::Refused(Refusal::NotArmed, 0)) => assert!(!armed),
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!((2..10).contains(&rests), "{answers:?}");
+    // THEN it is at rest as often as an armed output was saved, and not when that was refused
     let forces = fs::read(emulator.directory.join("force.codes")).expect("force.codes");
     let codes: Vec<u16> = forces.chunks(6).map(|bytes| put_out(bytes).1).collect();
     let (first, after) = codes.split_first().expect("codes");
     assert_eq!(*first, 263);
-    assert_eq!(after.iter().filter(|code| **code == 263).count(), done);
-    assert!(
-        after.windows(2).all(|pair| pair[0] != 263 || pair[1] > 800),
-        "{after:?}"
-    );
+    assert_eq!(after.iter().filter(|code| **code == 263).count(), rests);
 }
 
 #[test]

@@ -2,9 +2,11 @@
 
 mod budget;
 mod elf;
+mod image;
 
 pub use budget::{Budget, Meter};
 pub use elf::footprint;
+pub use image::{FLASH_START, Image};
 
 use estimator_core::Sample;
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
@@ -209,11 +211,13 @@ pub fn encoded(frames: &[Frame]) -> Vec<u8> {
     bytes
 }
 
+/// The frames of a stream; a record comes as its parts, each with the record's number.
 fn decoded(bytes: &[u8]) -> Result<Vec<(u16, Frame)>, String> {
     let mut decoder = Decoder::new();
-    bytes
-        .iter()
-        .filter_map(|byte| decoder.push(*byte))
-        .map(|frame| frame.map_err(|e| format!("telemetry: {e}")))
-        .collect()
+    let mut frames = Vec::new();
+    for frame in bytes.iter().filter_map(|byte| decoder.push(*byte)) {
+        let (sequence, frame) = frame.map_err(|e| format!("telemetry: {e}"))?;
+        frames.extend(frame.parts().map(|part| (sequence, part)));
+    }
+    Ok(frames)
 }

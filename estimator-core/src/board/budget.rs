@@ -1,7 +1,7 @@
 //! The cost of the sampling task and its punctuality, counted while the task runs.
 
 use crate::board::link::{Health, Range};
-use crate::estimate::{fault::Fault, sample::Sample};
+use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
 
 /// A meter keeps the minimum, the mean and the maximum of a series.
 #[derive(Clone, Copy, Debug)]
@@ -78,17 +78,33 @@ pub struct Budget {
     pub queue: Meter,
     /// This measures the whole task.
     pub task: Meter,
+    /// This measures the time from the instant at which a sample was due to the end of its task.
+    pub response: Meter,
+    /// The output was armed at the last sample, and the faults that hold it at rest since.
+    pub armed: bool,
+    /// See [`Budget::armed`].
+    pub latched: Faults,
     last_start: Option<u32>,
-    last_time_us: Option<u64>,
+    /// The time of the last sample (µs), of which 32 bits tell how long ago it was: differences of 64 cost more.
+    last_time_us: Option<u32>,
     /// This is true as soon as the sensors have reported the end of their recording.
     pub finished: bool,
+}
+
+/// The readings of the stopwatch at the begin of a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Started {
+    /// The instant was due at this reading.
+    pub due: u32,
+    /// The task started at this reading.
+    pub start: u32,
 }
 
 /// The readings of the stopwatch in one tick, one at the end of each stage.
 #[derive(Clone, Copy, Debug)]
 pub struct StageTimes {
-    /// The task started at this reading.
-    pub start: u32,
+    /// The readings before the first stage.
+    pub started: Started,
     /// The sensors had been read.
     pub acquired: u32,
     /// The sample was in SI units.
@@ -112,6 +128,10 @@ pub struct Sampled {
     pub sample: Sample<f32>,
     /// The record was due, but the queue was full.
     pub dropped: bool,
+    /// The force output is armed and nothing holds it at rest.
+    pub armed: bool,
+    /// The faults that hold the output at rest since it was armed.
+    pub latched: Faults,
 }
 
 impl Default for Budget {
@@ -136,6 +156,9 @@ impl Budget {
             step: Meter::new(),
             queue: Meter::new(),
             task: Meter::new(),
+            response: Meter::new(),
+            armed: false,
+            latched: Faults::NONE,
             last_start: None,
             last_time_us: None,
             finished: false,
@@ -149,12 +172,16 @@ impl Budget {
             times,
             sample,
             dropped,
+            armed,
+            latched,
         } = sampled;
+        (self.armed, self.latched) = (*armed, *latched);
+        let Started { due, start } = times.started;
         self.ticks = self.ticks.wrapping_add(1);
         self.samples = self.samples.wrapping_add(1);
         self.dropped = self.dropped.wrapping_add(u32::from(*dropped));
-        if let Some(last) = self.last_start.replace(times.start) {
-            self.period.record(times.start.wrapping_sub(last));
+        if let Some(last) = self.last_start.replace(start) {
+            self.period.record(start.wrapping_sub(last));
         }
         self.convert
             .record(times.converted.wrapping_sub(times.acquired));
@@ -165,11 +192,12 @@ impl Budget {
         self.step
             .record(times.stepped.wrapping_sub(times.compensated));
         self.queue.record(times.queued.wrapping_sub(times.stepped));
-        let task = times.queued.wrapping_sub(times.start);
-        self.task.record(task);
-        let late = task > tick || sample.faults.has(Fault::Overrun);
+        self.task.record(times.queued.wrapping_sub(start));
+        let response = times.queued.wrapping_sub(due);
+        self.response.record(response);
+        let late = response > tick || sample.faults.has(Fault::Overrun);
         self.overruns = self.overruns.wrapping_add(u32::from(late));
-        self.count_missed(sample.time_us, period_us);
+        self.count_missed(sample.time_us as u32, period_us as u32);
     }
 
     /// Returns the part of the board's health that the budget knows; the other fields have their
@@ -183,36 +211,39 @@ impl Budget {
             period: self.period.range(),
             step: self.step.range(),
             task: self.task.range(),
+            response: self.response.range(),
+            armed: self.armed,
+            latched: self.latched,
             ..Health::default()
         }
     }
 
-    /// Counts the whole periods between two samples, without the one that there should be.
-    fn count_missed(&mut self, time_us: u64, period_us: u64) {
+    /// Counts the whole periods between two samples, without the one that there should be. Gaps of more than
+    /// 35 minutes are counted short.
+    fn count_missed(&mut self, time_us: u32, period_us: u32) {
         let last = self.last_time_us.unwrap_or(time_us);
-        if time_us < last {
+        let elapsed = time_us.wrapping_sub(last);
+        if elapsed > u32::MAX / 2 {
             return;
         }
         self.last_time_us = Some(time_us);
-        let periods = (time_us - last + period_us / 2)
+        let periods = (elapsed + period_us / 2)
             .checked_div(period_us)
             .unwrap_or(0);
-        let missed = u32::try_from(periods.saturating_sub(1)).unwrap_or(u32::MAX);
-        self.missed = self.missed.saturating_add(missed);
+        self.missed = self.missed.saturating_add(periods.saturating_sub(1));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::fault::Faults;
 
     const TICK: u32 = 168_000;
 
     /// Counts a task that starts at `start` and takes `cost`, with a sample of time `time_us`.
     fn run(budget: &mut Budget, start: u32, cost: u32, time_us: u64, faults: Faults) {
         let times = StageTimes {
-            start,
+            started: Started { due: start, start },
             acquired: start.wrapping_add(93),
             converted: start.wrapping_add(143),
             put_out: start.wrapping_add(150),
@@ -229,6 +260,8 @@ mod tests {
             times,
             sample,
             dropped: false,
+            armed: false,
+            latched: Faults::NONE,
         };
         budget.count(&sampled, 1000, TICK);
     }
@@ -257,6 +290,39 @@ mod tests {
         run(&mut budget, start, 20_000, 3_000, Faults::NONE);
         assert_eq!((budget.overruns, budget.missed), (2, 2));
         assert_eq!(budget.samples, 15);
+    }
+
+    /// The task starts 0.9 ms late and takes 0.2 ms: each is within a tick, together they are not.
+    #[test]
+    fn a_response_later_than_a_tick_is_an_overrun_though_the_task_is_short() {
+        let mut budget = Budget::new();
+        for late in [0, TICK * 9 / 10] {
+            let times = StageTimes {
+                started: Started {
+                    due: 0,
+                    start: late,
+                },
+                acquired: late,
+                converted: late,
+                put_out: late,
+                compensated: late,
+                stepped: late,
+                queued: late + TICK / 5,
+            };
+            let sampled = Sampled {
+                times,
+                sample: Sample::default(),
+                dropped: false,
+                armed: true,
+                latched: Faults::NONE,
+            };
+            budget.count(&sampled, 1000, TICK);
+        }
+        assert_eq!(budget.overruns, 1);
+        let health = budget.health();
+        assert_eq!(health.response.max, TICK * 9 / 10 + TICK / 5);
+        assert_eq!(health.task.max, TICK / 5);
+        assert!(health.armed);
     }
 
     #[test]

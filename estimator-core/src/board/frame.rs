@@ -4,15 +4,20 @@
 //! else, so a reader that starts in the middle, or meets garbage, is in step again at the next zero.
 //! All numbers are little-endian.
 
+mod estimate;
+mod record;
+
+pub use record::Instant;
+
 use crate::board::message::{Command, Health, Reply};
 use crate::board::reflection::{Packet, Rendered};
 use crate::board::sensing::Codes;
-use crate::board::wire::{FrameError, MAX_BODY, Reader, VERSION, Writer};
+use crate::board::wire::{FrameError, MAX_BODY, RECORD_VERSION, Reader, VERSION, Writer};
+use crate::estimate::Estimate;
 use crate::estimate::fault::Faults;
+use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::sample::Sample;
-use crate::estimate::status::{Reason, Status};
-use crate::estimate::{Estimate, Estimated, Event, Innovation, PARAMETER_SLOTS, Phase};
-use crate::physics::law::LawKind;
+use estimate::{codes_of, put_numbers, take_numbers};
 
 /// The length of the longest frame on the wire, with its zero byte (bytes).
 pub const MAX_ENCODED: usize = MAX_BODY + 2;
@@ -24,9 +29,12 @@ pub const CODES_ENCODED: usize = 4 + 26 + 4 + 2;
 pub const PACKET_ENCODED: usize = 4 + 62 + 4 + 2;
 /// The length of the frame of a rendered force on the wire (bytes).
 pub const RENDERED_ENCODED: usize = 4 + 17 + 4 + 2;
-/// The largest length of all frames of one instant on the wire (bytes).
+/// The largest length of an estimate's frame on the wire (bytes): that of a law with all slots.
+pub const ESTIMATE_ENCODED: usize = 4 + 8 + 8 + 8 * PARAMETER_SLOTS + 4 * 7 + 4 + 2;
+/// The largest length of all frames of one instant on the wire (bytes), also of one that does not fit into
+/// one frame.
 pub const RECORD_ENCODED: usize =
-    CODES_ENCODED + SAMPLE_ENCODED + MAX_ENCODED + PACKET_ENCODED + RENDERED_ENCODED;
+    CODES_ENCODED + SAMPLE_ENCODED + ESTIMATE_ENCODED + PACKET_ENCODED + RENDERED_ENCODED;
 
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
@@ -50,6 +58,29 @@ pub enum Frame {
     Reflection(Packet),
     /// Kind 8: a rendered force.
     Rendered(Rendered),
+    /// Kind 9: codes, sample and estimate of one instant. A board sends it in place of the kinds 3, 1
+    /// and 2, and [`Frame::parts`] makes those three of it.
+    Record(Instant),
+}
+
+impl Frame {
+    /// Returns what the frame says, part by part: codes, sample and estimate of a record, and any other frame
+    /// as it is.
+    pub fn parts(self) -> impl Iterator<Item = Frame> {
+        let parts = match self {
+            Frame::Record(Instant {
+                codes,
+                sample,
+                estimate,
+            }) => [
+                Some(Frame::Codes(codes)),
+                Some(Frame::Sample(sample)),
+                Some(Frame::Estimate(estimate)),
+            ],
+            other => [Some(other), None, None],
+        };
+        parts.into_iter().flatten()
+    }
 }
 
 /// Writes a frame and gives its length, zero byte included.
@@ -64,8 +95,9 @@ pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usiz
         Frame::Command(_) => 5,
         Frame::Reply(_) => 6,
         Frame::Rendered(_) => 8,
+        Frame::Record(_) => 9,
     };
-    body.put([VERSION, kind]);
+    body.put([version_of(kind), kind]);
     body.put(sequence.to_le_bytes());
     match frame {
         Frame::Sample(sample) => put_sample(&mut body, sample),
@@ -78,6 +110,7 @@ pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usiz
         Frame::Command(command) => command.put(&mut body),
         Frame::Reply(reply) => reply.put(&mut body),
         Frame::Rendered(rendered) => put_rendered(&mut body, rendered),
+        Frame::Record(instant) => instant.put(&mut body),
     }
     body.put(CRC.checksum(body.written()).to_le_bytes());
     // MAX_ENCODED leaves room for the one byte of COBS below 254 bytes, and for the zero.
@@ -86,6 +119,15 @@ pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usiz
         *end = 0;
     }
     length + 1
+}
+
+/// Returns the version of a kind's layout. A reader of an older version refuses the kinds that are newer
+/// than it is, and says so; all others it reads.
+fn version_of(kind: u8) -> u8 {
+    match kind {
+        9 => RECORD_VERSION,
+        _ => VERSION,
+    }
 }
 
 fn put_sample(body: &mut Writer, sample: &Sample<f32>) {
@@ -118,36 +160,8 @@ fn put_rendered(body: &mut Writer, rendered: &Rendered) {
 
 fn put_estimate(body: &mut Writer, estimate: &Estimate<f32>) {
     body.put(estimate.time_us.to_le_bytes());
-    let event = estimate.event.map_or(0, |event| event as u8);
-    // The status and, in the upper half of its byte, the reason why it is not better.
-    let reason = estimate.reason.map_or(0, Reason::code);
-    let (phase, status) = (estimate.phase as u8, estimate.status.code() | reason << 4);
-    body.put([estimate.law.code(), phase, status, event]);
-    body.put(estimate.faults.bits().to_le_bytes());
-    let known = (0u8..)
-        .zip(&estimate.parameters)
-        .filter(|(_, parameter)| parameter.is_some());
-    let mask: u16 = known.fold(0, |mask, (slot, _)| mask | 1 << slot);
-    body.put(mask.to_le_bytes());
-    let slots = estimate.law.parameters().len();
-    for parameter in estimate.parameters.iter().take(slots) {
-        let parameter = parameter.unwrap_or_default();
-        body.put(parameter.value.to_le_bytes());
-        body.put(parameter.std_error.to_le_bytes());
-    }
-    let innovation = &estimate.innovation;
-    let numbers = [
-        estimate.depth_m,
-        estimate.speed_mps,
-        estimate.force_n,
-        innovation.prediction_n,
-        innovation.variance_n2,
-        innovation.test_ratio,
-        estimate.forgetting,
-    ];
-    for number in numbers {
-        body.put(number.to_le_bytes());
-    }
+    body.put(codes_of(estimate));
+    put_numbers(body, estimate);
 }
 
 /// Finds frames in a stream of bytes.
@@ -200,7 +214,7 @@ fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
     }
     let mut reader = Reader::new(content);
     let [version, kind] = reader.take()?;
-    if version != VERSION {
+    if version != version_of(kind) {
         return Err(FrameError::Version(version));
     }
     let sequence = u16::from_le_bytes(reader.take()?);
@@ -213,6 +227,7 @@ fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
         6 => Frame::Reply(Reply::take(&mut reader)?),
         7 => Frame::Reflection(Packet::take(&mut reader)?),
         8 => Frame::Rendered(take_rendered(&mut reader)?),
+        9 => Frame::Record(Instant::take(&mut reader)?),
         _ => return Err(FrameError::Content),
     };
     if reader.is_empty() {
@@ -279,54 +294,16 @@ fn take_rendered(reader: &mut Reader) -> Result<Rendered, FrameError> {
 
 fn take_estimate(reader: &mut Reader) -> Result<Estimate<f32>, FrameError> {
     let time_us = u64::from_le_bytes(reader.take()?);
-    let [law, phase, status, event] = reader.take()?;
-    let faults = Faults::from_bits(u16::from_le_bytes(reader.take()?));
-    let known = u16::from_le_bytes(reader.take()?);
-    let law = LawKind::from_code(law).ok_or(FrameError::Content)?;
-    let slots = law.parameters().len();
-    let mut parameters = [None; PARAMETER_SLOTS];
-    for (slot, parameter) in (0u8..).zip(parameters.iter_mut().take(slots)) {
-        let read = Estimated {
-            value: reader.number()?,
-            std_error: reader.number()?,
-        };
-        *parameter = (known & (1 << slot) != 0).then_some(read);
-    }
-    let [depth_m, speed_mps, force_n] = [reader.number()?, reader.number()?, reader.number()?];
-    let prediction_n = reader.number()?;
-    let innovation = Innovation {
-        observation_n: force_n,
-        prediction_n,
-        innovation_n: force_n - prediction_n,
-        variance_n2: reader.number()?,
-        test_ratio: reader.number()?,
-    };
-    Ok(Estimate {
-        time_us,
-        law,
-        phase: Phase::from_code(phase).ok_or(FrameError::Content)?,
-        status: Status::from_code(status & 0xf).ok_or(FrameError::Content)?,
-        reason: match status >> 4 {
-            0 => None,
-            code => Some(Reason::from_code(code).ok_or(FrameError::Content)?),
-        },
-        depth_m,
-        speed_mps,
-        force_n,
-        parameters,
-        innovation,
-        forgetting: reader.number()?,
-        event: match event {
-            0 => None,
-            code => Some(Event::from_code(code).ok_or(FrameError::Content)?),
-        },
-        faults,
-    })
+    let codes = reader.take()?;
+    take_numbers(reader, time_us, codes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::status::{Reason, Status};
+    use crate::estimate::{Estimated, Event, Innovation, Phase};
+    use crate::physics::law::LawKind;
     extern crate std;
     use std::vec::Vec;
 
@@ -404,6 +381,100 @@ mod tests {
         ] {
             assert_eq!(frames(&encoded(&frame, 65_535)), [Ok((65_535, frame))]);
         }
+    }
+
+    /// An instant whose estimate is 8 ms older than its sample.
+    fn instant() -> Instant {
+        let time_us = 1 << 40;
+        Instant {
+            codes: Codes {
+                time_us,
+                force: 123_456,
+                force_low: -20,
+                force_high: 4095,
+                position: i32::MIN,
+                faults: Faults::from_bits(9),
+            },
+            sample: Sample {
+                time_us,
+                ..sample()
+            },
+            estimate: Estimate {
+                time_us: time_us - 8000,
+                ..estimate()
+            },
+        }
+    }
+
+    #[test]
+    fn a_record_takes_a_quarter_fewer_bytes_than_its_parts_and_gives_them_back() {
+        let whole = instant();
+        assert!(whole.fits());
+        let bytes = encoded(&Frame::Record(whole), 7);
+        let parts: Vec<Frame> = Frame::Record(whole).parts().collect();
+        let apart: usize = parts.iter().map(|part| encoded(part, 0).len()).sum();
+        assert_eq!((bytes.len(), apart), (111, 150));
+        assert_eq!(frames(&bytes), [Ok((7, Frame::Record(whole)))]);
+        assert_eq!(
+            parts,
+            [
+                Frame::Codes(whole.codes),
+                Frame::Sample(whole.sample),
+                Frame::Estimate(whole.estimate)
+            ]
+        );
+        assert_eq!(Frame::Sample(sample()).parts().count(), 1);
+    }
+
+    /// A converter that gives one code a tick has 24 bits; its record is shorter still.
+    #[test]
+    fn a_single_conversion_has_no_lowest_and_highest_of_its_own() {
+        let mut single = instant();
+        (single.codes.force_low, single.codes.force_high) = (123_456, 123_456);
+        assert!(single.fits());
+        let bytes = encoded(&Frame::Record(single), 7);
+        assert_eq!(bytes.len(), 107);
+        assert_eq!(frames(&bytes), [Ok((7, Frame::Record(single)))]);
+    }
+
+    #[test]
+    fn what_one_stamp_cannot_say_goes_out_in_three_frames() {
+        let change: [fn(&mut Instant); 5] = [
+            |instant| instant.codes.time_us += 1,
+            |instant| instant.estimate.time_us += 8001,
+            |instant| instant.estimate.time_us -= 1 << 24,
+            |instant| instant.codes.force_low = -40_000,
+            |instant| {
+                instant.codes.time_us = 1 << 48;
+                instant.sample.time_us = 1 << 48;
+                instant.estimate.time_us = (1 << 48) - 8000;
+            },
+        ];
+        for change in change {
+            let mut other = instant();
+            change(&mut other);
+            assert!(!other.fits(), "{other:?}");
+        }
+    }
+
+    /// A reader that knows no records says which version they have; it reads every other frame.
+    #[test]
+    fn a_record_has_a_version_of_its_own() {
+        let bytes = encoded(&Frame::Record(instant()), 1);
+        let mut plain = bytes.clone();
+        let length = uncobs(&mut plain[..bytes.len() - 1]).unwrap();
+        assert_eq!((plain[0], plain[1]), (RECORD_VERSION, 9));
+        // The same content under the other version, with its check sum.
+        plain[0] = VERSION;
+        let sum = CRC.checksum(&plain[..length - 4]).to_le_bytes();
+        plain[length - 4..length].copy_from_slice(&sum);
+        let mut other = std::vec![0; MAX_ENCODED];
+        let coded = cobs::encode(&plain[..length], &mut other);
+        other[coded] = 0;
+        assert_eq!(
+            frames(&other[..=coded]),
+            [Err(FrameError::Version(VERSION))]
+        );
     }
 
     #[test]

@@ -1,9 +1,13 @@
 //! The board's side of the link: takes bytes, answers commands, keeps the settings. The same code
 //! runs in the firmware and in a simulated board.
 
-pub use crate::board::message::{Answer, Command, Health, Identity, Name, Range, Refusal, Reply};
+pub use crate::board::message::{
+    Answer, Command, Description, Health, Identity, Name, Range, Refusal, Reply, Text,
+};
 
-use crate::board::frame::{Decoder, Frame};
+use crate::board::frame::{Decoder, Frame, MAX_ENCODED, RECORD_ENCODED};
+use crate::board::outbox::OUTBOX;
+use crate::board::protection::Arming;
 use crate::board::reflection::Packet;
 use crate::board::settings::store::{Loaded, Store};
 use crate::board::settings::{Key, Settings, Setup};
@@ -14,6 +18,11 @@ use embedded_storage::nor_flash::NorFlash;
 pub const BAUD: u32 = 2_000_000;
 /// Bytes that the serial line carries in a millisecond: a byte takes ten bits.
 pub const BYTES_PER_MS: usize = BAUD as usize / 10 / 1000;
+
+/// The room (bytes) with which a board sends the next record: for its frames, and then still for an answer and
+/// its health, so that a line that the records fill does not silence the board.
+pub const RECORD_ROOM: usize = RECORD_ENCODED + 2 * MAX_ENCODED;
+const _: () = assert!(RECORD_ROOM + BYTES_PER_MS <= OUTBOX);
 
 /// The answer to a command, and what the sampling task has to take over for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +57,9 @@ pub struct Responder<F> {
     garbled: u32,
     /// The last impedance that was taken.
     packet: Option<Packet>,
+    /// The arming of the force output that is in force, 0 if none is, and the last one there was.
+    arming: Arming,
+    armings: Arming,
     /// Faults from loading, until settings are loaded or set back.
     standing: Faults,
     concerns: Option<Key>,
@@ -67,6 +79,8 @@ impl<F: NorFlash> Responder<F> {
             decoder: Decoder::new(),
             garbled: 0,
             packet: None,
+            arming: 0,
+            armings: 0,
             standing: Faults::NONE,
             concerns: None,
         };
@@ -106,8 +120,14 @@ impl<F: NorFlash> Responder<F> {
         let setup = self.settings.setup().ok()?;
         Some(Setup {
             conversion: setup.conversion.with_standing(self.standing),
+            arming: self.arming,
             ..setup
         })
+    }
+
+    /// Takes note that a fault holds the force output at rest: from here on it is not armed.
+    pub fn disarm(&mut self) {
+        self.arming = 0;
     }
 
     /// Takes a byte of the link, and at the end of a command gives it with its sequence number.
@@ -132,6 +152,11 @@ impl<F: NorFlash> Responder<F> {
         };
         let (answer, change) = match done {
             Ok(done) => done,
+            // A save that failed has disarmed as well.
+            Err((Refusal::FlashFailed, id)) => (
+                Answer::Refused(Refusal::FlashFailed, id),
+                self.change(false),
+            ),
             Err((reason, id)) => (Answer::Refused(reason, id), None),
         };
         Answered {
@@ -151,6 +176,7 @@ impl<F: NorFlash> Responder<F> {
             Refusal::NotRendering,
             most_n.id(),
         )?;
+        permit(self.arming == 0, Refusal::NotArmed, 0)?;
         let renderable = packet.is_sound() && packet.reflected().is_ok();
         permit(!renderable, Refusal::NotRenderable, 0)?;
         if let Some(last) = &self.packet {
@@ -165,6 +191,15 @@ impl<F: NorFlash> Responder<F> {
     }
 
     fn try_to_answer(&mut self, command: Command, in_contact: bool, busy: bool) -> Done {
+        // A restart is taken in contact as well: a zero that has crept looks like contact, and this is the way out.
+        let disturbs = matches!(command, Command::Save | Command::Reload | Command::Defaults);
+        permit(disturbs && in_contact, Refusal::InContact, 0)?;
+        let changes = disturbs
+            || matches!(
+                command,
+                Command::Restart | Command::Commit | Command::Arm | Command::Disarm
+            );
+        permit(changes && busy, Refusal::Busy, 0)?;
         match command {
             Command::Identify => {
                 let identity = Identity {
@@ -183,31 +218,14 @@ impl<F: NorFlash> Responder<F> {
                 permit(busy, Refusal::Busy, id)?;
                 self.set(key, value)
             }
-            Command::Save => {
-                permit(in_contact, Refusal::InContact, 0)?;
-                permit(busy, Refusal::Busy, 0)?;
-                let saved = self.store.save(&self.settings);
-                saved.map_err(|_| (Refusal::FlashFailed, 0))?;
-                self.saved = self.settings;
-                self.forgive()
-            }
-            Command::Reload => {
-                permit(in_contact, Refusal::InContact, 0)?;
-                permit(busy, Refusal::Busy, 0)?;
-                self.reload()
-            }
+            Command::Save => self.save(),
+            Command::Reload => self.reload(),
             Command::Defaults => {
-                permit(in_contact, Refusal::InContact, 0)?;
-                permit(busy, Refusal::Busy, 0)?;
                 self.settings = Settings::default();
                 self.prepared = None;
                 self.restarted()
             }
-            // In contact as well: a zero that has crept looks like contact, and this is the way out.
-            Command::Restart => {
-                permit(busy, Refusal::Busy, 0)?;
-                self.restarted()
-            }
+            Command::Restart => self.restarted(),
             Command::Discard => {
                 self.prepared = None;
                 Ok((Answer::Done, None))
@@ -217,12 +235,24 @@ impl<F: NorFlash> Responder<F> {
                 self.prepared.get_or_insert(self.settings).put(key, value);
                 Ok((Answer::Value(id, value), None))
             }
-            Command::Commit => {
-                permit(busy, Refusal::Busy, 0)?;
-                self.commit(in_contact)
+            Command::Commit => self.commit(in_contact),
+            Command::Arm => self.arm(),
+            Command::Disarm => {
+                self.arming = 0;
+                Ok((Answer::Done, self.change(false)))
             }
+            Command::Describe(from) => describe(from).map(|answer| (answer, None)),
             Command::Unknown(_) | Command::Reflect(_) => Err((Refusal::UnknownCommand, 0)),
         }
+    }
+
+    /// Keeps the settings. While the flash is written nothing runs that could stop a force.
+    fn save(&mut self) -> Done {
+        self.arming = 0;
+        let saved = self.store.save(&self.settings);
+        saved.map_err(|_| (Refusal::FlashFailed, 0))?;
+        self.saved = self.settings;
+        self.forgive()
     }
 
     fn set(&mut self, key: Key, value: f32) -> Done {
@@ -270,15 +300,28 @@ impl<F: NorFlash> Responder<F> {
         self.restarted()
     }
 
-    /// Ends a fault from loading: what is in flash can be used now.
+    /// Arms the force output under a new number. A packet from before does not come back.
+    fn arm(&mut self) -> Done {
+        let most_n = Key::RenderForceN;
+        let nothing = self.settings.get(most_n) == 0.0;
+        permit(nothing, Refusal::NotRendering, most_n.id())?;
+        self.armings = self.armings.wrapping_add(1).max(1);
+        self.arming = self.armings;
+        self.packet = None;
+        Ok((Answer::Done, self.change(false)))
+    }
+
+    /// Ends a fault from loading: what is in flash can be used now. The sampling task takes over that it is
+    /// disarmed.
     fn forgive(&mut self) -> Done {
         let stood = self.standing != Faults::NONE;
         (self.standing, self.concerns) = (Faults::NONE, None);
-        let change = if stood { self.change(true) } else { None };
-        Ok((Answer::Done, change))
+        Ok((Answer::Done, self.change(stood)))
     }
 
+    /// Lets the estimator start anew. The force output waits for another arming.
     fn restarted(&mut self) -> Done {
+        self.arming = 0;
         Ok((Answer::Done, self.change(true)))
     }
 
@@ -288,6 +331,23 @@ impl<F: NorFlash> Responder<F> {
 }
 
 type Done = Result<(Answer, Option<Change>), (Refusal, u8)>;
+
+/// Describes the first setting from a number on.
+#[inline(never)]
+fn describe(from: u8) -> Result<Answer, (Refusal, u8)> {
+    let from_there = Key::table().iter().filter(|key| key.id() >= from);
+    let key = from_there.min_by_key(|key| key.id());
+    let key = key.ok_or((Refusal::UnknownSetting, from))?;
+    let info = key.info();
+    Ok(Answer::Description(Description {
+        id: key.id(),
+        name: Text::new(info.name),
+        unit: Text::spaced(info.unit),
+        bounds: info.bounds,
+        default: info.default,
+        restarts: info.restarts,
+    }))
+}
 
 fn permit(forbidden: bool, reason: Refusal, id: u8) -> Result<(), (Refusal, u8)> {
     if forbidden { Err((reason, id)) } else { Ok(()) }

@@ -3,7 +3,7 @@
 
 mod wire;
 
-use crate::board::{reflection::Packet, settings::Key};
+use crate::board::{history::History, reflection::Packet, settings::Bounds, settings::Key};
 use crate::estimate::fault::Faults;
 use core::fmt;
 
@@ -33,6 +33,12 @@ pub enum Command {
     /// 10: puts what was prepared into force at once and as a whole, or not at all; kept until the
     /// power goes. Answer: [`Answer::Done`].
     Commit,
+    /// 11: arms the force output, which a reset, a save, a restart and a fault disarm. Answer: [`Answer::Done`].
+    Arm,
+    /// 12: puts the force output to rest. Answer: [`Answer::Done`].
+    Disarm,
+    /// 13: asks what the first setting from a number on is. Answer: [`Answer::Description`].
+    Describe(u8),
     /// Renders an impedance. The command has no number: it is the frame that the other board sends
     /// ([`crate::board::frame::Frame::Reflection`]). Answer: [`Answer::Done`].
     Reflect(Packet),
@@ -61,6 +67,25 @@ pub enum Answer {
     Done,
     /// 4: the command is refused; with the reason, and the number of the setting that it is about or 0.
     Refused(Refusal, u8),
+    /// 5: what a setting is.
+    Description(Description),
+}
+
+/// What a setting is, as the board knows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Description {
+    /// Its number.
+    pub id: u8,
+    /// Its name.
+    pub name: Text<48>,
+    /// Its unit.
+    pub unit: Text<12>,
+    /// The values that it can have.
+    pub bounds: Bounds,
+    /// Its default.
+    pub default: f32,
+    /// Whether a change restarts the estimator.
+    pub restarts: bool,
 }
 
 /// A board's name and versions.
@@ -80,24 +105,42 @@ pub struct Identity {
     pub unsaved: bool,
 }
 
-/// Up to 12 bytes of text; longer ones are cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Name(pub(super) [u8; 12]);
+/// The name of a board or a version: up to 12 bytes.
+pub type Name = Text<12>;
 
-impl Name {
-    /// A name; what does not fit or is not ASCII is left out.
+/// Up to so many bytes of text; longer ones are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Text<const N: usize>(pub(super) [u8; N]);
+
+impl<const N: usize> Default for Text<N> {
+    fn default() -> Self {
+        Text([0; N])
+    }
+}
+
+impl<const N: usize> Text<N> {
+    /// A text; what does not fit, is not ASCII or is a space is left out.
     pub const fn new(text: &str) -> Self {
+        Text::kept(text, false)
+    }
+
+    /// The same with its spaces.
+    pub const fn spaced(text: &str) -> Self {
+        Text::kept(text, true)
+    }
+
+    const fn kept(text: &str, spaces: bool) -> Self {
         let bytes = text.as_bytes();
-        let mut name = [0; 12];
+        let mut name = [0; N];
         let (mut from, mut to) = (0, 0);
         while from < bytes.len() && to < name.len() {
-            if bytes[from].is_ascii_graphic() {
+            if bytes[from].is_ascii_graphic() || (spaces && bytes[from] == b' ') {
                 name[to] = bytes[from];
                 to += 1;
             }
             from += 1;
         }
-        Name(name)
+        Text(name)
     }
 
     /// The text.
@@ -107,7 +150,7 @@ impl Name {
     }
 }
 
-impl fmt::Display for Name {
+impl<const N: usize> fmt::Display for Text<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
     }
@@ -138,11 +181,13 @@ pub enum Refusal {
     NotRenderable = 9,
     /// A later packet has overtaken this one.
     Overtaken = 10,
+    /// The force output is not armed.
+    NotArmed = 11,
 }
 
 impl Refusal {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Refusal; 10] = [
+    pub const ALL: [Refusal; 11] = [
         Refusal::UnknownCommand,
         Refusal::UnknownSetting,
         Refusal::Unusable,
@@ -153,6 +198,7 @@ impl Refusal {
         Refusal::NotRendering,
         Refusal::NotRenderable,
         Refusal::Overtaken,
+        Refusal::NotArmed,
     ];
 
     /// A sentence for people.
@@ -168,6 +214,7 @@ impl Refusal {
             Refusal::NotRendering => "the board renders nothing: its largest force is 0 N",
             Refusal::NotRenderable => "the impedance has a parameter that no material has",
             Refusal::Overtaken => "a later packet has overtaken this one",
+            Refusal::NotArmed => "the force output is not armed",
         }
     }
 }
@@ -213,4 +260,13 @@ pub struct Health {
     pub concerns: Option<Key>,
     /// Whether the clock is the internal oscillator: times are off by up to 1 %.
     pub clock_fallback: bool,
+    /// The time from the instant at which a sample was due to the end of its task, in the same units as the
+    /// other ranges. This and what follows is zero on a board with an older firmware.
+    pub response: Range,
+    /// Whether the force output is armed and no fault holds it at rest.
+    pub armed: bool,
+    /// The faults since the last arming that hold the force output at rest.
+    pub latched: Faults,
+    /// Why the board started, and what ended the run before.
+    pub history: History,
 }

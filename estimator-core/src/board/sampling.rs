@@ -3,9 +3,9 @@
 //! [`Sampler::tick`].
 
 use crate::board::{
-    budget::Sampled, budget::StageTimes, frame::Frame, link::Change, reflection::Packet,
-    reflection::Rendered, reflection::Renderer, reflection::Speed, sensing::Codes, sensing::Watch,
-    settings::Setup,
+    budget::Sampled, budget::StageTimes, budget::Started, frame::Frame, frame::Instant,
+    link::Change, protection::Latch, reflection::Packet, reflection::Rendered,
+    reflection::Renderer, reflection::Speed, sensing::Codes, sensing::Watch, settings::Setup,
 };
 use crate::estimate::{
     Estimate, compensation::Compensation, compensation::CompensationState, estimator::State,
@@ -43,8 +43,15 @@ pub trait Ports {
     /// Takes an impedance to render that has come since the last tick.
     fn packet(&mut self) -> Option<Packet>;
 
-    /// Puts a code of at most [`Ports::FULL`] out as the force.
-    fn put(&mut self, code: u16);
+    /// Puts a code of at most [`Ports::FULL`] out as the force; `rest` is the code of 0 N, for hardware that rests
+    /// by itself when no other code comes.
+    fn put(&mut self, code: u16, rest: u16);
+
+    /// Returns whether the hardware has put the output to rest by itself since the last call, because no code
+    /// came in time.
+    fn rested(&mut self) -> bool {
+        false
+    }
 
     /// Queues a record for the link and returns whether there was room.
     fn queue(&mut self, record: Record) -> bool;
@@ -94,11 +101,7 @@ impl Record {
     /// Hands over the frames that are due, in the order in which they go out.
     pub fn for_each_frame(&self, mut send: impl FnMut(&Frame)) {
         if self.due.shown {
-            if let Some(codes) = self.codes {
-                send(&Frame::Codes(codes));
-            }
-            send(&Frame::Sample(self.sample));
-            send(&Frame::Estimate(self.estimate));
+            self.for_each_shown(&mut send);
             if let Some(rendered) = self.rendered {
                 send(&Frame::Rendered(rendered));
             }
@@ -106,6 +109,23 @@ impl Record {
         if let Some(packet) = self.packet() {
             send(&Frame::Reflection(packet));
         }
+    }
+
+    /// Hands over codes, sample and estimate, in one frame where one has room for them.
+    fn for_each_shown(&self, send: &mut impl FnMut(&Frame)) {
+        if let Some(codes) = self.codes {
+            let instant = Instant {
+                codes,
+                sample: self.sample,
+                estimate: self.estimate,
+            };
+            if instant.fits() {
+                return send(&Frame::Record(instant));
+            }
+            send(&Frame::Codes(codes));
+        }
+        send(&Frame::Sample(self.sample));
+        send(&Frame::Estimate(self.estimate));
     }
 
     /// Returns the faults of the instant: those of estimate and rendering, and
@@ -129,6 +149,7 @@ pub struct Sampler {
     /// Samples since the last record that was due for the host.
     unshown: u16,
     renderer: Renderer,
+    latch: Latch,
     speed: Speed,
     /// Samples since the last packet for the other side.
     unreflected: u16,
@@ -147,17 +168,18 @@ impl Sampler {
             state: State::new(&setup.params),
             unshown: 0,
             renderer: Renderer::new(),
+            latch: Latch::default(),
             speed: Speed::default(),
             unreflected: 0,
             packets: 0,
         }
     }
 
-    /// Takes one reading through all stages: convert, render, compensate, step, queue. `start`: the
-    /// stopwatch when the task started. The force goes out as soon as the position is known, because a
+    /// Takes one reading through all stages: convert, render, compensate, step, queue. `started`: the
+    /// stopwatch when the instant was due and when the task started. The force goes out as soon as the position is known, because a
     /// force that is late lowers the stiffness that can be rendered stably.
     #[inline]
-    pub fn tick<P: Ports>(&mut self, start: u32, reading: Reading, ports: &mut P) -> Sampled {
+    pub fn tick<P: Ports>(&mut self, started: Started, reading: Reading, ports: &mut P) -> Sampled {
         let acquired = ports.now();
         let (codes, sample) = match reading {
             Reading::Codes(codes) => (Some(codes), self.convert(&codes)),
@@ -167,8 +189,14 @@ impl Sampler {
         if let Some(packet) = ports.packet() {
             self.take(&packet);
         }
-        let (rendered, code) = self.render(&sample, P::FULL);
-        ports.put(code);
+        let rested = ports.rested();
+        let (rendered, code) = self.render(&sample, rested, P::FULL);
+        // Nothing is rendered: the code is that of 0 N.
+        let rest = match rendered {
+            None => code,
+            Some(_) => self.setup.output.code(0.0, P::FULL),
+        };
+        ports.put(code, rest);
         let put_out = ports.now();
         let contact = self.compensate(sample);
         let compensated = ports.now();
@@ -184,7 +212,7 @@ impl Sampler {
         };
         let dropped = due.any() && !ports.queue(record);
         let times = StageTimes {
-            start,
+            started,
             acquired,
             converted,
             put_out,
@@ -196,6 +224,8 @@ impl Sampler {
             times,
             sample,
             dropped,
+            armed: self.setup.arming != 0 && self.latch.faults() == Faults::NONE,
+            latched: self.latch.faults(),
         }
     }
 
@@ -207,25 +237,42 @@ impl Sampler {
         if before.render != after.render || before.output != after.output {
             self.renderer = Renderer::new();
         }
+        let latch = self.latch;
         match change.restart {
             true => *self = Sampler::new(change.setup),
             false => self.setup = change.setup,
         }
+        self.latch = latch;
     }
 
     /// Takes an impedance to render, which [`crate::board::link::Responder`] has checked.
     pub fn take(&mut self, packet: &Packet) {
-        if let Some(params) = &self.setup.render {
+        if let Some(params) = &self.setup.render
+            && self.setup.arming != 0
+        {
             // An impedance that cannot be rendered changes nothing.
             let _ = self.renderer.take(params, packet);
         }
     }
 
     /// Renders the force at the position that was just read and returns it with its code, on a board whose
-    /// full output has the code `full`. Without a setting for it the force is 0 N.
+    /// full output has the code `full`. Without a setting for it, and while the output is not armed, the force
+    /// is 0 N. `rested`: the hardware has put the output to rest, which latches as an overrun.
     #[inline(never)]
-    pub fn render(&mut self, read: &Sample<f32>, full: u16) -> (Option<Rendered>, u16) {
-        let Some(params) = &self.setup.render else {
+    pub fn render(
+        &mut self,
+        read: &Sample<f32>,
+        rested: bool,
+        full: u16,
+    ) -> (Option<Rendered>, u16) {
+        let faults = match rested {
+            true => read.faults.with(Fault::Overrun),
+            false => read.faults,
+        };
+        let admitted = self.latch.update(self.setup.arming, faults);
+        let Some(params) = self.setup.render.as_ref().filter(|_| admitted) else {
+            self.renderer = Renderer::new();
+            self.speed = Speed::default();
             return (None, self.setup.output.code(0.0, full));
         };
         let lost = [Fault::PositionUnusable, Fault::PositionJump];

@@ -4,9 +4,11 @@ use crate::estimate::record::PARAMETER_SLOTS;
 
 /// The version of the layout; a reader refuses any other.
 pub const VERSION: u8 = 2;
-/// The length of the longest frame before COBS (bytes): that of an estimate whose law has all slots.
-/// An estimate carries the slots of its law only: 86 bytes on the wire for Hunt–Crossley.
-pub(crate) const MAX_BODY: usize = 4 + 8 + 8 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
+/// The version of a record's layout, which came later.
+pub const RECORD_VERSION: u8 = 3;
+/// The length of the longest frame before COBS (bytes): that of a record whose law has all slots.
+/// A record carries the slots of its law only: 111 bytes on the wire for Hunt–Crossley.
+pub(crate) const MAX_BODY: usize = 4 + 13 + 12 + 12 + 4 + 8 * PARAMETER_SLOTS + 4 * 7 + 4;
 
 /// Why bytes between two zeros are not a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +29,9 @@ impl core::fmt::Display for FrameError {
         match self {
             FrameError::Framing => f.write_str("not a frame"),
             FrameError::Checksum => f.write_str("check sum does not fit"),
-            FrameError::Version(v) => write!(f, "frame version {v}, this is version {VERSION}"),
+            FrameError::Version(v) => {
+                write!(f, "frame version {v}, this is version {RECORD_VERSION}")
+            }
             FrameError::Content => f.write_str("content unknown to this version"),
         }
     }

@@ -52,7 +52,9 @@ fn sample(sampling: &mut Sampling, output: &mut Output, budget: &mut Budget) {
         #[cfg(feature = "panic-control")]
         black_box([budget.ticks][budget.samples as usize]);
     }
-    sampling.change();
+    if sampling.change() {
+        output.release();
+    }
 }
 
 /// Encodes the frames of a record and of the board's health.

@@ -4,13 +4,13 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use estimator_core::board::{link::Command, settings::Key};
+use estimator_core::board::{link::Command, link::Description, settings::Key};
 
 pub mod calibrate;
 pub mod compensate;
 
 use crate::diagnostic::{Diagnostic, listed, nearest};
-use crate::link::{Device, Port, backup, backup::restore, port};
+use crate::link::{Device, Port, backup, backup::restore, condition, port};
 use crate::output::say;
 use calibrate::CalibrateArgs;
 use compensate::CompensateArgs;
@@ -56,6 +56,10 @@ enum Verb {
     Defaults,
     /// Forget the estimates and settle anew; the probe must be in free air
     Restart,
+    /// Let the board put forces out; a reset, a save, a restart and a fault disarm it
+    Arm,
+    /// Put the force output to rest
+    Disarm,
     /// Write all settings into a file
     Backup {
         /// TOML.
@@ -79,8 +83,19 @@ enum Verb {
 /// board refuses; an I/O error if it does not answer.
 pub fn run(args: &ConfigArgs) -> Result<(), Box<dyn Error>> {
     // What can be refused without a board is refused without one.
-    if let Verb::Get { name } | Verb::Set { name, .. } = &args.verb {
-        key_of(name)?;
+    if let Verb::Get { name } | Verb::Set { name, .. } = &args.verb
+        && let Err(unknown) = key_of(name)
+    {
+        // A newer board may know it.
+        let Ok(port) = port::open(&args.port) else {
+            return Err(unknown.into());
+        };
+        let value = match &args.verb {
+            Verb::Set { value, .. } => Some(*value),
+            _ => None,
+        };
+        let done = newer(&mut Device::new(port), name, value)?;
+        return Ok(say(done.ok_or(unknown)?)?);
     }
     if let Verb::Compensate(wanted) = &args.verb {
         let plan = compensate::plan(wanted)?;
@@ -117,6 +132,8 @@ fn done<P: Port>(device: &mut Device<P>, verb: &Verb) -> Result<String, Box<dyn 
         Verb::Reload => ordered(device, Command::Reload, "as saved"),
         Verb::Defaults => ordered(device, Command::Defaults, "defaults in force, not saved"),
         Verb::Restart => ordered(device, Command::Restart, "settling"),
+        Verb::Arm => ordered(device, Command::Arm, "armed"),
+        Verb::Disarm => ordered(device, Command::Disarm, "disarmed"),
         Verb::Backup { file } => keep(device, file),
         Verb::Restore { file } => restored(device, file),
         Verb::Calibrate(args) => calibrate::run(device, args, &mut calibrate::Terminal),
@@ -186,7 +203,47 @@ pub fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
         text.push_str("compensation: none; `config compensate` takes effects of the rig off\n");
     }
     text.push_str(&not_known(&unknown));
+    for (setting, value) in device.newer_settings()? {
+        text.push_str(&described(&setting, value));
+    }
+    if let Some(health) = device.health()? {
+        for said in condition::lines(&health) {
+            text.push_str(&format!("{said}\n"));
+        }
+    }
     Ok(text)
+}
+
+/// The line of a setting that this version does not know, as the board describes it.
+fn described(setting: &Description, value: f32) -> String {
+    let valued = format!("{value} {}", setting.unit.as_str().trim_start_matches('1'));
+    format!(
+        "{:<24} {:<18} {}; default {} (newer than this `palpate`)\n",
+        setting.name.as_str(),
+        valued.trim_end(),
+        setting.bounds,
+        setting.default
+    )
+}
+
+/// Reads or sets a setting that this version does not know, by its name on the board; `None` if the board does not
+/// know it either.
+fn newer<P: Port>(
+    device: &mut Device<P>,
+    name: &str,
+    value: Option<f32>,
+) -> Result<Option<String>, Box<dyn Error>> {
+    let known = device.newer_settings()?;
+    let found = known.into_iter().find(|(s, _)| s.name.as_str() == name);
+    let Some((setting, now)) = found else {
+        return Ok(None);
+    };
+    let Some(value) = value else {
+        return Ok(Some(described(&setting, now)));
+    };
+    device.order(Command::Set(setting.id, value))?;
+    let kept = "not saved: `config save` keeps it\n";
+    Ok(Some(described(&setting, value) + kept))
 }
 
 /// What an older firmware lacks, by section: it does as it did before there was such a setting.

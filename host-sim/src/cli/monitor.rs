@@ -13,7 +13,7 @@ use estimator_core::board::settings::Key;
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Fault, Faults, Status};
 
-use crate::link::{Device, Port, device::Statistics, port};
+use crate::link::{Device, Port, condition, device::Statistics, port};
 use crate::number::{Measured, quantity};
 use crate::output::say;
 
@@ -147,7 +147,8 @@ impl View {
                 self.rendered = Some(*rendered);
                 self.faults = self.faults | rendered.faults;
             }
-            Frame::Codes(_) | Frame::Command(_) | Frame::Reply(_) => {}
+            // A device gives a record as its parts.
+            Frame::Record(_) | Frame::Codes(_) | Frame::Command(_) | Frame::Reply(_) => {}
         }
         false
     }
@@ -276,14 +277,17 @@ fn health_lines(text: &mut String, health: &Health) -> std::fmt::Result {
     let Range { min, max, .. } = health.period;
     writeln!(
         text,
-        "  board      step {} … {}, task up to {}, period {min} … {max}",
-        health.step.min, health.step.max, health.task.max
+        "  board      step {} … {}, task up to {}, response up to {}, period {min} … {max}",
+        health.step.min, health.step.max, health.task.max, health.response.max
     )?;
     writeln!(
         text,
         "             {} late, {} missed, {} dropped, {} garbled, {} bytes of stack free",
         health.overruns, health.missed, health.dropped, health.garbled, health.stack_free
     )?;
+    for said in condition::lines(health) {
+        writeln!(text, "             {said}")?;
+    }
     if health.clock_fallback {
         writeln!(text, "             no crystal: times are off by up to 1 %")?;
     }

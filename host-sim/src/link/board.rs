@@ -3,26 +3,26 @@
 //!
 //! The core's tick runs here as it runs in the firmware. Around it are the parts that the firmware adds: a
 //! queue of records whose overflow is counted, frames that go out as the line has room, commands, and the
-//! board's health once a second.
+//! board's health once a second. The line drains as the board's does ([`super::line`]).
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use estimator_core::board::{
-    budget::Budget, frame::Frame, frame::MAX_ENCODED, frame::RECORD_ENCODED, frame::encode,
-    link::Answer, link::Change, link::Command, link::Health, link::Identity, link::Name,
-    link::Refusal, link::Reply, link::Responder, ram_flash::RamFlash, ram_flash::SECTOR,
-    reflection::Packet, sampling::FULL, sampling::PERIOD_US, sampling::Ports, sampling::QUEUE,
-    sampling::RATE_HZ, sampling::Reading, sampling::Record, sampling::Sampler, settings::Key,
-    settings::Settings, settings::store::LAYOUT, settings::store::Store,
+    budget::Budget, budget::Started, frame::Frame, frame::MAX_ENCODED, frame::encode,
+    history::History, link::Answer, link::Change, link::Command, link::Description, link::Health,
+    link::Identity, link::Name, link::RECORD_ROOM, link::Refusal, link::Reply, link::Responder,
+    ram_flash::RamFlash, ram_flash::SECTOR, reflection::Packet, sampling::FULL,
+    sampling::PERIOD_US, sampling::Ports, sampling::QUEUE, sampling::RATE_HZ, sampling::Reading,
+    sampling::Record, sampling::Sampler, settings::Key, settings::Settings,
+    settings::store::LAYOUT, settings::store::Store,
 };
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Faults};
 
+use super::line::Line;
 use super::world::World;
 
-/// The most bytes that wait for the line: two chunks, as in the firmware.
-const LINE: usize = 1024;
 /// The length of a tick on the stopwatch (ns).
 const TICK_NS: u32 = 1_000_000_000 / RATE_HZ;
 /// The hardware around the simulated tick.
@@ -46,7 +46,7 @@ impl Ports for SimulatedPorts {
         self.packet.take()
     }
 
-    fn put(&mut self, code: u16) {
+    fn put(&mut self, code: u16, _rest: u16) {
         self.force_code = code;
     }
 
@@ -67,14 +67,17 @@ pub struct SimulatedBoard {
     change: Option<Change>,
     ports: SimulatedPorts,
     budget: Budget,
-    line: VecDeque<u8>,
-    bytes_per_ms: usize,
-    arrived: VecDeque<u8>,
+    /// The number of samples at the last health.
+    reported: u32,
+    line: Line,
     commands: VecDeque<u8>,
     sequence: u16,
     ticks: u64,
     last: Option<Estimate<f32>>,
     faults: Faults,
+    history: History,
+    /// A setting that only the firmware of this board knows, with its value.
+    newer: Option<(Description, f32)>,
     /// The settings that the firmware of this board does not know yet.
     unknown: Vec<Key>,
 }
@@ -102,14 +105,15 @@ impl SimulatedBoard {
             change: None,
             ports: SimulatedPorts::default(),
             budget: Budget::new(),
-            line: VecDeque::new(),
-            bytes_per_ms,
-            arrived: VecDeque::new(),
+            reported: 0,
+            line: Line::new(bytes_per_ms),
             commands: VecDeque::new(),
             sequence: 0,
             ticks: 0,
             last: None,
             faults: Faults::NONE,
+            history: History::default(),
+            newer: None,
             unknown: Vec::new(),
         }
     }
@@ -117,6 +121,19 @@ impl SimulatedBoard {
     /// Makes the firmware an older one, which does not know these settings.
     pub fn without(mut self, unknown: &[Key]) -> Self {
         self.unknown = unknown.to_vec();
+        self
+    }
+
+    /// Makes the firmware a newer one, with a setting that the host does not know. Its number is larger than all
+    /// others.
+    pub fn with(mut self, setting: Description) -> Self {
+        self.newer = Some((setting, setting.default));
+        self
+    }
+
+    /// Gives the board a history, as if its last run had ended so.
+    pub fn after(mut self, history: History) -> Self {
+        self.history = history;
         self
     }
 
@@ -137,13 +154,14 @@ impl SimulatedBoard {
 
     /// Returns how many bytes have gone over the line and wait to be taken.
     pub fn waiting(&self) -> usize {
-        self.arrived.len()
+        self.line.arrived.len()
     }
 
     /// Takes bytes that have gone over the line, and returns how many.
     pub fn take(&mut self, into: &mut [u8]) -> usize {
-        let count = into.len().min(self.arrived.len());
-        for (slot, byte) in into.iter_mut().zip(self.arrived.drain(..count)) {
+        let arrived = &mut self.line.arrived;
+        let count = into.len().min(arrived.len());
+        for (slot, byte) in into.iter_mut().zip(arrived.drain(..count)) {
             *slot = byte;
         }
         count
@@ -158,16 +176,19 @@ impl SimulatedBoard {
     pub fn tick(&mut self) {
         self.sample();
         self.answer();
-        while self.room()
+        // Health goes before the records, for which a line that is too slow never has room left.
+        if self.budget.samples.wrapping_sub(self.reported) >= RATE_HZ
+            && self.line.outbox.room() >= MAX_ENCODED
+        {
+            self.reported = self.budget.samples;
+            self.send(&Frame::Health(self.health()));
+        }
+        while self.line.outbox.room() >= RECORD_ROOM
             && let Some(record) = self.ports.queue.pop_front()
         {
             self.send_record(&record);
         }
-        if self.budget.samples.is_multiple_of(RATE_HZ) && self.room() {
-            self.send(&Frame::Health(self.health()));
-        }
-        let carried = self.bytes_per_ms.min(self.line.len());
-        self.arrived.extend(self.line.drain(..carried));
+        self.line.carry_for_a_millisecond();
     }
 
     fn sample(&mut self) {
@@ -180,15 +201,19 @@ impl SimulatedBoard {
         let start = (self.ticks * u64::from(TICK_NS)) as u32;
         self.ports.now_ns = start;
         let reading = Reading::Codes(codes);
-        let sampled = self.sampler.tick(start, reading, &mut self.ports);
+        let started = Started { due: start, start };
+        let sampled = self.sampler.tick(started, reading, &mut self.ports);
         self.budget.count(&sampled, PERIOD_US, TICK_NS);
         if let Some(change) = self.change.take() {
             self.sampler.apply(&change);
         }
+        if self.budget.latched != Faults::NONE {
+            self.responder.disarm();
+        }
     }
 
     fn answer(&mut self) {
-        while self.room()
+        while self.line.outbox.room() >= MAX_ENCODED
             && let Some(byte) = self.commands.pop_front()
         {
             let Some((to, command)) = self.responder.push(byte) else {
@@ -198,6 +223,10 @@ impl SimulatedBoard {
             let busy = self.change.is_some();
             if let Some(id) = self.unknown(&command) {
                 let answer = Answer::Refused(Refusal::UnknownSetting, id);
+                self.send(&Frame::Reply(Reply { to, answer }));
+                continue;
+            }
+            if let Some(answer) = self.newer(&command) {
                 self.send(&Frame::Reply(Reply { to, answer }));
                 continue;
             }
@@ -217,18 +246,30 @@ impl SimulatedBoard {
         key.map(Key::id)
     }
 
+    /// Returns the answer about the setting that only this firmware knows, for a command that is about it.
+    fn newer(&mut self, command: &Command) -> Option<Answer> {
+        let (setting, value) = self.newer.as_mut()?;
+        let last = Key::ALL.into_iter().map(Key::id).max().unwrap_or(0);
+        match command {
+            Command::Describe(id) if *id > last => Some(Answer::Description(*setting)),
+            Command::Get(id) if *id == setting.id => Some(Answer::Value(*id, *value)),
+            Command::Set(id, new) if *id == setting.id => {
+                *value = *new;
+                Some(Answer::Value(*id, *new))
+            }
+            _ => None,
+        }
+    }
+
     fn health(&self) -> Health {
         Health {
             time_us: self.last.map_or(0, |last| last.time_us),
             garbled: self.responder.garbled(),
             faults: self.faults,
             concerns: self.responder.concerns(),
+            history: self.history,
             ..self.budget.health()
         }
-    }
-
-    fn room(&self) -> bool {
-        LINE - self.line.len() >= RECORD_ENCODED
     }
 
     fn send_record(&mut self, record: &Record) {
@@ -240,7 +281,7 @@ impl SimulatedBoard {
     fn send(&mut self, frame: &Frame) {
         let mut bytes = [0; MAX_ENCODED];
         let length = encode(frame, self.sequence, &mut bytes);
-        self.line.extend(&bytes[..length]);
+        self.line.outbox.write(&bytes[..length]);
         self.sequence = self.sequence.wrapping_add(1);
     }
 }

@@ -6,7 +6,7 @@ use std::io;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
-use estimator_core::board::link::{Answer, BAUD, Command, Identity, Refusal};
+use estimator_core::board::link::{Answer, BAUD, Command, Description, Health, Identity, Refusal};
 use estimator_core::board::settings::{Key, Settings};
 
 use super::port::Port;
@@ -16,6 +16,7 @@ use crate::diagnostic::Diagnostic;
 /// 4 s until the flash is erased.
 const PATIENCE: Duration = Duration::from_millis(500);
 const PATIENCE_FOR_FLASH: Duration = Duration::from_secs(6);
+const PATIENCE_FOR_HEALTH: Duration = Duration::from_millis(1500);
 /// How often a command is sent if no answer comes. Every command may be repeated.
 const ATTEMPTS: usize = 3;
 /// How often a command is repeated if the board is too busy for it.
@@ -104,7 +105,7 @@ impl<P: Port> Device<P> {
                     self.statistics.lost += u64::from(sequence.wrapping_sub(expected));
                     self.expected = Some(sequence.wrapping_add(1));
                     self.statistics.frames += 1;
-                    self.waiting.push_back(frame);
+                    self.waiting.extend(frame.parts());
                 }
                 Some(Err(_)) => self.statistics.garbled += u64::from(self.in_step),
                 None => {}
@@ -241,6 +242,46 @@ impl<P: Port> Device<P> {
         }
         Ok((settings, unknown))
     }
+
+    /// Asks what the settings are that this version does not know, each with its value. A board with an older
+    /// firmware, which does not describe its settings, has none.
+    ///
+    /// # Errors
+    /// The port fails, no answer comes, or an answer is no description.
+    pub fn newer_settings(
+        &mut self,
+    ) -> Result<Vec<(Description, f32)>, Box<dyn std::error::Error>> {
+        let (mut newer, mut from) = (Vec::new(), Some(0));
+        while let Some(id) = from {
+            let description = match self.ask(Command::Describe(id))? {
+                Answer::Description(description) => description,
+                Answer::Refused(..) => break,
+                other => return Err(unexpected(&other).into()),
+            };
+            if Key::from_id(description.id).is_none() {
+                match self.order(Command::Get(description.id))? {
+                    Answer::Value(_, value) => newer.push((description, value)),
+                    other => return Err(unexpected(&other).into()),
+                }
+            }
+            from = description.id.checked_add(1);
+        }
+        Ok(newer)
+    }
+
+    /// Waits for the health that a board sends once a second; `None` if none comes.
+    ///
+    /// # Errors
+    /// The port fails.
+    pub fn health(&mut self) -> io::Result<Option<Health>> {
+        let start = Instant::now();
+        while start.elapsed() < PATIENCE_FOR_HEALTH {
+            if let Some(Frame::Health(health)) = self.next_frame()? {
+                return Ok(Some(health));
+            }
+        }
+        Ok(None)
+    }
 }
 
 /// A number that the next start of the program is unlikely to have as well.
@@ -264,6 +305,11 @@ fn refused(command: Command, reason: Refusal, id: u8) -> Diagnostic {
         let name = Key::from_id(id).map_or("", |key| key.info().name);
         return diagnostic.at_key(name).remedy(
             "its firmware is older than this `palpate`: flash a newer one, or leave the setting out",
+        );
+    }
+    if reason == Refusal::NotArmed {
+        return diagnostic.remedy(
+            "run `config arm`: a reset, a save, a restart or a fault has disarmed it, and nothing else arms it",
         );
     }
     if reason == Refusal::InContact {

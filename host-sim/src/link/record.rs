@@ -118,7 +118,9 @@ impl Content {
             Frame::Sample(sample) => self.sample(sample),
             Frame::Estimate(estimate) => self.estimate(estimate),
             Frame::Health(health) => self.health = Some(*health),
-            Frame::Command(_) | Frame::Reply(_) | Frame::Reflection(_) | Frame::Rendered(_) => {}
+            // A record comes as its parts.
+            Frame::Record(_) | Frame::Command(_) | Frame::Reply(_) => {}
+            Frame::Reflection(_) | Frame::Rendered(_) => {}
         }
     }
 
@@ -214,7 +216,7 @@ fn decoded(mut file: impl Read) -> io::Result<Content> {
         }
         for byte in bytes.iter().take(count) {
             match decoder.push(*byte) {
-                Some(Ok((_, frame))) => content.take(&frame),
+                Some(Ok((_, frame))) => frame.parts().for_each(|part| content.take(&part)),
                 // The rest of a frame that began before the recording does not count.
                 Some(Err(_)) => content.garbled += u64::from(in_step),
                 None => {}

@@ -1,8 +1,8 @@
 //! The line between board and host: what it carries, what it loses, what it disturbs.
 
-use crate::{device, world};
-use estimator_core::board::frame::Frame;
-use estimator_core::board::link::BYTES_PER_MS;
+use crate::{HELD, device, world};
+use estimator_core::board::frame::{Frame, MAX_ENCODED, encode};
+use estimator_core::board::link::{BYTES_PER_MS, Command};
 use estimator_core::board::settings::{Key, Settings};
 use estimator_core::{State, step};
 use palpate::link::port::Simulated;
@@ -10,6 +10,8 @@ use palpate::link::world::Hand;
 use palpate::link::{Device, Port, SimulatedBoard};
 use std::io;
 
+/// WHEN everything goes out at every sample for an hour, over a line that drains as the board's does, THEN
+/// nothing is lost and health comes every second.
 #[test]
 fn an_hour_at_a_kilohertz_goes_over_two_megabaud_without_a_loss() {
     const HOUR: u32 = 3_600_000;
@@ -17,6 +19,7 @@ fn an_hour_at_a_kilohertz_goes_over_two_megabaud_without_a_loss() {
     // The cheapest estimator: what is tested is the link.
     device.set(Key::EstimatorMethod, 1.0).unwrap();
     let (mut last_us, mut samples, mut estimates, mut last_dropped) = (None, 0_u32, 0_u32, None);
+    let mut healths = Vec::new();
     while samples < HOUR {
         match device.next_frame().unwrap() {
             Some(Frame::Sample(sample)) => {
@@ -26,7 +29,10 @@ fn an_hour_at_a_kilohertz_goes_over_two_megabaud_without_a_loss() {
                 samples += 1;
             }
             Some(Frame::Estimate(_)) => estimates += 1,
-            Some(Frame::Health(health)) => last_dropped = Some(health.dropped),
+            Some(Frame::Health(health)) => {
+                last_dropped = Some(health.dropped);
+                healths.push(health.samples);
+            }
             Some(_) | None => {}
         }
     }
@@ -34,12 +40,52 @@ fn an_hour_at_a_kilohertz_goes_over_two_megabaud_without_a_loss() {
     assert_eq!((statistics.lost, statistics.garbled), (0, 0));
     assert_eq!(last_dropped, Some(0));
     assert!(samples - estimates <= 1);
+    assert!(healths.len() >= 3599, "{}", healths.len());
+    assert!(healths.windows(2).all(|pair| pair[1] - pair[0] == 1000));
+}
+
+/// WHEN commands, packets and saves come between full telemetry, THEN health still comes every second,
+/// nothing is dropped, and what was late has caught up.
+#[test]
+fn commands_and_saves_at_full_telemetry_cost_no_record_and_no_health() {
+    let mut device = device(&world(HELD), BYTES_PER_MS);
+    let (mut healths, mut samples, mut last_us) = (Vec::new(), 0_u32, None);
+    while samples < 60_000 {
+        // Twenty commands a second and a save every ten seconds, whose answers nobody waits for.
+        if samples.is_multiple_of(50) {
+            let command = match samples.is_multiple_of(10_000) {
+                true => Command::Save,
+                false => Command::Get(Key::ForcePerCode.id()),
+            };
+            let mut bytes = [0; MAX_ENCODED];
+            let length = encode(&Frame::Command(command), samples as u16, &mut bytes);
+            device.port().write(&bytes[..length]).unwrap();
+        }
+        match device.next_frame().unwrap() {
+            Some(Frame::Sample(sample)) => {
+                let due = last_us.map_or(sample.time_us, |last| last + 1000);
+                assert_eq!(sample.time_us, due);
+                last_us = Some(sample.time_us);
+                samples += 1;
+            }
+            Some(Frame::Health(health)) => healths.push(health),
+            Some(_) | None => {}
+        }
+    }
+    assert!(healths.len() >= 59, "{}", healths.len());
+    assert!(
+        healths
+            .windows(2)
+            .all(|pair| pair[1].samples - pair[0].samples == 1000)
+    );
+    assert_eq!(healths.last().map(|health| health.dropped), Some(0));
+    assert_eq!(device.statistics().lost, 0);
 }
 
 #[test]
 fn what_a_slower_line_cannot_carry_is_missing_by_the_count_that_the_board_gives() {
-    // 921 600 baud carry 92 bytes a millisecond, codes with sample and estimate take 150.
-    let mut device = device(&world(Hand::Palpating), 92);
+    // 61 % of what a record takes at every sample: 68 bytes a millisecond for 111.
+    let mut device = device(&world(Hand::Palpating), 68);
     let (mut received, mut missing, mut last_us) = (0_u32, 0_u64, 0);
     while received < 30_000 {
         if let Some(Frame::Sample(sample)) = device.next_frame().unwrap() {

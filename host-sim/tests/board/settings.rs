@@ -1,10 +1,13 @@
 //! Settings go to the board and come back; in contact it refuses what would disturb it.
 
 use crate::{HELD, device, world};
-use estimator_core::board::link::BYTES_PER_MS;
-use estimator_core::board::link::{Answer, Command, Refusal};
-use estimator_core::board::settings::{Key, Settings};
+use estimator_core::board::history::{Crash, CrashKind, History, ResetCause, Stage};
+use estimator_core::board::link::{Answer, BYTES_PER_MS, Command, Description, Refusal, Text};
+use estimator_core::board::settings::{Bounds, Key, Settings};
+use palpate::cli::config;
+use palpate::link::port::Simulated;
 use palpate::link::world::Hand;
+use palpate::link::{Device, SimulatedBoard};
 
 #[test]
 fn settings_go_to_the_board_are_saved_and_come_back() {
@@ -42,4 +45,80 @@ fn in_contact_the_board_refuses_what_would_disturb_it_and_takes_the_rest() {
         device.set(Key::TelemetryEvery, 1.0).unwrap();
     }
     assert!(done > 10 && refused > 10, "{done} done, {refused} refused");
+}
+
+/// A board whose firmware is newer than this host: it has a setting of which the host knows nothing. THEN the host
+/// shows its name, unit, value and bounds, and sets it by name.
+#[test]
+fn a_setting_that_only_the_board_knows_is_shown_as_the_board_describes_it() {
+    let setting = Description {
+        id: 255,
+        name: Text::new("force.later_than_this"),
+        unit: Text::spaced("N s/m"),
+        bounds: Bounds::Within(0.5, 20.0),
+        default: 2.5,
+        restarts: false,
+    };
+    assert_eq!(Key::from_id(setting.id), None);
+    let board = SimulatedBoard::new(world(HELD), BYTES_PER_MS).with(setting);
+    let mut device = Device::new(Simulated::at_once(board));
+    assert_eq!(device.newer_settings().unwrap(), [(setting, 2.5)]);
+    let shown = config::show(&mut device).unwrap();
+    let line = shown
+        .lines()
+        .find(|line| line.starts_with("force.later_than_this"))
+        .expect("a line");
+    assert!(
+        line.contains("2.5 N s/m") && line.contains("from 0.5 to 20"),
+        "{line}"
+    );
+    device.order(Command::Set(setting.id, 7.0)).unwrap();
+    assert_eq!(device.newer_settings().unwrap()[0].1, 7.0);
+    // A board of the same age has none.
+    let mut same = self::device(&world(HELD), BYTES_PER_MS);
+    assert_eq!(same.newer_settings().unwrap(), []);
+}
+
+/// WHEN the run before ended with a crash, THEN `config show` says so, with the cause of the reset.
+#[test]
+fn what_ended_the_run_before_is_shown_with_the_settings() {
+    let history = History {
+        reset: ResetCause::Watchdog,
+        crash: Some(Crash {
+            kind: CrashKind::Hang,
+            stage: Stage::Save,
+            at: 0,
+            from: 0,
+        }),
+    };
+    let board = SimulatedBoard::new(world(HELD), BYTES_PER_MS).after(history);
+    let mut device = Device::new(Simulated::at_once(board));
+    let shown = config::show(&mut device).unwrap();
+    assert!(
+        shown.ends_with(
+            "last reset: watchdog\nthe run before it ended with a hang while saving settings\n"
+        ),
+        "{shown}"
+    );
+}
+
+/// A board is never armed by its settings: WHEN they say that it renders, THEN it rests until it is armed, and a save
+/// puts it to rest again.
+#[test]
+fn a_force_is_put_out_only_between_an_arming_and_the_next_save() {
+    let mut device = device(&world(HELD), BYTES_PER_MS);
+    let nothing = device.order(Command::Arm).unwrap_err().to_string();
+    assert!(nothing.contains("render.force_n"), "{nothing}");
+    for (key, value) in [(Key::RenderForceN, 5.0), (Key::RenderDeviceNsPerM, 5.0)] {
+        device.prepare(key, value).unwrap();
+    }
+    device.order(Command::Commit).unwrap();
+    assert!(!device.health().unwrap().unwrap().armed);
+    device.order(Command::Arm).unwrap();
+    assert!(device.health().unwrap().unwrap().armed);
+    device.order(Command::Save).unwrap();
+    assert!(!device.health().unwrap().unwrap().armed);
+    device.order(Command::Arm).unwrap();
+    device.order(Command::Disarm).unwrap();
+    assert!(!device.health().unwrap().unwrap().armed);
 }

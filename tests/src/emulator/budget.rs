@@ -31,6 +31,8 @@ pub struct Budget {
     pub queue: Meter,
     /// The cost of the whole task.
     pub task: Meter,
+    /// The time from the instant at which a sample was due to the end of its task.
+    pub response: Meter,
     /// The cost of encoding a record, which is done at low priority.
     pub encode: Meter,
 }
@@ -66,6 +68,7 @@ impl Budget {
             step: meter(field(line, "step")?)?,
             queue: meter(field(line, "queue")?)?,
             task: meter(field(line, "task")?)?,
+            response: meter(field(line, "response")?)?,
             encode: meter(field(line, "encode")?)?,
         })
     }

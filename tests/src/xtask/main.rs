@@ -14,6 +14,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 cargo xtask test         set up what is missing and run everything: host tests, firmware builds,
                          link proof, emulator
+cargo xtask firmware     build the images of every board as .elf, .bin and .hex, into target/firmware
 cargo xtask qemu [ELF]   run a firmware in the emulator on a simulated palpation and print its log;
                          without ELF: build it first
 ";
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words[..] {
         ["test"] => check::everything(),
+        ["firmware"] => firmware::images(),
         ["qemu"] => qemu::run(None),
         ["qemu", elf] => qemu::run(Some(Path::new(elf))),
         _ => Err(USAGE.into()),

@@ -1,5 +1,6 @@
 use super::*;
 use crate::board::frame::{Frame, MAX_ENCODED, encode};
+use crate::board::history::{Crash, CrashKind, History, ResetCause, Stage};
 use crate::board::settings::store::{SLOT, Store};
 use crate::board::wire::FrameError;
 use crate::estimate::fault::Fault;
@@ -96,6 +97,9 @@ fn commands() -> Vec<Command> {
         Command::Discard,
         Command::Prepare(35, 12.0),
         Command::Commit,
+        Command::Arm,
+        Command::Disarm,
+        Command::Describe(35),
     ]
 }
 
@@ -105,6 +109,7 @@ fn every_command_answer_and_health_comes_back_as_it_was() {
         Answer::Identity(identity()),
         Answer::Value(16, -2.5e-7),
         Answer::Done,
+        describe(33).unwrap(),
     ];
     let refused = Refusal::ALL.map(|reason| Answer::Refused(reason, 17));
     let health = Health {
@@ -133,6 +138,22 @@ fn every_command_answer_and_health_comes_back_as_it_was() {
         faults: Faults::NONE.with(Fault::EstimatorSuspect),
         concerns: Some(Key::EstimatorHalfWidth),
         clock_fallback: true,
+        response: Range {
+            min: 14,
+            mean: 15,
+            max: 16,
+        },
+        armed: true,
+        latched: Faults::NONE.with(Fault::Overrun),
+        history: History {
+            reset: ResetCause::Watchdog,
+            crash: Some(Crash {
+                kind: CrashKind::HardFault,
+                stage: Stage::Estimate,
+                at: 0x0800_1234,
+                from: 0x0800_4321,
+            }),
+        },
     };
     let replies = answers.into_iter().chain(refused);
     let frames = replies
@@ -148,6 +169,88 @@ fn every_command_answer_and_health_comes_back_as_it_was() {
             .collect();
         assert_eq!(found, [Ok((77, frame))]);
     }
+}
+
+/// Health as a firmware of before sent it: without what came later.
+#[test]
+fn health_of_an_older_firmware_is_read_and_says_nothing_of_what_it_does_not_know() {
+    let health = Health {
+        samples: 7,
+        clock_fallback: true,
+        ..Health::default()
+    };
+    let mut body = crate::board::wire::Writer::new();
+    health.put(&mut body);
+    let older = &body.written()[..72];
+    let read = Health::take(&mut crate::board::wire::Reader::new(older));
+    assert_eq!(read, Ok(health));
+    let cut = &body.written()[..73];
+    assert!(Health::take(&mut crate::board::wire::Reader::new(cut)).is_err());
+}
+
+#[test]
+fn the_board_describes_every_setting_in_the_order_of_their_numbers() {
+    let mut responder = responder();
+    let (mut from, mut described) = (0, Vec::new());
+    while let Answer::Description(next) = ask(&mut responder, Command::Describe(from)) {
+        let info = Key::from_id(next.id).unwrap().info();
+        assert_eq!(
+            (next.name.as_str(), next.unit.as_str()),
+            (info.name, info.unit)
+        );
+        assert_eq!((next.bounds, next.default), (info.bounds, info.default));
+        assert_eq!(next.restarts, info.restarts);
+        described.push(next.id);
+        let Some(after) = next.id.checked_add(1) else {
+            break;
+        };
+        from = after;
+    }
+    assert!(described.is_sorted());
+    assert_eq!(described.len(), Key::ALL.len());
+    assert!(matches!(
+        ask(&mut responder, Command::Describe(from)),
+        Answer::Refused(Refusal::UnknownSetting, _) | Answer::Description(_)
+    ));
+}
+
+/// A responder that renders up to 5 N.
+fn rendering() -> Responder<RamFlash> {
+    let mut responder = responder();
+    for (key, value) in [(Key::RenderDeviceNsPerM, 5.0), (Key::RenderForceN, 5.0)] {
+        let answer = ask(&mut responder, Command::Set(key.id(), value));
+        assert_eq!(answer, Answer::Value(key.id(), value));
+    }
+    responder
+}
+
+#[test]
+fn nothing_is_armed_but_by_a_command_and_whatever_restarts_or_stalls_disarms() {
+    let mut fresh = responder();
+    let nothing = Answer::Refused(Refusal::NotRendering, Key::RenderForceN.id());
+    assert_eq!(ask(&mut fresh, Command::Arm), nothing);
+    for command in [
+        Command::Disarm,
+        Command::Save,
+        Command::Reload,
+        Command::Defaults,
+        Command::Restart,
+    ] {
+        let mut responder = rendering();
+        assert_eq!(responder.setup().unwrap().arming, 0);
+        let armed = responder.answer(1, Command::Arm, false, false);
+        assert_eq!(armed.change.unwrap().setup.arming, 1);
+        // The sampling task learns of it with the answer.
+        let done = responder.answer(2, command, false, false);
+        assert_eq!(done.reply.answer, Answer::Done);
+        assert_eq!(done.change.unwrap().setup.arming, 0, "{command:?}");
+    }
+    let mut responder = rendering();
+    assert_eq!(ask(&mut responder, Command::Arm), Answer::Done);
+    assert_eq!(ask(&mut responder, Command::Arm), Answer::Done);
+    assert_eq!(responder.setup().unwrap().arming, 2, "another number");
+    responder.disarm();
+    assert_eq!(responder.setup().unwrap().arming, 0);
 }
 
 #[test]
@@ -439,7 +542,7 @@ fn settings_that_cannot_be_used_stand_as_a_fault_until_new_ones_are_saved() {
 fn names_are_cut_and_never_break() {
     assert_eq!(Name::new("netduinoplus2-and-more").as_str(), "netduinoplus");
     assert_eq!(Name::new("a b\u{e4}").as_str(), "ab");
-    assert_eq!(Name([0xff; 12]).as_str(), "?");
+    assert_eq!(Text::<12>([0xff; 12]).as_str(), "?");
 }
 
 #[test]
@@ -478,6 +581,10 @@ fn master() -> Responder<RamFlash> {
     let answered = responder.answer(1, Command::Commit, true, false);
     // In contact, and the estimator goes on.
     assert!(answered.change.is_some_and(|change| !change.restart));
+    let unarmed = Answer::Refused(Refusal::NotArmed, 0);
+    let packet = Command::Reflect(impedance(5_000_000, 1350.0));
+    assert_eq!(ask(&mut responder, packet), unarmed);
+    assert_eq!(ask(&mut responder, Command::Arm), Answer::Done);
     responder
 }
 

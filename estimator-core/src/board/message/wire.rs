@@ -1,7 +1,9 @@
 //! Commands, answers and health as bytes of a frame.
 
-use super::{Answer, Command, Health, Identity, Name, Range, Refusal, Reply};
-use crate::board::{settings::Key, wire::FrameError, wire::Reader, wire::Writer};
+use super::{Answer, Command, Description, Health, Identity, Range, Refusal, Reply, Text};
+use crate::board::history::{Crash, History, ResetCause};
+use crate::board::settings::{Bounds, Key};
+use crate::board::wire::{FrameError, Reader, Writer};
 use crate::estimate::fault::Faults;
 
 impl Command {
@@ -23,6 +25,9 @@ impl Command {
                 body.put(value.to_le_bytes());
             }
             Command::Commit => body.put([10]),
+            Command::Arm => body.put([11]),
+            Command::Disarm => body.put([12]),
+            Command::Describe(id) => body.put([13, id]),
             Command::Unknown(tag) => body.put([tag]),
             // Has a frame of its own.
             Command::Reflect(_) => {}
@@ -51,6 +56,12 @@ impl Command {
                 Command::Prepare(id, reader.number()?)
             }
             10 => Command::Commit,
+            11 => Command::Arm,
+            12 => Command::Disarm,
+            13 => {
+                let [id] = reader.take()?;
+                Command::Describe(id)
+            }
             tag => {
                 // Whatever it carries: the answer is that it is not known.
                 reader.skip();
@@ -77,6 +88,10 @@ impl Reply {
             }
             Answer::Done => body.put([3]),
             Answer::Refused(reason, id) => body.put([4, *reason as u8, *id]),
+            Answer::Description(description) => {
+                body.put([5]);
+                description.put(body);
+            }
         }
     }
 
@@ -89,8 +104,8 @@ impl Reply {
                 Answer::Identity(Identity {
                     layout,
                     unsaved: unsaved != 0,
-                    board: Name(reader.take()?),
-                    firmware: Name(reader.take()?),
+                    board: Text(reader.take()?),
+                    firmware: Text(reader.take()?),
                     rate_hz: u16::from_le_bytes(reader.take()?),
                     tick: u32::from_le_bytes(reader.take()?),
                 })
@@ -105,9 +120,45 @@ impl Reply {
                 let reason = Refusal::ALL.into_iter().find(|r| *r as u8 == reason);
                 Answer::Refused(reason.ok_or(FrameError::Content)?, id)
             }
+            5 => Answer::Description(Description::take(reader)?),
             _ => return Err(FrameError::Content),
         };
         Ok(Reply { to, answer })
+    }
+}
+
+impl Description {
+    fn put(&self, body: &mut Writer) {
+        let (kind, low, high) = match self.bounds {
+            Bounds::Within(low, high) => (0, low, high),
+            Bounds::Signed(low, high) => (1, low, high),
+            Bounds::Whole(low, high) => (2, low, high),
+        };
+        body.put([self.id, kind, u8::from(self.restarts)]);
+        for number in [low, high, self.default] {
+            body.put(number.to_le_bytes());
+        }
+        body.put(self.unit.0);
+        body.put(self.name.0);
+    }
+
+    fn take(reader: &mut Reader) -> Result<Description, FrameError> {
+        let [id, kind, restarts] = reader.take()?;
+        let [low, high, default] = [reader.number()?, reader.number()?, reader.number()?];
+        let bounds = match kind {
+            0 => Bounds::Within(low, high),
+            1 => Bounds::Signed(low, high),
+            2 => Bounds::Whole(low, high),
+            _ => return Err(FrameError::Content),
+        };
+        Ok(Description {
+            id,
+            bounds,
+            default,
+            restarts: restarts != 0,
+            unit: Text(reader.take()?),
+            name: Text(reader.take()?),
+        })
     }
 }
 
@@ -147,6 +198,10 @@ impl Health {
         body.put(self.faults.bits().to_le_bytes());
         let concerns = self.concerns.map_or(0, Key::id);
         body.put([concerns, u8::from(self.clock_fallback)]);
+        self.response.put(body);
+        body.put([u8::from(self.armed)]);
+        body.put(self.latched.bits().to_le_bytes());
+        put_history(body, &self.history);
     }
 
     pub(crate) fn take(reader: &mut Reader) -> Result<Health, FrameError> {
@@ -167,6 +222,34 @@ impl Health {
         let [concerns, clock_fallback] = reader.take()?;
         health.concerns = Key::from_id(concerns);
         health.clock_fallback = clock_fallback != 0;
+        // An older firmware ends here.
+        if !reader.is_empty() {
+            health.response = Range::take(reader)?;
+            let [armed] = reader.take()?;
+            health.armed = armed != 0;
+            health.latched = Faults::from_bits(u16::from_le_bytes(reader.take()?));
+            health.history = take_history(reader)?;
+        }
         Ok(health)
     }
+}
+
+fn put_history(body: &mut Writer, history: &History) {
+    body.put([history.reset as u8, u8::from(history.crash.is_some())]);
+    for word in history.crash.map_or([0; 4], Crash::to_words) {
+        body.put(word.to_le_bytes());
+    }
+}
+
+fn take_history(reader: &mut Reader) -> Result<History, FrameError> {
+    let [reset, crashed] = reader.take()?;
+    let mut words = [0; 4];
+    for word in &mut words {
+        *word = u32::from_le_bytes(reader.take()?);
+    }
+    let crash = Crash::from_words(words).filter(|_| crashed != 0);
+    Ok(History {
+        reset: ResetCause::with_code(reset),
+        crash,
+    })
 }

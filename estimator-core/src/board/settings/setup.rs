@@ -1,6 +1,7 @@
 //! What follows from the settings: the parts of the sampling task, checked.
 
 use super::{key::Key, values::Invalid, values::Settings};
+use crate::board::protection::Arming;
 use crate::board::reflection::{Output, RenderConfig, RenderParams};
 use crate::board::sensing::{Conversion, Limits};
 use crate::estimate::{
@@ -29,6 +30,8 @@ pub struct Setup {
     pub render: Option<RenderParams>,
     /// How the rendered force is put out.
     pub output: Output,
+    /// The arming of the force output. Settings never arm: they are read after a reset.
+    pub arming: Arming,
 }
 
 impl Settings {
@@ -59,6 +62,7 @@ impl Settings {
             reference_depth_m: self.get(Key::EstimatorDepthM),
             render: self.render()?,
             output: self.output(),
+            arming: 0,
         })
     }
 

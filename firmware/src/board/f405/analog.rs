@@ -1,16 +1,23 @@
 //! The first set of sensors: a load cell's amplifier on the ADC, and an encoder on the quadrature timer.
 //!
-//! One timer event, 32 000 times a second, starts a conversion of the load cell and latches the
-//! encoder; DMA collects both. After 32 events the ADC's stream raises the 1 kHz interrupt, and
-//! the sums of both channels belong to the same 32 instants.
+//! In each of 32 000 periods a second the ADC holds what it has sampled of the load cell, and at the same instant
+//! the encoder is latched ([`super::duty`]); DMA collects both. After 32 periods the ADC's stream raises the
+//! 1 kHz interrupt. The last latch has been collected 0.6 µs before, while the ADC converted, so the sums of both
+//! blocks that are full belong to the same 32 instants, however late the task reads them.
+//!
+//! SysTick looks after the streams: where no block ends for 1.5 ms, it raises the interrupt.
 
 use super::Clock;
+use super::clock::CORE_HZ;
 use super::{event, event::PER_SAMPLE, ring, ring::Blocks, ring::Ring};
 use crate::board::{Acquired, Sensors};
+use crate::systick;
+use cortex_m::peripheral::SYST;
 use estimator_core::board::instants::{Counter, summed};
 use estimator_core::board::sampling::Reading;
 use estimator_core::board::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::board::settings::Key;
+use estimator_core::{Fault, Faults};
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{
     self, AdcConfig, Dma, ExternalTrigger, SampleTime, Sequence, TriggerMode,
@@ -49,39 +56,47 @@ pub struct Wires {
     pub tim2: TIM2,
     /// TIM3 counts the encoder's edges.
     pub tim3: TIM3,
+    /// SysTick looks after the streams.
+    pub guard: SYST,
 }
 
-/// Starts both channels and then the event: from the first event on, both streams count in step.
-pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> AnalogAndQuadrature {
-    let forces = load_cell(
+/// Milliseconds between two looks of SysTick: a stream that stops is started again within 5.5 ms.
+const GUARD_MS: u32 = 4;
+
+/// Sets both channels and the event up. Nothing moves before [`Sensors::start`].
+pub fn set_up(wires: Wires, clock: Clock, rcc: &mut Rcc) -> AnalogAndQuadrature {
+    let (adc, forces) = load_cell(
         wires.adc,
         wires.force.into_analog(),
         wires.force_stream,
         rcc,
     );
     let positions = encoder(wires.tim3, wires.quadrature, wires.position_stream, rcc);
-    event::start(wires.tim2, rcc);
+    event::set_up(wires.tim2, rcc);
     AnalogAndQuadrature {
+        adc,
         forces,
         positions,
         clock,
         counter: Counter::new(),
+        last: Codes::default(),
+        guard: Some(wires.guard),
     }
 }
 
 /// Sets ADC1 up on PA2: one conversion per event, whose result goes by DMA2 stream 0 channel 0 (RM table 43).
 ///
-/// The ADC runs at 21 MHz (DS: at most 36) and samples for 480 cycles: 23.4 µs of the 31.25 µs between
-/// events. This is the longest time that fits; the source may have a resistance of 50 kΩ.
+/// The ADC runs at 21 MHz (DS: at most 36) and samples for 480 cycles: with the conversion 23.4 µs of the
+/// 31.25 µs between events. This is the longest time that fits; the source may have a resistance of 50 kΩ.
 fn load_cell(
     adc: ADC1,
     pin: PA2<Analog>,
     stream: Stream0<DMA2>,
     rcc: &mut Rcc,
-) -> Ring<Stream0<DMA2>> {
+) -> (Adc<ADC1>, Ring<Stream0<DMA2>>) {
     let config = AdcConfig::default()
         .clock(config::Clock::Pclk2_div_4)
-        .external_trigger(TriggerMode::RisingEdge, ExternalTrigger::Tim_2_trgo)
+        .external_trigger(TriggerMode::RisingEdge, ExternalTrigger::Tim_2_cc_4)
         .dma(Dma::Continuous);
     let mut adc = Adc::new(adc, true, config, rcc);
     adc.configure_channel(&pin, Sequence::One, SampleTime::Cycles_480);
@@ -93,10 +108,10 @@ fn load_cell(
         Priority::VeryHigh,
     );
     ring.listen();
-    ring
+    (adc, ring)
 }
 
-/// Sets TIM3 up: it counts the quadrature edges on PB4/PB5 and copies its count into CCR3 at every event;
+/// Sets TIM3 up: it counts the quadrature edges on PB4/PB5 and copies its count into CCR3 at every hold;
 /// DMA1 stream 7 channel 5 collects the copies (RM table 42).
 fn encoder(
     tim3: TIM3,
@@ -130,41 +145,104 @@ fn encoder(
 
 /// Both channels, with the clock that stamps their blocks.
 pub struct AnalogAndQuadrature {
+    adc: Adc<ADC1>,
     forces: Ring<Stream0<DMA2>>,
     positions: Ring<Stream7<DMA1>>,
     clock: Clock,
     counter: Counter,
+    /// The last codes, for an instant without others.
+    last: Codes,
+    guard: Option<SYST>,
 }
 
 impl AnalogAndQuadrature {
-    /// Returns the sum of the last 32 latches, in position codes. Each 16-bit count continues the one before
-    /// it, which is right as long as the probe moves less than 32 768 counts between two of them.
-    ///
-    /// The sum is over the latest values and not over the last block: if the first event reached only one of
-    /// the two channels, they are one event (31 µs) apart instead of a block.
-    fn position(&mut self) -> i32 {
-        let mut sum = 0_i32;
-        for count in self.positions.latest() {
-            sum = sum.wrapping_add(self.counter.follow(count));
+    /// Starts both streams and then the event, so that both count from the same one. The converter is switched off
+    /// and on in between: a conversion that is underway, or one that nobody fetched (RM 13.8.1), would be the
+    /// first value of the block.
+    fn start_streams(&mut self) {
+        event::stop();
+        // SAFETY: the sensors own the converter.
+        let adc = unsafe { &*ADC1::ptr() };
+        adc.cr2()
+            .modify(|_, w| w.adon().clear_bit().dma().clear_bit());
+        // Nothing that was converted before is left, and no overrun: all flags are cleared by 0.
+        // SAFETY: the flags are the only bits.
+        adc.sr().write(|w| unsafe { w.bits(0) });
+        self.forces.start();
+        self.positions.start();
+        adc.cr2().modify(|_, w| w.dma().set_bit());
+        // It is ready after 3 µs (DS table 67); the first conversion is triggered after 5.
+        self.adc.enable();
+        event::start();
+        self.clock.resume();
+    }
+
+    /// Returns the faults of both channels since the last block.
+    fn faults(&mut self) -> Faults {
+        // SAFETY: reading a register changes nothing.
+        let overrun = unsafe { &*ADC1::ptr() }.sr().read().ovr().bit_is_set();
+        let positions_ended = self.positions.has_ended();
+        let mut faults = Faults::NONE;
+        if overrun || !self.forces.runs() {
+            faults = faults.with(Fault::ForceUnusable);
         }
-        sum
+        let in_step = self.forces.in_step_with(&self.positions);
+        if !positions_ended || !self.positions.runs() || !in_step {
+            faults = faults.with(Fault::PositionUnusable);
+        }
+        faults
+    }
+
+    /// Returns the sums of the blocks that are full. Each 16-bit count continues the one before it, which is right
+    /// as long as the probe moves less than 32 768 counts between two of them.
+    fn read(&mut self) -> Codes {
+        let (force, force_low, force_high) = summed(self.forces.finished());
+        let mut position = 0_i32;
+        for count in self.positions.finished() {
+            position = position.wrapping_add(self.counter.follow(count));
+        }
+        Codes {
+            force,
+            force_low,
+            force_high,
+            position,
+            ..Codes::default()
+        }
     }
 }
 
 impl Sensors for AnalogAndQuadrature {
+    fn start(&mut self) {
+        if let Some(guard) = self.guard.take() {
+            systick::start(guard, CORE_HZ, GUARD_MS);
+            // Its looks come in the middle of a tick, not together with the end of a block.
+            cortex_m::asm::delay(CORE_HZ / 1000 * 3 / 5);
+        }
+        self.start_streams();
+    }
+
     fn sample(&mut self) -> Acquired {
-        self.forces.acknowledge();
-        let Some((time_us, faults)) = self.clock.tick() else {
+        let ended = self.forces.has_ended();
+        if !ended && !self.clock.is_overdue() {
+            return Acquired::Nothing;
+        }
+        let Some(at) = self.clock.tick() else {
             return Acquired::Nothing;
         };
-        let (force, force_low, force_high) = summed(self.forces.finished());
-        Acquired::Reading(Reading::Codes(Codes {
-            time_us,
-            force,
-            force_low,
-            force_high,
-            position: self.position(),
-            faults,
-        }))
+        let stopped = match ended {
+            true => self.faults(),
+            false => Faults::NONE.with(Fault::ForceUnusable),
+        };
+        if stopped == Faults::NONE {
+            self.last = self.read();
+        } else {
+            self.start_streams();
+        }
+        let codes = Codes {
+            time_us: at.time_us,
+            faults: at.faults | stopped,
+            ..self.last
+        };
+        Acquired::Reading(Reading::Codes(codes), at.due)
     }
 }

@@ -11,6 +11,7 @@
 mod analog;
 mod clock;
 pub mod device;
+mod duty;
 mod event;
 mod flash;
 mod force;
@@ -20,17 +21,18 @@ mod registers;
 mod ring;
 #[cfg(feature = "spi-sensors")]
 mod spi;
+mod time;
 mod uart;
+mod watchdog;
 
 pub use self::F405 as Selected;
 
-use crate::board::{Board, Outcome, Parts, Watchdog};
-use cortex_m::peripheral::DWT;
+use crate::board::{Board, Outcome, Parts};
 // The log goes over RTT. The link proof has no logger.
 #[cfg(not(feature = "panic-proof"))]
 use defmt_rtt as _;
 use estimator_core::board::instants::Ticks;
-use estimator_core::board::sampling::{PERIOD_US, RATE_HZ};
+use estimator_core::board::sampling::PERIOD_US;
 use estimator_core::board::settings::store::Store;
 use estimator_core::{Fault, Faults};
 use flash::{Flash, SECTOR, SETTINGS};
@@ -40,11 +42,8 @@ use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{Output, PC4};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use uart::Uart;
-
-/// Length of the watchdog (ms): longer than an erase of a 128 KiB sector, up to 4 s (DS table 44).
-const WATCHDOG_MS: u32 = 10_000;
+use watchdog::IwdgWatchdog;
 
 /// The STM32F405 board.
 pub struct F405;
@@ -54,8 +53,8 @@ impl Board for F405 {
     const NAME: &'static str = "f405";
     #[cfg(feature = "spi-sensors")]
     const NAME: &'static str = "f405-spi";
-    const COST_UNIT: &'static str = "cycles";
-    const TICK: u32 = clock::CORE_HZ / RATE_HZ;
+    const COST_UNIT: &'static str = "counts";
+    const TICK: u32 = time::TICK;
 
     #[cfg(not(feature = "spi-sensors"))]
     type Sensors = analog::AnalogAndQuadrature;
@@ -67,14 +66,13 @@ impl Board for F405 {
     type Watchdog = IwdgWatchdog;
     type Output = Pwm;
 
-    fn start(mut core: cortex_m::Peripherals) -> Parts<F405> {
+    fn start(core: cortex_m::Peripherals) -> Parts<F405> {
         let Some(device) = pac::Peripherals::take() else {
             defmt::panic!("the board was started twice");
         };
         // The watchdog starts first, from an oscillator of its own: a start-up that hangs ends in a reset.
-        let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.stop_on_debug(&device.DBGMCU, true);
-        watchdog.start(WATCHDOG_MS.millis());
+        let watchdog = IwdgWatchdog::start(device.IWDG, &device.DBGMCU);
+        let reset = clock::reset_cause(&device.RCC);
         let (mut rcc, source) = match clock::start(device.RCC) {
             Ok(started) => started,
             Err(rcc) => without_clock(rcc, device.GPIOC),
@@ -88,8 +86,7 @@ impl Board for F405 {
             );
             standing = standing.with(Fault::ClockInternal);
         }
-        core.DCB.enable_trace();
-        core.DWT.enable_cycle_counter();
+        time::start(device.TIM5, &mut rcc);
 
         let gpioa = device.GPIOA.split(&mut rcc);
         let gpiob = device.GPIOB.split(&mut rcc);
@@ -102,7 +99,7 @@ impl Board for F405 {
         let pins = (gpioa.pa0, gpioa.pa1.into_pull_up_input());
         let link = Uart::new(device.UART4, pins, (dma1.4, dma1.2), &mut rcc);
         #[cfg(not(feature = "spi-sensors"))]
-        let sensors = analog::start(
+        let sensors = analog::set_up(
             analog::Wires {
                 force: gpioa.pa2,
                 // PB4 is JTAG's reset until it is taken; serial-wire debugging does not need it.
@@ -112,6 +109,7 @@ impl Board for F405 {
                 adc: device.ADC1,
                 tim2: device.TIM2,
                 tim3: device.TIM3,
+                guard: core.SYST,
             },
             Clock::new(standing),
             &mut rcc,
@@ -119,11 +117,11 @@ impl Board for F405 {
         #[cfg(feature = "spi-sensors")]
         let sensors = {
             // Only the force output needs the event here.
-            event::start(device.TIM2, &mut rcc);
+            event::set_up(device.TIM2, &mut rcc);
             // The motor drivers share the bus and stay deselected.
             let _ = gpioc.pc13.into_push_pull_output_in_state(true.into());
             let _ = gpioc.pc14.into_push_pull_output_in_state(true.into());
-            spi::start(
+            spi::set_up(
                 spi::Wires {
                     spi3: device.SPI3,
                     bus: (gpioc.pc10, gpioc.pc11, gpioc.pc12),
@@ -137,44 +135,39 @@ impl Board for F405 {
                 &mut rcc,
             )
         };
-        let output = Pwm::new(gpiob.pb3.into_alternate());
+        let output = Pwm::new(gpiob.pb3.into_alternate(), dma1.1);
         registers::check(source);
         Parts {
             sensors,
             link,
             light: gpioc.pc4.into_push_pull_output(),
             store: Store::new(Flash::new(device.FLASH), SETTINGS, SECTOR),
-            watchdog: IwdgWatchdog(watchdog),
+            watchdog,
             output,
             clock_fallback,
+            reset,
         }
     }
 
     fn now() -> u32 {
-        DWT::cycle_count()
+        time::now()
     }
 
-    /// Waits without `wfi`: the cycle counter, which gives the samples their time, stands still while the
-    /// core sleeps.
+    /// Waits without `wfi`: a debugger reads the log from memory, which it cannot while the core sleeps.
     fn idle() {
         cortex_m::asm::nop();
     }
 
-    fn stop(_: Outcome) -> ! {
+    fn make_safe() {
         cortex_m::interrupt::disable();
         Pwm::float();
+    }
+
+    fn stop(_: Outcome) -> ! {
+        F405::make_safe();
         loop {
             cortex_m::asm::nop();
         }
-    }
-}
-
-/// The independent watchdog, which runs from the start.
-pub struct IwdgWatchdog(IndependentWatchdog);
-
-impl Watchdog for IwdgWatchdog {
-    fn feed(&mut self) {
-        self.0.feed();
     }
 }
 
@@ -204,6 +197,16 @@ struct Clock {
     standing: Faults,
 }
 
+/// A tick on the board's clock.
+struct At {
+    /// Its time (µs).
+    time_us: u64,
+    /// [`Fault::Overrun`] if ticks were missed before it, and the standing faults.
+    faults: Faults,
+    /// The reading of the stopwatch at which it was due.
+    due: u32,
+}
+
 impl Clock {
     fn new(standing: Faults) -> Self {
         Clock {
@@ -212,14 +215,28 @@ impl Clock {
         }
     }
 
-    /// Returns the time of this tick (µs), with [`Fault::Overrun`] if ticks were missed before it, and
-    /// `None` for a spurious call.
-    fn tick(&mut self) -> Option<(u64, Faults)> {
-        let (count, late) = self.ticks.at(F405::now())?;
-        let faults = match late {
+    /// Takes note that ticks start now, or start again.
+    fn resume(&mut self) {
+        self.ticks.start(F405::now());
+    }
+
+    /// Returns whether a tick should have come half a tick ago.
+    #[cfg(not(feature = "spi-sensors"))]
+    fn is_overdue(&self) -> bool {
+        self.ticks.is_overdue(F405::now())
+    }
+
+    /// Returns this tick, or `None` for a spurious call.
+    fn tick(&mut self) -> Option<At> {
+        let told = self.ticks.at(F405::now())?;
+        let faults = match told.missed {
             true => self.standing.with(Fault::Overrun),
             false => self.standing,
         };
-        Some((count * PERIOD_US, faults))
+        Some(At {
+            time_us: told.number * PERIOD_US,
+            faults,
+            due: told.due,
+        })
     }
 }

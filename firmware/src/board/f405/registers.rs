@@ -12,6 +12,7 @@ const GPIOB: u32 = 0x4002_0400;
 const UART4: u32 = 0x4000_4c00;
 const DMA1: u32 = 0x4002_6000;
 const TIM2: u32 = 0x4000_0000;
+const TIM5: u32 = 0x4000_0c00;
 #[cfg(not(feature = "spi-sensors"))]
 const TIM3: u32 = 0x4000_0400;
 #[cfg(not(feature = "spi-sensors"))]
@@ -22,7 +23,7 @@ const DMA2: u32 = 0x4002_6400;
 const SPI3: u32 = 0x4000_3c00;
 
 /// Registers that have the same value with either set of sensors.
-const COMMON: [Expected; 10] = [
+const COMMON: [Expected; 15] = [
     // 7.3.3: SWS (3:2) says that the PLL drives the core; PPRE1 (12:10) divides by 4, PPRE2 (15:13)
     // by 2.
     Expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
@@ -37,6 +38,24 @@ const COMMON: [Expected; 10] = [
     // 18.4.12: 84 MHz / 2625 = 32 kHz, without a prescaler.
     Expected("TIM2_PSC", TIM2 + 0x28, 0xffff, 0),
     Expected("TIM2_ARR", TIM2 + 0x2c, u32::MAX, 2624),
+    // 18.4.4: an update asks for DMA; 10.5.5, stream 1: channel 3, words from a list to the register.
+    Expected("TIM2_DIER", TIM2 + 0x0c, 1 << 8, 1 << 8),
+    Expected(
+        "DMA1_S1CR",
+        DMA1 + 0x10 + 0x18,
+        0x0e00_7fc1 & !1,
+        0x0600_5440,
+    ),
+    // 10.5.5, stream 4: channel 4, bytes from a ring, interrupts at its end and after an error.
+    Expected(
+        "DMA1_S4CR",
+        DMA1 + 0x10 + 0x18 * 4,
+        0x0e00_7fd4,
+        0x0800_0454,
+    ),
+    // 18.4.10 and 18.4.12: the time base counts all 32 bits without a prescaler.
+    Expected("TIM5_PSC", TIM5 + 0x28, 0xffff, 0),
+    Expected("TIM5_ARR", TIM5 + 0x2c, u32::MAX, u32::MAX),
     // 30.6.3: 42 MHz / 2 Mbaud = 16 · 1 5/16.
     Expected("UART4_BRR", UART4 + 0x08, 0xffff, 0x15),
     // 10.5.5, stream 2: channel 4, circular, counting up the memory, on.
@@ -49,24 +68,27 @@ const COMMON: [Expected; 10] = [
 ];
 
 #[cfg(not(feature = "spi-sensors"))]
-const SENSORS: [Expected; 7] = [
-    // 18.4.2: the update is the trigger output.
-    Expected("TIM2_CR2", TIM2 + 0x04, 0b111 << 4, 0b010 << 4),
+const SENSORS: [Expected; 10] = [
+    // 18.4.2: channel 3's reference is the trigger output, of mode 2 as channel 4 (18.4.8), which is on.
+    Expected("TIM2_CR2", TIM2 + 0x04, 0b111 << 4, 0b110 << 4),
+    Expected("TIM2_CCMR2", TIM2 + 0x1c, 0x7b7b, 0x7878),
+    Expected("TIM2_CCR3", TIM2 + 0x3c, u32::MAX, 2400),
+    Expected("TIM2_CCR4", TIM2 + 0x40, u32::MAX, 472),
     // 18.4.3: both edges of both inputs count, ITR1 is the trigger.
     Expected("TIM3_SMCR", TIM3 + 0x08, 0x77, 0x13),
     // 18.4.8 and 18.4.9: channel 3 captures on the trigger; 18.4.4: and asks for DMA.
     Expected("TIM3_CCMR2", TIM3 + 0x1c, 0b11, 0b11),
     Expected("TIM3_DIER", TIM3 + 0x0c, 1 << 11, 1 << 11),
-    // 13.13.3: rising edge of TIM2_TRGO, DMA for ever, on.
-    Expected("ADC1_CR2", ADC1 + 0x08, 0x3f00_0301, 0x1600_0301),
-    // 10.5.5, stream 0: channel 0, double buffer, half words, interrupt when a block is full, on.
-    Expected("DMA2_S0CR", DMA2 + 0x10, 0x0e04_7c11, 0x0004_2c11),
-    // Stream 7: channel 5, double buffer, half words, on.
+    // 13.13.3: rising edge of TIM2's channel 4, DMA for ever, on.
+    Expected("ADC1_CR2", ADC1 + 0x08, 0x3f00_0301, 0x1500_0301),
+    // 10.5.5, stream 0: channel 0, double buffer, half words, interrupt when a block is full.
+    Expected("DMA2_S0CR", DMA2 + 0x10, 0x0e04_7c10, 0x0004_2c10),
+    // Stream 7: channel 5, double buffer, half words.
     Expected(
         "DMA1_S7CR",
         DMA1 + 0x10 + 0x18 * 7,
-        0x0e04_7c01,
-        0x0a04_2c01,
+        0x0e04_7c00,
+        0x0a04_2c00,
     ),
 ];
 

@@ -3,8 +3,8 @@
 //! PC10 to PC12 are the bus (on the ODrive's header). The select lines of both motor drivers (PC13, PC14)
 //! are held high, so that the drivers ignore the bus. It runs at 5.25 MHz in mode 1, within both data sheets.
 
-use super::Clock;
 use super::clock::CORE_HZ;
+use super::{Clock, event};
 use crate::board::{Acquired, Sensors};
 use crate::driver::{ads1220, as5047p, pair::Pair};
 use crate::systick;
@@ -42,10 +42,11 @@ pub struct SpiSensors {
     ready: PB2<Input>,
     pair: Pair,
     clock: Clock,
+    tick: Option<SYST>,
 }
 
-/// Sets both sensors up, logs their errors, and starts the tick.
-pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
+/// Sets both sensors up and logs their errors.
+pub fn set_up(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
     let (sck, miso, mosi) = wires.bus;
     let pins = (Some(sck), Some(miso), Some(mosi));
     // 42 MHz / 8.
@@ -57,9 +58,9 @@ pub fn start(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
         ready: wires.ready,
         pair: Pair::default(),
         clock,
+        tick: Some(wires.tick),
     };
     sensors.set_up();
-    systick::start(wires.tick, CORE_HZ);
     sensors
 }
 
@@ -106,17 +107,25 @@ impl SpiSensors {
 }
 
 impl Sensors for SpiSensors {
+    fn start(&mut self) {
+        if let Some(tick) = self.tick.take() {
+            systick::start(tick, CORE_HZ, 1);
+        }
+        event::start();
+        self.clock.resume();
+    }
+
     fn sample(&mut self) -> Acquired {
-        let Some((time_us, faults)) = self.clock.tick() else {
+        let Some(at) = self.clock.tick() else {
             return Acquired::Nothing;
         };
         let ready = self.ready.is_low();
         let angle = as5047p::angle(&mut Chip(&mut self.bus, &mut self.encoder)).ok();
         let force = ads1220::fetch_and_start(&mut Chip(&mut self.bus, &mut self.bridge)).ok();
-        match self.pair.sample(time_us, ready, angle, force) {
+        match self.pair.sample(at.time_us, ready, angle, force) {
             Some(mut codes) => {
-                codes.faults = codes.faults | faults;
-                Acquired::Reading(Reading::Codes(codes))
+                codes.faults = codes.faults | at.faults;
+                Acquired::Reading(Reading::Codes(codes), at.due)
             }
             None => Acquired::Nothing,
         }

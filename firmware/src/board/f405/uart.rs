@@ -1,27 +1,31 @@
-//! Telemetry and commands on UART4, both by DMA. Frames go out from two chunks: one is sent while the other
-//! fills. Commands come into a ring that the DMA fills without end and [`Link::receive`] follows.
+//! Telemetry and commands on UART4, both by DMA. Frames go out of a ring: the stream sends one stretch of
+//! it after the other, and the interrupt at a stretch's end starts the next, so that the line is busy as long as
+//! something waits. Commands come into a ring that the DMA fills without end and [`Link::receive`] follows.
 
 use crate::board::Link;
 use core::sync::atomic::{AtomicU8, Ordering};
-use cortex_m::singleton;
-use embedded_dma::ReadBuffer;
+use cortex_m::peripheral::NVIC;
 use estimator_core::board::link::BAUD;
-use stm32f4xx_hal::dma::config::DmaConfig;
+use estimator_core::board::outbox::Outbox;
+use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::{PeriAddress, Stream};
-use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, DmaFlag, MemoryToPeripheral};
-use stm32f4xx_hal::dma::{Stream2, Stream4, Transfer};
+use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, Stream2, Stream4};
 use stm32f4xx_hal::gpio::{PA0, PA1};
-use stm32f4xx_hal::pac::{DMA1, UART4};
+use stm32f4xx_hal::pac::{DMA1, Interrupt, NVIC_PRIO_BITS, UART4};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Rx, Serial, Tx, config};
 
-/// Bytes of a chunk: 2.5 ms at full speed.
-const CHUNK: usize = 512;
-
 /// Bytes of the ring of commands. The longest command has 15 bytes, and telemetry looks every
 /// millisecond, in which 200 can come. A host waits for the answer before its next command.
 const INBOX: usize = 256;
+
+/// The priority of the interrupt that starts the next stretch, as RTIC counts: above the telemetry task, below
+/// the sampling task, which makes it wait for 50 µs at most.
+const PRIORITY: u8 = 2;
+
+/// All flags of stream 4 in DMA_HIFCR (RM 10.5.4).
+const STREAM4_FLAGS: u32 = 0x3d;
 
 // The divider is exact: 42 MHz / 16 / 2 Mbaud = 1 5/16.
 const _: () = assert!(42_000_000 % BAUD == 0);
@@ -29,30 +33,59 @@ const _: () = assert!(42_000_000 % BAUD == 0);
 /// The ring is atomic, since the DMA writes it without the compiler's knowledge.
 static RECEIVED: [AtomicU8; INBOX] = [const { AtomicU8::new(0) }; INBOX];
 
-/// A buffer that the DMA may read, since it never moves.
-pub struct Chunk {
-    bytes: &'static mut [u8; CHUNK],
-    length: usize,
-}
+/// The telemetry task writes, the interrupt below sends.
+static OUTBOX: Outbox = Outbox::new();
 
-// SAFETY: the bytes are static and `length` is at most their number. While the DMA reads them, the
-// transfer owns the chunk.
-unsafe impl ReadBuffer for Chunk {
-    type Word = u8;
-
-    unsafe fn read_buffer(&self) -> (*const u8, usize) {
-        (self.bytes.as_ptr(), self.length)
+/// Starts the next stretch unless one is underway. Raised at the end of a stretch, also by an error of the
+/// stream, which switches it off, and by [`Link::poll`].
+#[unsafe(no_mangle)]
+extern "C" fn DMA1_STREAM4() {
+    // SAFETY: after the start only this handler touches stream 4 and its flags.
+    let dma = unsafe { &*DMA1::ptr() };
+    let stream = dma.st(4);
+    if stream.cr().read().en().bit_is_set() {
+        return;
+    }
+    // SAFETY: the bits are those of stream 4 (RM 10.5.4); a stretch is static memory that stays as it is until
+    // the stream has sent it.
+    unsafe {
+        dma.hifcr().write(|w| w.bits(STREAM4_FLAGS));
+        if let Some(stretch) = OUTBOX.next_stretch() {
+            stream.m0ar().write(|w| w.bits(stretch.as_ptr() as u32));
+            stream.ndtr().write(|w| w.bits(stretch.len() as u32));
+            stream.cr().modify(|_, w| w.en().set_bit());
+        }
     }
 }
 
 /// The serial link.
 pub struct Uart {
-    transfer: Transfer<Stream4<DMA1>, 4, Tx<UART4>, MemoryToPeripheral, Chunk>,
-    /// The chunk that fills; it is `None` only within [`Link::poll`].
-    filling: Option<Chunk>,
     received: Stream2<DMA1>,
     /// Index in [`RECEIVED`] of the next byte to fetch.
     fetched: usize,
+}
+
+/// Sets up the stream of the frames: DMA1 stream 4 channel 4 (RM table 42), byte by byte, with its interrupt.
+fn send(tx: &Tx<UART4>, mut stream: Stream4<DMA1>) {
+    stream.set_channel(DmaChannel::Channel4);
+    stream.set_direction(DmaDirection::MemoryToPeripheral);
+    stream.set_peripheral_address(tx.address());
+    stream.set_memory_increment(true);
+    stream.set_peripheral_increment(false);
+    stream.set_fifo_enable(false);
+    stream.set_priority(Priority::Low);
+    stream.listen_transfer_complete();
+    stream.listen_transfer_error();
+    let priority = (1 << NVIC_PRIO_BITS) - PRIORITY;
+    // SAFETY: the sizes are those of the register and the ring. The interrupt is the handler's above, which
+    // takes nothing that another task owns.
+    unsafe {
+        stream.set_memory_size(DmaDataSize::Byte);
+        stream.set_peripheral_size(DmaDataSize::Byte);
+        let mut nvic = cortex_m::Peripherals::steal().NVIC;
+        nvic.set_priority(Interrupt::DMA1_STREAM4, priority << (8 - NVIC_PRIO_BITS));
+        NVIC::unmask(Interrupt::DMA1_STREAM4);
+    }
 }
 
 /// Starts the stream of the commands: DMA1 stream 2 channel 4 (RM table 42), circular, byte by byte.
@@ -90,26 +123,10 @@ impl Uart {
             defmt::panic!("UART4 cannot run at {=u32} baud", BAUD);
         };
         let (tx, rx) = serial.split();
-        let (Some(first), Some(second)) = (
-            singleton!(: [u8; CHUNK] = [0; CHUNK]),
-            singleton!(: [u8; CHUNK] = [0; CHUNK]),
-        ) else {
-            defmt::panic!("the board was started twice");
-        };
+        send(&tx, out);
         // A zero ends a frame: a host that listens already is in step from here on.
-        let opening = Chunk {
-            bytes: first,
-            length: 1,
-        };
-        let config = DmaConfig::default().memory_increment(true);
-        let mut transfer = Transfer::init_memory_to_peripheral(out, tx, opening, None, config);
-        transfer.start(|_| {});
+        OUTBOX.write(&[0]);
         Uart {
-            transfer,
-            filling: Some(Chunk {
-                bytes: second,
-                length: 0,
-            }),
             received: receive(&rx, inbox),
             fetched: 0,
         }
@@ -118,37 +135,15 @@ impl Uart {
 
 impl Link for Uart {
     fn room(&self) -> usize {
-        self.filling
-            .as_ref()
-            .map_or(0, |chunk| CHUNK - chunk.length)
+        OUTBOX.room()
     }
 
     fn send(&mut self, bytes: &[u8]) {
-        let Some(chunk) = &mut self.filling else {
-            return;
-        };
-        for (slot, byte) in chunk.bytes[chunk.length..].iter_mut().zip(bytes) {
-            *slot = *byte;
-            chunk.length += 1;
-        }
+        OUTBOX.write(bytes);
     }
 
     fn poll(&mut self) {
-        if !self.transfer.flags().contains(DmaFlag::TransferComplete) {
-            return;
-        }
-        let Some(chunk) = self.filling.take_if(|chunk| chunk.length > 0) else {
-            return;
-        };
-        self.filling = Some(match self.transfer.next_transfer(chunk) {
-            Ok((sent, _)) => Chunk { length: 0, ..sent },
-            // Only double-buffered transfers fail, and this is none. The bytes would be lost, and the
-            // sequence numbers would show it.
-            Err(error) => Chunk {
-                length: 0,
-                ..chunk_of(error)
-            },
-        });
+        NVIC::pend(Interrupt::DMA1_STREAM4);
     }
 
     fn receive(&mut self) -> Option<u8> {
@@ -163,15 +158,8 @@ impl Link for Uart {
     }
 
     fn finish(&mut self) {
-        self.poll();
-        self.transfer.wait();
-    }
-}
-
-/// Returns the chunk that an error hands back.
-fn chunk_of(error: stm32f4xx_hal::dma::DMAError<Chunk>) -> Chunk {
-    use stm32f4xx_hal::dma::DMAError::{NotReady, Overrun, SmallBuffer};
-    match error {
-        NotReady(chunk) | SmallBuffer(chunk) | Overrun(chunk) => chunk,
+        while OUTBOX.waiting() > 0 {
+            self.poll();
+        }
     }
 }

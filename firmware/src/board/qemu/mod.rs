@@ -14,10 +14,13 @@ use crate::board::{Acquired, Board, ForceOutput, Link, Outcome, Parts, Sensors, 
 use crate::systick;
 use core::convert::Infallible;
 use core::ffi::CStr;
+use cortex_m::peripheral::SYST;
 // The log goes to QEMU's standard output.
 use defmt_semihosting as _;
 use embedded_hal::digital::{ErrorType, OutputPin};
-use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, RECORD_ENCODED};
+use estimator_core::board::frame::{Decoder, Frame};
+use estimator_core::board::history::ResetCause;
+use estimator_core::board::link::RECORD_ROOM;
 use estimator_core::board::ram_flash::{RamFlash, SECTOR};
 use estimator_core::board::sampling::{FULL, RATE_HZ, Reading};
 use estimator_core::board::settings::store::Store;
@@ -62,17 +65,16 @@ impl Board for Qemu {
     type Output = Recorded;
 
     fn start(core: cortex_m::Peripherals) -> Parts<Qemu> {
-        let parts = Parts {
-            sensors: Recording::open(),
+        Parts {
+            sensors: Recording::open(core.SYST),
             link: Output::create(),
             light: NoLight,
             store: Store::new(flash::open(), 0, SECTOR),
             watchdog: NoWatchdog,
             output: Recorded::create(),
             clock_fallback: false,
-        };
-        systick::start(core.SYST, CORE_HZ);
-        parts
+            reset: ResetCause::PowerOn,
+        }
     }
 
     /// Reads TIM2, which runs at 1 GHz here whatever is written to it. Under `shift=0` a nanosecond is an
@@ -91,6 +93,8 @@ impl Board for Qemu {
         unsafe { core::arch::asm!(".rept 400", "nop", ".endr", options(nomem, nostack)) }
     }
 
+    fn make_safe() {}
+
     fn stop(outcome: Outcome) -> ! {
         semihosting::process::exit(match outcome {
             Outcome::Done => 0,
@@ -106,10 +110,11 @@ pub struct Recording {
     used: usize,
     filled: usize,
     decoder: Decoder,
+    tick: Option<SYST>,
 }
 
 impl Recording {
-    fn open() -> Self {
+    fn open(tick: SYST) -> Self {
         let Ok(file) = File::open(SAMPLES) else {
             defmt::panic!("cannot open samples.frames in QEMU's working directory");
         };
@@ -119,6 +124,7 @@ impl Recording {
             used: 0,
             filled: 0,
             decoder: Decoder::new(),
+            tick: Some(tick),
         }
     }
 
@@ -137,14 +143,22 @@ impl Recording {
 }
 
 impl Sensors for Recording {
+    fn start(&mut self) {
+        if let Some(tick) = self.tick.take() {
+            systick::start(tick, CORE_HZ, 1);
+        }
+    }
+
     fn sample(&mut self) -> Acquired {
+        // The machine has no latency: a tick starts when it is due.
+        let due = Qemu::now();
         while let Some(byte) = self.next_byte() {
             match self.decoder.push(byte) {
                 Some(Ok((_, Frame::Sample(sample)))) => {
-                    return Acquired::Reading(Reading::Sample(sample));
+                    return Acquired::Reading(Reading::Sample(sample), due);
                 }
                 Some(Ok((_, Frame::Codes(codes)))) => {
-                    return Acquired::Reading(Reading::Codes(codes));
+                    return Acquired::Reading(Reading::Codes(codes), due);
                 }
                 Some(Ok(_)) | None => {}
                 Some(Err(error)) => {
@@ -205,7 +219,7 @@ impl Link for Output {
     }
 
     fn poll(&mut self) {
-        if self.room() < MAX_ENCODED + 2 * RECORD_ENCODED {
+        if self.room() < 2 * RECORD_ROOM {
             self.finish();
         }
     }
@@ -252,7 +266,7 @@ impl Recorded {
 impl ForceOutput for Recorded {
     const FULL: u16 = FULL;
 
-    fn put(&mut self, code: u16) {
+    fn put(&mut self, code: u16, _rest: u16) {
         if self.last.replace(code) != Some(code) {
             let [a, b, c, d] = self.tick.to_le_bytes();
             let [low, high] = code.to_le_bytes();
@@ -262,6 +276,10 @@ impl ForceOutput for Recorded {
         }
         self.tick = self.tick.wrapping_add(1);
     }
+
+    fn rested(&mut self) -> bool {
+        false
+    }
 }
 
 /// A watchdog that is never fed and never resets: the machine's watchdog does nothing.
@@ -269,6 +287,8 @@ pub struct NoWatchdog;
 
 impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
+
+    fn lengthen(&mut self) {}
 }
 
 /// A light that nobody sees: the machine has none.
