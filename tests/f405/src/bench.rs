@@ -1,6 +1,6 @@
 //! A board on the bench: machine, host and probe together, in steps of a millisecond.
 
-use crate::chip::{MILLISECOND, Part, UNITS_PER_SECOND};
+use crate::chip::{Drive, MILLISECOND, Part, UNITS_PER_SECOND};
 use crate::elf::Image;
 use crate::host::{Host, Received};
 use crate::machine::Machine;
@@ -8,7 +8,8 @@ use crate::probe::Probe;
 use crate::world::World;
 use estimator_core::Estimate;
 use estimator_core::board::frame::Frame;
-use estimator_core::board::link::{Answer, Command, Health};
+use estimator_core::board::link::{Answer, Command, Health, Refusal};
+use estimator_core::board::settings::Key;
 use std::env;
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
@@ -122,6 +123,68 @@ impl Bench {
             )
         };
         pairs.map(gap).sum()
+    }
+
+    /// Arms the force output, where the firmware has that.
+    pub fn arm(&mut self) {}
+
+    /// Sets settings; each has to be accepted.
+    pub fn set(&mut self, settings: &[(Key, f32)]) {
+        for (key, value) in settings {
+            for _ in 0..50 {
+                match self.ask(Command::Set(key.id(), *value), 1.0) {
+                    Some((Answer::Value(..), _)) => break,
+                    // The last change is still on its way.
+                    Some((Answer::Refused(Refusal::Busy, _), _)) => self.run(1e-3),
+                    other => panic!("{key:?} = {value}: {other:?}"),
+                }
+            }
+        }
+    }
+
+    /// The lag of each record (s): from the sampling of its last instant to the arrival of its codes. The time
+    /// of the first tick has to be known: `trace.followed` names its exception.
+    pub fn lags(&self) -> Vec<(f64, f64)> {
+        let Some(first_tick) = self.machine.chip.trace.entries.first() else {
+            return Vec::new();
+        };
+        let first_tick = *first_tick as f64 / UNITS_PER_SECOND as f64;
+        let codes = self.host.frames.iter().filter_map(|r| match &r.frame {
+            Frame::Codes(codes) => Some((r.seconds(), 1e-6 * codes.time_us as f64)),
+            _ => None,
+        });
+        let mut start = None;
+        codes
+            .map(|(at, time)| {
+                let start = *start.get_or_insert(time);
+                (at, at - first_tick - (time - start))
+            })
+            .collect()
+    }
+
+    /// The times between a time and the last instant at which the output was not at rest after it (s): 0 if it
+    /// rested all the time.
+    pub fn time_to_rest(&self, from_s: f64, zero: f64) -> f64 {
+        let drive = &self.machine.chip.trace.drive;
+        let mut last = from_s;
+        for (index, (_, what)) in drive.iter().enumerate() {
+            let end = drive
+                .get(index + 1)
+                .map_or(self.machine.chip.now, |next| next.0);
+            let end = end as f64 / UNITS_PER_SECOND as f64;
+            if !what.is_rest(zero) {
+                last = last.max(end);
+            }
+        }
+        last - from_s
+    }
+
+    /// What drives the output now: the share of its full range, 0 where it floats.
+    pub fn share(&self) -> f64 {
+        match self.machine.chip.trace.drive.last() {
+            Some((_, Drive::Share(share))) => *share,
+            _ => 0.0,
+        }
     }
 
     /// The log so far.

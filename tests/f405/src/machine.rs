@@ -118,13 +118,14 @@ impl Machine {
 
     fn reset(&mut self, why: Reset) {
         self.chip.reset(why);
+        // What hung does not hang again.
+        self.core.forget();
         self.core.reset(&mut self.chip);
         self.locked = false;
     }
 
     /// The supply sinks below the threshold and comes back.
     pub fn brown_out(&mut self) {
-        self.core.forget();
         self.reset(Reset::BrownOut);
     }
 
@@ -148,6 +149,17 @@ impl Machine {
     pub fn hang_without_interrupts(&mut self) {
         self.chip.scs.primask = true;
         self.core.hang_at(self.core.next);
+    }
+
+    /// The core meets a hard fault.
+    pub fn crash(&mut self) {
+        self.chip.scs.pend(3);
+        self.chip.attention = true;
+    }
+
+    /// The PLL does not lock on the internal oscillator either.
+    pub fn internal_never_locks(&mut self) {
+        self.chip.rcc.internal_unlockable = true;
     }
 
     /// Stops a stream of a DMA controller (1 or 2), as a bus error does.

@@ -51,6 +51,14 @@ impl Probe {
         machine.chip.poke(flags, value);
     }
 
+    /// Fills the log, as a program does that has logged much since the probe has left.
+    pub fn fill(&self, machine: &mut Machine) {
+        let field = |index: u32| self.block + 24 + 4 * index;
+        let size = machine.chip.word(field(2));
+        let read = machine.chip.word(field(4));
+        machine.chip.poke(field(3), (read + size - 1) % size.max(1));
+    }
+
     /// The lines of the log so far.
     pub fn log(&self, image: &Image) -> Vec<String> {
         let Ok(Some(table)) = Table::parse(&image.file) else {

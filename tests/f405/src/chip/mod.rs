@@ -17,13 +17,14 @@ mod timer;
 pub(crate) mod trace;
 mod uart;
 
+pub use flash::{EraseTimes, Operation, apply};
 pub use rcc::Crystal;
 pub use trace::{Cost, Drive, Reset, Trace};
 
 use crate::world::World;
 use adc::Adc;
 use dma::Dma;
-use flash::{EraseTimes, Flash};
+use flash::Flash;
 use gpio::Port;
 use iwdg::Iwdg;
 use rcc::{Periods, Rcc};

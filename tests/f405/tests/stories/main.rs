@@ -2,4 +2,12 @@
 //! ignored with the repair that it needs and the figure that was measured.
 
 mod boot;
+mod clock;
 mod common;
+mod flash;
+mod hang;
+mod instants;
+mod link;
+mod sensing;
+mod supply;
+mod teleoperation;
