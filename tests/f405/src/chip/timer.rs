@@ -363,11 +363,11 @@ impl Timer {
         Some(if inverted { 1.0 - high } else { high })
     }
 
-    /// The time (units) from an instant to the nearest edge of a channel's output, and the share of the period
-    /// that it is high; nothing without edges.
+    /// The time (units) from an instant to the nearest edge of a channel's output, while that is high for 5 to 95 %
+    /// of a period.
     pub(crate) fn nearest_edge(&self, channel: usize, now: u64) -> Option<u64> {
         let share = self.share(channel, now, false)?;
-        if !self.is_running() || share <= 0.0 || share >= 1.0 {
+        if !self.is_running() || !(0.05..=0.95).contains(&share) {
             return None;
         }
         let period = (u64::from(self.arr_now) + 1) * self.tick();

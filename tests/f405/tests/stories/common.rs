@@ -8,7 +8,7 @@ use estimator_core::{Config, Params, Sample, State, Status, step};
 use f405::bench::Bench;
 use f405::chip::{Part, UNITS_PER_SECOND};
 use f405::elf::Image;
-use f405::world::{Material, Press, Strokes};
+use f405::world::{Material, Motion, Press, Strokes};
 use std::sync::Arc;
 
 /// A board whose probe presses into a material again and again, from 0.8 s on.
@@ -81,6 +81,15 @@ impl Rendering {
             0.5..0.6 => (-0.5e-3 + (t - 0.5) * 30e-3, 30e-3),
             _ => (2.5e-3, 0.0),
         };
+        Rendering::start_along(image, part, motion)
+    }
+
+    /// The same with the handle on another way.
+    pub(crate) fn start_along(
+        image: Arc<Image>,
+        part: Part,
+        motion: impl Motion + 'static,
+    ) -> Self {
         // Nothing touches the master's load cell.
         let air = Material {
             stiffness: 0.0,
@@ -100,8 +109,7 @@ impl Rendering {
 
     /// Goes on for some time (s), with a packet every 10 ms.
     pub(crate) fn go_on(&mut self, seconds: f64) {
-        let end = self.bench.machine.chip.seconds() + seconds;
-        while self.bench.machine.chip.seconds() < end {
+        for _ in 0..(seconds / 0.01).round() as u32 {
             self.sequence = self.sequence.wrapping_add(1);
             let now_us = (self.bench.machine.chip.seconds() * 1e6) as u64;
             // The board counts its positions from where it was switched on.
@@ -109,8 +117,7 @@ impl Rendering {
             self.bench
                 .host
                 .send(&mut self.bench.machine, Command::Reflect(told));
-            self.bench
-                .run(0.01_f64.min(end - self.bench.machine.chip.seconds()));
+            self.bench.run(0.01);
         }
     }
 

@@ -169,19 +169,22 @@ fn a_hand_feels_through_two_boards_what_the_probe_touches() {
     slave.set(&[(Key::ReflectionEvery, 5.0), (Key::TelemetryEvery, 4.0)]);
     let (mut seen, mut channel) = (slave.host.frames.len(), VecDeque::new());
     let (mut square, mut felt, mut count, mut most) = (0.0, 0.0, 0, 0.0_f64);
-    while master.machine.chip.seconds() < 8.0 {
-        let behind = master.machine.chip.seconds() - slave.machine.chip.seconds();
-        master.run(if behind > 0.0 { 0.0 } else { 1e-3 });
-        slave.run(1e-3_f64.min(1e-3 + behind.min(0.0)));
+    // The commands have brought the two clocks apart.
+    let mut now = master.machine.chip.now.max(slave.machine.chip.now);
+    while now < 8 * UNITS_PER_SECOND {
+        now += MILLISECOND;
+        for board in [&mut master, &mut slave] {
+            let behind = now.saturating_sub(board.machine.chip.now);
+            board.run(behind as f64 / UNITS_PER_SECOND as f64);
+        }
         channel.extend(packets(&slave, &mut seen, 10));
         while let Some((at, command)) = channel.front().copied()
-            && at <= master.machine.chip.now
+            && at <= now
         {
             channel.pop_front();
             master.host.send(&mut master.machine, command);
         }
-        let now = master.machine.chip.now;
-        if master.machine.chip.seconds() > 5.0 {
+        if now > 5 * UNITS_PER_SECOND {
             let (x, v) = shared.lock().expect("one thread").state(now);
             let touched = Material::GEL.force_n(x, v);
             let rendered = master.share() * FULL_N;
