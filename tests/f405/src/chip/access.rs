@@ -66,6 +66,7 @@ impl Chip {
                 let shift = 8 * (at & 3);
                 let mask = u32::MAX >> (32 - 8 * bytes);
                 self.attention = true;
+                self.catch_up();
                 self.register(at & !3) >> shift & mask
             }
             0x42 | 0x22 => {
@@ -126,6 +127,7 @@ impl Chip {
                 self.attention = true;
             }
             0x40 | 0x50 => {
+                self.catch_up();
                 let merged = match bytes {
                     4 => value,
                     _ => {

@@ -43,6 +43,7 @@ const ADC_COMPARES: [(u32, usize, usize); 12] = [
 impl Chip {
     /// Does everything that is due and finds the next event.
     pub(crate) fn advance(&mut self) {
+        self.advancing = true;
         loop {
             let next = self.first_event();
             if next > self.now {
@@ -55,6 +56,7 @@ impl Chip {
             self.serve();
         }
         self.serve();
+        self.advancing = false;
         self.next_event = self.first_event();
         let lines = self.lines();
         self.scs.set_lines(lines);
@@ -63,6 +65,14 @@ impl Chip {
         }
         if self.scs.reset {
             self.reset = Some(Reset::Software);
+        }
+    }
+
+    /// Does what was due before an access to a register: an event that comes within an instruction would
+    /// otherwise meet registers of after it.
+    pub(super) fn catch_up(&mut self) {
+        if self.now >= self.next_event && !self.advancing {
+            self.advance();
         }
     }
 

@@ -86,6 +86,8 @@ pub struct Chip {
     /// The core has to look at the chip before it goes on.
     pub(crate) attention: bool,
     pub(crate) fault: bool,
+    /// Events are being done: an access by a stream meets no others.
+    advancing: bool,
     pub(crate) ram: Vec<u8>,
     ccm: Vec<u8>,
     pub(crate) backup: [u32; BACKUP_WORDS],
@@ -125,6 +127,7 @@ impl Chip {
             next_event: 0,
             attention: true,
             fault: false,
+            advancing: false,
             // What memory holds when the power comes is anything.
             ram: (0..RAM_BYTES).map(|i| (i * 167 + 13) as u8).collect(),
             ccm: vec![0xa5; CCM_BYTES],

@@ -133,8 +133,9 @@ fn health_comes_every_second_under_commands_and_packets_at_full_telemetry() {
     );
     assert_eq!(answered, asked);
     assert_eq!((health.dropped, bench.lost()), (0, 0));
+    // The core stands still for 4 s, while the first save erases.
     assert!(
-        bench.healths().count() >= SECONDS - 2,
+        bench.healths().count() >= SECONDS - 6,
         "{}",
         bench.healths().count()
     );
