@@ -187,7 +187,7 @@ impl Chip {
             0x4002_3c00 => self.flash.read(offset, now),
             0x4002_6000 => self.dma.read(0, offset),
             0x4002_6400 => self.dma.read(1, offset),
-            0x4002_8000.. if at >= 0x4004_0000 && at < 0x5000_0000 => self.missing(at),
+            0x4004_0000..0x5000_0000 => self.missing(at),
             0x4000_2800 if (RTC_BACKUP..RTC_BACKUP + 80).contains(&at) => {
                 self.backup[(at - RTC_BACKUP) as usize / 4]
             }
@@ -228,7 +228,7 @@ impl Chip {
             0x4002_3c00 => self.flash.write(offset, value, now, MICROSECOND),
             0x4002_6000 => self.dma.write(0, offset, value),
             0x4002_6400 => self.dma.write(1, offset, value),
-            0x4002_8000.. if at >= 0x4004_0000 && at < 0x5000_0000 => _ = self.missing(at),
+            0x4004_0000..0x5000_0000 => _ = self.missing(at),
             0x4000_2800 if (RTC_BACKUP..RTC_BACKUP + 80).contains(&at) => {
                 self.backup[(at - RTC_BACKUP) as usize / 4] = value;
             }

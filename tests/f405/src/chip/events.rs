@@ -180,8 +180,8 @@ impl Chip {
     /// The edges of a timer's output references: they may trigger the ADC or be the trigger output.
     fn references(&mut self, index: usize, before: [bool; 4]) {
         let (selected, edges) = self.adc.trigger();
-        for channel in 0..4 {
-            let (was, is) = (before[channel], self.timers[index].reference[channel]);
+        let after = self.timers[index].reference;
+        for (channel, (was, is)) in before.into_iter().zip(after).enumerate() {
             if was == is {
                 continue;
             }
@@ -218,9 +218,9 @@ impl Chip {
         if selected == of_adc && edges & 1 == 1 {
             self.adc.start(self.now);
         }
-        for slave in 0..self.timers.len() {
-            let source = self.timers[slave].smcr >> 4 & 7;
-            if source > 3 || TRIGGERS[slave][source as usize] != index || slave == index {
+        for (slave, sources) in TRIGGERS.iter().enumerate() {
+            let source = (self.timers[slave].smcr >> 4 & 7) as usize;
+            if sources.get(source) != Some(&index) || slave == index {
                 continue;
             }
             let counts = self.world.counts(self.now);

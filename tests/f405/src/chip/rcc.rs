@@ -89,7 +89,7 @@ impl Rcc {
         self.pll_at <= now
     }
 
-    fn from_crystal(&self) -> bool {
+    fn is_from_crystal(&self) -> bool {
         self.pllcfgr & 1 << 22 != 0
     }
 
@@ -153,7 +153,7 @@ impl Rcc {
         if new & PLLON == 0 {
             self.pll_at = NEVER;
         } else if was & PLLON == 0 {
-            let locks = match self.from_crystal() {
+            let locks = match self.is_from_crystal() {
                 true => self.swings(now) && self.crystal != Crystal::Unlockable,
                 false => !self.internal_unlockable,
             };
@@ -174,7 +174,7 @@ impl Rcc {
     pub(crate) fn at_event(&mut self) -> bool {
         let drives = match self.cfgr & 3 {
             1 => true,
-            2 => self.from_crystal(),
+            2 => self.is_from_crystal(),
             _ => false,
         };
         let security = self.cr & CSSON != 0;
@@ -205,7 +205,11 @@ impl Rcc {
             0 => internal,
             1 => 8e6,
             _ => {
-                let input = if self.from_crystal() { 8e6 } else { internal };
+                let input = if self.is_from_crystal() {
+                    8e6
+                } else {
+                    internal
+                };
                 let m = f64::from(self.pllcfgr & 0x3f);
                 let n = f64::from(self.pllcfgr >> 6 & 0x1ff);
                 let p = f64::from(2 * (self.pllcfgr >> 16 & 3) + 2);

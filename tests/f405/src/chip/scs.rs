@@ -248,7 +248,7 @@ impl Scs {
         };
         let pending = self.best(0).map_or(0, |(_, number)| number);
         let irq = u32::from(self.pending >> IRQ != 0) << 22;
-        running | pending << 12 | irq | (self.pending >> PENDSV & 1) as u32 * (1 << 28)
+        running | pending << 12 | irq | ((self.pending >> PENDSV & 1) as u32 * (1 << 28))
     }
 
     fn priorities(&self, first: u32) -> u32 {

@@ -70,7 +70,7 @@ impl Spi {
     }
 
     pub(crate) fn line(&self) -> bool {
-        let asks = (self.cr2 >> 6 & 1) * RXNE | (self.cr2 >> 7 & 1) * TXE;
+        let asks = ((self.cr2 >> 6 & 1) * RXNE) | ((self.cr2 >> 7 & 1) * TXE);
         self.sr & asks != 0
     }
 

@@ -88,7 +88,7 @@ fn narrow(at: u32, code: u32, in_it: bool) -> (Op, Option<u8>) {
             _ => Op::LoadAt {
                 width: Width::Word,
                 t: low_reg(code, 8),
-                at: (at + 4 & !3) + 4 * bits(code, 0, 8),
+                at: ((at + 4) & !3) + 4 * bits(code, 0, 8),
             },
         },
         5 => by_register(code),
@@ -96,7 +96,7 @@ fn narrow(at: u32, code: u32, in_it: bool) -> (Op, Option<u8>) {
         10 => {
             let (d, imm) = (low_reg(code, 8), 4 * bits(code, 0, 8));
             match bits(code, 11, 1) {
-                0 => constant(d, (at + 4 & !3) + imm),
+                0 => constant(d, ((at + 4) & !3) + imm),
                 _ => plain(Alu::Add, false, d, 13, imm),
             }
         }

@@ -186,7 +186,7 @@ fn data_plain(at: u32, first: u32, second: u32) -> Option<Op> {
     let sixteen = bits(first, 0, 4) << 12 | twelve;
     let lsb = (bits(second, 12, 3) << 2 | bits(second, 6, 2)) as u8;
     let five = bits(second, 0, 5) as u8;
-    let here = at + 4 & !3;
+    let here = (at + 4) & !3;
     let signed = first & 0x80 == 0;
     let saturate = |kind| {
         let (shift, by) = if kind {
@@ -294,7 +294,7 @@ fn single(at: u32, first: u32, second: u32) -> Option<Op> {
     }
     let up = first & 0x80 != 0;
     if load && n == 15 {
-        let (here, imm) = (at + 4 & !3, bits(second, 0, 12));
+        let (here, imm) = ((at + 4) & !3, bits(second, 0, 12));
         let at = if up { here + imm } else { here - imm };
         return Some(Op::LoadAt { width, t, at });
     }

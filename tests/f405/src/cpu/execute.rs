@@ -295,7 +295,7 @@ impl Core {
                 self.r[d as usize] = self.reg(a).wrapping_add(product as u32);
             }
             Op::SmlaWord { d, n, m, a, m_top } => {
-                let product = i64::from(self.reg(n) as i32) * half(self.reg(m), m_top) >> 16;
+                let product = (i64::from(self.reg(n) as i32) * half(self.reg(m), m_top)) >> 16;
                 self.r[d as usize] = self.reg(a).wrapping_add(product as u32);
             }
             Op::Smmla { d, n, m, a, round } => {
