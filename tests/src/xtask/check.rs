@@ -2,7 +2,7 @@
 
 use crate::firmware::{Firmware, decoder};
 use crate::step::{command, lint_level, run, run_quietly, runs};
-use crate::{packages, root};
+use crate::{model, packages, root};
 use std::process::Command;
 
 /// Runs every step, even after one has failed; an error if any has.
@@ -15,10 +15,11 @@ pub(crate) fn everything() -> Result<(), String> {
     let mut tests = cargo(&["test", "--workspace", "--no-fail-fast"]);
     match set_up {
         Ok(environment) => {
+            note(model::stories(&environment));
             tests.args(["--features", "tests/qemu"]).envs(environment);
         }
         Err(error) => note(Err(format!(
-            "{error}\nSo the emulator's tests did not run."
+            "{error}\nSo the tests on the emulator and on the board's model did not run."
         ))),
     }
     // Nothing is printed after cargo's summary unless something failed.
@@ -41,7 +42,7 @@ fn firmware_steps(
     let firmware = Firmware::set_up()?;
     let emulated = firmware.build("qemu")?;
     let board = firmware.build("f405")?;
-    firmware.build("f405,spi-sensors")?;
+    let with_spi = firmware.build("f405,spi-sensors")?;
     note(firmware.prove_panic_freedom());
     note(firmware.control_the_proof());
     match firmware.lint() {
@@ -53,6 +54,7 @@ fn firmware_steps(
         ("PALPATE_DECODER", decoder()?),
         ("PALPATE_QEMU_ELF", emulated),
         ("PALPATE_F405_ELF", board),
+        ("PALPATE_F405_SPI_ELF", with_spi),
         ("PALPATE_RUNS", root().join("target/qemu")),
     ])
 }
@@ -77,6 +79,7 @@ fn host_lints() -> Result<(), String> {
             "Cargo.toml",
             "firmware/Cargo.toml",
             "tests/decoder/Cargo.toml",
+            "tests/f405/Cargo.toml",
         ] {
             let all = if manifest == "Cargo.toml" {
                 "--all"

@@ -3,6 +3,7 @@
 
 mod check;
 mod firmware;
+mod model;
 mod packages;
 mod qemu;
 mod step;
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 
 const USAGE: &str = "\
 cargo xtask test         set up what is missing and run everything: host tests, firmware builds,
-                         link proof, emulator
+                         link proof, emulator, the board's image on its model
 cargo xtask firmware     build the images of every board as .elf, .bin and .hex, into target/firmware
 cargo xtask qemu [ELF]   run a firmware in the emulator on a simulated palpation and print its log;
                          without ELF: build it first
