@@ -47,6 +47,8 @@ pub struct Contact<T> {
     pub resting_force_n: T,
     /// Standard error of the resting force (N), for white noise and the drift that was seen.
     pub resting_force_error_n: T,
+    /// How fast the resting force drifts, per sample (N).
+    pub resting_force_drift_n: T,
     /// Whether the resting force has been seen while the probe moved in free air.
     pub zero_seen: bool,
     /// Whether the surface has pulled at the last lift-off, which no law of contact here does.
@@ -140,6 +142,11 @@ impl<T: Real> ContactState<T> {
         self.surface
     }
 
+    /// Smallest step that the position has made (m); 0 before the first motion.
+    pub(super) fn position_step_m(&self) -> T {
+        self.position_step_m
+    }
+
     /// Standard deviation of the noise of the raw force (N).
     pub fn force_noise_n(&self) -> T {
         self.force_noise_n
@@ -171,6 +178,7 @@ impl<T: Real> ContactState<T> {
             surface: self.surface,
             resting_force_n: self.rest.mean_n,
             resting_force_error_n: self.rest.std_error_n(self.force_noise_n),
+            resting_force_drift_n: self.rest.drift_per_sample_n(),
             zero_seen: params.surface.is_some() || self.rest.seen_in_free_air(),
             pulls: self.pull.has_pulled,
             zero_was_wrong: matches!(shift, Shift::Elsewhere),

@@ -39,6 +39,9 @@ pub(super) struct RestingForce<T> {
     gain: T,
     /// Largest shift (N) that was found after a contact.
     drift_n: T,
+    /// How fast the zero drifts, per sample (N).
+    drift_per_sample_n: T,
+    samples_since_touch: u32,
     kept: [T; KEPT],
     newest: usize,
     until_kept: u32,
@@ -95,6 +98,8 @@ impl<T: Real> Default for RestingForce<T> {
             mean_n: T::zero(),
             gain: T::one(),
             drift_n: T::zero(),
+            drift_per_sample_n: T::zero(),
+            samples_since_touch: 0,
             kept: [T::zero(); KEPT],
             newest: 0,
             until_kept: 0,
@@ -129,6 +134,11 @@ impl<T: Real> RestingForce<T> {
         (noise_n * noise_n * self.gain + self.drift_n * self.drift_n).sqrt()
     }
 
+    /// How fast the zero drifts, per sample (N).
+    pub(super) fn drift_per_sample_n(&self) -> T {
+        self.drift_per_sample_n
+    }
+
     /// Whether the zero has been seen while the probe moved in free air.
     pub(super) fn seen_in_free_air(&self) -> bool {
         self.seen_in_free_air
@@ -161,6 +171,9 @@ impl<T: Real> RestingForce<T> {
         let mean_n = ended.sum_n / count;
         let certain_n = T::from_f64(DRIFTED) * noise_n / count.sqrt();
         if mean_n.abs() > certain_n && ended.last_m <= ended.first_m {
+            // A mean with the gain g lags 1/g samples behind.
+            let drift_n = mean_n.abs() * self.gain;
+            self.drift_per_sample_n = self.drift_per_sample_n.max_of(drift_n);
             self.gain = self.gain.max_of(T::one() / count);
             self.drift_n = self.drift_n.max_of(mean_n.abs());
         }
@@ -199,6 +212,10 @@ impl<T: Real> RestingForce<T> {
         let by_chance_n2 = noise_n * noise_n * (gain + self.gain);
         let drift_n = T::zero().max_of(moved_n * moved_n - by_chance_n2).sqrt();
         self.drift_n = drift_n.max_of(T::from_f64(KEPT_DRIFT) * self.drift_n);
+        let samples = T::from_f64(f64::from(self.samples_since_touch.max(1)));
+        let kept_n = T::from_f64(KEPT_DRIFT) * self.drift_per_sample_n;
+        self.drift_per_sample_n = kept_n.max_of(drift_n / samples);
+        self.samples_since_touch = 0;
         self.at_last_touch = (self.mean_n, self.gain);
         if let Some(outermost_m) = self.outermost_m.take() {
             let free_m = impact_m - outermost_m;
@@ -217,6 +234,7 @@ impl<T: Real> RestingForce<T> {
         noise_n: T,
         step_m: T,
     ) -> Shift {
+        self.samples_since_touch = self.samples_since_touch.saturating_add(1);
         self.below_samples = if force_n < -below_n {
             self.below_samples.saturating_add(1)
         } else {

@@ -183,7 +183,7 @@ impl<T: Real> BankRefiner<T> {
         self.memory.push(*pooled);
         if let Some(refiner) = &mut self.refiner {
             refiner.learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
-            self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
+            self.std_errors = refiner.std_errors(at.rest_error, at.rest_drift, &at.noise);
         }
         self.until_search = self.until_search.saturating_sub(1);
         self.relinearize(&at.noise);
@@ -263,7 +263,7 @@ impl<T: Real> BankRefiner<T> {
         } else if knows {
             self.refiner = self.successor.take().map(|successor| successor.refiner);
             if let Some(refiner) = &self.refiner {
-                self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
+                self.std_errors = refiner.std_errors(at.rest_error, at.rest_drift, &at.noise);
             }
         }
     }
@@ -354,7 +354,7 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         self.previous = previous;
     }
 
-    fn estimates(&self, _at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let Some(refiner) = &self.refiner else {
             return [ParameterEstimate::default(); PARAMETER_SLOTS];
         };
@@ -367,6 +367,9 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             _,
             skew_error,
         ] = self.std_errors;
+        // A speed that is too large by a share makes the damping too small by it.
+        let of_speed = at.speed_error * damping;
+        let damping_error = (damping_error * damping_error + of_speed * of_speed).sqrt();
         let values = [
             spring(stiffness),
             damper(damping, stiffness),

@@ -42,6 +42,8 @@ pub struct Refiner<T: Real> {
     by_skew: Vector5<T>,
     /// Sum of the weighted gradients, by which a constant error of the force moves the estimate.
     moment: Vector5<T>,
+    /// The same, each times the samples since the load began: how an even drift moves the estimate.
+    drift_moment: Vector5<T>,
     /// Recent mean squared residual, scaled by F₀².
     pub(super) residual: T,
     /// Recent mean square of what the linearization leaves out, scaled by F₀².
@@ -102,6 +104,7 @@ impl<T: Real> Refiner<T> {
             known: Ud::new(T::one()),
             by_skew: Vector5::repeat(T::zero()),
             moment: Vector5::repeat(T::zero()),
+            drift_moment: Vector5::repeat(T::zero()),
             residual: start.residual,
             linearization_error: T::zero(),
             misfit: Misfit::default(),
@@ -177,15 +180,19 @@ impl<T: Real> Refiner<T> {
         ]
     }
 
-    /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force and a
-    /// noise of the force.
-    pub fn std_errors(&self, rest_error: T, noise: &ForceNoise<T>) -> [T; 5] {
+    /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force, a drift of
+    /// it per sample, and a noise of the force.
+    pub fn std_errors(&self, rest_error: T, rest_drift: T, noise: &ForceNoise<T>) -> [T; 5] {
         let variances = self.known.variances();
         // A wrong resting force is not noise: it moves every sample the same way (Schmidt 1966).
-        let ratio = rest_error / noise.raw;
-        let shift = self.known.times(&self.moment) * ratio;
-        let errors = variances.zip_map(&shift, |variance, shift| (variance + shift * shift).sqrt());
-        self.prior.component_mul(&errors).into()
+        let mut variances = variances;
+        for (moment, error) in [(&self.moment, rest_error), (&self.drift_moment, rest_drift)] {
+            if error > T::zero() {
+                let shift = self.known.times(moment) * (error / noise.raw);
+                variances += shift.component_mul(&shift);
+            }
+        }
+        self.prior.component_mul(&variances.map(T::sqrt)).into()
     }
 
     /// Whether every standard error is at most `factor` times that of another refiner.
@@ -237,7 +244,9 @@ impl<T: Real> Refiner<T> {
         let update = self.covariance.update(&phi_noise, beta, weight);
         self.deviation += update.gain * (error / noise.raw);
         self.take_skew_for_known();
-        self.moment = self.moment * beta + phi_noise * weight;
+        let moment = phi_noise * weight;
+        self.moment = self.moment * beta + moment;
+        self.drift_moment = self.drift_moment * beta + moment * at.loaded;
         let here = predict(&self.values(), at).force;
         let linearization_error = here - there.force - phi.dot(&self.held());
         let left = at.force - here;
@@ -443,7 +452,7 @@ mod tests {
         );
         (0..3000).for_each(|i| _ = refiner.learn(&gel(i), &NOISE, 1.0));
         assert_eq!(refiner.values()[3], 0.0);
-        assert_eq!(refiner.std_errors(0.0, &NOISE)[3], 0.0);
+        assert_eq!(refiner.std_errors(0.0, 0.0, &NOISE)[3], 0.0);
     }
 
     #[test]
@@ -514,8 +523,8 @@ mod tests {
             });
         }
         let (without, with) = (
-            refiner.std_errors(0.0, &NOISE),
-            refiner.std_errors(offset, &NOISE),
+            refiner.std_errors(0.0, 0.0, &NOISE),
+            refiner.std_errors(offset, 0.0, &NOISE),
         );
         for (slot, truth) in [1.35, 0.36, 1.35, 0.0].into_iter().enumerate() {
             let bias = (refiner.values()[slot] - truth).abs();
