@@ -299,8 +299,9 @@ impl<T: Real> ContactState<T> {
             if !touching && core::mem::take(&mut self.outside_since_touch) {
                 let surface = self.locate(params);
                 let step_m = self.position_step_m;
+                let noise = (self.force_noise_n, params.rest_gain);
                 self.rest
-                    .touched(surface.position_m, position_m, step_m, self.force_noise_n);
+                    .touched(surface.position_m, position_m, step_m, noise);
                 self.surface = Some(surface);
             }
         }

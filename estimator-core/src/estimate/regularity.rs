@@ -8,14 +8,16 @@
 
 use crate::maths::scalar::Real;
 
-/// Memory (samples).
-const MEMORY: f64 = 2048.0;
+/// Memory of what is said about rows (samples), of the usual e, and of the speed.
+const MEMORY: f64 = 8192.0;
+const USUAL: f64 = 2048.0;
+const SPEED: f64 = 16.0;
 /// What one missing row leaves of v³.
 const LEFT: f64 = 0.75;
 /// Largest e over v that enters: one hole must not fill the memory.
-const LARGEST: f64 = 2.0;
-/// Standard deviations of Σe³ that chance may leave.
-const CHANCE: f64 = 2.0;
+const LARGEST: f64 = 4.0;
+/// Slowest speed that says something (counts a sample): below, each count is a hop of its own.
+const SLOWEST: f64 = 2.0;
 /// A hop that the filter must forget exceeds this many times the speed, so many standard deviations of the
 /// usual e, and so many counts: a hole of three rows.
 const HOP: f64 = 1.5;
@@ -30,6 +32,8 @@ pub(crate) struct Regularity<T> {
     before: [T; 2],
     /// Number of increments since the last gap, up to 2.
     known: u32,
+    /// Mean increment (m).
+    speed: T,
     /// Mean of e² (m²), sums of e³, e⁶ and |v|³ (m³, m⁶).
     mean_square: T,
     third: T,
@@ -53,35 +57,42 @@ impl<T: Real> Regularity<T> {
             self.known += 1;
             return false;
         }
-        let speed = T::from_f64(0.5) * (first + newest);
-        self.compare(middle - speed, speed, count_m)
+        self.speed += T::from_f64(1.0 / SPEED) * (middle - self.speed);
+        let around = T::from_f64(0.5) * (first + newest);
+        self.count_missing(middle - around, count_m);
+        self.hops(middle - around, around.abs(), count_m)
     }
 
-    fn compare(&mut self, excess: T, speed: T, count_m: T) -> bool {
-        let size = speed.abs();
-        let square = excess * excess;
-        let usual = T::from_f64(HOP_SIGMAS * HOP_SIGMAS) * self.mean_square;
-        let counts = T::from_f64(HOP_COUNTS) * count_m;
-        let hops = square > usual + counts * counts && excess.abs() > T::from_f64(HOP) * size;
-        let share = T::from_f64(1.0 / MEMORY);
-        let bounded = if hops { usual } else { square };
-        self.mean_square += share * (bounded - self.mean_square);
+    fn count_missing(&mut self, excess: T, count_m: T) {
+        let size = self.speed.abs();
+        if size <= T::from_f64(SLOWEST) * count_m {
+            return;
+        }
         let largest = T::from_f64(LARGEST) * size;
-        let along = if speed < T::zero() { -excess } else { excess };
+        let along = if self.speed < T::zero() { -excess } else { excess };
         let along = along.max_of(-largest).min_of(largest);
         let cube = along * along * along;
-        let kept = T::one() - share;
+        let kept = T::from_f64(1.0 - 1.0 / MEMORY);
         self.third = kept * self.third + cube;
         self.sixth = kept * self.sixth + cube * cube;
         self.speeds = kept * self.speeds + size * size * size;
+    }
+
+    fn hops(&mut self, excess: T, speed: T, count_m: T) -> bool {
+        let square = excess * excess;
+        let usual = T::from_f64(HOP_SIGMAS * HOP_SIGMAS) * self.mean_square;
+        let counts = T::from_f64(HOP_COUNTS) * count_m;
+        let hops = square > usual + counts * counts && excess.abs() > T::from_f64(HOP) * speed;
+        let bounded = if hops { usual } else { square };
+        self.mean_square += T::from_f64(1.0 / USUAL) * (bounded - self.mean_square);
         hops
     }
 
-    /// Share of the rows that seem to be missing, by which every speed may be too large.
+    /// Share of the rows that seem to be missing, by which every speed may be too large. Chance leaves Σe⁶
+    /// in the square of Σe³ on the mean.
     pub(crate) fn missing_share(&self) -> T {
-        let by_chance = T::from_f64(CHANCE * CHANCE) * self.sixth;
-        let square = self.third * self.third - by_chance;
-        if self.third <= T::zero() || square <= T::zero() || self.speeds <= T::zero() {
+        let square = self.third * self.third - self.sixth;
+        if self.third <= T::zero() || square <= T::zero() {
             return T::zero();
         }
         square.sqrt() / (T::from_f64(LEFT) * self.speeds)
@@ -116,7 +127,7 @@ mod tests {
         // Every 20th on the mean, at no fixed distance.
         let (regularity, _) = watch(|i| i.wrapping_mul(2_654_435_761) % 1000 >= 50);
         let share = regularity.missing_share();
-        assert!((0.03..0.07).contains(&share), "{share}");
+        assert!((0.03..0.08).contains(&share), "{share}");
     }
 
     #[test]
