@@ -4,7 +4,8 @@ use crate::estimate::{
     Estimate, Event, Innovation, Phase, contact::Contact, contact::ContactState,
     contact::SurfacePosition, fault::Fault, fault::Faults, filter::FilterState, identify,
     identify::ForceNoise, identify::Identifier, identify::Instant, monitor::ConvergenceMonitor,
-    params::Params, regularity::Regularity, sample::Sample, scaled::scaled, status::Doubt, status::Reason,
+    params::Params, regularity::Regularity, sample::Sample, scaled::scaled, status::Doubt,
+    status::Reason,
 };
 use crate::maths::scalar::Real;
 

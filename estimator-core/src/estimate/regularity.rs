@@ -69,7 +69,11 @@ impl<T: Real> Regularity<T> {
             return;
         }
         let largest = T::from_f64(LARGEST) * size;
-        let along = if self.speed < T::zero() { -excess } else { excess };
+        let along = if self.speed < T::zero() {
+            -excess
+        } else {
+            excess
+        };
         let along = along.max_of(-largest).min_of(largest);
         let cube = along * along * along;
         let kept = T::from_f64(1.0 - 1.0 / MEMORY);

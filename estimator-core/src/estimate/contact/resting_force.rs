@@ -173,7 +173,9 @@ impl<T: Real> RestingForce<T> {
         let count = T::from_f64(f64::from(STRETCH));
         let mean_n = ended.sum_n / count;
         let certain_n = T::from_f64(DRIFTED) * noise_n / count.sqrt();
-        let outside = self.impact_m.is_none_or(|impact_m| ended.first_m < impact_m);
+        let outside = self
+            .impact_m
+            .is_none_or(|impact_m| ended.first_m < impact_m);
         if mean_n.abs() > certain_n && outside && ended.last_m <= ended.first_m {
             self.gain = self.gain.max_of(T::one() / count);
             self.drift_n = self.drift_n.max_of(mean_n.abs());
