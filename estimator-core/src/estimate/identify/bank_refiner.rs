@@ -149,7 +149,8 @@ impl<T: Real> BankRefiner<T> {
         let Some(previous) = &mut self.previous else {
             return;
         };
-        if previous.agrees_with(pooled, &at.noise) {
+        if let Some(shift) = previous.agrees_with(pooled, &at.noise) {
+            previous.refiner.shift_surface(shift);
             self.refiner = Some(previous.refiner.clone());
             self.std_errors = previous.std_errors;
             self.previous = None;
@@ -345,11 +346,8 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
     }
 
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
-        let previous = self.refiner.take().map(|refiner| Previous {
-            refiner,
-            std_errors: self.std_errors,
-            agrees: 0,
-        });
+        let refiner = self.refiner.take();
+        let previous = refiner.map(|refiner| Previous::new(refiner, self.std_errors));
         *self = BankRefiner::new(params);
         self.previous = previous;
     }

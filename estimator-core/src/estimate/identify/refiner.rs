@@ -208,6 +208,16 @@ impl<T: Real> Refiner<T> {
             .all(|(this, other)| *this <= square * *other)
     }
 
+    /// The slope dF̂/dx.
+    pub fn slope(&self, at: &Pooled<T>) -> T {
+        -predict(&self.values(), at).gradient.w
+    }
+
+    /// The same estimates of a surface that lies `by` deeper.
+    pub fn shift_surface(&mut self, by: T) {
+        self.reference.w += by;
+    }
+
     /// The force F̂ and its variance from the errors of the parameters, scaled.
     pub fn predict(&self, at: &Pooled<T>) -> (T, T) {
         let predicted = predict(&self.values(), at);
