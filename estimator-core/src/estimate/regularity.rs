@@ -57,7 +57,10 @@ impl<T: Real> Regularity<T> {
             self.known += 1;
             return false;
         }
-        self.speed += T::from_f64(1.0 / SPEED) * (middle - self.speed);
+        // One spike is no speed.
+        let most = T::from_f64(LARGEST) * (self.speed.abs() + count_m);
+        let change = (middle - self.speed).max_of(-most).min_of(most);
+        self.speed += T::from_f64(1.0 / SPEED) * change;
         let around = T::from_f64(0.5) * (first + newest);
         self.count_missing(middle - around, count_m);
         self.hops(middle - around, around.abs(), count_m)
