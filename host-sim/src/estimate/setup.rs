@@ -285,6 +285,13 @@ mod tests {
     }
 
     #[test]
+    fn one_spike_of_the_force_sets_no_scale() {
+        let mut log = ramp(2e-3, 2000.0, 1.0);
+        log.force_n[900] = 1000.0;
+        assert_eq!(of(&log).config.reference, Config::default().reference);
+    }
+
+    #[test]
     fn a_log_that_starts_in_contact_says_so() {
         let mut log = ramp(2e-3, 2000.0, 0.0);
         // 20 Hz in the material from the first sample on.

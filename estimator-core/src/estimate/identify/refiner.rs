@@ -545,4 +545,38 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn an_even_drift_within_a_touch_is_within_the_errors_that_consider_it() {
+        // 10 mN over each stroke of 838 instants.
+        let (quiet, drift) = (start(), 0.01 / 838.0);
+        let mut refiner = Refiner::new(&quiet, 0.0, &FOUND);
+        for _ in 0..4 {
+            refiner = refiner.successor(&FOUND);
+            (0..1676).for_each(|i| {
+                let at = gel(i);
+                let loaded = f64::from(i % 838);
+                let force = at.force + drift * loaded;
+                let at = Pooled {
+                    force,
+                    loaded,
+                    ..at
+                };
+                refiner.learn(&at, &NOISE, 1.0);
+            });
+        }
+        let (without, with) = (
+            refiner.std_errors(0.0, 0.0, &NOISE),
+            refiner.std_errors(0.0, drift, &NOISE),
+        );
+        for (slot, truth) in [1.35, 0.36, 1.35, 0.0].into_iter().enumerate() {
+            let bias = (refiner.values()[slot] - truth).abs();
+            let claimed = (with[slot] * with[slot] - without[slot] * without[slot]).sqrt();
+            // Linear in the drift but for what the reference moves.
+            assert!(
+                (bias / claimed - 1.0).abs() < 0.1,
+                "{slot}: {bias} {claimed}"
+            );
+        }
+    }
 }
