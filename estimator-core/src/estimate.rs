@@ -16,6 +16,7 @@ pub mod noise;
 pub mod params;
 pub mod phase;
 pub mod record;
+mod regularity;
 pub mod rls;
 pub mod sample;
 mod scaled;

@@ -4,7 +4,8 @@ use crate::estimate::{
     Estimate, Event, Innovation, Phase, contact::Contact, contact::ContactState,
     contact::SurfacePosition, fault::Fault, fault::Faults, filter::FilterState, identify,
     identify::ForceNoise, identify::Identifier, identify::Instant, monitor::ConvergenceMonitor,
-    params::Params, sample::Sample, scaled::scaled, status::Doubt, status::Reason,
+    params::Params, regularity::Regularity, sample::Sample, scaled::scaled, status::Doubt,
+    status::Reason,
 };
 use crate::maths::scalar::Real;
 
@@ -12,6 +13,7 @@ use crate::maths::scalar::Real;
 #[derive(Clone, Debug)]
 pub struct State<T: Real = f32> {
     filter: FilterState<T>,
+    regularity: Regularity<T>,
     contact: ContactState<T>,
     identifier: Identifier<T>,
     monitor: ConvergenceMonitor<T>,
@@ -27,6 +29,7 @@ impl<T: Real> State<T> {
     pub fn new(params: &Params<T>) -> Self {
         State {
             filter: FilterState::new(&params.filter),
+            regularity: Regularity::default(),
             contact: ContactState::new(&params.contact),
             identifier: Identifier::new(&params.identify),
             monitor: ConvergenceMonitor::default(),
@@ -117,7 +120,8 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     state.accept(params, &sample, elapsed_us, faults);
     let aligned = state.filter.update(&params.filter, &sample);
     let contact = state.contact.update(&params.contact, &sample);
-    let instant = scaled(params, &aligned, &contact, elapsed_us);
+    let speed_error = state.regularity.missing_share();
+    let instant = scaled(params, &aligned, &contact, elapsed_us, speed_error);
     state.monitor.observe_phase(contact.phase);
     if contact.zero_was_wrong {
         state.reset_estimates(params);
@@ -156,10 +160,13 @@ impl<T: Real> State<T> {
     /// a fault.
     fn accept(&mut self, params: &Params<T>, sample: &Sample<T>, elapsed_us: u64, faults: Faults) {
         self.last_time_us = Some(sample.time_us);
-        if is_gap(params, elapsed_us) || faults.has(Fault::PositionJump) {
+        let gap = is_gap(params, elapsed_us) || faults.has(Fault::PositionJump);
+        let count_m = self.contact.position_step_m();
+        let hops = self.regularity.update(sample.position_m, gap, count_m);
+        if gap || hops {
             self.filter.restart(sample);
         }
-        self.holdoff_samples = if faults.intersects(NOT_LEARNED_FROM) {
+        self.holdoff_samples = if hops || faults.intersects(NOT_LEARNED_FROM) {
             params.filter.response().memory_samples
         } else {
             self.holdoff_samples.saturating_sub(1)

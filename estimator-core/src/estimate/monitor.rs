@@ -21,6 +21,9 @@ const CHANGE_S: f64 = 0.024;
 /// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
 /// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
 const DOUBT_RATIO: f64 = 16.0;
+/// Windows of samples after which an estimate that was suspect may be converged again: two seconds of
+/// contact by default, the memory of the residuals.
+const SUSPECTED_WINDOWS: u32 = 4;
 /// Largest test ratio that enters the means: an outlier of one window raises the slow mean by 3, and a law
 /// that does not hold still raises it above any bound that can be set.
 const MAX_RATIO: f64 = 100.0;
@@ -105,6 +108,8 @@ pub struct ConvergenceMonitor<T> {
     settled: bool,
     /// Number of samples that speak for another material, less those that do not.
     alien_samples: u32,
+    /// Number of samples until an estimate that was suspect may be converged again, and the reason.
+    suspected: (u32, Option<Reason>),
 }
 
 /// The state before the first contact.
@@ -124,6 +129,7 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
             changed_samples: 0,
             settled: false,
             alien_samples: 0,
+            suspected: (0, None),
         }
     }
 }
@@ -190,7 +196,24 @@ impl<T: Real> ConvergenceMonitor<T> {
         let steady = self.steady(params, parameters);
         self.changed_samples = self.changed_samples.saturating_sub(1);
         (self.status, self.reason) = self.judge(params, parameters, steady, doubt, misfit);
+        self.remember_suspicion(params);
         None
+    }
+
+    /// A law that the data have contradicted is not believed again before as much has been seen that agrees:
+    /// of what creeps or relaxes, single strokes fit.
+    fn remember_suspicion(&mut self, params: &MonitorParams<T>) {
+        let (samples, reason) = self.suspected;
+        match self.status {
+            Status::ModelSuspect => {
+                self.suspected = (params.window.saturating_mul(SUSPECTED_WINDOWS), self.reason);
+            }
+            Status::Converged if samples > 0 => {
+                (self.status, self.reason) = (Status::Converging, reason);
+                self.suspected.0 = samples - 1;
+            }
+            _ => self.suspected.0 = samples.saturating_sub(1),
+        }
     }
 
     /// Whether the innovations speak for another material. An estimator that can look back has waited
@@ -256,6 +279,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.reason = None;
         self.settled = false;
         self.alien_samples = 0;
+        self.suspected = (0, None);
     }
 
     /// Whether every standard error is within the bound, and every parameter within the bound of all its

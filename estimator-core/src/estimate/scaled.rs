@@ -30,6 +30,7 @@ pub(crate) fn scaled<T: Real>(
     aligned: &Aligned<T>,
     contact: &Contact<T>,
     elapsed_us: u64,
+    speed_error: T,
 ) -> Instant<T> {
     let scale = &params.identify.scale;
     let surface_m = match contact.surface {
@@ -50,6 +51,9 @@ pub(crate) fn scaled<T: Real>(
         quantization_variance: quantization_variance_m2(params, aligned, contact)
             / (scale.depth_m * scale.depth_m),
         rest_error: contact.resting_force_error_n / scale.force_n,
+        rest_drift: contact.resting_force_drift_n / scale.force_n,
+        loaded: T::from_f64(f64::from(contact.loaded_samples)),
+        speed_error,
         noise: force_noise(params, contact),
     }
 }

@@ -122,12 +122,21 @@ fn reach(log: &UniformLog) -> (f64, f64) {
         return (0.0, 0.0);
     };
     let rest = rest_n(log);
-    let peak = (touch..log.len()).max_by(|a, b| log.force_n[*a].total_cmp(&log.force_n[*b]));
+    let force = |index: &usize| middle(&log.force_n, *index);
+    let peak = (touch..log.len()).max_by(|a, b| force(a).total_cmp(&force(b)));
     let peak = peak.unwrap_or(touch);
     (
-        (log.position_m[peak] - log.position_m[touch]).abs(),
-        log.force_n[peak] - rest,
+        (middle(&log.position_m, peak) - middle(&log.position_m, touch)).abs(),
+        force(&peak) - rest,
     )
+}
+
+/// The median of a sample and its neighbours: one spike is neither a peak nor a touch.
+fn middle(channel: &[f64], at: usize) -> f64 {
+    let value = channel[at];
+    let before = channel[at.saturating_sub(1)];
+    let after = channel.get(at + 1).copied().unwrap_or(value);
+    before.min(after).max(before.max(after).min(value))
 }
 
 /// The force that the log starts with (N).
@@ -138,16 +147,13 @@ fn rest_n(log: &UniformLog) -> f64 {
 /// Samples before the force first leaves its start; `None` if it never does.
 fn free_samples(log: &UniformLog) -> Option<usize> {
     let rest = rest_n(log);
-    let peak = log
-        .force_n
-        .iter()
-        .map(|f| (f - rest).abs())
-        .fold(0.0, f64::max);
+    let away = |index: usize| (middle(&log.force_n, index) - rest).abs();
+    let peak = (0..log.len()).map(away).fold(0.0, f64::max);
     let idle = idle_n(log, rest);
     let leaves = (FREE_SHARE * peak)
         .max(6.0 * log.force_noise_n())
         .max(IDLE_MARGIN * idle);
-    log.force_n.iter().position(|f| (f - rest).abs() > leaves)
+    (0..log.len()).position(|index| away(index) > leaves)
 }
 
 /// Whether the force leaves its start at once: what it rests at was never seen.
@@ -276,6 +282,13 @@ mod tests {
             setup.notes
         );
         assert!(setup.config.validate::<f32>().is_ok());
+    }
+
+    #[test]
+    fn one_spike_of_the_force_sets_no_scale() {
+        let mut log = ramp(2e-3, 2000.0, 1.0);
+        log.force_n[900] = 1000.0;
+        assert_eq!(of(&log).config.reference, Config::default().reference);
     }
 
     #[test]

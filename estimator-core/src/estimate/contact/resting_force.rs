@@ -39,12 +39,16 @@ pub(super) struct RestingForce<T> {
     gain: T,
     /// Largest shift (N) that was found after a contact.
     drift_n: T,
+    /// How fast the zero drifts, per sample (N).
+    drift_per_sample_n: T,
+    samples_since_touch: u32,
     kept: [T; KEPT],
     newest: usize,
     until_kept: u32,
     /// Farthest out (m) that the probe has been in free air since the last contact.
     outermost_m: Option<T>,
-    /// Way (m) from the last impact to where it was noticed.
+    /// The last impact (m), and the way from there to where it was noticed.
+    impact_m: Option<T>,
     touch_way_m: T,
     /// Mean force (N) in free air before the last touch, and its gain.
     at_last_touch: (T, T),
@@ -95,10 +99,13 @@ impl<T: Real> Default for RestingForce<T> {
             mean_n: T::zero(),
             gain: T::one(),
             drift_n: T::zero(),
+            drift_per_sample_n: T::zero(),
+            samples_since_touch: 0,
             kept: [T::zero(); KEPT],
             newest: 0,
             until_kept: 0,
             outermost_m: None,
+            impact_m: None,
             touch_way_m: T::zero(),
             at_last_touch: (T::zero(), T::one()),
             seen_in_free_air: false,
@@ -129,6 +136,11 @@ impl<T: Real> RestingForce<T> {
         (noise_n * noise_n * self.gain + self.drift_n * self.drift_n).sqrt()
     }
 
+    /// How fast the zero drifts, per sample (N).
+    pub(super) fn drift_per_sample_n(&self) -> T {
+        self.drift_per_sample_n
+    }
+
     /// Whether the zero has been seen while the probe moved in free air.
     pub(super) fn seen_in_free_air(&self) -> bool {
         self.seen_in_free_air
@@ -152,7 +164,8 @@ impl<T: Real> RestingForce<T> {
     }
 
     /// A zero that drifts leaves a mean that follows it slowly behind: it follows faster, and is as uncertain
-    /// as it was wrong. Not while the probe advances, since a soft contact begins like a drift.
+    /// as it was wrong. Not while the probe advances or is behind the last surface, since a soft contact
+    /// begins and ends like a drift.
     fn watch_drift(&mut self, position_m: T, force_n: T, noise_n: T) {
         let Some(ended) = self.free.push(position_m, force_n) else {
             return;
@@ -160,7 +173,10 @@ impl<T: Real> RestingForce<T> {
         let count = T::from_f64(f64::from(STRETCH));
         let mean_n = ended.sum_n / count;
         let certain_n = T::from_f64(DRIFTED) * noise_n / count.sqrt();
-        if mean_n.abs() > certain_n && ended.last_m <= ended.first_m {
+        let outside = self
+            .impact_m
+            .is_none_or(|impact_m| ended.first_m < impact_m);
+        if mean_n.abs() > certain_n && outside && ended.last_m <= ended.first_m {
             self.gain = self.gain.max_of(T::one() / count);
             self.drift_n = self.drift_n.max_of(mean_n.abs());
         }
@@ -191,7 +207,14 @@ impl<T: Real> RestingForce<T> {
 
     /// A surface was met at `impact_m`, and noticed at `touch_m`. The zero stands if the probe has come a
     /// way without a force that is not short beside the way on which it noticed one.
-    pub(super) fn touched(&mut self, impact_m: T, touch_m: T, step_m: T, noise_n: T) {
+    pub(super) fn touched(
+        &mut self,
+        impact_m: T,
+        touch_m: T,
+        step_m: T,
+        (noise_n, slowest): (T, T),
+    ) {
+        self.impact_m = Some(impact_m);
         self.touch_way_m = (touch_m - impact_m).abs();
         // What the zero has moved since the last touch, it will move during this one.
         let (before_n, gain) = self.at_last_touch;
@@ -199,6 +222,11 @@ impl<T: Real> RestingForce<T> {
         let by_chance_n2 = noise_n * noise_n * (gain + self.gain);
         let drift_n = T::zero().max_of(moved_n * moved_n - by_chance_n2).sqrt();
         self.drift_n = drift_n.max_of(T::from_f64(KEPT_DRIFT) * self.drift_n);
+        // The mean follows the force over 1/slowest samples: what it moves in fewer is no rate.
+        let samples = T::from_f64(f64::from(self.samples_since_touch));
+        let kept_n = T::from_f64(KEPT_DRIFT) * self.drift_per_sample_n;
+        self.drift_per_sample_n = kept_n.max_of(drift_n * slowest.min_of(T::one() / samples));
+        self.samples_since_touch = 0;
         self.at_last_touch = (self.mean_n, self.gain);
         if let Some(outermost_m) = self.outermost_m.take() {
             let free_m = impact_m - outermost_m;
@@ -217,6 +245,7 @@ impl<T: Real> RestingForce<T> {
         noise_n: T,
         step_m: T,
     ) -> Shift {
+        self.samples_since_touch = self.samples_since_touch.saturating_add(1);
         self.below_samples = if force_n < -below_n {
             self.below_samples.saturating_add(1)
         } else {

@@ -83,6 +83,8 @@ pub struct BankRefiner<T: Real> {
     surface_known: bool,
     pool: Pool<T>,
     memory: PoolRing<T>,
+    /// The pool that the bank takes at the next sample.
+    for_bank: Option<Pooled<T>>,
     until_search: u32,
     /// Number of pools at which the next challenger starts, and until which the last one that won raises
     /// doubt.
@@ -114,6 +116,7 @@ impl<T: Real> BankRefiner<T> {
             surface_known: params.surface_known,
             pool: Pool::default(),
             memory: PoolRing::default(),
+            for_bank: None,
             until_search: 1,
             next_challenge: CHALLENGE_EVERY,
             doubted_until: 0,
@@ -149,7 +152,8 @@ impl<T: Real> BankRefiner<T> {
         let Some(previous) = &mut self.previous else {
             return;
         };
-        if previous.agrees_with(pooled, &at.noise) {
+        if let Some(shift) = previous.agrees_with(pooled, &at.noise) {
+            previous.refiner.shift_surface(shift);
             self.refiner = Some(previous.refiner.clone());
             self.std_errors = previous.std_errors;
             self.previous = None;
@@ -163,8 +167,18 @@ impl<T: Real> BankRefiner<T> {
         }
     }
 
-    /// Bank and refiner learn from a pool.
+    /// The refiner learns from a pool; the bank takes it at the next sample, so that no sample pays for both.
     fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>) {
+        self.memory.push(*pooled);
+        if let Some(refiner) = &mut self.refiner {
+            refiner.learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
+        }
+        self.for_bank = Some(*pooled);
+    }
+
+    /// The bank learns from a pool that the refiner has taken, and what it says is looked at again. A pool
+    /// that another has overtaken, as short ones do, is left out.
+    fn take_into_bank(&mut self, pooled: &Pooled<T>, at: &Instant<T>) {
         let bank = self.bank.get_or_insert_with(|| {
             let step = if self.surface_known {
                 T::zero()
@@ -180,10 +194,9 @@ impl<T: Real> BankRefiner<T> {
             T::from_f64(BANK_BETA),
         );
         self.prior.surface = at.surface_error.max_of(bank.surface_step);
-        self.memory.push(*pooled);
-        if let Some(refiner) = &mut self.refiner {
-            refiner.learn(pooled, &at.noise, T::from_f64(REFINER_BETA));
-            self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
+        let even = self.memory.pushed().is_multiple_of(2);
+        if let Some(refiner) = self.refiner.as_ref().filter(|_| even) {
+            self.std_errors = refiner.std_errors(at.rest_error, at.rest_drift, &at.noise);
         }
         self.until_search = self.until_search.saturating_sub(1);
         self.relinearize(&at.noise);
@@ -263,7 +276,7 @@ impl<T: Real> BankRefiner<T> {
         } else if knows {
             self.refiner = self.successor.take().map(|successor| successor.refiner);
             if let Some(refiner) = &self.refiner {
-                self.std_errors = refiner.std_errors(at.rest_error, &at.noise);
+                self.std_errors = refiner.std_errors(at.rest_error, at.rest_drift, &at.noise);
             }
         }
     }
@@ -304,9 +317,11 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             self.pool.close();
         }
         let pooled = self.pool.take(at);
-        // One of the three per sample: together they would make the longest step by far.
+        // One of the four per sample: together they would make the longest step by far.
         if let Some(pooled) = &pooled {
             self.take_pool(pooled, moved, at);
+        } else if let Some(pooled) = self.for_bank.take() {
+            self.take_into_bank(&pooled, at);
         } else if !moves {
             return None;
         } else if self.until_search == 0 {
@@ -345,16 +360,13 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
     }
 
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
-        let previous = self.refiner.take().map(|refiner| Previous {
-            refiner,
-            std_errors: self.std_errors,
-            agrees: 0,
-        });
+        let refiner = self.refiner.take();
+        let previous = refiner.map(|refiner| Previous::new(refiner, self.std_errors));
         *self = BankRefiner::new(params);
         self.previous = previous;
     }
 
-    fn estimates(&self, _at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
+    fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         let Some(refiner) = &self.refiner else {
             return [ParameterEstimate::default(); PARAMETER_SLOTS];
         };
@@ -367,6 +379,9 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             _,
             skew_error,
         ] = self.std_errors;
+        // A speed that is too large by a share makes the damping too small by it.
+        let of_speed = at.speed_error * damping;
+        let damping_error = (damping_error * damping_error + of_speed * of_speed).sqrt();
         let values = [
             spring(stiffness),
             damper(damping, stiffness),

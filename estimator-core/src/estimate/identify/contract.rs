@@ -35,6 +35,12 @@ pub struct Instant<T> {
     pub quantization_variance: T,
     /// Standard error of the resting force.
     pub rest_error: T,
+    /// How fast the resting force drifts, per sample.
+    pub rest_drift: T,
+    /// Number of samples since the load began.
+    pub loaded: T,
+    /// Share by which every speed may be too large.
+    pub speed_error: T,
     /// Noise of the force.
     pub noise: ForceNoise<T>,
 }

@@ -30,6 +30,8 @@ pub struct Pooled<T> {
     pub position_velocity_cov: T,
     /// Variance that the steps of the position sensor give the position of an instant.
     pub quantization_variance: T,
+    /// Number of samples since the load began.
+    pub loaded: T,
     /// Number of instants.
     pub count: T,
 }
@@ -45,6 +47,7 @@ impl<T: Real> Pooled<T> {
             position_variance: at.position_variance,
             position_velocity_cov: at.position_velocity_cov,
             quantization_variance: at.quantization_variance,
+            loaded: at.loaded,
             count: T::one(),
         }
     }
@@ -83,6 +86,7 @@ impl<T: Real> Pool<T> {
         self.sum.position_variance += at.position_variance + moved * moved;
         self.sum.position_velocity_cov += at.position_velocity_cov + moved * faster;
         self.sum.quantization_variance += at.quantization_variance;
+        self.sum.loaded += at.loaded;
         self.taken += 1;
         if self.taken >= SIZE {
             return self.finish();
@@ -105,6 +109,7 @@ impl<T: Real> Pool<T> {
             position_variance: T::zero().max_of(self.sum.position_variance / count - moved * moved),
             position_velocity_cov: self.sum.position_velocity_cov / count - moved * faster,
             quantization_variance: self.sum.quantization_variance / count,
+            loaded: self.sum.loaded / count,
             count,
         };
         self.sum = Pooled::default();

@@ -42,6 +42,8 @@ pub struct Refiner<T: Real> {
     by_skew: Vector5<T>,
     /// Sum of the weighted gradients, by which a constant error of the force moves the estimate.
     moment: Vector5<T>,
+    /// The same, each times the samples since the load began: how an even drift moves the estimate.
+    drift_moment: Vector5<T>,
     /// Recent mean squared residual, scaled by F₀².
     pub(super) residual: T,
     /// Recent mean square of what the linearization leaves out, scaled by F₀².
@@ -102,6 +104,7 @@ impl<T: Real> Refiner<T> {
             known: Ud::new(T::one()),
             by_skew: Vector5::repeat(T::zero()),
             moment: Vector5::repeat(T::zero()),
+            drift_moment: Vector5::repeat(T::zero()),
             residual: start.residual,
             linearization_error: T::zero(),
             misfit: Misfit::default(),
@@ -177,15 +180,19 @@ impl<T: Real> Refiner<T> {
         ]
     }
 
-    /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force and a
-    /// noise of the force.
-    pub fn std_errors(&self, rest_error: T, noise: &ForceNoise<T>) -> [T; 5] {
+    /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force, a drift of
+    /// it per sample, and a noise of the force.
+    pub fn std_errors(&self, rest_error: T, rest_drift: T, noise: &ForceNoise<T>) -> [T; 5] {
         let variances = self.known.variances();
         // A wrong resting force is not noise: it moves every sample the same way (Schmidt 1966).
-        let ratio = rest_error / noise.raw;
-        let shift = self.known.times(&self.moment) * ratio;
-        let errors = variances.zip_map(&shift, |variance, shift| (variance + shift * shift).sqrt());
-        self.prior.component_mul(&errors).into()
+        let mut variances = variances;
+        for (moment, error) in [(&self.moment, rest_error), (&self.drift_moment, rest_drift)] {
+            if error > T::zero() {
+                let shift = self.known.times(moment) * (error / noise.raw);
+                variances += shift.component_mul(&shift);
+            }
+        }
+        self.prior.component_mul(&variances.map(T::sqrt)).into()
     }
 
     /// Whether every standard error is at most `factor` times that of another refiner.
@@ -199,6 +206,16 @@ impl<T: Real> Refiner<T> {
             .iter()
             .zip(known(other).iter())
             .all(|(this, other)| *this <= square * *other)
+    }
+
+    /// The slope dF̂/dx.
+    pub fn slope(&self, at: &Pooled<T>) -> T {
+        -predict(&self.values(), at).gradient.w
+    }
+
+    /// The same estimates of a surface that lies `by` deeper.
+    pub fn shift_surface(&mut self, by: T) {
+        self.reference.w += by;
     }
 
     /// The force F̂ and its variance from the errors of the parameters, scaled.
@@ -237,7 +254,9 @@ impl<T: Real> Refiner<T> {
         let update = self.covariance.update(&phi_noise, beta, weight);
         self.deviation += update.gain * (error / noise.raw);
         self.take_skew_for_known();
-        self.moment = self.moment * beta + phi_noise * weight;
+        let moment = phi_noise * weight;
+        self.moment = self.moment * beta + moment;
+        self.drift_moment = self.drift_moment * beta + moment * at.loaded;
         let here = predict(&self.values(), at).force;
         let linearization_error = here - there.force - phi.dot(&self.held());
         let left = at.force - here;
@@ -443,7 +462,7 @@ mod tests {
         );
         (0..3000).for_each(|i| _ = refiner.learn(&gel(i), &NOISE, 1.0));
         assert_eq!(refiner.values()[3], 0.0);
-        assert_eq!(refiner.std_errors(0.0, &NOISE)[3], 0.0);
+        assert_eq!(refiner.std_errors(0.0, 0.0, &NOISE)[3], 0.0);
     }
 
     #[test]
@@ -514,12 +533,46 @@ mod tests {
             });
         }
         let (without, with) = (
-            refiner.std_errors(0.0, &NOISE),
-            refiner.std_errors(offset, &NOISE),
+            refiner.std_errors(0.0, 0.0, &NOISE),
+            refiner.std_errors(offset, 0.0, &NOISE),
         );
         for (slot, truth) in [1.35, 0.36, 1.35, 0.0].into_iter().enumerate() {
             let bias = (refiner.values()[slot] - truth).abs();
             let claimed = (with[slot] * with[slot] - without[slot] * without[slot]).sqrt();
+            assert!(
+                (bias / claimed - 1.0).abs() < 0.1,
+                "{slot}: {bias} {claimed}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_even_drift_within_a_touch_is_within_the_errors_that_consider_it() {
+        // 10 mN over each stroke of 838 instants.
+        let (quiet, drift) = (start(), 0.01 / 838.0);
+        let mut refiner = Refiner::new(&quiet, 0.0, &FOUND);
+        for _ in 0..4 {
+            refiner = refiner.successor(&FOUND);
+            (0..1676).for_each(|i| {
+                let at = gel(i);
+                let loaded = f64::from(i % 838);
+                let force = at.force + drift * loaded;
+                let at = Pooled {
+                    force,
+                    loaded,
+                    ..at
+                };
+                refiner.learn(&at, &NOISE, 1.0);
+            });
+        }
+        let (without, with) = (
+            refiner.std_errors(0.0, 0.0, &NOISE),
+            refiner.std_errors(0.0, drift, &NOISE),
+        );
+        for (slot, truth) in [1.35, 0.36, 1.35, 0.0].into_iter().enumerate() {
+            let bias = (refiner.values()[slot] - truth).abs();
+            let claimed = (with[slot] * with[slot] - without[slot] * without[slot]).sqrt();
+            // Linear in the drift but for what the reference moves.
             assert!(
                 (bias / claimed - 1.0).abs() < 0.1,
                 "{slot}: {bias} {claimed}"

@@ -1,5 +1,6 @@
 //! What `palpate estimate --law hunt_crossley` says of a log, sample by sample.
 
+use crate::faults::rig::REFERENCE_M;
 use crate::faults::rig::case::Case;
 use crate::faults::rig::sensors::Rows;
 use estimator_core::estimate::{Event, method::Method};
@@ -66,9 +67,10 @@ impl Answer {
     fn of(estimation: &Estimation) -> Answer {
         let replay = &estimation.replay;
         let records = replay.records.iter().enumerate();
+        let depth_m = f64::from(replay.config.reference.depth_m);
         let said = records
             .clone()
-            .map(|(index, record)| said(replay.time_s(index), record));
+            .map(|(index, record)| said(replay.time_s(index), record, depth_m));
         let mut flags: Vec<(f64, Flag)> = Vec::new();
         let mut before = Status::NoContact;
         for (index, record) in records {
@@ -93,12 +95,23 @@ impl Answer {
     }
 }
 
-fn said(time_s: f64, record: &Estimate<f32>) -> Said {
+/// Shallow logs are estimated at a smaller reference depth; the truth is that at [`REFERENCE_M`], and the
+/// same law has K·(δ₀/δ)ⁿ⁻¹ and λ·(δ₀/δ)ⁿ there.
+fn said(time_s: f64, record: &Estimate<f32>, depth_m: f64) -> Said {
     let parameter = |slot: usize| {
         let parameter = record.parameters[slot]?;
         Some((f64::from(parameter.value), f64::from(parameter.std_error)))
     };
-    let parameters = || Some([parameter(0)?, parameter(1)?, parameter(2)?]);
+    let parameters = || {
+        let exponent = parameter(2)?;
+        let deeper = (REFERENCE_M / depth_m).powf(exponent.0);
+        let times = |(value, error): (f64, f64), factor: f64| (value * factor, error * factor);
+        Some([
+            times(parameter(0)?, deeper * depth_m / REFERENCE_M),
+            times(parameter(1)?, deeper),
+            exponent,
+        ])
+    };
     Said {
         time_s,
         converged: record.status == Status::Converged,

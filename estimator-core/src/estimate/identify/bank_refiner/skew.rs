@@ -34,7 +34,9 @@ pub(super) fn skew_doubt<T: Real>(refiner: &Refiner<T>) -> Option<Doubt> {
     if skew.abs() > T::from_f64(SKEWED_SIGMAS) * error * inflation && moves(skew, SKEW_MATTERS) {
         Some(Doubt::Against(Reason::Skew))
     } else {
-        let open = moves(error * inflation, SKEW_OPEN);
+        // A skew that chance does not explain is not ruled out by being small beside its error.
+        let error = error * inflation;
+        let open = moves(error.max_of(skew.abs() - error), SKEW_OPEN);
         open.then_some(Doubt::NotYetRuledOut(Reason::Skew))
     }
 }

@@ -11,7 +11,7 @@ const SIMILAR: f64 = 1.5;
 /// Pools between two challengers. One takes over when it lowers the cost of the memory by more than this:
 /// χ² of five parameters exceeds 40 with probability 10⁻⁷. Estimates that had to be replaced are doubted
 /// for this many pools: two seconds of contact, after which the next challenges have confirmed them.
-pub(super) const CHALLENGE_EVERY: u32 = 64;
+pub(super) const CHALLENGE_EVERY: u32 = 80;
 const CHALLENGED: f64 = 40.0;
 pub(super) const DOUBTED: u32 = 256;
 /// Forgetting factor of a refiner per pool of 8: a memory of 50 000 samples. The estimates of one material

@@ -20,6 +20,8 @@ const FIRST_RANGE: f64 = 2.0;
 /// By how much the criterion must speak for a law with more parameters: 10 is very strong (Kass &
 /// Raftery 1995).
 const MARGIN: f64 = 10.0;
+/// A law whose mean squared residual is this share of a bad one takes its place at once.
+const FAR_BETTER: f64 = 0.25;
 /// The most laws that a method chooses from.
 const MOST_LAWS: usize = 4;
 
@@ -196,13 +198,16 @@ impl<T: Real> Selection<T> {
             (Some(current), _) if self.turn == self.champion => {
                 near || fit.residual() < T::from_f64(0.7) * current.residual()
             }
-            (Some(_), Some(champion)) => {
+            (Some(current), Some(champion)) => {
                 let margin = if self.turn > self.champion {
                     T::from_f64(MARGIN)
                 } else {
                     T::zero()
                 };
-                near && contender.criterion() + margin < champion.criterion()
+                // Where the law in use leaves far more than the noise, nobody waits for the last step.
+                let far_better = current.residual() > T::from_f64(BAD)
+                    && fit.residual() < T::from_f64(FAR_BETTER) * current.residual();
+                (near || far_better) && contender.criterion() + margin < champion.criterion()
             }
         }
     }
