@@ -11,7 +11,7 @@ pub enum Bounds {
     NotNegative,
     /// More than zero.
     Positive,
-    /// From 0 on and less than 1: what a fit left at its bound is read again.
+    /// Between 0 and 1, both excluded.
     Fraction,
     /// An angle: any number, the same every 2π.
     Angle,
@@ -27,7 +27,7 @@ impl Bounds {
                 Bounds::Any | Bounds::Angle => true,
                 Bounds::NotNegative => value >= 0.0,
                 Bounds::Positive => value > 0.0,
-                Bounds::Fraction => (0.0..1.0).contains(&value),
+                Bounds::Fraction => value > 0.0 && value < 1.0,
                 Bounds::Within(low, high) => (low..=high).contains(&value),
             }
     }
@@ -38,7 +38,7 @@ impl Bounds {
             Bounds::Any => "any number",
             Bounds::NotNegative => "zero or more",
             Bounds::Positive => "more than zero",
-            Bounds::Fraction => "from 0 on and less than 1",
+            Bounds::Fraction => "between 0 and 1",
             Bounds::Angle => "an angle in rad",
             Bounds::Within(..) => "within its range",
         }

@@ -8,7 +8,7 @@ pub(super) fn say(bounds: Bounds) -> String {
         Bounds::Any | Bounds::Angle => "a finite number".into(),
         Bounds::Positive => "a number greater than 0".into(),
         Bounds::NotNegative => "a number of at least 0".into(),
-        Bounds::Fraction => "a number from 0 on and less than 1".into(),
+        Bounds::Fraction => "a number between 0 and 1".into(),
         Bounds::Within(low, high) => format!("a number from {low} to {high}"),
     }
 }

@@ -9,7 +9,7 @@ effect! {
     /// probe back. Surfaces that close pull less than surfaces that part (adhesion hysteresis).
     Adhesion = "adhesion" {
         /// F_a (N)
-        force_n = "force", Newton, NotNegative, Size, FitRange::up_to(Times(1.0, Force));
+        force_n = "force", Newton, Positive, Size, FitRange::up_to(Times(1.0, Force));
         /// d_a (m)
         neck_length_m = "neck_length", Metre, Positive, Shape, Linear(Times(2.0, PositionNoise), Times(1.0, Travel));
         /// 0: the contact pulls wherever it is. 1: a bond, max(relaxed + damping, −F_a) until it tears.

@@ -7,7 +7,7 @@ effect! {
     /// Play: the tip stays where it is until the motor has used the play up.
     Backlash = "backlash" {
         /// w (m), the whole play
-        width_m = "width", Metre, NotNegative, Size, FitRange::up_to(Times(0.3, Travel));
+        width_m = "width", Metre, Positive, Size, FitRange::up_to(Times(0.3, Travel));
     }
     stage: Transmission, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,

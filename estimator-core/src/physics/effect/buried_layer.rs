@@ -7,7 +7,7 @@ effect! {
     /// A second spring that acts from a depth on.
     BuriedLayer = "buried_layer" {
         /// k₂ (N/m)
-        stiffness_n_per_m = "stiffness", NewtonPerMetre, NotNegative, Size, FitRange::up_to(Times(1e3, Stiffness));
+        stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive, Size, FitRange::up_to(Times(1e3, Stiffness));
         /// d₂ (m)
         depth_m = "depth", Metre, Positive, Shape, Linear(Times(0.02, Travel), Times(0.98, Travel));
         /// w (m): the depth over which the layer sets in; 0: it sets in at once.

@@ -8,7 +8,7 @@ effect! {
     /// and the force stays in a hold.
     CoulombFriction = "coulomb_friction" {
         /// F_c (N)
-        force_n = "force", Newton, NotNegative, Size, FitRange::up_to(Times(2.0, Force));
+        force_n = "force", Newton, Positive, Size, FitRange::up_to(Times(2.0, Force));
         /// The width of the elastic stick (m); 0: the surfaces only slide.
         width_m = "width", Metre, NotNegative = 0.0,
             Form("it only slides", OfTheStart), Logarithmic(Times(1.0, PositionNoise), Times(0.2, Travel));

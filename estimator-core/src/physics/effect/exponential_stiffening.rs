@@ -7,7 +7,7 @@ effect! {
     /// The elastic force times e^{bδ}.
     ExponentialStiffening = "exponential_stiffening" {
         /// b (1/m)
-        rate_per_m = "rate", PerMetre, NotNegative, Size, FitRange::up_to(Per(20.0, Travel));
+        rate_per_m = "rate", PerMetre, Positive, Size, FitRange::up_to(Per(20.0, Travel));
         /// q: how much the rate itself grows, towards a depth that locks.
         bend = "bend", One, NotNegative = 0.0,
             // Half of a growth of e^{1.5} is the bend's.

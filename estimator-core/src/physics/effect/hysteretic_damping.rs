@@ -7,7 +7,7 @@ effect! {
     /// The force F_h·z with ż = (δ̇/d_h)(1 − z·sgn δ̇), and z → 0 out of contact.
     HystereticDamping = "hysteretic_damping" {
         /// F_h (N)
-        force_n = "force", Newton, NotNegative, Size, FitRange::up_to(Times(1.0, Force));
+        force_n = "force", Newton, Positive, Size, FitRange::up_to(Times(1.0, Force));
         /// d_h (m)
         yield_displacement_m = "yield_displacement", Metre, Positive, Shape,
             Logarithmic(Times(2.0, PositionNoise), Times(1.0, Travel));

@@ -7,7 +7,7 @@ effect! {
     /// A magnet below the encoder's zero, which pulls at the tip as it passes.
     TipMagnet = "tip_magnet" {
         /// F (N), at x = 0
-        force_n = "force", Newton, NotNegative, Size, FitRange::up_to(Times(1.0, Force));
+        force_n = "force", Newton, Positive, Size, FitRange::up_to(Times(1.0, Force));
         /// d (m): where half of the pull is left
         reach_m = "reach", Metre, Positive, Shape, Logarithmic(Times(0.02, Travel), Times(0.5, Travel));
     }

@@ -7,7 +7,7 @@ effect! {
     /// The force m·a.
     ToolInertia = "tool_inertia" {
         /// m (kg)
-        mass_kg = "mass", Kilogram, NotNegative, Size, FitRange::NOT_NEGATIVE;
+        mass_kg = "mass", Kilogram, Positive, Size, FitRange::NOT_NEGATIVE;
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: Alone, simpler: None, is_physical: |_| true,

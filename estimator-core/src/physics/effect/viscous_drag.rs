@@ -7,7 +7,7 @@ effect! {
     /// The force b·v.
     ViscousDrag = "viscous_drag" {
         /// b (N s/m)
-        coefficient_ns_per_m = "coefficient", NewtonSecondPerMetre, NotNegative, Size, FitRange::NOT_NEGATIVE;
+        coefficient_ns_per_m = "coefficient", NewtonSecondPerMetre, Positive, Size, FitRange::NOT_NEGATIVE;
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: Drag, simpler: None, is_physical: |_| true,

@@ -77,7 +77,7 @@ fn mistakes_in_an_effect_are_named_with_line_key_value_and_remedy() {
             5,
             "fraction",
             Some("1.5"),
-            "from 0 on and less than 1",
+            "between 0 and 1",
         ),
         (
             "id = \"tool_inertia\"\nmass = 1\nfixed = [\"force\"]",
