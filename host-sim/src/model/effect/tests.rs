@@ -70,7 +70,7 @@ fn mistakes_in_an_effect_are_named_with_line_key_value_and_remedy() {
             5,
             "mass",
             Some("-0.1"),
-            "0 or more",
+            "greater than 0",
         ),
         (
             "id = \"permanent_set\"\nfraction = 1.5\nyield_depth = 0",
