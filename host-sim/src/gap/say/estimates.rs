@@ -6,6 +6,9 @@ use crate::gap::finding::ParameterEstimate;
 use crate::gap::model::{fit::Fit, shape::Owner, shape::Term};
 use crate::model::{self, Model};
 
+/// What stands in a model file for a size of 0.
+const LEAST: f64 = 1e-12;
+
 /// A parameter of a fit with its owner.
 type OwnedEstimate = (Owner, ParameterEstimate);
 
@@ -83,7 +86,12 @@ impl<'a> Estimates<'a> {
     /// The base model with the effects, refitted values and standard errors.
     pub(super) fn refitted_model(&self, model: &Model) -> Model {
         let mut refitted = model.clone();
-        let values: Vec<f64> = self.fit.shape.environment_at(&self.fit.numbers);
+        let mut values: Vec<f64> = self.fit.shape.environment_at(&self.fit.numbers);
+        for (value, own) in values.iter_mut().zip(model.environment.parameters()) {
+            if own.name.starts_with("relaxation_fraction") {
+                *value = value.max(LEAST);
+            }
+        }
         refitted.environment = model.environment.with_values(&values);
         refitted.environment.fit.std_error =
             self.std_errors(|owner| matches!(owner, Owner::Environment(_)));
@@ -100,7 +108,7 @@ impl<'a> Estimates<'a> {
         model::Effect {
             id: term.id.name().into(),
             parameters: parameters
-                .map(|(_, estimate)| (estimate.name.clone(), estimate.value))
+                .map(|(_, estimate)| (estimate.name.clone(), readable(term.id, estimate)))
                 .collect(),
             fit: model::Fit {
                 fixed: given.map_or(Vec::new(), |effect| effect.fit.fixed.clone()),
@@ -115,6 +123,17 @@ impl<'a> Estimates<'a> {
         included
             .filter_map(|(_, estimate)| Some((estimate.name.clone(), estimate.std_error?)))
             .collect()
+    }
+}
+
+/// The value of a parameter as a model file may have it: a fit may leave a size at 0, where the file asks for
+/// more. What is as small does nothing either.
+fn readable(id: EffectId, estimate: &ParameterEstimate) -> f64 {
+    let parameters = id.info().parameters.iter();
+    let mut of_this = parameters.filter(|info| info.name == estimate.name);
+    match of_this.all(|info| info.bounds.allow(estimate.value)) {
+        true => estimate.value,
+        false => estimate.value.max(LEAST),
     }
 }
 
