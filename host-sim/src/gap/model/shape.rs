@@ -267,7 +267,7 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
     let owner = Owner::Effect(number, at);
     let size = |scale| match scale {
         // Two cycles and a half of an encoder's error in contact, or it is any law's form: with one and a
-        // quarter it was fitted to 5 of 320 rigs with another effect, at a pitch of 0.6 of the depth.
+        // quarter it fitted other effects, at a pitch of 0.6 to 0.7 of the depth.
         Scale::PitchInContact => (depth_m / 2.5).clamp(0.05 * scales.travel_m, scales.size(scale)),
         _ => scales.size(scale),
     };
