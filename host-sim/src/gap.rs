@@ -8,8 +8,10 @@
 //! - `model` holds the law with effects and its free numbers, where their fits start, the least squares, the
 //!   weights of the residuals, standard errors, and the bias that errors of the motion cause.
 //! - `search` proposes effects from a linearized fit, then adds, swaps and drops them. Each time everything is
-//!   refitted, and an effect must be significant.
-//! - `decide` refits at the log's own rate, checks on held-out parts, and compares with rivals.
+//!   refitted, and an effect must be significant. Over all sets that were fitted it weighs the evidence for each
+//!   effect against what the best set leaves.
+//! - `decide` refits at the log's own rate, checks on held-out parts, and compares with rivals. Where something
+//!   remains, the effects with strong evidence stand, each for itself.
 //! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
 //! - `say` makes the `finding` of it: regions, estimates, advice.
 //!

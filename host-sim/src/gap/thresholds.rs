@@ -103,7 +103,7 @@ thresholds! {
             /// Far from the noise the search ends when two steps in turn take less than this share off what is
             /// left: what comes after them only fits the remainder. Not measured.
             least_step: 0.3,
-            /// The largest of three waves of a kind stands out if it is this many times as large as the next;
+            /// The largest of several waves of a kind stands out if it is this many times as large as the next;
             /// if it does not, they are a Fourier series of something that is no wave. Not measured.
             prominent_wave: 3.0 over 1.0,
             /// One effect is swapped for another if that improves the score by more, in units of independent

@@ -4,7 +4,8 @@
 //! free air show the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
 //! disturbance) are not noise and are cut to the level of their neighbours, and a line that runs through
 //! all free air is taken out first. Where the two differ the noise is coloured, and the estimate at rest
-//! is right; its fast part is better known from the whole log.
+//! is right; its fast part is better known from the whole log. What is there at rest may be no noise at all,
+//! as a chirp or a burst: then the floor is that of second differences.
 
 use std::ops::Range;
 
@@ -364,6 +365,22 @@ mod tests {
         assert!(floor.coloured && floor.high_pass_n < 0.8 * SIGMA_N);
         assert_near(&floor, rms(noise), 0.03);
         assert!((0.01..0.06).contains(&floor.uncertainty), "{floor:?}");
+    }
+
+    #[test]
+    fn a_chirp_at_rest_is_no_floor() {
+        // GIVEN ten times the noise, from 3 to 30 Hz and back every 3 s, at rest and in motion
+        let chirp = |t: f64, _: f64| {
+            let u = (t % 3.0) - 1.5;
+            14.0 * SIGMA_N * (TAU * (30.0 - 9.0 * u.abs()) * u).sin()
+        };
+        let floor = NoiseFloor::of(&log(&white(), chirp, 1e-5), &Floor::default());
+        // THEN second differences are the floor, a fifth too high for what they see of 30 Hz, and it is said.
+        assert_near(&floor, SIGMA_N, 0.2);
+        assert!(
+            floor.why.contains("no noise") && !floor.coloured,
+            "{floor:?}"
+        );
     }
 
     #[test]

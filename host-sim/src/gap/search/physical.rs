@@ -20,8 +20,8 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     terms.iter().all(|term| term.given || is_physical(term))
 }
 
-/// Whether a fit has three waves of a kind and none that is `prominent` times as large as the next: a Fourier series of something that
-/// is no wave. A true line may have a harmonic, or sidebands of a modulation.
+/// Whether a fit has several waves of a kind and none that is `prominent` times as large as the next: a Fourier
+/// series of something that is no wave. A true line may have harmonics, or sidebands of a modulation.
 pub(crate) fn is_fourier_series(fit: &Fit, prominent: f64) -> bool {
     let terms = fit.shape.terms_at(&fit.numbers);
     let waves = terms.iter().filter(|term| !term.given && repeats(term.id));
@@ -47,4 +47,29 @@ fn sizes(alike: &[&Term]) -> Vec<f64> {
     };
     let each = waves.iter().filter(|wave| !is_harmonic(wave));
     each.map(|wave| wave[0]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::model::start::whole;
+    use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+
+    #[test]
+    fn a_harmonic_is_no_wave_of_its_own_and_others_are() {
+        let wave = |amplitude: f64, pitch_m: f64| {
+            let mut row = [0.0; MOST_PARAMETERS];
+            row[..2].copy_from_slice(&[amplitude, pitch_m]);
+            whole(EffectId::Cogging, row, 3)
+        };
+        // GIVEN a cogging with half as much of the second harmonic, and a small wave beside it
+        let own = [
+            wave(24.8, 0.3797e-3),
+            wave(53.2, 0.7651e-3),
+            wave(8.1, 1.037e-3),
+        ];
+        let all: Vec<&Term> = own.iter().collect();
+        // THEN the largest is 6.6 times as large as the next that is not of it.
+        assert_eq!(sizes(&all), [53.2, 8.1]);
+    }
 }
