@@ -1,0 +1,128 @@
+//! The felt against the true force, at the same depth and the same speed.
+
+use std::ops::Range;
+
+use crate::lsq::dense::{cholesky, solve};
+use crate::stats::highest;
+use crate::teleop::trace::{Row, Trace};
+
+/// A force that counts as a contact (N): five times what the load cells' noise leaves of one.
+pub const TOUCH_N: f64 = 0.1;
+/// After an impedance has arrived it comes in within a tenth of a second (s).
+const COMES_IN_S: f64 = 0.15;
+/// What a scheme without an estimate gets from the first touch on, besides the round trip (s).
+const FIRST_S: f64 = 0.5;
+
+/// What was felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Felt {
+    /// RMS over the peak, once the scheme has what it needs.
+    pub share: Option<f64>,
+    /// RMS over the peak, over every contact.
+    pub whole: f64,
+    /// Felt stiffness over the true one, minus 1.
+    pub stiffness_error: Option<f64>,
+    /// Felt damping over the true one, minus 1.
+    pub damping_error: Option<f64>,
+}
+
+/// Whether the operator feels something there, or should.
+pub fn touches(row: &Row) -> bool {
+    row.true_n > TOUCH_N || row.felt_n > TOUCH_N
+}
+
+/// The stretches of one material each, as ranges of rows.
+pub fn materials(trace: &Trace) -> Vec<Range<usize>> {
+    let count = trace.rows.len();
+    let Some(changed_s) = trace.changed_s else {
+        return vec![0..count];
+    };
+    let at = trace.rows.partition_point(|row| row.time_s < changed_s);
+    vec![0..at, at..count]
+}
+
+/// Which rows are scored: contacts in which the scheme has what it needs.
+pub fn scored(trace: &Trace) -> Vec<bool> {
+    let mut scored = vec![false; trace.rows.len()];
+    for stretch in materials(trace) {
+        let mut since = None;
+        for at in stretch {
+            let row = &trace.rows[at];
+            let ready = match trace.scheme.reflects() {
+                true => row.heard,
+                false => since.is_some() || touches(row),
+            };
+            let first = match (ready, since) {
+                (false, _) => None,
+                (true, None) => Some(row.time_s),
+                (true, since) => since,
+            };
+            since = first;
+            let waits_s = match trace.scheme.reflects() {
+                true => COMES_IN_S,
+                false => FIRST_S + trace.round_trip_s(),
+            };
+            scored[at] = since.is_some_and(|since| row.time_s >= since + waits_s) && touches(row);
+        }
+    }
+    scored
+}
+
+/// What was felt in a run.
+pub fn felt(trace: &Trace) -> Felt {
+    let scored = scored(trace);
+    let stretches = materials(trace);
+    let share = |chosen: &dyn Fn(usize) -> bool| {
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for stretch in &stretches {
+            let rows = || stretch.clone().filter(|at| chosen(*at)).map(|at| &trace.rows[at]);
+            let peak_n = highest(rows().map(|row| trace.shaping * row.true_n));
+            if peak_n > 0.0 {
+                sum += rows()
+                    .map(|row| ((row.felt_n - trace.shaping * row.true_n) / peak_n).powi(2))
+                    .sum::<f64>();
+                count += rows().count();
+            }
+        }
+        (count > 0).then(|| (sum / count as f64).sqrt())
+    };
+    let first = stretches.first().cloned().unwrap_or_default();
+    let chosen: Vec<&Row> = first
+        .filter(|at| scored[*at] && trace.rows[*at].true_n > TOUCH_N)
+        .map(|at| &trace.rows[at])
+        .collect();
+    let errors = impedance_errors(&chosen, trace.shaping);
+    Felt {
+        share: share(&|at| scored[at]),
+        whole: share(&|at| touches(&trace.rows[at])).unwrap_or(0.0),
+        stiffness_error: errors.map(|errors| errors[0]),
+        damping_error: errors.map(|errors| errors[1]),
+    }
+}
+
+/// The errors of felt stiffness and damping: both forces are fitted with a constant, the depth and the
+/// speed, over the same motion.
+fn impedance_errors(rows: &[&Row], shaping: f64) -> Option<[f64; 2]> {
+    // Half a second of contact.
+    if rows.len() < 500 {
+        return None;
+    }
+    let felt = line(rows, |row| row.felt_n)?;
+    let real = line(rows, |row| shaping * row.true_n)?;
+    Some([felt[1] / real[1] - 1.0, felt[2] / real[2] - 1.0])
+}
+
+/// Coefficients of 1, x in mm and v in 0.1 m/s.
+fn line(rows: &[&Row], force: impl Fn(&Row) -> f64) -> Option<Vec<f64>> {
+    let (mut matrix, mut right) = (vec![0.0; 9], vec![0.0; 3]);
+    for row in rows {
+        let phi = [1.0, 1e3 * row.master_m, 10.0 * row.master_mps];
+        for i in 0..3 {
+            right[i] += phi[i] * force(row);
+            for j in 0..3 {
+                matrix[3 * i + j] += phi[i] * phi[j];
+            }
+        }
+    }
+    Some(solve(&cholesky(&matrix, 3)?, 3, &right))
+}
