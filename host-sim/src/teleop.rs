@@ -6,9 +6,12 @@
 
 pub mod board;
 pub mod channel;
+pub mod compare;
 pub mod device;
 pub mod environment;
+pub mod file;
 pub mod hand;
+pub mod json;
 pub mod measure;
 pub mod operator;
 pub mod options;
@@ -16,6 +19,7 @@ pub mod scheme;
 pub mod system;
 pub mod trace;
 
+pub use compare::{Cell, Grid, compare, stability_limit_s};
 pub use measure::{Measures, measure};
 pub use options::{Options, SchemeId};
 pub use system::System;

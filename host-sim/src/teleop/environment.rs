@@ -141,23 +141,22 @@ impl Environment {
         }
     }
 
-    /// A material, and another one from a time on (s), as soon as the slave is in the air.
-    pub fn changing(first: Material, second: Material, change_s: f64) -> Environment {
+    /// A material, and another one when the operator has slid off and the slave is in the air.
+    pub fn changing(first: Material, second: Material) -> Environment {
         Environment {
             second: Some(second),
-            change_s,
             ..Environment::throughout(first)
         }
     }
 
     /// The environments of the comparison: each begins with the material that it is named after, and
     /// goes over to another one halfway.
-    pub fn compared(change_s: f64) -> Vec<Environment> {
+    pub fn compared() -> Vec<Environment> {
         vec![
-            Environment::changing(Material::gel(), Material::plastic(), change_s),
-            Environment::changing(Material::plastic(), Material::gel(), change_s),
-            Environment::changing(Material::foam(), Material::gel(), change_s),
-            Environment::changing(Material::layered(), Material::gel(), change_s),
+            Environment::changing(Material::gel(), Material::plastic()),
+            Environment::changing(Material::plastic(), Material::gel()),
+            Environment::changing(Material::foam(), Material::gel()),
+            Environment::changing(Material::layered(), Material::gel()),
         ]
     }
 }
@@ -177,7 +176,7 @@ mod tests {
 
     #[test]
     fn every_material_of_the_comparison_pushes_and_the_foam_relaxes() {
-        for environment in Environment::compared(9.0) {
+        for environment in Environment::compared() {
             let mut touching = Touching::at_rest(&environment.first);
             let at = |time_s: f64| Motion {
                 time_s,

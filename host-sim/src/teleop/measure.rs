@@ -11,7 +11,7 @@ use estimator_core::board::reflection::Limit;
 use super::trace::{Parameters, Trace};
 use crate::stats::{highest, rms};
 
-/// The measures of a run. The true force is that of the material at the master's own position, times the
+/// The measures of a run; those of the felt force are of the first material. The true force is that of the material at the master's own position, times the
 /// factor of a scheme that shapes it on purpose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measures {
@@ -20,6 +20,8 @@ pub struct Measures {
     pub felt_force_rmse_share: Option<f64>,
     /// The same over every contact from the first touch on.
     pub felt_force_rmse_share_whole: f64,
+    /// The first of these of the second material.
+    pub felt_force_rmse_share_after: Option<f64>,
     /// Felt stiffness over the true one, minus 1; `None` where the motion determines none.
     pub felt_stiffness_error: Option<f64>,
     /// Felt damping over the true one, minus 1.
@@ -66,10 +68,12 @@ pub struct Packets {
 
 /// Measures a run.
 pub fn measure(trace: &Trace) -> Measures {
-    let felt = felt::felt(trace);
+    let each = felt::felt(trace);
+    let felt = each.first().copied().unwrap_or_default();
     Measures {
         felt_force_rmse_share: felt.share,
         felt_force_rmse_share_whole: felt.whole,
+        felt_force_rmse_share_after: each.get(1).and_then(|felt| felt.share),
         felt_stiffness_error: felt.stiffness_error,
         felt_damping_error: felt.damping_error,
         position_rmse_m: position_rmse_m(trace),

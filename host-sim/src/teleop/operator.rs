@@ -53,6 +53,9 @@ pub struct Task {
     pub presses_s: f64,
 }
 
+/// How long the hand rests at first (s): the estimator's settling, three times over.
+const RESTS_S: f64 = 0.6;
+
 impl Default for Task {
     /// 20 s: rest, reach, palpate, slide off, palpate, press.
     fn default() -> Self {
@@ -67,6 +70,24 @@ impl Default for Task {
 }
 
 impl Task {
+    /// The same, with each palpation so much longer (s) that news can go round, in whole cycles, and with a
+    /// press that lasts long enough for a stable system to come to rest.
+    #[must_use]
+    pub fn with_round_trip(self, round_trip_s: f64) -> Task {
+        let cycle_s = 1.0 / self.frequency_hz;
+        let longer = |seconds: f64| seconds + cycle_s * (round_trip_s / cycle_s).ceil();
+        Task {
+            palpates_s: (longer(self.palpates_s.0), longer(self.palpates_s.1)),
+            presses_s: self.presses_s + 2.0 * round_trip_s,
+            ..self
+        }
+    }
+
+    /// When the hand has slid off, and the material may change (s).
+    pub fn slides_off_s(&self) -> f64 {
+        RESTS_S + self.palpates_s.0 + 0.05
+    }
+
     /// The intended motion.
     pub fn motion(&self) -> Motion {
         let Task {
@@ -86,7 +107,7 @@ impl Task {
             speed_mps: 0.06,
         };
         let segments = vec![
-            Segment::Hold { seconds: 0.6 },
+            Segment::Hold { seconds: RESTS_S },
             palpates(self.palpates_s.0),
             Segment::Hold { seconds: 0.7 },
             palpates(self.palpates_s.1),

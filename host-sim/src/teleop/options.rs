@@ -88,6 +88,8 @@ pub struct Options {
     pub clock_offset_us: u64,
     /// Who moves the master.
     pub operator: Operator,
+    /// What the operator does, unless a motion of its own says it.
+    pub task: Option<Task>,
     /// What the slave touches.
     pub environment: Environment,
     /// The master.
@@ -127,7 +129,8 @@ impl Default for Options {
             channels: [ChannelConfig::default(); 2],
             clock_offset_us: 0,
             operator: Operator::default(),
-            environment: Environment::changing(Material::gel(), Material::plastic(), CHANGE_S),
+            task: Some(Task::default()),
+            environment: Environment::changing(Material::gel(), Material::plastic()),
             master: Device::MASTER,
             slave: Device::SLAVE,
             // 60 Hz on half a kilogram, ζ = 0.7.
@@ -144,9 +147,6 @@ impl Default for Options {
         }
     }
 }
-
-/// When the material of the built-in task changes (s): while the hand has slid off.
-pub const CHANGE_S: f64 = 9.4;
 
 /// What the shaped scheme of the comparison does, if nothing else is said: seven tenths of the impedance.
 const SHAPED_GAIN: f64 = 0.7;
@@ -170,17 +170,16 @@ impl Options {
         self
     }
 
-    /// The same with a press at the end that lasts long enough for a stable system to come to rest: the
-    /// built-in 3.4 s, and twice the round trip.
+    /// The same with a task that is as much longer as the round trip asks for, and with the material
+    /// changing when its hand has slid off.
     #[must_use]
-    pub fn with_rest(mut self) -> Options {
-        let task = Task::default();
+    pub fn with_task_for_delay(mut self) -> Options {
         let round_trip_s = self.channels[0].delay_s + self.channels[1].delay_s;
-        self.operator.intention = Task {
-            presses_s: task.presses_s + 2.0 * round_trip_s,
-            ..task
+        if let Some(task) = self.task {
+            let task = task.with_round_trip(round_trip_s);
+            self.environment.change_s = task.slides_off_s();
+            self.operator.intention = task.motion();
         }
-        .motion();
         self
     }
 

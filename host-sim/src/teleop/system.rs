@@ -295,7 +295,9 @@ impl<'a> System<'a> {
         };
         let known = self.known_us.is_some_and(|known_us| packet.time_us > known_us);
         let faded = reflecting.rendered.has(Limit::Fading);
-        packet.status == Status::Converged && known && !faded
+        // A law that does not explain the force has its parameters all the same, and they are rendered.
+        let has_ended = matches!(packet.status, Status::Converged | Status::ModelSuspect);
+        has_ended && known && !faded
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::lsq::dense::{cholesky, solve};
-use crate::stats::highest;
+use crate::stats::{highest, rms};
 use crate::teleop::trace::{Row, Trace};
 
 /// A force that counts as a contact (N): five times what the load cells' noise leaves of one.
@@ -13,8 +13,8 @@ const COMES_IN_S: f64 = 0.15;
 /// What a scheme without an estimate gets from the first touch on, besides the round trip (s).
 const FIRST_S: f64 = 0.5;
 
-/// What was felt.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What was felt of one material.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Felt {
     /// RMS over the peak, once the scheme has what it needs.
     pub share: Option<f64>,
@@ -25,6 +25,9 @@ pub struct Felt {
     /// Felt damping over the true one, minus 1.
     pub damping_error: Option<f64>,
 }
+
+/// A damping whose force is a smaller share of the peak is none that could be compared.
+const LEAST_DAMPING: f64 = 0.03;
 
 /// Whether the operator feels something there, or should.
 pub fn touches(row: &Row) -> bool {
@@ -68,48 +71,52 @@ pub fn scored(trace: &Trace) -> Vec<bool> {
     scored
 }
 
-/// What was felt in a run.
-pub fn felt(trace: &Trace) -> Felt {
+/// What was felt of each material.
+pub fn felt(trace: &Trace) -> Vec<Felt> {
     let scored = scored(trace);
-    let stretches = materials(trace);
-    let share = |chosen: &dyn Fn(usize) -> bool| {
-        let (mut sum, mut count) = (0.0, 0_usize);
-        for stretch in &stretches {
-            let rows = || stretch.clone().filter(|at| chosen(*at)).map(|at| &trace.rows[at]);
-            let peak_n = highest(rows().map(|row| trace.shaping * row.true_n));
-            if peak_n > 0.0 {
-                sum += rows()
-                    .map(|row| ((row.felt_n - trace.shaping * row.true_n) / peak_n).powi(2))
-                    .sum::<f64>();
-                count += rows().count();
+    let stretches = materials(trace).into_iter();
+    stretches
+        .map(|stretch| {
+            let rows = |chosen: &dyn Fn(usize) -> bool| -> Vec<&Row> {
+                let chosen = stretch.clone().filter(|at| chosen(*at));
+                chosen.map(|at| &trace.rows[at]).collect()
+            };
+            let ready = rows(&|at| scored[at]);
+            let inside = rows(&|at| scored[at] && trace.rows[at].true_n > TOUCH_N);
+            let errors = impedance_errors(&inside, trace.shaping).unwrap_or_default();
+            Felt {
+                share: share(&ready, trace.shaping),
+                whole: share(&rows(&|at| touches(&trace.rows[at])), trace.shaping).unwrap_or(0.0),
+                stiffness_error: errors[0],
+                damping_error: errors[1],
             }
-        }
-        (count > 0).then(|| (sum / count as f64).sqrt())
-    };
-    let first = stretches.first().cloned().unwrap_or_default();
-    let chosen: Vec<&Row> = first
-        .filter(|at| scored[*at] && trace.rows[*at].true_n > TOUCH_N)
-        .map(|at| &trace.rows[at])
-        .collect();
-    let errors = impedance_errors(&chosen, trace.shaping);
-    Felt {
-        share: share(&|at| scored[at]),
-        whole: share(&|at| touches(&trace.rows[at])).unwrap_or(0.0),
-        stiffness_error: errors.map(|errors| errors[0]),
-        damping_error: errors.map(|errors| errors[1]),
-    }
+        })
+        .collect()
+}
+
+/// RMS of felt minus true force over the peak of the true one; `None` of less than a tenth of a second.
+fn share(rows: &[&Row], shaping: f64) -> Option<f64> {
+    let peak_n = highest(rows.iter().map(|row| shaping * row.true_n));
+    let enough = rows.len() >= 100 && peak_n > TOUCH_N;
+    enough.then(|| rms(rows.iter().map(|row| row.felt_n - shaping * row.true_n)) / peak_n)
 }
 
 /// The errors of felt stiffness and damping: both forces are fitted with a constant, the depth and the
 /// speed, over the same motion.
-fn impedance_errors(rows: &[&Row], shaping: f64) -> Option<[f64; 2]> {
+fn impedance_errors(rows: &[&Row], shaping: f64) -> Option<[Option<f64>; 2]> {
     // Half a second of contact.
     if rows.len() < 500 {
         return None;
     }
     let felt = line(rows, |row| row.felt_n)?;
     let real = line(rows, |row| shaping * row.true_n)?;
-    Some([felt[1] / real[1] - 1.0, felt[2] / real[2] - 1.0])
+    let peak_n = highest(rows.iter().map(|row| shaping * row.true_n));
+    let damped_n = rms(rows.iter().map(|row| 10.0 * real[2] * row.master_mps));
+    let error = |slot: usize| felt[slot] / real[slot] - 1.0;
+    Some([
+        Some(error(1)),
+        (damped_n > LEAST_DAMPING * peak_n).then(|| error(2)),
+    ])
 }
 
 /// Coefficients of 1, x in mm and v in 0.1 m/s.

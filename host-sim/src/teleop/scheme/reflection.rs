@@ -13,6 +13,7 @@ use estimator_core::physics::law::LawKind;
 use estimator_core::{Estimate, estimate::Estimated};
 
 use super::guard::{Guard, GuardLimits};
+use super::held::Held;
 use super::ledger::Ledger;
 use super::shape::Shape;
 use crate::teleop::board::{Board, PACKETS_HZ, Rendering};
@@ -25,6 +26,8 @@ use crate::teleop::scheme::{
 const REFERENCE_DEPTH_M: f32 = 1e-3;
 /// A position that is older is not extrapolated any further (s).
 const FURTHEST_S: f64 = 0.02;
+/// How long a hand that was heard is used (s): ten of its packets, half of which may be late or lost.
+const HAND_HOLDS_S: f64 = 0.2;
 /// What smooths the positions that come 100 times a second (Hz).
 const SMOOTHING_HZ: f64 = 20.0;
 
@@ -69,11 +72,14 @@ struct Master {
 struct Slave {
     board: Board,
     guard: Guard,
+    held: Held,
     estimate: Option<Estimate<f32>>,
     /// Position (m) and speed (m/s) that were heard last, and how long ago (s).
     of_master: Option<(f64, f64, f64)>,
-    /// The operator's stiffness (N/m), damping (N s/m) and intention (m).
+    /// The operator's stiffness (N/m), damping (N s/m) and intention (m), and how long ago they were heard
+    /// (s).
     hand: Option<(f64, f64, f64)>,
+    hand_age_s: f64,
     /// The smoothed position (m) and speed (m/s).
     smoothed: Option<(f64, f64)>,
 }
@@ -105,9 +111,11 @@ impl Reflection {
             slave: Slave {
                 board: Board::slave(),
                 guard: Guard::new(options.guard),
+                held: Held::default(),
                 estimate: None,
                 of_master: None,
                 hand: None,
+                hand_age_s: 0.0,
                 smoothed: None,
             },
         }
@@ -177,6 +185,9 @@ impl Slave {
         if let Some((.., age_s)) = &mut self.of_master {
             *age_s += period_s;
         }
+        self.hand_age_s += period_s;
+        // Without news of the hand the slave follows the position, as in the one-sided scheme.
+        self.hand = self.hand.filter(|_| self.hand_age_s < HAND_HOLDS_S);
         match arrived {
             Some(Message::Signals([position_m, speed_mps, sequence, _])) => {
                 self.of_master = Some((position_m, speed_mps, 0.0));
@@ -188,6 +199,7 @@ impl Slave {
                 if let Some([Some(k), Some(b), Some(intended), ..]) = slots {
                     let value = |known: Estimated<f32>| f64::from(known.value);
                     self.hand = Some((value(k), value(b), value(intended)));
+                    self.hand_age_s = 0.0;
                 }
             }
             None => {}
@@ -247,6 +259,7 @@ impl Scheme for Reflection {
         slave.hear(arrived, own.period_s);
         let record = slave.board.tick(own.time_us, own.position_m, own.force_n);
         let mut estimate = record.estimate;
+        slave.held.complete(&mut estimate);
         self.options.shape.apply(&mut estimate);
         let due = record.due.reflected;
         let packet = due.map(|sequence| Packet::of(&estimate, REFERENCE_DEPTH_M, sequence));
@@ -255,7 +268,7 @@ impl Scheme for Reflection {
             slave.guard.sent(packet);
         }
         let (position_m, speed_mps) = slave.target(own);
-        let followed_m = slave.guard.position_m(position_m, own.position_m, own.period_s);
+        let followed_m = slave.guard.position_m(position_m, own);
         let behind = (position_m - followed_m).abs() > 1e-6;
         let mut command = SlaveCommand {
             force_limit_n: slave.guard.force_n(position_m, speed_mps),
