@@ -13,6 +13,7 @@ pub mod file;
 pub mod hand;
 pub mod json;
 pub mod measure;
+pub mod notice;
 pub mod operator;
 pub mod options;
 pub mod scheme;

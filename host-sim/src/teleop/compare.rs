@@ -44,6 +44,20 @@ impl Grid {
         }
     }
 
+    /// All schemes on the material and the operator of one run, without and with losses: the map of its
+    /// report.
+    pub fn around(options: &Options) -> Grid {
+        Grid {
+            base: options.clone(),
+            environments: vec![options.environment.clone()],
+            schemes: SchemeId::ALL.to_vec(),
+            round_trips_s: vec![0.0, 0.03, 0.1, 0.3, 1.0],
+            jitters: vec![0.0],
+            losses: vec![0.0, 0.2],
+            seeds: 1,
+        }
+    }
+
     /// The cells, without their measures.
     fn cells(&self) -> Vec<(&Environment, SchemeId, f64, f64, f64)> {
         let mut cells = Vec::new();

@@ -76,6 +76,13 @@ impl Material {
         }
     }
 
+    /// The same with its surface at 0 m, where the operator expects it.
+    #[must_use]
+    pub fn at_zero(mut self) -> Material {
+        self.rig.environment.surface_m = 0.0;
+        self
+    }
+
     /// The chapter's gel.
     pub fn gel() -> Material {
         Material::bare(GEL.name, GEL.at(0.0).environment())

@@ -224,7 +224,7 @@ impl Options {
             SchemeId::ReflectionShaped => {}
             _ => options.shape = Shape::default(),
         }
-        if options.both && options.excitation.is_none() {
+        if options.both && options.excitation.is_none() && !options.excites {
             options.excitation = Some(Excitation {
                 force_n: EXCITATION_N,
             });

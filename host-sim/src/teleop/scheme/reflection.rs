@@ -44,6 +44,8 @@ pub struct ReflectionOptions {
     pub both: bool,
     /// The known force at the master that shows the hand.
     pub excitation: Option<Excitation>,
+    /// Whether `excitation` was chosen, and `None` means that there is none.
+    pub excites: bool,
 }
 
 impl Default for ReflectionOptions {
@@ -54,6 +56,7 @@ impl Default for ReflectionOptions {
             shape: Shape::default(),
             both: false,
             excitation: None,
+            excites: false,
         }
     }
 }
