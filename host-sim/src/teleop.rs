@@ -5,6 +5,7 @@
 //! impedance reflection runs the boards' own code at both ends.
 
 pub mod board;
+pub mod bridge;
 pub mod channel;
 pub mod compare;
 pub mod device;

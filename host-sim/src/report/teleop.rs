@@ -3,31 +3,14 @@
 
 mod figures;
 mod map;
+mod run;
 mod tables;
+
+pub use run::TeleopReport;
 
 use super::{Document, Provenance, Section, Tone};
 use crate::number::quantity;
-use crate::teleop::measure::transparency::Line;
-use crate::teleop::{Cell, Measures, Options, SchemeId, Trace};
-
-/// What the report of a run is made of.
-#[derive(Clone, Debug)]
-pub struct TeleopReport<'a> {
-    /// What was run.
-    pub options: &'a Options,
-    /// What happened.
-    pub trace: &'a Trace,
-    /// What it was like.
-    pub measures: &'a Measures,
-    /// The transparency of some schemes on the same channel, the run's own first.
-    pub transparency: &'a [(SchemeId, Vec<Line>)],
-    /// All schemes over delay and loss.
-    pub map: &'a [Cell],
-    /// The largest round trip at which the scheme comes to rest (s), and the largest that was tried.
-    pub limit_s: (Option<f64>, f64),
-    /// What the report was made from.
-    pub provenance: Provenance,
-}
+use crate::teleop::{Cell, Measures, Options, SchemeId};
 
 /// The felt force is right below this share, and wrong above the other.
 const RIGHT: f64 = 0.05;
@@ -51,9 +34,10 @@ impl TeleopReport<'_> {
             [] => frequency,
             lines => frequency.figure(figures::transparency(lines)),
         };
-        let maps = map::maps(self.map)
-            .into_iter()
-            .fold(Section::new("Schemes over delay and loss"), Section::heat_map);
+        let maps = map::maps(self.map).into_iter().fold(
+            Section::new("Schemes over delay and loss"),
+            Section::heat_map,
+        );
         let document = Document::new(title(self.options)).verdict(tone, badge, sentence);
         [
             tables::summary(self),
@@ -108,7 +92,10 @@ fn title(options: &Options) -> String {
 /// How good the run is, in a word and in a sentence.
 pub fn verdict(options: &Options, measures: &Measures) -> (Tone, &'static str, String) {
     let felt = match measures.felt_force_rmse_share {
-        Some(share) => format!("The felt force is {:.1} % of its peak off the true one", 100.0 * share),
+        Some(share) => format!(
+            "The felt force is {:.1} % of its peak off the true one",
+            100.0 * share
+        ),
         None => "The scheme never had what it needs to put a force out".into(),
     };
     let shaped = match options.shaping() {
@@ -124,7 +111,11 @@ pub fn verdict(options: &Options, measures: &Measures) -> (Tone, &'static str, S
         Some(share) if share <= WRONG => (Tone::Warning, "stable"),
         _ => (Tone::Bad, "not transparent"),
     };
-    (tone, badge, format!("{felt}{shaped}; the system comes to rest."))
+    (
+        tone,
+        badge,
+        format!("{felt}{shaped}; the system comes to rest."),
+    )
 }
 
 #[cfg(test)]

@@ -141,7 +141,8 @@ impl Board {
             force_n: force_n as f32,
             faults: Faults::NONE,
         };
-        self.sampler.tick(0, Reading::Sample(sample), &mut self.ports);
+        self.sampler
+            .tick(0, Reading::Sample(sample), &mut self.ports);
         // Every sample is shown: `telemetry.every` is 1.
         self.ports.record.take().expect("every sample is shown")
     }
@@ -151,4 +152,3 @@ impl Board {
         f64::from(self.ports.code) / f64::from(FULL) * f64::from(FULL_N)
     }
 }
-

@@ -131,7 +131,11 @@ impl<T> Channel<T> {
         self.free_s = starts_s + bytes as f64 / self.config.bytes_per_s;
         let arrives_s = self.free_s + delay_s;
         let behind = |other: &Underway<T>| other.arrives_s <= arrives_s;
-        let at = self.underway.iter().rposition(behind).map_or(0, |at| at + 1);
+        let at = self
+            .underway
+            .iter()
+            .rposition(behind)
+            .map_or(0, |at| at + 1);
         self.underway.insert(
             at,
             Underway {
@@ -256,7 +260,10 @@ mod tests {
             let share = counts.lost as f64 / counts.sent as f64;
             // Five standard errors of 60 000 messages in bursts of eight.
             assert!((share - 0.2).abs() < 0.025, "{burst}: {share}");
-            let gaps: Vec<u32> = arrived.windows(2).map(|pair| pair[1].0 - pair[0].0 - 1).collect();
+            let gaps: Vec<u32> = arrived
+                .windows(2)
+                .map(|pair| pair[1].0 - pair[0].0 - 1)
+                .collect();
             let bursts = gaps.iter().filter(|gap| **gap > 0).count();
             let mean = f64::from(gaps.iter().sum::<u32>()) / bursts as f64;
             let expected = if burst > 1.0 { burst } else { 1.25 };

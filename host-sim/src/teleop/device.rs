@@ -157,7 +157,13 @@ mod tests {
         for step in 0..20_000 {
             let time_s = f64::from(step) * STEP_S;
             let hand_n = 8.0 * (9.0 * time_s).sin();
-            Device::MASTER.advance(&mut state, -2.0 * (31.0 * time_s).cos(), hand_n, 0.5, STEP_S);
+            Device::MASTER.advance(
+                &mut state,
+                -2.0 * (31.0 * time_s).cos(),
+                hand_n,
+                0.5,
+                STEP_S,
+            );
         }
         let kinetic_j = 0.5 * 0.9 * state.speed_mps.powi(2);
         let given_j = state.actuator_j + state.outer_j;
@@ -174,6 +180,10 @@ mod tests {
             Device::MASTER.advance(&mut state, 1e3, 0.0, 0.0, STEP_S);
         }
         let exact = -(-f64::from(steps) * STEP_S / time_constant_s).exp_m1();
-        assert!((state.actuator_n / 30.0 - exact).abs() < 1e-12, "{}", state.actuator_n);
+        assert!(
+            (state.actuator_n / 30.0 - exact).abs() < 1e-12,
+            "{}",
+            state.actuator_n
+        );
     }
 }

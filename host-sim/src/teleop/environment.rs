@@ -1,7 +1,9 @@
 //! What the slave touches: materials one after the other, and the same at the master's depth for comparison.
 
 use estimator_core::physics::effect::{Effect, EffectId, Motion};
-use estimator_core::physics::law::{Elastic, Environment as Parts, Law, QuasiLinear, RelaxationMode};
+use estimator_core::physics::law::{
+    Elastic, Environment as Parts, Law, QuasiLinear, RelaxationMode,
+};
 use estimator_core::physics::rig::{Reading, Rig, RigState};
 
 use crate::plant::{Contact, GEL, PLASTIC};
@@ -192,7 +194,8 @@ mod tests {
                 acceleration_mps2: 0.0,
             };
             let first_n = touching.step(at(0.0), 1e-3).touch.force_n;
-            let last_n = (1..3000).map(|ms| touching.step(at(f64::from(ms) * 1e-3), 1e-3).touch.force_n);
+            let last_n =
+                (1..3000).map(|ms| touching.step(at(f64::from(ms) * 1e-3), 1e-3).touch.force_n);
             let last_n = last_n.last().unwrap();
             assert!(first_n > 1.0, "{}", environment.first.name);
             assert_eq!(last_n < 0.99 * first_n, environment.first.name == "foam");

@@ -78,14 +78,20 @@ impl OperatorFile {
         let excitation = root.number("excitation", Bounds::Within(0.0, 10.0))?;
         let grips = root.tables("grip")?;
         let grips = grips.iter().map(grip).collect::<Result<Vec<_>, _>>()?;
-        if let Some(at) = grips.windows(2).position(|pair| pair[0].from_s >= pair[1].from_s) {
+        if let Some(at) = grips
+            .windows(2)
+            .position(|pair| pair[0].from_s >= pair[1].from_s)
+        {
             return Err(root
                 .wrong_table("the grips do not follow each other in time")
                 .at_key(&format!("grip[{}].from", at + 2))
                 .value(grips[at + 1].from_s)
                 .remedy("order the grips by `from`"));
         }
-        let task = root.table("task")?.map(|table| self::task(&table)).transpose()?;
+        let task = root
+            .table("task")?
+            .map(|table| self::task(&table))
+            .transpose()?;
         let motion = match root.text("motion")? {
             Some(_) if task.is_some() => {
                 return Err(root
@@ -106,8 +112,7 @@ impl OperatorFile {
                 force_limit_n: force_limit.unwrap_or(usual.force_limit_n),
             },
             task,
-            excitation: excitation
-                .map(|force_n| (force_n > 0.0).then_some(Excitation { force_n })),
+            excitation: excitation.map(|force_n| (force_n > 0.0).then_some(Excitation { force_n })),
         })
     }
 }
@@ -121,7 +126,11 @@ fn grip(table: &Table<'_>) -> Result<Grip, Diagnostic> {
         from_s: or("from", Bounds::NotNegative, HAND.from_s)?,
         mass_kg: or("mass", Bounds::Within(0.0, 100.0), HAND.mass_kg)?,
         damping_ns_per_m: or("damping", Bounds::Within(0.0, 1e4), HAND.damping_ns_per_m)?,
-        stiffness_n_per_m: or("stiffness", Bounds::Within(1.0, 1e5), HAND.stiffness_n_per_m)?,
+        stiffness_n_per_m: or(
+            "stiffness",
+            Bounds::Within(1.0, 1e5),
+            HAND.stiffness_n_per_m,
+        )?,
     };
     table.finish()?;
     Ok(grip)
@@ -171,7 +180,8 @@ impl ChannelFile {
         let root = file.root();
         root.understand(&["clock_offset", "there", "back"]);
         let way = |key: &str| -> Result<ChannelConfig, Diagnostic> {
-            root.table(key)?.map_or(Ok(ChannelConfig::default()), |table| way(&table))
+            root.table(key)?
+                .map_or(Ok(ChannelConfig::default()), |table| way(&table))
         };
         let offset_s = root.number("clock_offset", Bounds::Within(0.0, 1e6))?;
         let channels = [way("there")?, way("back")?];
@@ -184,7 +194,15 @@ impl ChannelFile {
 }
 
 fn way(table: &Table<'_>) -> Result<ChannelConfig, Diagnostic> {
-    table.understand(&["delay", "jitter", "distribution", "loss", "burst", "rate", "outage"]);
+    table.understand(&[
+        "delay",
+        "jitter",
+        "distribution",
+        "loss",
+        "burst",
+        "rate",
+        "outage",
+    ]);
     let usual = ChannelConfig::default();
     let or = |key: &str, bounds, usual: f64| -> Result<f64, Diagnostic> {
         Ok(table.number(key, bounds)?.unwrap_or(usual))
@@ -264,7 +282,11 @@ mod tests {
             ("stifness = 3\n", Some(1), "stifness"),
             ("[[grip]]\nstiffness = -3\n", Some(2), "grip[1].stiffness"),
             ("[task]\npalpates = [1.0]\n", Some(2), "task.palpates"),
-            ("[[grip]]\nfrom = 2\n[[grip]]\nfrom = 1\n", None, "grip[2].from"),
+            (
+                "[[grip]]\nfrom = 2\n[[grip]]\nfrom = 1\n",
+                None,
+                "grip[2].from",
+            ),
         ] {
             let error = operator(text).unwrap_err();
             assert!(error.to_string().contains(key), "{error}");
@@ -273,7 +295,11 @@ mod tests {
                 assert_eq!(error.line, line, "{error}");
             }
         }
-        for text in ["[there]\nloss = 2\n", "[back]\noutage = [3, 1]\n", "[ther]\n"] {
+        for text in [
+            "[there]\nloss = 2\n",
+            "[back]\noutage = [3, 1]\n",
+            "[ther]\n",
+        ] {
             let error = ChannelFile::from_toml(&file(text)).unwrap_err();
             assert!(error.remedy.is_some(), "{error}");
         }

@@ -110,14 +110,21 @@ fn limits(trace: &Trace) -> Vec<(&'static str, f64)> {
         let at_work = contact.iter().filter(|bits| **bits & limit as u8 != 0);
         at_work.count() as f64 / contact.len().max(1) as f64
     };
-    let all = Limit::ALL.into_iter().map(|limit| (limit.name(), share(limit)));
+    let all = Limit::ALL
+        .into_iter()
+        .map(|limit| (limit.name(), share(limit)));
     all.filter(|(_, share)| *share > 0.0).collect()
 }
 
 fn packets(trace: &Trace) -> Packets {
     let sum = |of: fn(&super::channel::Counts) -> u64| trace.counts.iter().map(of).sum::<u64>();
     let seconds = trace.rows.len() as f64 * trace.period_s;
-    let busier = trace.counts.iter().map(|counts| counts.bytes).max().unwrap_or(0);
+    let busier = trace
+        .counts
+        .iter()
+        .map(|counts| counts.bytes)
+        .max()
+        .unwrap_or(0);
     let refused = trace.rows.last().map_or(0, |row| row.refused);
     Packets {
         sent: sum(|counts| counts.sent),

@@ -50,7 +50,8 @@ pub struct Notice {
 impl Notice {
     /// Whether a person notices; a value that is missing is noticed: nothing was felt as it should be.
     pub fn is_noticed(&self) -> bool {
-        self.value.is_none_or(|value| value.abs() >= self.threshold.from)
+        self.value
+            .is_none_or(|value| value.abs() >= self.threshold.from)
     }
 }
 
@@ -84,6 +85,10 @@ pub fn lag_s(trace: &Trace) -> Option<f64> {
         let pairs = felt[lag..].iter().zip(&real);
         pairs.map(|(felt, real)| (felt - real).powi(2)).sum::<f64>() / (felt.len() - lag) as f64
     };
-    let best = (0..longest).min_by(|a, b| error(*a).total_cmp(&error(*b)))?;
-    Some(best as f64 * LAG_STEP_S)
+    let errors: Vec<f64> = (0..longest).map(error).collect();
+    // A palpation repeats itself, and so does its error: the first lag that is nearly as good as the best.
+    let power = real.iter().map(|real| real * real).sum::<f64>() / real.len() as f64;
+    let good = 1.1 * crate::stats::lowest(errors.iter().copied()) + 2e-3 * power;
+    let first = errors.iter().position(|error| *error <= good)?;
+    Some(first as f64 * LAG_STEP_S)
 }

@@ -140,7 +140,13 @@ impl Operator {
 
     /// What the hand's spring and damper put on the handle (N), at a position (m) and a speed (m/s). The
     /// hand's mass is carried by the device.
-    pub fn force_n(&self, grip: &Grip, intended: (f64, f64), position_m: f64, speed_mps: f64) -> f64 {
+    pub fn force_n(
+        &self,
+        grip: &Grip,
+        intended: (f64, f64),
+        position_m: f64,
+        speed_mps: f64,
+    ) -> f64 {
         let pulls_n = grip.stiffness_n_per_m * (intended.0 - position_m)
             + grip.damping_ns_per_m * (intended.1 - speed_mps);
         pulls_n.clamp(-self.force_limit_n, self.force_limit_n)
@@ -154,7 +160,11 @@ mod tests {
     #[test]
     fn the_built_in_task_lasts_twenty_seconds_and_leaves_the_material_in_between() {
         let motion = Task::default().motion();
-        assert!((19.8..20.2).contains(&motion.duration_s()), "{}", motion.duration_s());
+        assert!(
+            (19.8..20.2).contains(&motion.duration_s()),
+            "{}",
+            motion.duration_s()
+        );
         let inside = |from_s: f64, to_s: f64| {
             let times = (0..200).map(|i| from_s + f64::from(i) / 200.0 * (to_s - from_s));
             times.filter(|at_s| motion.position(*at_s).0 > 0.0).count()

@@ -3,16 +3,16 @@
 use super::channel::ChannelConfig;
 use super::device::Device;
 use super::environment::{Environment, Material};
+use super::hand::Excitation;
 use super::operator::{Operator, Task};
 use super::scheme::four_channel::FourChannel;
 use super::scheme::passivity::Passivity;
 use super::scheme::position_force::PositionForce;
 use super::scheme::position_position::{Coupling, PositionPosition};
 use super::scheme::reflection::{Reflection, ReflectionOptions};
-use super::scheme::wave_variables::{WaveVariables, Waves};
-use super::hand::Excitation;
-use super::scheme::{Scheme, Servo};
 use super::scheme::shape::Shape;
+use super::scheme::wave_variables::{WaveVariables, Waves};
+use super::scheme::{Scheme, Servo};
 use crate::plant::Sensors;
 
 /// A scheme by its name.

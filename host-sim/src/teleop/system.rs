@@ -59,7 +59,10 @@ impl Sensing {
             period_s,
             position_m,
             speed_mps: self.speed_mps,
-            force_n: self.cell.as_mut().map_or(force_n, |cell| cell.read_n(force_n)),
+            force_n: self
+                .cell
+                .as_mut()
+                .map_or(force_n, |cell| cell.read_n(force_n)),
             actuator_n: device.actuator_n,
         }
     }
@@ -118,7 +121,11 @@ impl<'a> System<'a> {
             ],
             sensing: [
                 Sensing::new(options, seed, 1000),
-                Sensing::new(options, seed ^ 0x736c_6176_6500, 1000 + options.clock_offset_us),
+                Sensing::new(
+                    options,
+                    seed ^ 0x736c_6176_6500,
+                    1000 + options.clock_offset_us,
+                ),
             ],
             master: DeviceState::at_rest(start_m),
             slave: DeviceState::at_rest(start_m),
@@ -229,11 +236,19 @@ impl<'a> System<'a> {
         let at = (self.master.position_m, self.master.speed_mps);
         let hand_n = options.operator.force_n(&grip, intended, at.0, at.1);
         let device = &options.master;
-        device.advance(&mut self.master, -master.force_n, hand_n, grip.mass_kg, step_s);
+        device.advance(
+            &mut self.master,
+            -master.force_n,
+            hand_n,
+            grip.mass_kg,
+            step_s,
+        );
         self.forces.hand_n = hand_n - grip.mass_kg * self.master.acceleration_mps2;
         let drive_n = self.drive_n(slave, within_s);
         let contact_n = self.forces.contact_n;
-        options.slave.advance(&mut self.slave, drive_n, -contact_n, 0.0, step_s);
+        options
+            .slave
+            .advance(&mut self.slave, drive_n, -contact_n, 0.0, step_s);
         let moved = Motion {
             time_s: time_s + step_s,
             position_m: self.slave.position_m,
@@ -269,6 +284,7 @@ impl<'a> System<'a> {
             command_n: master.force_n,
             hand_n: self.forces.hand_n,
             slave_m: self.slave.position_m,
+            slave_mps: self.slave.speed_mps,
             contact_n: self.forces.contact_n,
             true_n: self.true_n,
             hand_j,
@@ -293,7 +309,9 @@ impl<'a> System<'a> {
         let Some(packet) = &reflecting.heard else {
             return false;
         };
-        let known = self.known_us.is_some_and(|known_us| packet.time_us > known_us);
+        let known = self
+            .known_us
+            .is_some_and(|known_us| packet.time_us > known_us);
         let faded = reflecting.rendered.has(Limit::Fading);
         // A law that does not explain the force has its parameters all the same, and they are rendered.
         let has_ended = matches!(packet.status, Status::Converged | Status::ModelSuspect);
@@ -317,7 +335,11 @@ fn parameters(estimate: &Estimate<f32>) -> Parameters {
 }
 
 fn hand(of: HandEstimate) -> Parameters {
-    [Some(of.stiffness_n_per_m), Some(of.damping_ns_per_m), Some(of.mass_kg)]
+    [
+        Some(of.stiffness_n_per_m),
+        Some(of.damping_ns_per_m),
+        Some(of.mass_kg),
+    ]
 }
 
 /// The newest message that has arrived.

@@ -24,6 +24,8 @@ pub struct Row {
     pub hand_n: f64,
     /// Position of the slave (m).
     pub slave_m: f64,
+    /// Speed of the slave (m/s).
+    pub slave_mps: f64,
     /// Force of the material on the slave (N).
     pub contact_n: f64,
     /// Force that the material would have at the master's position (N).

@@ -27,7 +27,10 @@ pub fn summary(options: &Options, trace: &Trace, measures: &Measures) -> String 
         ),
     );
     line("felt", felt(measures));
-    line("touch", format!("{} at first", quantity(measures.peak_touch_n, 2, "N")));
+    line(
+        "touch",
+        format!("{} at first", quantity(measures.peak_touch_n, 2, "N")),
+    );
     line("settled", times(measures));
     line(
         "energy",
@@ -37,7 +40,10 @@ pub fn summary(options: &Options, trace: &Trace, measures: &Measures) -> String 
             quantity(measures.exchanged_energy_j, 2, "J")
         ),
     );
-    for notice in notices(trace, measures).iter().filter(|notice| notice.is_noticed()) {
+    for notice in notices(trace, measures)
+        .iter()
+        .filter(|notice| notice.is_noticed())
+    {
         line("noticed", notice.threshold.what.into());
     }
     if let Some([Some(stiffness), Some(damping), Some(mass)]) = measures.hand {
@@ -52,13 +58,17 @@ pub fn summary(options: &Options, trace: &Trace, measures: &Measures) -> String 
     let packets = &measures.packets;
     line(
         "packets",
-        format!("{} sent, {} lost, {} rejected", packets.sent, packets.lost, packets.rejected),
+        format!(
+            "{} sent, {} lost, {} rejected",
+            packets.sent, packets.lost, packets.rejected
+        ),
     );
     text
 }
 
 fn felt(measures: &Measures) -> String {
-    let share = |value: Option<f64>| value.map_or("none".into(), |value| format!("{:.1} %", 100.0 * value));
+    let share =
+        |value: Option<f64>| value.map_or("none".into(), |value| format!("{:.1} %", 100.0 * value));
     format!(
         "force {} off, stiffness {}, damping {}",
         share(measures.felt_force_rmse_share),
@@ -91,7 +101,9 @@ pub fn table(cells: &[Cell]) -> String {
     for (environment, jitter, loss) in blocks {
         let own: Vec<&Cell> = cells
             .iter()
-            .filter(|cell| (cell.environment.as_str(), cell.jitter, cell.loss) == (environment, jitter, loss))
+            .filter(|cell| {
+                (cell.environment.as_str(), cell.jitter, cell.loss) == (environment, jitter, loss)
+            })
             .collect();
         let _ = writeln!(
             text,

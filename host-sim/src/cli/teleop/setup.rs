@@ -1,6 +1,6 @@
 //! From arguments to what is simulated.
 
-use super::TeleopArgs;
+use super::args::TeleopArgs;
 use crate::diagnostic::Diagnostic;
 use crate::model::Model;
 use crate::teleop::environment::{Environment, Material};
@@ -11,7 +11,9 @@ use crate::teleop::{Options, SchemeId};
 pub(super) fn options(args: &TeleopArgs) -> Result<Options, Diagnostic> {
     let mut options = Options::default().with_scheme(args.scheme);
     if let Some(path) = &args.model {
-        let name = path.file_stem().map_or("model".into(), |stem| stem.to_string_lossy());
+        let name = path
+            .file_stem()
+            .map_or("model".into(), |stem| stem.to_string_lossy());
         let material = Material {
             name: name.into_owned(),
             rig: Model::read(path)?.rig()?,

@@ -1,6 +1,6 @@
 //! Felt and true force over depth and time, positions, energy, transparency, parameters.
 
-use super::TeleopReport;
+use super::run::TeleopReport;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Marker, Series, Size, Span, StripTone, Stroke};
 use crate::teleop::measure::felt::scored;
@@ -15,7 +15,10 @@ pub(super) fn by_depth(report: &TeleopReport<'_>) -> Vec<Figure> {
     let environment = &report.options.environment;
     let names = [
         Some(environment.first.name.as_str()),
-        environment.second.as_ref().map(|material| material.name.as_str()),
+        environment
+            .second
+            .as_ref()
+            .map(|material| material.name.as_str()),
     ];
     let stretches = crate::teleop::measure::felt::materials(trace);
     let figures = stretches.into_iter().zip(names).filter_map(|(stretch, name)| {
@@ -37,65 +40,98 @@ pub(super) fn by_depth(report: &TeleopReport<'_>) -> Vec<Figure> {
 
 /// Forces, positions and energy over time.
 pub(super) fn over_time(report: &TeleopReport<'_>) -> Vec<Figure> {
+    vec![forces(report), positions(report), energies(report)]
+}
+
+fn wide<'a>(report: &TeleopReport<'_>, axis: Axis) -> Chart<'a> {
+    Chart::new(Axis::time(), axis)
+        .size(Size::Wide)
+        .markers(markers(report))
+}
+
+/// A curve over time.
+fn curve<'a>(
+    report: &TeleopReport<'_>,
+    name: &str,
+    (ink, stroke): (Ink, Stroke),
+    of: impl Fn(&Row) -> f64,
+) -> Series<'a> {
     let trace = report.trace;
-    let time = trace.column(|row| row.time_s);
-    let chart = |axis: Axis| {
-        Chart::new(Axis::time(), axis)
-            .size(Size::Wide)
-            .markers(markers(report))
-    };
-    let forces = chart(Axis::new("Force", "N").with_zero())
+    Series::new(
+        name,
+        ink,
+        stroke,
+        trace.column(|row| row.time_s),
+        trace.column(of),
+    )
+}
+
+fn forces(report: &TeleopReport<'_>) -> Figure {
+    let most_n = 2.0 * limit_n(report);
+    let real = |row: &Row| row.true_n.min(most_n);
+    let chart = wide(report, Axis::new("Force", "N").with_zero())
         .strip(strip(report))
-        .series(Series::new("felt", Ink::First, Stroke::Thin, time.clone(), trace.column(|row| row.felt_n)))
-        .series(Series::new(
+        .series(curve(report, "felt", (Ink::First, Stroke::Thin), |row| {
+            row.felt_n
+        }))
+        .series(curve(
+            report,
             "on the slave",
-            Ink::Second,
-            Stroke::Thin,
-            time.clone(),
-            trace.column(|row| row.contact_n),
+            (Ink::Second, Stroke::Thin),
+            |row| row.contact_n,
         ))
-        .series(Series::measured(
+        .series(curve(
+            report,
             "true at the master's depth",
-            time.clone(),
-            trace.column(|row| row.true_n.min(2.0 * limit_n(report))),
+            (Ink::Measured, Stroke::Dashed),
+            real,
         ));
-    let positions = chart(Axis::new("Position", "m"))
-        .series(Series::new("master", Ink::First, Stroke::Solid, time.clone(), trace.column(|row| row.master_m)))
-        .series(Series::new("slave", Ink::Second, Stroke::Solid, time.clone(), trace.column(|row| row.slave_m)));
-    let energies = chart(Axis::new("Energy", "J").with_zero())
-        .series(Series::new(
+    Figure::new("Forces", &chart).caption(
+        "Strip: green where the scheme has what it needs and is compared. Where the true force at the master's \
+         depth leaves the figure, the operator feels too little and goes in too deep.",
+    )
+}
+
+fn positions(report: &TeleopReport<'_>) -> Figure {
+    let chart = wide(report, Axis::new("Position", "m"))
+        .series(curve(
+            report,
+            "master",
+            (Ink::First, Stroke::Solid),
+            |row| row.master_m,
+        ))
+        .series(curve(
+            report,
+            "slave",
+            (Ink::Second, Stroke::Solid),
+            |row| row.slave_m,
+        ));
+    Figure::new("Positions", &chart)
+        .caption("The surface is at 0; positions grow into the material.")
+}
+
+fn energies(report: &TeleopReport<'_>) -> Figure {
+    let exchanged = (Ink::Third, Stroke::Dashed);
+    let chart = wide(report, Axis::new("Energy", "J").with_zero())
+        .series(curve(
+            report,
             "operator into coupling",
-            Ink::First,
-            Stroke::Solid,
-            time.clone(),
-            trace.column(|row| row.felt_j),
+            (Ink::First, Stroke::Solid),
+            |row| row.felt_j,
         ))
-        .series(Series::new(
+        .series(curve(
+            report,
             "slave into material",
-            Ink::Second,
-            Stroke::Solid,
-            time.clone(),
-            trace.column(|row| row.material_j),
+            (Ink::Second, Stroke::Solid),
+            |row| row.material_j,
         ))
-        .series(Series::new(
-            "exchanged impedances",
-            Ink::Third,
-            Stroke::Dashed,
-            time,
-            trace.column(|row| row.exchanged_j),
-        ));
-    vec![
-        Figure::new("Forces", &forces).caption(
-            "Strip: green where the scheme has what it needs and is compared. Where the true force at the \
-             master's depth leaves the figure, the operator feels too little and goes in too deep.",
-        ),
-        Figure::new("Positions", &positions)
-            .caption("The surface is at 0; positions grow into the material."),
-        Figure::new("Energy", &energies).caption(
-            "A coupling that creates none never gives back more than it got. What an exchange of \
-             impedances adds under the hand, V_new − V_old, is declared.",
-        ),
-    ]
+        .series(curve(report, "exchanged impedances", exchanged, |row| {
+            row.exchanged_j
+        }));
+    Figure::new("Energy", &chart).caption(
+        "A coupling that creates none never gives back more than it got. What an exchange of impedances adds \
+         under the hand, V_new − V_old, is declared.",
+    )
 }
 
 /// The largest force that the figure of forces is made for (N).
@@ -113,7 +149,9 @@ fn markers(report: &TeleopReport<'_>) -> Vec<Marker> {
         major: true,
     };
     let touch = touch.map(|row| marker(row.time_s, "first touch"));
-    let change = trace.changed_s.map(|changed_s| marker(changed_s, "material changes"));
+    let change = trace
+        .changed_s
+        .map(|changed_s| marker(changed_s, "material changes"));
     touch.into_iter().chain(change).collect()
 }
 
@@ -149,57 +187,77 @@ pub(super) fn transparency(schemes: &[(SchemeId, Vec<Line>)]) -> Figure {
     )
     .size(Size::Wide)
     .level_band(1.0 - STIFFNESS.from, 1.0 + STIFFNESS.from);
-    let chart = schemes.iter().zip(Ink::RANKS).fold(chart, |chart, ((id, lines), ink)| {
-        let x: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
-        let y: Vec<f64> = lines.iter().map(|line| line.magnitude).collect();
-        chart.series(Series::new(id.name(), ink, Stroke::Solid, x, y))
-    });
+    let chart = schemes
+        .iter()
+        .zip(Ink::RANKS)
+        .fold(chart, |chart, ((id, lines), ink)| {
+            let x: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
+            let y: Vec<f64> = lines.iter().map(|line| line.magnitude).collect();
+            chart.series(Series::new(id.name(), ink, Stroke::Solid, x, y))
+        });
     Figure::new("Transparency", &chart).caption(
         "|Ẑ/Z|: the felt over the true force at the lines of a motion within the material. Band: what nobody \
          tells apart by its stiffness (15 %).",
     )
 }
 
-/// Stiffness as the slave identifies it, and the hand as the master does.
+/// Stiffness and exponent as the slave identifies them, and the hand as the master does.
 pub(super) fn parameters(report: &TeleopReport<'_>) -> Vec<Figure> {
-    let trace = report.trace;
-    let time = trace.column(|row| row.time_s);
-    let column = |of: &dyn Fn(&Row) -> Option<(f64, f64)>| {
-        let (values, errors): (Vec<f64>, Vec<f64>) =
-            trace.rows.iter().map(|row| of(row).unwrap_or((f64::NAN, f64::NAN))).unzip();
-        (values, errors.into_iter().map(|error| 2.0 * error).collect::<Vec<f64>>())
-    };
-    let chart = |name: &str, unit: &str, (values, bands): (Vec<f64>, Vec<f64>), exact: Option<f64>| {
-        let most = exact.map(|exact| 2.0 * exact);
-        let axis = Axis::new(name, unit).with_zero();
-        let axis = most.map_or(axis.clone(), |most| axis.range(0.0, most));
-        let chart = Chart::new(Axis::time(), axis)
-            .series(Series::estimated("identified", time.clone(), values).band(bands));
-        match exact {
-            Some(exact) => chart.series(Series::measured("true", time.clone(), vec![exact; time.len()])),
-            None => chart,
-        }
-    };
+    let rows = &report.trace.rows;
     let mut figures = Vec::new();
-    if trace.rows.iter().any(|row| row.identified.is_some()) {
+    if rows.iter().any(|row| row.identified.is_some()) {
         for (place, name, unit) in [(0, "Stiffness", "N/m"), (2, "Exponent", "1")] {
-            let values = column(&|row| row.identified.and_then(|found| found[place]));
+            let chart = parameter(report, (name, unit), None, |row| row.identified?[place]);
             figures.push(
-                Figure::new(format!("{name} of the material, at the slave"), &chart(name, unit, values, None))
+                Figure::new(format!("{name} of the material, at the slave"), &chart)
                     .caption("As the slave's board identifies it; band: two standard errors."),
             );
         }
     }
-    if trace.rows.iter().any(|row| row.hand.is_some()) {
+    if rows.iter().any(|row| row.hand.is_some()) {
         let grip = report.options.operator.grips.last().copied();
         for (place, name, unit) in [(0, "Stiffness", "N/m"), (1, "Damping", "N s/m")] {
             let exact = grip.map(|grip| [grip.stiffness_n_per_m, grip.damping_ns_per_m][place]);
-            let values = column(&|row| row.hand.and_then(|found| found[place]));
+            let chart = parameter(report, (name, unit), exact, |row| row.hand?[place]);
             figures.push(
-                Figure::new(format!("{name} of the hand, at the master"), &chart(name, unit, values, exact))
-                    .caption("As the master identifies it between 3 and 20 Hz; band: two standard errors."),
+                Figure::new(format!("{name} of the hand, at the master"), &chart).caption(
+                    "As the master identifies it between 3 and 20 Hz, while the hand moves; band: two \
+                     standard errors.",
+                ),
             );
         }
     }
     figures
+}
+
+/// A parameter over time with its band, and its true value where that is known.
+fn parameter<'a>(
+    report: &TeleopReport<'_>,
+    (name, unit): (&str, &str),
+    exact: Option<f64>,
+    of: impl Fn(&Row) -> Option<(f64, f64)>,
+) -> Chart<'a> {
+    let time = report.trace.column(|row| row.time_s);
+    let known = report
+        .trace
+        .rows
+        .iter()
+        .map(|row| of(row).unwrap_or((f64::NAN, f64::NAN)));
+    let (values, errors): (Vec<f64>, Vec<f64>) = known.unzip();
+    let band: Vec<f64> = errors.into_iter().map(|error| 2.0 * error).collect();
+    let axis = Axis::new(name, unit).with_zero();
+    let axis = match exact {
+        // A hand that is not known yet has any value.
+        Some(exact) => axis.range(0.0, 2.0 * exact),
+        None => axis,
+    };
+    let chart = Chart::new(Axis::time(), axis)
+        .series(Series::estimated("identified", time.clone(), values).band(band));
+    match exact {
+        Some(exact) => {
+            let line = vec![exact; time.len()];
+            chart.series(Series::measured("true", time, line))
+        }
+        None => chart,
+    }
 }

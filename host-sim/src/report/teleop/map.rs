@@ -43,7 +43,9 @@ pub(super) fn sections(cells: &[Cell]) -> Vec<Section> {
             .filter(|cell| cell.environment == **name)
             .cloned()
             .collect();
-        maps(&own).into_iter().fold(Section::new(format!("On {name}")), Section::heat_map)
+        maps(&own)
+            .into_iter()
+            .fold(Section::new(format!("On {name}")), Section::heat_map)
     };
     names.iter().map(section).collect()
 }
@@ -62,7 +64,13 @@ fn one(cells: &[&Cell]) -> HeatMap {
                 let mut own = cells.iter();
                 own.find(|cell| cell.scheme == id && cell.round_trip_s == *trip_s)
             };
-            map.row(id.name(), trips.iter().map(|trip_s| find(trip_s).map(|cell| shaded(cell))).collect())
+            map.row(
+                id.name(),
+                trips
+                    .iter()
+                    .map(|trip_s| find(trip_s).map(|cell| shaded(cell)))
+                    .collect(),
+            )
         })
 }
 
@@ -82,7 +90,11 @@ fn shaded(cell: &Cell) -> Shaded {
     };
     Shaded {
         text,
-        small: if stable { String::new() } else { "unstable".into() },
+        small: if stable {
+            String::new()
+        } else {
+            "unstable".into()
+        },
         shade,
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::teleop::measure::transparency::Line;
 use crate::teleop::{Grid, System, compare, measure};
 
 #[test]
@@ -26,7 +27,16 @@ fn a_report_of_a_run_and_of_a_comparison_have_their_parts_and_are_well_formed() 
         options: &options,
         trace: &trace,
         measures: &measures,
-        transparency: &[(options.scheme, vec![line, Line { frequency_hz: 2.0, ..line }])],
+        transparency: &[(
+            options.scheme,
+            vec![
+                line,
+                Line {
+                    frequency_hz: 2.0,
+                    ..line
+                },
+            ],
+        )],
         map: &map,
         limit_s: (Some(5.0), 5.0),
         provenance: Provenance::new("palpate teleop"),
@@ -43,7 +53,13 @@ fn a_report_of_a_run_and_of_a_comparison_have_their_parts_and_are_well_formed() 
         assert!(html.contains("unstable") && html.contains("position_force"));
     }
     let html = report.document().to_html();
-    for part in ["Force over depth: gel", "Energy", "Transparency", "of the hand", "noticed"] {
+    for part in [
+        "Force over depth: gel",
+        "Energy",
+        "Transparency",
+        "of the hand",
+        "noticed",
+    ] {
         assert!(html.contains(part), "{part}");
     }
     assert!(html.contains("transparent"), "{measures:?}");

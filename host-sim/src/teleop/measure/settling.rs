@@ -19,7 +19,9 @@ pub fn peak_touch_n(trace: &Trace, from_s: f64) -> Option<f64> {
 }
 
 fn first_touch_s(rows: &[Row]) -> Option<f64> {
-    rows.iter().find(|row| row.contact_n > TOUCH_N).map(|row| row.time_s)
+    rows.iter()
+        .find(|row| row.contact_n > TOUCH_N)
+        .map(|row| row.time_s)
 }
 
 /// Contact of the slave, and the way back, until the felt force of the first material is right (s).

@@ -51,7 +51,10 @@ pub fn transparency(options: &Options, seed: u64) -> Vec<Line> {
         (re, im)
     };
     let lines = LINES_HZ.into_iter().map(|frequency_hz| {
-        let (felt, real) = (of(frequency_hz, |row| row.felt_n), of(frequency_hz, |row| row.true_n));
+        let (felt, real) = (
+            of(frequency_hz, |row| row.felt_n),
+            of(frequency_hz, |row| row.true_n),
+        );
         Line {
             frequency_hz,
             magnitude: felt.0.hypot(felt.1) / real.0.hypot(real.1),

@@ -35,16 +35,23 @@ fn heard(arrived: Option<Message>) -> Heard {
 }
 
 fn told(own: &Sensed) -> Option<Message> {
-    Some(Message::Signals([own.position_m, own.speed_mps, own.force_n, 0.0]))
+    Some(Message::Signals([
+        own.position_m,
+        own.speed_mps,
+        own.force_n,
+        0.0,
+    ]))
 }
 
 impl Scheme for FourChannel {
     fn master(&mut self, own: &Sensed, arrived: Option<Message>) -> MasterCommand {
         self.of_slave = heard(arrived).or(self.of_slave);
         let at = (own.position_m, own.speed_mps);
-        let force_n = self.of_slave.map_or(0.0, |(position_m, speed_mps, force_n)| {
-            force_n + self.coupling.force_n(at, (position_m, speed_mps))
-        });
+        let force_n = self
+            .of_slave
+            .map_or(0.0, |(position_m, speed_mps, force_n)| {
+                force_n + self.coupling.force_n(at, (position_m, speed_mps))
+            });
         MasterCommand {
             force_n,
             message: told(own),
@@ -53,8 +60,7 @@ impl Scheme for FourChannel {
 
     fn slave(&mut self, own: &Sensed, arrived: Option<Message>) -> SlaveCommand {
         self.of_master = heard(arrived).or(self.of_master);
-        let (position_m, speed_mps, force_n) =
-            self.of_master.unwrap_or((own.position_m, 0.0, 0.0));
+        let (position_m, speed_mps, force_n) = self.of_master.unwrap_or((own.position_m, 0.0, 0.0));
         SlaveCommand {
             forward_n: force_n,
             message: told(own),

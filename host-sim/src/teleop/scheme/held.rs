@@ -4,9 +4,9 @@
 //! law does not explain, a relaxing foam, parameters come and go; the operator is better off with the last
 //! complete impedance than with none. A change of the material ends it.
 
+use estimator_core::Estimate;
 use estimator_core::estimate::{Event, Parameters};
 use estimator_core::physics::law::LawKind;
-use estimator_core::Estimate;
 
 /// The last complete parameters.
 #[derive(Clone, Copy, Debug, Default)]

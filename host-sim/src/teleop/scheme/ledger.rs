@@ -47,7 +47,8 @@ impl Ledger {
 
     /// The energy that is stored in what is rendered, at a position (m).
     pub fn stored_j(&self, position_m: f64, most_n: f64) -> f64 {
-        self.rendered.map_or(0.0, |(_, of)| stored_j(&of, position_m, most_n))
+        self.rendered
+            .map_or(0.0, |(_, of)| stored_j(&of, position_m, most_n))
     }
 }
 

@@ -62,7 +62,8 @@ impl Scheme for Passivity {
         if let Some([force_n, entered_j, ..]) = arrived.and_then(Message::signals) {
             (self.heard_n, self.master.allowed_j) = (force_n, entered_j);
         }
-        self.master.count(self.heard_n * own.speed_mps * own.period_s);
+        self.master
+            .count(self.heard_n * own.speed_mps * own.period_s);
         let square = own.speed_mps * own.speed_mps;
         let excess_j = self.master.excess_j();
         let damper = match own.speed_mps.abs() > STILL_MPS {

@@ -58,7 +58,9 @@ impl Scheme for PositionPosition {
         }
         let at = (own.position_m, own.speed_mps);
         MasterCommand {
-            force_n: self.of_slave.map_or(0.0, |other| self.coupling.force_n(at, other)),
+            force_n: self
+                .of_slave
+                .map_or(0.0, |other| self.coupling.force_n(at, other)),
             message: Some(Message::Signals([at.0, at.1, 0.0, 0.0])),
         }
     }

@@ -18,9 +18,7 @@ use super::ledger::Ledger;
 use super::shape::Shape;
 use crate::teleop::board::{Board, PACKETS_HZ, Rendering};
 use crate::teleop::hand::{Excitation, HandIdentifier};
-use crate::teleop::scheme::{
-    MasterCommand, Message, Reflecting, Scheme, Sensed, SlaveCommand,
-};
+use crate::teleop::scheme::{MasterCommand, Message, Reflecting, Scheme, Sensed, SlaveCommand};
 
 /// The depth at which the boards report (m): the default of their settings.
 const REFERENCE_DEPTH_M: f32 = 1e-3;
@@ -143,7 +141,11 @@ impl Reflection {
                 std_error: std_error as f32,
             });
         }
-        Some(Packet::of(&estimate, REFERENCE_DEPTH_M, self.master.ticks as u16))
+        Some(Packet::of(
+            &estimate,
+            REFERENCE_DEPTH_M,
+            self.master.ticks as u16,
+        ))
     }
 
     /// What the master sends at a tick, 100 times a second; in the two-sided scheme position and hand in
@@ -161,7 +163,12 @@ impl Reflection {
             return Some(framed(&packet));
         }
         let acknowledged = f64::from(self.master.rendered.sequence);
-        Some(Message::Signals([own.position_m, own.speed_mps, acknowledged, 0.0]))
+        Some(Message::Signals([
+            own.position_m,
+            own.speed_mps,
+            acknowledged,
+            0.0,
+        ]))
     }
 }
 
@@ -248,7 +255,9 @@ impl Scheme for Reflection {
         master.rendered = record.rendered.unwrap_or_default();
         let most_n = self.options.rendering.force_n;
         let sequence = master.rendered.sequence;
-        master.ledger.book(master.heard.as_ref(), sequence, own.position_m, most_n);
+        master
+            .ledger
+            .book(master.heard.as_ref(), sequence, own.position_m, most_n);
         let excitation = self.options.excitation.filter(|_| self.options.both);
         let known_n = excitation.map_or(0.0, |force| force.at(1e-6 * own.time_us as f64));
         MasterCommand {

@@ -92,7 +92,9 @@ impl WaveVariables {
 impl Scheme for WaveVariables {
     fn master(&mut self, own: &Sensed, arrived: Option<Message>) -> MasterCommand {
         let b = self.waves.impedance_ns_per_m;
-        let w = self.master.take(arrived, self.waves.rate_per_s, own.period_s);
+        let w = self
+            .master
+            .take(arrived, self.waves.rate_per_s, own.period_s);
         let root = (2.0 * b).sqrt();
         MasterCommand {
             force_n: b * own.speed_mps - root * w,
@@ -102,7 +104,9 @@ impl Scheme for WaveVariables {
 
     fn slave(&mut self, own: &Sensed, arrived: Option<Message>) -> SlaveCommand {
         let b = self.waves.impedance_ns_per_m;
-        let u = self.slave.take(arrived, self.waves.rate_per_s, own.period_s);
+        let u = self
+            .slave
+            .take(arrived, self.waves.rate_per_s, own.period_s);
         let Servo {
             stiffness_n_per_m: k,
             damping_ns_per_m: d,
