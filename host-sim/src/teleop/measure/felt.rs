@@ -37,11 +37,12 @@ pub fn touches(row: &Row) -> bool {
 /// The stretches of one material each, as ranges of rows.
 pub fn materials(trace: &Trace) -> Vec<Range<usize>> {
     let count = trace.rows.len();
-    let Some(changed_s) = trace.changed_s else {
-        return vec![0..count];
-    };
+    let changed_s = trace.changed_s.unwrap_or(f64::INFINITY);
     let at = trace.rows.partition_point(|row| row.time_s < changed_s);
-    vec![0..at, at..count]
+    let stretches = [0..at, at..count].into_iter();
+    stretches
+        .take(1 + usize::from(trace.changed_s.is_some()))
+        .collect()
 }
 
 /// Which rows are scored: contacts in which the scheme has what it needs.

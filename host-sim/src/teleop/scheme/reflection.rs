@@ -30,7 +30,7 @@ const HAND_HOLDS_S: f64 = 0.2;
 const SMOOTHING_HZ: f64 = 20.0;
 
 /// The variants of the scheme.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReflectionOptions {
     /// How the master's board renders.
     pub rendering: Rendering,
@@ -44,19 +44,6 @@ pub struct ReflectionOptions {
     pub excitation: Option<Excitation>,
     /// Whether `excitation` was chosen, and `None` means that there is none.
     pub excites: bool,
-}
-
-impl Default for ReflectionOptions {
-    fn default() -> Self {
-        ReflectionOptions {
-            rendering: Rendering::default(),
-            guard: GuardLimits::default(),
-            shape: Shape::default(),
-            both: false,
-            excitation: None,
-            excites: false,
-        }
-    }
 }
 
 /// The master's end.
