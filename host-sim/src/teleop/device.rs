@@ -87,9 +87,9 @@ impl Device {
         state.actuator_n += self.share(step_s) * (wanted_n - state.actuator_n);
         let mass_kg = self.mass_kg + carried_kg;
         let free_mps = state.speed_mps + step_s * (state.actuator_n + outer_n) / mass_kg;
-        let damped_mps = free_mps / (1.0 + step_s * self.damping_ns_per_m / mass_kg);
         let held_mps = step_s * self.friction_n / mass_kg;
-        let speed_mps = damped_mps.signum() * (damped_mps.abs() - held_mps).max(0.0);
+        let sliding_mps = free_mps.signum() * (free_mps.abs() - held_mps).max(0.0);
+        let speed_mps = sliding_mps / (1.0 + step_s * self.damping_ns_per_m / mass_kg);
         // The work of a force is that along the mean speed of the step: kinetic energy then balances.
         let way_m = 0.5 * (state.speed_mps + speed_mps) * step_s;
         let inertia_n = mass_kg * (speed_mps - state.speed_mps) / step_s;

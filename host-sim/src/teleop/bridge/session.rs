@@ -67,6 +67,8 @@ impl Session {
 /// The sessions of one end.
 pub struct Sessions {
     key: Key,
+    /// Whether this end begins. It then answers nobody, not even itself.
+    begins: bool,
     current: Option<Session>,
     /// The listening end's next session, until its first datagram.
     pending: Option<Session>,
@@ -80,9 +82,10 @@ fn builder() -> Option<Builder<'static>> {
 
 impl Sessions {
     /// No session yet.
-    pub fn new(key: Key) -> Sessions {
+    pub fn new(key: Key, begins: bool) -> Sessions {
         Sessions {
             key,
+            begins,
             current: None,
             pending: None,
             asked: None,
@@ -129,7 +132,7 @@ impl Sessions {
     pub fn receive(&mut self, datagram: &[u8]) -> Result<Received, Rejected> {
         let (kind, rest) = datagram.split_first().ok_or(Rejected::Stranger)?;
         match *kind {
-            HELLO => self.answer(rest).ok_or(Rejected::Stranger),
+            HELLO if !self.begins => self.answer(rest).ok_or(Rejected::Stranger),
             WELCOME => self.connect(rest).ok_or(Rejected::Stranger),
             DATA => self.open(rest),
             _ => Err(Rejected::Stranger),
@@ -190,8 +193,9 @@ mod tests {
 
     fn connected() -> (Sessions, Sessions) {
         let key = || Key::new([7; 32]);
-        let (mut here, mut there) = (Sessions::new(key()), Sessions::new(key()));
+        let (mut here, mut there) = (Sessions::new(key(), true), Sessions::new(key(), false));
         let hello = here.hello().unwrap();
+        assert_eq!(here.receive(&hello), Err(Rejected::Stranger), "its own");
         let Ok(Received::Answer(welcome)) = there.receive(&hello) else {
             panic!("no answer")
         };
@@ -226,8 +230,8 @@ mod tests {
 
     #[test]
     fn without_the_key_there_is_no_session() {
-        let mut stranger = Sessions::new(Key::new([8; 32]));
-        let mut there = Sessions::new(Key::new([7; 32]));
+        let mut stranger = Sessions::new(Key::new([8; 32]), true);
+        let mut there = Sessions::new(Key::new([7; 32]), false);
         let hello = stranger.hello().unwrap();
         assert_eq!(there.receive(&hello), Err(Rejected::Stranger));
         assert!(!there.is_open());
@@ -236,7 +240,7 @@ mod tests {
     #[test]
     fn a_replayed_handshake_ends_no_session_and_an_old_session_does_not_come_back() {
         let key = || Key::new([7; 32]);
-        let (mut here, mut there) = (Sessions::new(key()), Sessions::new(key()));
+        let (mut here, mut there) = (Sessions::new(key(), true), Sessions::new(key(), false));
         let hello = here.hello().unwrap();
         let Ok(Received::Answer(welcome)) = there.receive(&hello) else {
             panic!("no answer")
