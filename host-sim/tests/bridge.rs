@@ -32,6 +32,12 @@ fn board(hand: Hand, settings: &[(Setting, f32)]) -> Device<Simulated> {
         device.prepare(*key, *value).unwrap();
     }
     device.order(Command::Commit).unwrap();
+    if settings
+        .iter()
+        .any(|(key, _)| *key == Setting::RenderForceN)
+    {
+        device.order(Command::Arm).unwrap();
+    }
     device
 }
 

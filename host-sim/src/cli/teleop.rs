@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::cli::progress::Bar;
 use crate::gap::Progress;
 use crate::json::write_json;
-use crate::output::say;
+use crate::output::{result, say};
 use crate::report::teleop::{TeleopReport, comparison};
 use crate::report::{Input, Provenance};
 use crate::teleop::measure::transparency::transparency;
@@ -40,7 +40,8 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
     let trace = System::new(options, args.seed).run();
     let measures = measure(&trace);
     let value = json::run(options, &measures);
-    tell(args, &value, || print::summary(options, &trace, &measures))?;
+    result(&value)?;
+    say(print::summary(options, &trace, &measures))?;
     let Some(folder) = &args.out else {
         return Ok(());
     };
@@ -71,7 +72,7 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
         limit_s: (limit_s, LONGEST_TRIED_S),
         provenance: provenance(args)?,
     };
-    finish(args, folder, &value, &report.document())
+    finish(folder, &value, &report.document())
 }
 
 /// The largest round trip that is tried for the limit of stability (s).
@@ -91,25 +92,15 @@ fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
     });
     drop(bar);
     let value = Value::Array(cells.iter().map(json::cell).collect());
-    tell(args, &value, || print::table(&cells))?;
+    result(&value)?;
+    say(print::table(&cells))?;
     match &args.out {
-        Some(folder) => finish(args, folder, &value, &comparison(&cells, provenance(args)?)),
+        Some(folder) => finish(folder, &value, &comparison(&cells, provenance(args)?)),
         None => Ok(()),
     }
 }
 
-/// Prints the result as it was asked for.
-fn tell(args: &TeleopArgs, value: &Value, text: impl Fn() -> String) -> Result<(), Box<dyn Error>> {
-    if args.json {
-        say(format!("{}\n", serde_json::to_string_pretty(value)?))?;
-    } else if !args.quiet {
-        say(text())?;
-    }
-    Ok(())
-}
-
 fn finish(
-    args: &TeleopArgs,
     folder: &std::path::Path,
     value: &Value,
     document: &crate::report::Document,
@@ -117,9 +108,7 @@ fn finish(
     write_json(&folder.join("teleop.json"), value)?;
     let report = folder.join("report.html");
     document.write(&report)?;
-    if !args.json && !args.quiet {
-        say(format!("  report      {}\n", report.display()))?;
-    }
+    say(format!("  report      {}\n", report.display()))?;
     Ok(())
 }
 

@@ -1,8 +1,9 @@
 //! A board at one end of the simulated system: the core's tick, as the firmware runs it.
 
 use estimator_core::board::{
-    link::Refusal, reflection::Packet, sampling::FULL, sampling::Ports, sampling::Reading,
-    sampling::Record, sampling::Sampler, settings::Key, settings::Settings,
+    budget::Started, link::Refusal, reflection::Packet, sampling::FULL, sampling::Ports,
+    sampling::Reading, sampling::Record, sampling::Sampler, settings::Key, settings::Settings,
+    settings::Setup,
 };
 use estimator_core::{Faults, Sample};
 
@@ -58,7 +59,7 @@ impl Ports for SimulatedPorts {
         self.packet.take()
     }
 
-    fn put(&mut self, code: u16) {
+    fn put(&mut self, code: u16, _rest: u16) {
         self.code = code;
     }
 
@@ -67,6 +68,9 @@ impl Ports for SimulatedPorts {
         true
     }
 }
+
+/// The simulated task takes no time.
+const AT_ONCE: Started = Started { due: 0, start: 0 };
 
 /// A board without hardware and without a line: samples in, records and a force out.
 pub struct Board {
@@ -103,10 +107,11 @@ impl Board {
         for (key, value) in changes {
             settings.put(*key, *value);
         }
-        let setup = settings.setup();
+        // Options are checked before: file.rs allows what the settings do.
+        let setup = settings.setup().expect("settings within their bounds");
         Board {
-            // Options are checked before: toml.rs allows what the settings do.
-            sampler: Sampler::new(setup.expect("settings within their bounds")),
+            // Its operator has armed it.
+            sampler: Sampler::new(Setup { arming: 1, ..setup }),
             ports: SimulatedPorts::default(),
             last: None,
             refused: 0,
@@ -142,7 +147,7 @@ impl Board {
             faults: Faults::NONE,
         };
         self.sampler
-            .tick(0, Reading::Sample(sample), &mut self.ports);
+            .tick(AT_ONCE, Reading::Sample(sample), &mut self.ports);
         // Every sample is shown: `telemetry.every` is 1.
         self.ports.record.take().expect("every sample is shown")
     }

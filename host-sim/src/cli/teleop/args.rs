@@ -85,12 +85,6 @@ pub struct TeleopArgs {
     /// Where teleop.json and report.html go.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Only the result as JSON, on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Nothing on standard output.
-    #[arg(long)]
-    pub quiet: bool,
 }
 
 fn scheme(text: &str) -> Result<SchemeId, String> {

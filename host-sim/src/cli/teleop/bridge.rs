@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::args::TeleopArgs;
 use crate::diagnostic::Diagnostic;
+use crate::interrupt::{is_interrupted, watch};
 use crate::link::{Device, Port, port};
 use crate::number::quantity;
 use crate::output::say;
@@ -53,6 +54,8 @@ struct Clock<'a> {
 impl Clock<'_> {
     fn new(args: &TeleopArgs) -> Clock<'_> {
         let start = Instant::now();
+        // Ctrl-C ends the loop: the master's board then fades out.
+        watch();
         Clock {
             args,
             start,
@@ -65,13 +68,15 @@ impl Clock<'_> {
     }
 
     fn goes_on(&self) -> bool {
-        self.args
+        let in_time = self
+            .args
             .seconds
-            .is_none_or(|seconds| self.now_s() < seconds)
+            .is_none_or(|seconds| self.now_s() < seconds);
+        in_time && !is_interrupted()
     }
 
     fn tell(&mut self, line: impl FnOnce() -> String) -> Result<(), Box<dyn Error>> {
-        if self.told.elapsed() >= TELLS && !self.args.quiet {
+        if self.told.elapsed() >= TELLS {
             self.told = Instant::now();
             say(line() + "\n")?;
         }
@@ -144,9 +149,7 @@ fn end(args: &TeleopArgs) -> Result<(Wire, Endpoint), Box<dyn Error>> {
         Role::Connect
     };
     let wire = Wire::open(listen, connect)?;
-    if !args.quiet {
-        say(format!("listening at {}\n", wire.address()?))?;
-    }
+    say(format!("listening at {}\n", wire.address()?))?;
     Ok((wire, Endpoint::new(role, key)))
 }
 
