@@ -15,5 +15,6 @@ mod reading;
 pub mod record;
 pub mod simulate;
 mod summary;
+pub mod teleop;
 
 pub use reading::ReadingArgs;

@@ -24,6 +24,7 @@ pub mod settings;
 pub mod signal;
 mod spectral;
 mod stats;
+pub mod teleop;
 pub mod threshold;
 pub mod toml_reader;
 pub mod wrap;

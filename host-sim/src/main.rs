@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use palpate::cli::{
-    check, config, demo, effects, estimate, gap, manual, monitor, record, simulate,
+    check, config, demo, effects, estimate, gap, manual, monitor, record, simulate, teleop,
 };
 use palpate::diagnostic::Diagnostic;
 use palpate::wrap::wrapped;
@@ -43,6 +43,8 @@ enum Verb {
     Gap(gap::GapArgs),
     /// Run a model on the simulated rig and write what its sensors read
     Simulate(simulate::SimulateArgs),
+    /// Teleoperate: what an operator feels of a material across delay and loss, by eight schemes
+    Teleop(Box<teleop::TeleopArgs>),
     /// Say what is in a log: rate, gaps, units, noise, contacts, and what it is good for
     Check(check::CheckArgs),
     /// The catalogue of effects that a rig can hide, and what each does to an estimate
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
         Some(Verb::Gap(args)) => gap::run(args),
         Some(Verb::Check(args)) => check::run(args),
         Some(Verb::Simulate(args)) => simulate::run(args).map_err(|error| error as Box<dyn Error>),
+        Some(Verb::Teleop(args)) => teleop::run(args),
         Some(Verb::Effects(args)) => effects::run(args),
         Some(Verb::Record(args)) => record::run(args),
         Some(Verb::Monitor(args)) => monitor::run(args),

@@ -14,6 +14,7 @@ mod html;
 pub mod plot;
 mod provenance;
 mod table;
+pub mod teleop;
 
 pub use document::{Document, Section, Tone};
 pub use figure::Figure;

@@ -13,4 +13,6 @@ pub mod faults;
 pub mod hidden;
 pub mod house;
 pub mod signal;
+#[cfg(all(feature = "rigs", not(test)))]
+pub mod teleop;
 pub mod tolerance;

@@ -134,3 +134,28 @@ pub const BEST_FIT: Bound = 0.99..1.02;
 pub const EXPLAINED: Bound = 0.93..1.15;
 /// The same where nothing is hidden.
 pub const NOTHING_HIDDEN: Bound = 0.93..1.07;
+
+// Teleoperation against theory, and the bar of impedance reflection.
+
+/// The delay at which position–force becomes unstable, relative to the root of its characteristic
+/// equation. The bar is 5 %; the ticks of 50 µs are accounted for.
+pub const INSTABILITY_DELAY: Bound = 0.0..0.05;
+/// The spring that wave variables make of a spring, relative to 2bk/(2b + kT) at 0.1 Hz, where ωT is 0.13.
+pub const WAVE_SPRING: Bound = 0.0..0.03;
+/// Hybrid parameters at 2 Hz, relative to the closed form: a step of 50 µs turns by 0.06 %.
+pub const HYBRID: Bound = 0.0..0.01;
+/// Energy that is missing in a part's balance, over what went through it. The bar is 1 %.
+pub const ENERGY_BALANCE: Bound = 0.0..0.01;
+/// Felt minus true force on gel and plastic, rms over the peak, once the estimate has arrived.
+pub const FELT: f64 = 0.05;
+/// The same on a foam that relaxes, which the board's law does not explain.
+pub const FELT_RELAXING: f64 = 0.10;
+/// After a change of material: seconds of contact besides the way back, in the median and at 95 %.
+pub const RESETTLES_S: (f64, f64) = (0.6, 1.0);
+/// Operator's stiffness, damping and mass: without and with the known force at the master.
+pub const HAND: (f64, f64) = (0.15, 0.05);
+/// What is reached of it; measured on three hands, seeds 1 and 2, at most: 6 and 6 %. The mass comes out low,
+/// since an intention that begins has a part in the band.
+pub const HAND_REACHED: (f64, f64) = (0.10, 0.10);
+/// Seconds until a change of the grip is followed.
+pub const GRIP_S: f64 = 1.0;

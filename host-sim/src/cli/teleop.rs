@@ -1,0 +1,122 @@
+//! `palpate teleop` on the command line.
+
+mod args;
+mod bridge;
+pub mod print;
+mod setup;
+
+pub use args::TeleopArgs;
+
+use std::error::Error;
+
+use serde_json::Value;
+
+use crate::cli::progress::Bar;
+use crate::gap::Progress;
+use crate::json::write_json;
+use crate::output::{result, say};
+use crate::report::teleop::{TeleopReport, comparison};
+use crate::report::{Input, Provenance};
+use crate::teleop::measure::transparency::transparency;
+use crate::teleop::{Grid, Options, System, compare, json, measure, stability_limit_s};
+
+/// Runs the scheme, or all of them, writes the files and prints a summary.
+///
+/// # Errors
+/// A [`Diagnostic`](crate::diagnostic::Diagnostic) for a file that cannot be used; an I/O error if a file
+/// cannot be written.
+pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
+    if bridge::is_asked(args) {
+        return bridge::run(args);
+    }
+    let options = setup::options(args)?;
+    match args.compare {
+        true => run_all(args, &options),
+        false => run_one(args, &options),
+    }
+}
+
+fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
+    let trace = System::new(options, args.seed).run();
+    let measures = measure(&trace);
+    let value = json::run(options, &measures);
+    result(&value)?;
+    say(print::summary(options, &trace, &measures))?;
+    let Some(folder) = &args.out else {
+        return Ok(());
+    };
+    let bar = Bar::new();
+    let grid = Grid::around(options);
+    let map = compare(&grid, &|done, total| {
+        bar.at(0.8 * done as f64 / total as f64, "the other schemes");
+    });
+    bar.at(0.8, "stability");
+    let limit_s = stability_limit_s(options, LONGEST_TRIED_S, args.seed);
+    bar.at(0.9, "transparency");
+    let lines: Vec<_> = setup::beside(options.scheme)
+        .into_iter()
+        .map(|id| {
+            (
+                id,
+                transparency(&options.clone().with_scheme(id), args.seed),
+            )
+        })
+        .collect();
+    drop(bar);
+    let report = TeleopReport {
+        options,
+        trace: &trace,
+        measures: &measures,
+        transparency: &lines,
+        map: &map,
+        limit_s: (limit_s, LONGEST_TRIED_S),
+        provenance: provenance(args)?,
+    };
+    finish(folder, &value, &report.document())
+}
+
+/// The largest round trip that is tried for the limit of stability (s).
+const LONGEST_TRIED_S: f64 = 5.0;
+
+fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
+    let mut grid = Grid::table(options.clone(), args.seeds);
+    if args.model.is_some() {
+        grid.environments = vec![options.environment.clone()];
+    }
+    let bar = Bar::new();
+    let cells = compare(&grid, &|done, total| {
+        bar.at(
+            done as f64 / total as f64,
+            &format!("{done} of {total} runs"),
+        );
+    });
+    drop(bar);
+    let value = Value::Array(cells.iter().map(json::cell).collect());
+    result(&value)?;
+    say(print::table(&cells))?;
+    match &args.out {
+        Some(folder) => finish(folder, &value, &comparison(&cells, provenance(args)?)),
+        None => Ok(()),
+    }
+}
+
+fn finish(
+    folder: &std::path::Path,
+    value: &Value,
+    document: &crate::report::Document,
+) -> Result<(), Box<dyn Error>> {
+    write_json(&folder.join("teleop.json"), value)?;
+    let report = folder.join("report.html");
+    document.write(&report)?;
+    say(format!("  report      {}\n", report.display()))?;
+    Ok(())
+}
+
+fn provenance(args: &TeleopArgs) -> std::io::Result<Provenance> {
+    let files = [&args.model, &args.operator, &args.channel];
+    let mut provenance = Provenance::of_this_process().setting("Seed", args.seed.to_string());
+    for file in files.into_iter().flatten() {
+        provenance = provenance.input(Input::of_file(file)?);
+    }
+    Ok(provenance)
+}

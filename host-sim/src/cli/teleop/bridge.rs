@@ -1,0 +1,223 @@
+//! `palpate teleop --slave PORT --master PORT`, and its ends on two hosts.
+
+use std::error::Error;
+use std::net::{SocketAddr, ToSocketAddrs};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::args::TeleopArgs;
+use crate::diagnostic::Diagnostic;
+use crate::interrupt::{is_interrupted, watch};
+use crate::link::{Device, Port, port};
+use crate::number::quantity;
+use crate::output::say;
+use crate::teleop::bridge::run::{
+    MasterView, Wire, check_master, check_slave, framed, give, local, look, packets,
+};
+use crate::teleop::bridge::{Endpoint, Key, Role};
+use crate::teleop::channel::Channel;
+
+/// How often a line is printed.
+const TELLS: Duration = Duration::from_secs(1);
+
+/// Whether the arguments ask for a bridge.
+pub(super) fn is_asked(args: &TeleopArgs) -> bool {
+    args.slave.is_some() || args.master.is_some()
+}
+
+/// Runs the bridge until it is ended.
+pub(super) fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
+    match (&args.slave, &args.master, &args.listen, &args.connect) {
+        (Some(slave), Some(master), None, None) => on_one_host(args, slave, master),
+        (Some(slave), None, Some(_), None) | (Some(slave), None, None, Some(_)) => {
+            slave_end(args, slave)
+        }
+        (None, Some(master), Some(_), None) | (None, Some(master), None, Some(_)) => {
+            master_end(args, master)
+        }
+        _ => Err(Diagnostic::new("the ends of the bridge do not fit together")
+            .remedy(
+                "give --slave PORT --master PORT on one host, or --slave PORT --listen ADDR on one and \
+                 --master PORT --connect ADDR on the other",
+            )
+            .into()),
+    }
+}
+
+/// The time since the start, and when to print and to end.
+struct Clock<'a> {
+    args: &'a TeleopArgs,
+    start: Instant,
+    told: Instant,
+}
+
+impl Clock<'_> {
+    fn new(args: &TeleopArgs) -> Clock<'_> {
+        let start = Instant::now();
+        // Ctrl-C ends the loop: the master's board then fades out.
+        watch();
+        Clock {
+            args,
+            start,
+            told: start,
+        }
+    }
+
+    fn now_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    fn goes_on(&self) -> bool {
+        let in_time = self
+            .args
+            .seconds
+            .is_none_or(|seconds| self.now_s() < seconds);
+        in_time && !is_interrupted()
+    }
+
+    fn tell(&mut self, line: impl FnOnce() -> String) -> Result<(), Box<dyn Error>> {
+        if self.told.elapsed() >= TELLS {
+            self.told = Instant::now();
+            say(line() + "\n")?;
+        }
+        Ok(())
+    }
+}
+
+fn device(name: &str) -> Result<Device<Box<dyn Port>>, Box<dyn Error>> {
+    Ok(Device::new(port::open(name)?))
+}
+
+fn on_one_host(args: &TeleopArgs, slave: &str, master: &str) -> Result<(), Box<dyn Error>> {
+    let (mut slave, mut master) = (device(slave)?, device(master)?);
+    check_slave(&mut slave)?;
+    check_master(&mut master)?;
+    let config = super::setup::options(args)?.channels[1];
+    let (mut channel, mut view) = (Channel::new(config, args.seed), MasterView::default());
+    let mut clock = Clock::new(args);
+    while clock.goes_on() {
+        local(
+            &mut slave,
+            &mut master,
+            &mut channel,
+            &mut view,
+            clock.now_s(),
+        )?;
+        clock.tell(|| {
+            let counts = channel.counts();
+            format!(
+                "sent {}  lost {}  overtaken {}  given {}  {}",
+                counts.sent,
+                counts.lost,
+                counts.overtaken,
+                view.given,
+                force(&view)
+            )
+        })?;
+    }
+    Ok(())
+}
+
+fn force(view: &MasterView) -> String {
+    let Some(rendered) = &view.rendered else {
+        return "the master has put out nothing".into();
+    };
+    let stopped = if view.has_stopped() {
+        ", faded out"
+    } else {
+        ""
+    };
+    format!(
+        "force {}{stopped}",
+        quantity(f64::from(rendered.force_n), 3, "N")
+    )
+}
+
+/// Socket and session of one end.
+fn end(args: &TeleopArgs) -> Result<(Wire, Endpoint), Box<dyn Error>> {
+    let Some(path) = &args.key else {
+        return Err(Diagnostic::new("there is no key")
+            .remedy("give --key FILE: what comes over the network moves somebody's hand")
+            .into());
+    };
+    let key = Key::read(Path::new(path))?;
+    let resolve = |name: &Option<String>| name.as_deref().map(resolve).transpose();
+    let (listen, connect) = (resolve(&args.listen)?, resolve(&args.connect)?);
+    let role = if listen.is_some() {
+        Role::Listen
+    } else {
+        Role::Connect
+    };
+    let wire = Wire::open(listen, connect)?;
+    say(format!("listening at {}\n", wire.address()?))?;
+    Ok((wire, Endpoint::new(role, key)))
+}
+
+fn resolve(name: &str) -> Result<SocketAddr, Diagnostic> {
+    let wrong = |what: String| {
+        Diagnostic::new(what)
+            .value(name)
+            .remedy("write HOST:PORT, such as 192.0.2.7:4700")
+    };
+    let mut addresses = name
+        .to_socket_addrs()
+        .map_err(|error| wrong(format!("no address: {error}")))?;
+    addresses
+        .next()
+        .ok_or_else(|| wrong("the name has no address".into()))
+}
+
+fn slave_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
+    let (mut wire, mut end) = end(args)?;
+    let mut slave = device(name)?;
+    check_slave(&mut slave)?;
+    let mut clock = Clock::new(args);
+    while clock.goes_on() {
+        let packets = packets(&mut slave)?;
+        let now_us = (1e6 * clock.now_s()) as u64;
+        for packet in &packets {
+            end.send(now_us, &framed(packet));
+        }
+        wire.exchange(&mut end, now_us);
+        clock.tell(|| line(&end, now_us))?;
+    }
+    Ok(())
+}
+
+fn master_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
+    let (mut wire, mut end) = end(args)?;
+    let mut master = device(name)?;
+    check_master(&mut master)?;
+    let (mut clock, mut view) = (Clock::new(args), MasterView::default());
+    while clock.goes_on() {
+        look(&mut master, &mut view)?;
+        let now_us = (1e6 * clock.now_s()) as u64;
+        for frame in wire.exchange(&mut end, now_us) {
+            give(&mut master, &mut view, &frame)?;
+        }
+        clock.tell(|| format!("{}  {}", line(&end, now_us), force(&view)))?;
+    }
+    Ok(())
+}
+
+fn line(end: &Endpoint, now_us: u64) -> String {
+    let counts = end.counts();
+    let clock = match end.clock() {
+        Some(clock) if end.is_alive(now_us) => format!(
+            "round trip {}, clock {}",
+            quantity(1e-6 * clock.round_trip_us, 3, "s"),
+            quantity(1e-6 * clock.offset_us, 3, "s")
+        ),
+        _ => "no other end".into(),
+    };
+    format!(
+        "{clock}  sent {}  passed {}  lost {}  overtaken {}  late {}  replayed {}  strangers {}",
+        counts.sent,
+        counts.passed,
+        counts.lost,
+        counts.overtaken,
+        counts.late,
+        counts.replayed,
+        counts.strangers
+    )
+}

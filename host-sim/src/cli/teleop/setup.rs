@@ -1,0 +1,53 @@
+//! From arguments to what is simulated.
+
+use super::args::TeleopArgs;
+use crate::diagnostic::Diagnostic;
+use crate::model::Model;
+use crate::teleop::environment::{Environment, Material};
+use crate::teleop::file::{ChannelFile, OperatorFile};
+use crate::teleop::{Options, SchemeId};
+
+/// What the arguments ask for.
+pub(super) fn options(args: &TeleopArgs) -> Result<Options, Diagnostic> {
+    let mut options = Options::default().with_scheme(args.scheme);
+    if let Some(path) = &args.model {
+        let name = path
+            .file_stem()
+            .map_or("model".into(), |stem| stem.to_string_lossy());
+        let material = Material {
+            name: name.into_owned(),
+            rig: Model::read(path)?.rig()?,
+        };
+        options.environment = Environment::throughout(material.at_zero());
+    }
+    if let Some(path) = &args.operator {
+        let file = OperatorFile::read(path)?;
+        (options.operator, options.task) = (file.operator, file.task);
+        if let Some(excitation) = file.excitation {
+            options.reflection.excitation = excitation;
+            options.reflection.excites = true;
+        }
+    }
+    if let Some(path) = &args.channel {
+        let file = ChannelFile::read(path)?;
+        (options.channels, options.clock_offset_us) = (file.channels, file.clock_offset_us);
+    }
+    for channel in &mut options.channels {
+        channel.delay_s = args.delay_ms.map_or(channel.delay_s, |ms| 1e-3 * ms);
+        channel.jitter = args.jitter.unwrap_or(channel.jitter);
+        channel.loss = args.loss.unwrap_or(channel.loss);
+    }
+    Ok(options.with_task_for_delay())
+}
+
+/// The schemes whose transparency is drawn: the chosen one, and those that people know.
+pub(super) fn beside(chosen: SchemeId) -> Vec<SchemeId> {
+    let known = [
+        SchemeId::PositionForce,
+        SchemeId::FourChannel,
+        SchemeId::WaveVariables,
+        SchemeId::Reflection,
+    ];
+    let others = known.into_iter().filter(|id| *id != chosen);
+    std::iter::once(chosen).chain(others.take(3)).collect()
+}

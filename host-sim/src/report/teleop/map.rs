@@ -1,0 +1,100 @@
+//! Maps of the schemes: the error of the felt force over delay and loss.
+
+use crate::number::quantity;
+use crate::report::{HeatMap, Section, Shaded};
+use crate::teleop::{Cell, SchemeId};
+
+/// Above each of these errors a cell is one shade darker: what nobody feels, twice that, what everybody
+/// notices, and worse.
+const SHADES: [f64; 5] = [0.05, 0.10, 0.20, 0.40, 0.80];
+/// The shade of a system that does not come to rest.
+const UNSTABLE: usize = 6;
+
+/// A map per loss and jitter of one environment.
+pub(super) fn maps(cells: &[Cell]) -> Vec<HeatMap> {
+    let mut channels: Vec<(f64, f64)> = Vec::new();
+    for cell in cells {
+        if !channels.contains(&(cell.jitter, cell.loss)) {
+            channels.push((cell.jitter, cell.loss));
+        }
+    }
+    let map = |(jitter, loss): (f64, f64)| {
+        let own: Vec<&Cell> = cells
+            .iter()
+            .filter(|cell| (cell.jitter, cell.loss) == (jitter, loss))
+            .collect();
+        one(&own).caption(format!(
+            "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, once the \
+             scheme has what it needs; darkest: does not come to rest.",
+            100.0 * loss,
+            100.0 * jitter
+        ))
+    };
+    channels.into_iter().map(map).collect()
+}
+
+/// A section per environment.
+pub(super) fn sections(cells: &[Cell]) -> Vec<Section> {
+    let mut names: Vec<&str> = cells.iter().map(|cell| cell.environment.as_str()).collect();
+    names.dedup();
+    let section = |name: &&str| {
+        let own: Vec<Cell> = cells
+            .iter()
+            .filter(|cell| cell.environment == **name)
+            .cloned()
+            .collect();
+        maps(&own)
+            .into_iter()
+            .fold(Section::new(format!("On {name}")), Section::heat_map)
+    };
+    names.iter().map(section).collect()
+}
+
+fn one(cells: &[&Cell]) -> HeatMap {
+    let mut trips: Vec<f64> = cells.iter().map(|cell| cell.round_trip_s).collect();
+    trips.sort_by(f64::total_cmp);
+    trips.dedup();
+    let heads = trips.iter().map(|trip_s| quantity(*trip_s, 2, "s"));
+    let map = HeatMap::new("scheme \\ round trip", heads);
+    SchemeId::ALL
+        .into_iter()
+        .filter(|id| cells.iter().any(|cell| cell.scheme == *id))
+        .fold(map, |map, id| {
+            let find = |trip_s: &f64| {
+                let mut own = cells.iter();
+                own.find(|cell| cell.scheme == id && cell.round_trip_s == *trip_s)
+            };
+            map.row(
+                id.name(),
+                trips
+                    .iter()
+                    .map(|trip_s| find(trip_s).map(|cell| shaded(cell)))
+                    .collect(),
+            )
+        })
+}
+
+fn shaded(cell: &Cell) -> Shaded {
+    let share = cell.median(|run| run.felt_force_rmse_share);
+    let text = match share {
+        Some(share) if share < 0.0995 => format!("{:.1} %", 100.0 * share),
+        Some(share) if share < 10.0 => format!("{:.0} %", 100.0 * share),
+        Some(_) => "> 1000 %".into(),
+        None => "no force".into(),
+    };
+    let stable = cell.is_stable();
+    let shade = match share {
+        _ if !stable => UNSTABLE,
+        Some(share) => SHADES.iter().filter(|level| share > **level).count(),
+        None => SHADES.len(),
+    };
+    Shaded {
+        text,
+        small: if stable {
+            String::new()
+        } else {
+            "unstable".into()
+        },
+        shade,
+    }
+}

@@ -1,0 +1,164 @@
+//! All schemes side by side: environments × schemes × round trips × jitters × losses, some seeds each.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::environment::Environment;
+use super::measure::{Measures, measure};
+use super::options::{Options, SchemeId};
+use super::system::System;
+use crate::stats::median;
+
+/// What is compared.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// What all runs share.
+    pub base: Options,
+    /// What is touched.
+    pub environments: Vec<Environment>,
+    /// The schemes.
+    pub schemes: Vec<SchemeId>,
+    /// Round trips (s).
+    pub round_trips_s: Vec<f64>,
+    /// Shares of the delay.
+    pub jitters: Vec<f64>,
+    /// Shares of the messages.
+    pub losses: Vec<f64>,
+    /// Seeds, from 1 on.
+    pub seeds: u64,
+}
+
+impl Grid {
+    /// The table: four environments, eight schemes, eight round trips up to 5 s, with and without jitter,
+    /// three losses.
+    pub fn table(base: Options, seeds: u64) -> Grid {
+        Grid {
+            base,
+            environments: Environment::compared(),
+            schemes: SchemeId::ALL.to_vec(),
+            round_trips_s: vec![0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 5.0],
+            jitters: vec![0.0, 0.3],
+            losses: vec![0.0, 0.05, 0.2],
+            seeds,
+        }
+    }
+
+    /// All schemes on the material and the operator of one run, without and with losses: the map of its
+    /// report.
+    pub fn around(options: &Options) -> Grid {
+        Grid {
+            base: options.clone(),
+            environments: vec![options.environment.clone()],
+            schemes: SchemeId::ALL.to_vec(),
+            round_trips_s: vec![0.0, 0.03, 0.1, 0.3, 1.0],
+            jitters: vec![0.0],
+            losses: vec![0.0, 0.2],
+            seeds: 1,
+        }
+    }
+
+    /// The cells, without their measures.
+    fn cells(&self) -> Vec<(&Environment, SchemeId, f64, f64, f64)> {
+        let mut cells = Vec::new();
+        for environment in &self.environments {
+            for scheme in &self.schemes {
+                for round_trip_s in &self.round_trips_s {
+                    for jitter in &self.jitters {
+                        for loss in &self.losses {
+                            cells.push((environment, *scheme, *round_trip_s, *jitter, *loss));
+                        }
+                    }
+                }
+            }
+        }
+        cells
+    }
+}
+
+/// One cell of the comparison.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// The name of the first material.
+    pub environment: String,
+    /// The scheme.
+    pub scheme: SchemeId,
+    /// The round trip (s).
+    pub round_trip_s: f64,
+    /// Its jitter, as a share.
+    pub jitter: f64,
+    /// The share of lost messages.
+    pub loss: f64,
+    /// The runs, a seed each.
+    pub runs: Vec<Measures>,
+}
+
+impl Cell {
+    /// The median of a measure over the runs that have it; `None` if most have none.
+    pub fn median(&self, of: impl Fn(&Measures) -> Option<f64>) -> Option<f64> {
+        let values: Vec<f64> = self.runs.iter().filter_map(of).collect();
+        (2 * values.len() > self.runs.len()).then(|| median(values))
+    }
+
+    /// Whether every run came to rest.
+    pub fn is_stable(&self) -> bool {
+        self.runs.iter().all(|run| run.stable)
+    }
+}
+
+/// Runs a grid on all cores; `progress` hears how many runs of how many are done.
+pub fn compare(grid: &Grid, progress: &(dyn Fn(usize, usize) + Sync)) -> Vec<Cell> {
+    let cells = grid.cells();
+    let total = cells.len() * grid.seeds as usize;
+    let done = AtomicUsize::new(0);
+    cells
+        .par_iter()
+        .map(|(environment, scheme, round_trip_s, jitter, loss)| {
+            let options = Options {
+                environment: (*environment).clone(),
+                ..grid.base.clone()
+            };
+            let options = options
+                .with_scheme(*scheme)
+                .with_channel(0.5 * round_trip_s, *jitter, *loss)
+                .with_task_for_delay();
+            let runs = (1..=grid.seeds).map(|seed| {
+                let measures = measure(&System::new(&options, seed).run());
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                measures
+            });
+            Cell {
+                environment: environment.first.name.clone(),
+                scheme: *scheme,
+                round_trip_s: *round_trip_s,
+                jitter: *jitter,
+                loss: *loss,
+                runs: runs.collect(),
+            }
+        })
+        .collect()
+}
+
+/// The largest round trip (s) up to `most_s` at which a scheme comes to rest, by eight halvings of the
+/// logarithm; `None` if it does not even without delay.
+pub fn stability_limit_s(options: &Options, most_s: f64, seed: u64) -> Option<f64> {
+    let rests = |round_trip_s: f64| {
+        let options = options.clone().with_channel(0.5 * round_trip_s, 0.0, 0.0);
+        measure(&System::new(&options.with_task_for_delay(), seed).run()).stable
+    };
+    if !rests(0.0) {
+        return None;
+    }
+    if rests(most_s) {
+        return Some(most_s);
+    }
+    let (mut low, mut high) = (1e-3_f64, most_s);
+    for _ in 0..8 {
+        let middle = (low * high).sqrt();
+        match rests(middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Some(low)
+}

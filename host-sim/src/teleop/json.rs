@@ -1,0 +1,126 @@
+//! `teleop.json`.
+
+use serde_json::{Value, json};
+
+use super::compare::Cell;
+use super::measure::{Measures, Packets};
+use super::operator::Grip;
+use super::options::{Options, SchemeId};
+use super::trace::Parameters;
+use crate::json::number;
+
+/// A run.
+pub fn run(options: &Options, measures: &Measures) -> Value {
+    let [there, back] = options.channels;
+    let environment = &options.environment.first.name;
+    let mut value = object(
+        options.scheme,
+        (there.delay_s, there.jitter, there.loss),
+        environment,
+        measures,
+    );
+    value["round_trip_s"] = number(there.delay_s + back.delay_s);
+    value["shaping"] = number(options.shaping());
+    let grip = options.operator.grips.last().copied();
+    value["operator"] = operator(grip, measures.hand);
+    value
+}
+
+/// A cell of the comparison: the medians over its seeds.
+pub fn cell(cell: &Cell) -> Value {
+    let Some(first) = cell.runs.first() else {
+        return Value::Null;
+    };
+    let median = |of: fn(&Measures) -> f64| cell.median(|run| Some(of(run))).unwrap_or(f64::NAN);
+    let measures = Measures {
+        felt_force_rmse_share: cell.median(|run| run.felt_force_rmse_share),
+        felt_force_rmse_share_whole: median(|run| run.felt_force_rmse_share_whole),
+        felt_force_rmse_share_after: cell.median(|run| run.felt_force_rmse_share_after),
+        felt_stiffness_error: cell.median(|run| run.felt_stiffness_error),
+        felt_damping_error: cell.median(|run| run.felt_damping_error),
+        position_rmse_m: median(|run| run.position_rmse_m),
+        stable: cell.is_stable(),
+        decay_per_s: median(|run| run.decay_per_s),
+        created_energy_j: median(|run| run.created_energy_j),
+        exchanged_energy_j: median(|run| run.exchanged_energy_j),
+        peak_touch_n: median(|run| run.peak_touch_n),
+        peak_change_n: cell.median(|run| run.peak_change_n),
+        settled_s: cell.median(|run| run.settled_s),
+        resettled_s: cell.median(|run| run.resettled_s),
+        ..first.clone()
+    };
+    let channel = (0.5 * cell.round_trip_s, cell.jitter, cell.loss);
+    let mut value = object(cell.scheme, channel, &cell.environment, &measures);
+    value["round_trip_s"] = number(cell.round_trip_s);
+    value["seeds"] = json!(cell.runs.len());
+    value
+}
+
+fn object(
+    scheme: SchemeId,
+    (delay_s, jitter, loss): (f64, f64, f64),
+    environment: &str,
+    measures: &Measures,
+) -> Value {
+    let optional = |value: Option<f64>| value.map_or(Value::Null, number);
+    json!({
+        "scheme": scheme.name(),
+        "delay_s": number(delay_s),
+        "jitter": number(jitter),
+        "loss": number(loss),
+        "environment": environment,
+        "felt_force_rmse_share": optional(measures.felt_force_rmse_share),
+        "felt_force_rmse_share_whole": number(measures.felt_force_rmse_share_whole),
+        "felt_force_rmse_share_after": optional(measures.felt_force_rmse_share_after),
+        "felt_stiffness_error": optional(measures.felt_stiffness_error),
+        "felt_damping_error": optional(measures.felt_damping_error),
+        "position_rmse_m": number(measures.position_rmse_m),
+        "stable": measures.stable,
+        "decay_per_s": number(measures.decay_per_s),
+        "created_energy_j": number(measures.created_energy_j),
+        "exchanged_energy_j": number(measures.exchanged_energy_j),
+        "peak_touch_n": number(measures.peak_touch_n),
+        "peak_change_n": optional(measures.peak_change_n),
+        "settled_s": optional(measures.settled_s),
+        "resettled_s": optional(measures.resettled_s),
+        "operator": Value::Null,
+        "limits": measures.limits.iter()
+            .map(|(name, share)| json!({ "limit": name, "share": number(*share) }))
+            .collect::<Vec<_>>(),
+        "packets": packets(&measures.packets),
+    })
+}
+
+fn packets(packets: &Packets) -> Value {
+    json!({
+        "sent": packets.sent,
+        "lost": packets.lost,
+        "rejected": packets.rejected,
+        "bytes_per_s": packets.bytes_per_s,
+    })
+}
+
+/// The hand: as it is, and as it was identified, where the scheme does that.
+fn operator(grip: Option<Grip>, identified: Option<Parameters>) -> Value {
+    let Some(grip) = grip else {
+        return Value::Null;
+    };
+    let identified = identified.map(|[stiffness, damping, mass]| {
+        let measured = |known: Option<(f64, f64)>, unit: &str| {
+            known.map_or(Value::Null, |(value, std_error)| {
+                json!({ "value": number(value), "std_error": number(std_error), "unit": unit })
+            })
+        };
+        json!({
+            "stiffness": measured(stiffness, "N/m"),
+            "damping": measured(damping, "N s/m"),
+            "mass": measured(mass, "kg"),
+        })
+    });
+    json!({
+        "stiffness": number(grip.stiffness_n_per_m),
+        "damping": number(grip.damping_ns_per_m),
+        "mass": number(grip.mass_kg),
+        "identified": identified.unwrap_or(Value::Null),
+    })
+}

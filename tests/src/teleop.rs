@@ -1,0 +1,3 @@
+//! What impedance reflection has to reach in teleoperation, row by row.
+
+pub mod bar;

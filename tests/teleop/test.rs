@@ -1,0 +1,49 @@
+//! Teleoperation: theory, and the small version of the bar; `cargo run --release -p tests --example teleop`
+//! prints the whole one.
+
+mod theory;
+
+use palpate::teleop::{Cell, SchemeId};
+use std::sync::LazyLock;
+use tests::teleop::bar::{self, Row};
+use tests::tolerance;
+
+/// Gel and plastic, without delay and with 0.3 s round trip, 30 % of jitter and 20 % loss.
+static CELLS: LazyLock<Vec<Cell>> = LazyLock::new(|| bar::cells(&bar::grid(1, true), &|_, _| {}));
+
+fn reached(rows: impl IntoIterator<Item = Row>) {
+    let missed: Vec<Row> = rows.into_iter().filter(|row| !row.reached).collect();
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+#[test]
+fn the_felt_force_is_the_true_one_once_the_estimate_has_arrived() {
+    let rows = bar::felt(&CELLS).into_iter();
+    reached(rows.filter(|row| !row.asked.contains("foam")));
+}
+
+#[test]
+fn reflection_creates_no_energy_touches_gently_and_is_ahead_from_30_ms_on() {
+    reached([bar::energy(&CELLS), bar::packets(&CELLS)]);
+    reached(bar::touch(&CELLS).into_iter().chain(bar::ahead(&CELLS)));
+}
+
+#[test]
+fn a_link_that_is_cut_fades_the_force_out() {
+    reached([bar::outage()]);
+}
+
+#[test]
+fn the_hand_is_identified_with_and_without_a_known_force() {
+    let rows = bar::hand_within(1, tolerance::HAND_REACHED);
+    reached(rows.into_iter().filter(|row| row.asked.contains("hand's")));
+}
+
+#[test]
+fn position_force_does_not_rest_with_delay_and_says_so() {
+    let own = CELLS
+        .iter()
+        .filter(|cell| cell.scheme == SchemeId::PositionForce);
+    let unstable: Vec<bool> = own.map(|cell| !cell.is_stable()).collect();
+    assert_eq!(unstable, [false, true, false, true]);
+}
