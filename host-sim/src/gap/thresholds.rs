@@ -50,8 +50,8 @@ thresholds! {
             /// rest: 14 and more.
             largest_colour: 10.0 over 1.0,
             /// From this factor on it must have the fourth moment of normal noise as well. A telegraph signal at
-            /// rest: 3.6.
-            slight_colour: 2.0 over 1.0,
+            /// rest: 3.6; first-order noise and a hum: 2.9.
+            slight_colour: 3.2 over 1.0,
             /// A rest with fewer samples does not count. Not measured.
             shortest_rest: 128.0,
             /// The position of a rest stays within this many steps of the encoder. Derived: two counts, and a
