@@ -177,6 +177,13 @@ thresholds! {
             /// It takes something off in at least this fraction of the blocks in which it acts. True effects:
             /// 0.93 and more, one 0.88; effects fitted to a slip that is in no catalogue: 0.84.
             blocks: 0.88,
+            /// Effects are named together if they explain this share of the base's excess, and no other effect
+            /// could stand in the place of one. Not measured.
+            together: 0.95 over 1.0,
+            /// Of effects that are named together the best set without one leaves at least this many times as
+            /// many squares: what fitted a fatigue of the material, 95 % of it, reached 1.13, the exponent of
+            /// cells under a cantilever 1.17.
+            needed: 1.15 over 1.0,
             /// The halves of the log give it the same size within this many standard errors. True effects: 2.6
             /// at most.
             halves: 4.0,

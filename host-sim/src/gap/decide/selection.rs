@@ -20,7 +20,8 @@ pub(crate) fn decide(
 ) -> Decision {
     // What the best physical set leaves, named or not.
     let mut least_rmse_n = f64::INFINITY;
-    if result.is_far {
+    let together = dataset.thresholds.evidence.together;
+    if result.is_far && result.explained < together {
         // At the log's own rate it would not be nearer: only what stands for itself is evaluated.
         least_rmse_n = held_out_rmse_n(dataset, &result.best);
         let (best, _) = with_strong_effects(dataset, &result.best, evidence);
@@ -80,6 +81,10 @@ fn accepted_decision(
         if decision.without.is_empty() || decision.verdict != Verdict::Unexplained {
             return decision;
         }
+        if is_strong_together(&decision) {
+            decision.verdict = Verdict::PartlyExplained;
+            return decision;
+        }
         // Something remains: each effect stands for itself.
         let (best, dropped) = with_strong_effects(dataset, &decision.best, evidence);
         if !dropped {
@@ -88,6 +93,22 @@ fn accepted_decision(
         }
         result = SearchResult::alone(best);
     }
+}
+
+/// Whether the effects explain nearly all of it together, and each is needed: a spectrum of relaxation, an
+/// exponent and a bond take 99 % off under a cantilever, and hardly one of them half.
+fn is_strong_together(decision: &Decision) -> bool {
+    let decide = &decision.thresholds.evidence;
+    let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
+    let left = excess(decision.ratio.1) / excess(decision.ratio.0).max(f64::MIN_POSITIVE);
+    let added = decision.best.added().into_iter();
+    let is_needed = |number: usize| {
+        let id = decision.best.shape.terms[number].id;
+        let mut evidence = decision.evidence.iter();
+        evidence.any(|evidence| evidence.id == id && evidence.is_needed)
+    };
+    let is_unambiguous = decision.alternatives.iter().all(Vec::is_empty);
+    1.0 - left >= decide.together && is_unambiguous && added.into_iter().all(is_needed)
 }
 
 /// The best fit with the effects that are named though something remains, and whether others were dropped.

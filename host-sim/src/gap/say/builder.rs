@@ -70,10 +70,8 @@ fn graded(
 ) -> (Grade, Vec<EffectId>) {
     match (verdict, evidence) {
         (Verdict::PartlyExplained, Some(evidence)) => {
-            let grade = match evidence.is_strong {
-                true => Grade::Strong,
-                false => Grade::Open,
-            };
+            let is_open = !evidence.is_strong && evidence.is_strong_group;
+            let grade = if is_open { Grade::Open } else { Grade::Strong };
             (grade, evidence.alternatives.clone())
         }
         _ if rivals.is_empty() => (Grade::Certain, Vec::new()),

@@ -35,6 +35,8 @@ pub(crate) struct Evidence {
     pub(crate) is_strong: bool,
     /// Whether it or one of its alternatives is.
     pub(crate) is_strong_group: bool,
+    /// Whether the best set without it is worse at all.
+    pub(crate) is_needed: bool,
 }
 
 impl Search<'_> {
@@ -93,6 +95,7 @@ impl Search<'_> {
         }
         Evidence {
             is_strong: is_sound && is_ahead(without),
+            is_needed: without.cost >= decide.needed * with.cost,
             is_strong_group: is_sound && alternatives.is_some(),
             alternatives: alternatives.unwrap_or_default(),
             id,

@@ -45,6 +45,8 @@ pub(crate) struct SearchResult {
     pub(crate) rivals: Vec<Vec<Fit>>,
     /// Whether the best is far from the noise.
     pub(crate) is_far: bool,
+    /// The share of the base's excess over the noise that it takes off.
+    pub(crate) explained: f64,
 }
 
 impl SearchResult {
@@ -54,6 +56,7 @@ impl SearchResult {
             best,
             rivals: Vec::new(),
             is_far: false,
+            explained: 1.0,
         }
     }
 }
@@ -102,6 +105,7 @@ impl Search<'_> {
         let best = self.without_insignificant_forms(result.best, base_cost);
         SearchResult {
             is_far: self.is_far(&best),
+            explained: (base_cost - best.cost) / (base_cost - self.noise_cost).max(1.0),
             best,
             ..result
         }
