@@ -49,8 +49,8 @@ fn no_edge_of_the_output_comes_near_the_hold_and_every_pulse_has_its_length() {
 fn a_code_that_trembles_around_the_middle_leaves_its_pulse_where_it_is() {
     let mut pulse = Pulse::default();
     let middle = PERIOD / 2;
-    let moves = (0..1000_u16)
-        .map(|i| pulse.place(middle + i * 7919 % 240 - 120))
+    let moves = (0..1000_u32)
+        .map(|i| pulse.place(middle + (i * 7919 % 240) as u16 - 120))
         .collect::<Vec<_>>()
         .windows(2)
         .filter(|pair| pair[0] != pair[1])

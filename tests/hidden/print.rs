@@ -1,7 +1,7 @@
 //! Writes rigs with hidden effects, and scores `palpate gap` on them:
 //! `cargo run --release -p tests --example hidden -- write DIR --cases 52 --kind single --seed 1`,
 //! `cargo run --release -p tests --example hidden -- score DIR --palpate target/release/palpate`,
-//! `cargo run --release -p tests --example hidden -- sweep explained.with_effects --kind single --kind none --cases 26 --seed 1`.
+//! `cargo run --release -p tests --example hidden -- sweep explained.residuals --kind single --kind none --cases 26 --seed 1`.
 
 use std::path::{Path, PathBuf};
 use tests::hidden::rig::case::Case;

@@ -83,11 +83,8 @@ fn every_threshold_is_read_where_something_is_decided() {
 
 #[test]
 fn a_name_that_no_threshold_has_is_answered_with_the_nearest() {
-    let error = sweep::known("explained.with_effect").unwrap_err();
-    assert!(
-        error.contains("write \"explained.with_effects\""),
-        "{error}"
-    );
+    let error = sweep::known("explained.residual").unwrap_err();
+    assert!(error.contains("write \"explained.residuals\""), "{error}");
     let error = sweep::known("size_sigma").unwrap_err();
     assert!(
         error.contains("write \"acceptance.size_sigmas\""),

@@ -16,6 +16,9 @@ const SPEED: f64 = 16.0;
 const LEFT: f64 = 0.75;
 /// Largest e over v that enters: one hole must not fill the memory.
 const LARGEST: f64 = 4.0;
+/// A speed whose cube is more times the usual one says nothing: a second of an encoder that jumps by metres
+/// would otherwise be remembered for good. Of a sine it is 2.4 at most.
+const UNUSUAL: f64 = 8.0;
 /// Slowest speed that says something (counts a sample): below, each count is a hop of its own.
 const SLOWEST: f64 = 2.0;
 /// A hop that the filter must forget exceeds this many times the speed, so many standard deviations of the
@@ -39,6 +42,8 @@ pub(crate) struct Regularity<T> {
     third: T,
     sixth: T,
     speeds: T,
+    /// Number of increments in them.
+    rows: T,
 }
 
 impl<T: Real> Regularity<T> {
@@ -71,6 +76,16 @@ impl<T: Real> Regularity<T> {
         if size <= T::from_f64(SLOWEST) * count_m {
             return;
         }
+        let kept = T::from_f64(1.0 - 1.0 / MEMORY);
+        let cube_of_speed = size * size * size;
+        let most = T::from_f64(UNUSUAL) * self.speeds;
+        let is_unusual = self.rows > T::one() && cube_of_speed * self.rows > most;
+        self.rows = kept * self.rows + T::one();
+        if is_unusual {
+            // The usual speed follows, by so much a row.
+            self.speeds = kept * self.speeds + most / self.rows;
+            return;
+        }
         let largest = T::from_f64(LARGEST) * size;
         let along = if self.speed < T::zero() {
             -excess
@@ -79,10 +94,9 @@ impl<T: Real> Regularity<T> {
         };
         let along = along.max_of(-largest).min_of(largest);
         let cube = along * along * along;
-        let kept = T::from_f64(1.0 - 1.0 / MEMORY);
         self.third = kept * self.third + cube;
         self.sixth = kept * self.sixth + cube * cube;
-        self.speeds = kept * self.speeds + size * size * size;
+        self.speeds = kept * self.speeds + cube_of_speed;
     }
 
     fn hops(&mut self, excess: T, speed: T, count_m: T) -> bool {
