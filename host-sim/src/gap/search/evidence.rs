@@ -216,7 +216,7 @@ fn alternatives(
 /// Whether an effect that repeats stands several times in a fit and none of its waves is prominent: a series
 /// fits any curve.
 fn is_series(fit: &Fit, id: EffectId, decide: &thresholds::Search) -> bool {
-    is_repeated(id, fit) && is_fourier_series(fit, decide.prominent_wave)
+    is_repeated(id, fit) && is_fourier_series(fit, decide.prominent_wave, 2)
 }
 
 /// Fits to either half of the logs.

@@ -20,15 +20,15 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     terms.iter().all(|term| term.given || is_physical(term))
 }
 
-/// Whether a fit has several waves of a kind and none that is `prominent` times as large as the next: a Fourier
+/// Whether a fit has `least` waves of a kind and none that is `prominent` times as large as the next: a Fourier
 /// series of something that is no wave. A true line may have harmonics, or sidebands of a modulation.
-pub(crate) fn is_fourier_series(fit: &Fit, prominent: f64) -> bool {
+pub(crate) fn is_fourier_series(fit: &Fit, prominent: f64, least: usize) -> bool {
     let terms = fit.shape.terms_at(&fit.numbers);
     let waves = terms.iter().filter(|term| !term.given && repeats(term.id));
     waves.clone().any(|wave| {
         let alike: Vec<&Term> = waves.clone().filter(|other| other.id == wave.id).collect();
         let sizes = sizes(&alike);
-        sizes.len() > 1 && sizes[0] < prominent * sizes[1]
+        sizes.len() >= least.max(2) && sizes[0] < prominent * sizes[1]
     })
 }
 

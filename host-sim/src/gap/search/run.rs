@@ -100,6 +100,11 @@ impl Search<'_> {
         let (best, base_cost) = (state.best, state.base_cost);
         let best = self.without_insignificant(best, base_cost);
         let best = self.with_form_instead_of_effect(best, base_cost);
+        // Near the noise three waves would pass for an explanation; far from it the evidence decides.
+        let prominent = self.decide().prominent_wave;
+        if !self.is_far(&best) && is_fourier_series(&best, prominent, 3) {
+            return SearchResult::alone(base);
+        }
         let result = self.with_swaps(best, base_cost);
         let result = self.with_simpler_relative(result, base_cost);
         let best = self.without_insignificant_forms(result.best, base_cost);
@@ -123,7 +128,7 @@ impl Search<'_> {
 
     /// Whether waves of a fit that is far from the noise are a series that fits any curve.
     fn is_series(&self, fit: &Fit) -> bool {
-        self.is_far(fit) && is_fourier_series(fit, self.decide().prominent_wave)
+        self.is_far(fit) && is_fourier_series(fit, self.decide().prominent_wave, 2)
     }
 
     /// Adds one effect to each fit of the beam. Returns false if the search ends with this step.
