@@ -35,7 +35,7 @@ pub mod thresholds;
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
     AdvisedMotion, Candidate, Curves, Finding, Grade, MOTION, MissingEffect, Next,
-    ParameterEstimate, Region, Support, Verdict, regions_in_words, times_larger,
+    ParameterEstimate, Region, Support, Verdict, regions_in_words, share_in_words, times_larger,
 };
 pub use noise::floor::NoiseFloor;
 pub use options::Options;

@@ -6,7 +6,7 @@ mod result;
 pub use region::{Region, regions_in_words};
 pub use result::{
     AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, ParameterEstimate,
-    Support, Verdict, times_larger,
+    Support, Verdict, share_in_words, times_larger,
 };
 
 /// Name of the file that an advised motion is written to.

@@ -8,6 +8,7 @@ pub(crate) mod forms;
 pub(crate) mod periodic;
 pub(crate) mod physical;
 pub(crate) mod proposals;
+pub(crate) mod relatives;
 pub(crate) mod run;
 pub(crate) mod sets;
 pub(crate) mod significance;

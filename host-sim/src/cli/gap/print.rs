@@ -5,7 +5,8 @@ use std::fmt::Write;
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{
-    Finding, MissingEffect, ParameterEstimate, Verdict, regions_in_words, times_larger,
+    Finding, MissingEffect, ParameterEstimate, Verdict, regions_in_words, share_in_words,
+    times_larger,
 };
 use crate::number::{Measured, column, quantity};
 use crate::wrap::wrapped;
@@ -80,21 +81,12 @@ fn partly_explained(finding: &Finding, names: &str) -> String {
     let text = format!(
         "partly explained: {names} {explains} {} of the disagreement; {:.1} times what noise and the motion's \
          errors allow remains",
-        percent(share),
+        share_in_words(share),
         finding.ratio_after
     );
     match regions_in_words(finding.remaining.get(..1).unwrap_or_default()) {
         words if words.is_empty() => text,
         words => format!("{text}: {}", words.replace("of the excess ", "of it ")),
-    }
-}
-
-/// A share in percent, never rounded to all or nothing.
-fn percent(share: f64) -> String {
-    match 100.0 * share {
-        percent if percent > 99.0 => "more than 99 %".into(),
-        percent if percent < 1.0 => "less than 1 %".into(),
-        percent => format!("{percent:.0} %"),
     }
 }
 

@@ -5,7 +5,8 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, problem::Problem};
-use crate::gap::search::{evidence::are_late, run::SearchResult, sets::added_effects};
+use crate::gap::search::relatives::{are_late, related};
+use crate::gap::search::{run::SearchResult, sets::added_effects};
 use crate::gap::thresholds::Rivalry;
 
 /// Most steps of the refit of a rival.
@@ -144,11 +145,4 @@ fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<Ef
         [other] if other != id => Some(other),
         _ => None,
     }
-}
-
-/// Whether one effect is a special case of the other: that is no ambiguity, and the simpler one wins
-/// where it is adequate.
-pub(crate) fn related(one: EffectId, other: EffectId) -> bool {
-    let family = one.info().family;
-    one == other || (family.is_nested() && family == other.info().family)
 }

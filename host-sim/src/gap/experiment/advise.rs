@@ -12,7 +12,7 @@ use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Verdict, regions_in_wo
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, fit::RIDGE, shape::Owner, shape::Shape, shape::Term, start::repeats,
 };
-use crate::gap::search::evidence::are_late;
+use crate::gap::search::relatives::are_late;
 use crate::lsq::covariance::inverse;
 use crate::stats::lowest;
 
@@ -61,14 +61,14 @@ fn without_ambiguity(finding: &Finding) -> String {
              before trusting the parameters.",
             regions_in_words(&finding.remaining)
         ),
-        Verdict::PartlyExplained => format!(
-            "model.toml is better than the base, and no more than that: {}.{}",
-            "look at what remains before trusting its parameters",
+        Verdict::PartlyExplained => {
+            let better = "model.toml is better than the base, and no more than that: look at what remains \
+                          before trusting its parameters.";
             match regions_in_words(&finding.remaining) {
-                words if words.is_empty() => String::new(),
-                words => format!(" Of it {}.", words.replace("of the excess ", "")),
+                words if words.is_empty() => better.into(),
+                words => format!("{better} Of it {}.", words.replace("of the excess ", "")),
             }
-        ),
+        }
         _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
     }
 }

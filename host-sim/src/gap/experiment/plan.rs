@@ -11,12 +11,12 @@ use rayon::prelude::*;
 
 use crate::diagnostic::Diagnostic;
 use crate::gap::data::scales::Scales;
-use crate::gap::decide::rivals::related;
 use crate::gap::experiment::discriminability::{Discriminability, EffectSignature};
 use crate::gap::experiment::excitations::{Excitation, ExcitationRange, excitations};
 use crate::gap::experiment::recordings::{Recordings, Sensor};
 use crate::gap::model::{given::given, shape::Shape, shape::Term, simulate::forces};
 use crate::gap::options::Options;
+use crate::gap::search::relatives::related;
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::plant::depth_at_m;

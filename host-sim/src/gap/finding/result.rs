@@ -246,6 +246,15 @@ impl Finding {
     }
 }
 
+/// A share in percent, never rounded to all or nothing.
+pub fn share_in_words(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent > 99.0 => "more than 99 %".into(),
+        percent if percent < 1.0 => "less than 1 %".into(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
 /// How many times larger the held-out squared error is without an effect, in words.
 pub fn times_larger(gain: f64) -> String {
     match 1.0 / (1.0 - gain).max(1e-9) {

@@ -3,7 +3,7 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use crate::gap::model::fit::Fit;
+use crate::gap::model::{fit::Fit, shape::Shape};
 use crate::gap::search::run::{Search, SearchResult};
 
 impl Search<'_> {
@@ -24,7 +24,11 @@ impl Search<'_> {
 
     /// The best fit without a term, from its own values and from those of the model file.
     pub(crate) fn without(&self, fit: &Fit, at: usize) -> Fit {
-        let (shape, start) = fit.without(at, self.dataset.scales);
+        self.fitted_from_both(fit.without(at, self.dataset.scales))
+    }
+
+    /// The better of two fits of a shape: from a start, and from the values of the model file.
+    pub(super) fn fitted_from_both(&self, (shape, start): (Shape, Vec<f64>)) -> Fit {
         let from_file = shape.start();
         let (a, b) = rayon::join(
             || self.problem().fit(&shape, start),

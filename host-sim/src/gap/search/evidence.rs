@@ -7,12 +7,13 @@
 //! half of the log must give the effect the same size. A form that is not the true one fails here even if it
 //! takes off more than any other of the catalogue.
 
-use estimator_core::physics::effect::{EffectId, Family};
+use estimator_core::physics::effect::EffectId;
 
 use crate::gap::finding::{Next, Support};
 use crate::gap::model::dataset::Dataset;
 use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner, start::repeats};
 use crate::gap::search::physical::is_fourier_series;
+use crate::gap::search::relatives::{are_late, stands_for};
 use crate::gap::search::run::{Search, SearchResult};
 use crate::gap::search::sets::{added_effects, is_repeated};
 use crate::gap::thresholds;
@@ -107,13 +108,7 @@ impl Search<'_> {
     fn without_kind(&self, best: &Fit, id: EffectId) -> Fit {
         let mut terms = best.shape.terms_at(&best.numbers);
         terms.retain(|term| term.given || !stands_for(term.id, id));
-        let (shape, start) = best.with_terms(terms, self.dataset.scales);
-        let from_file = shape.start();
-        let (a, b) = rayon::join(
-            || self.problem().fit(&shape, start),
-            || self.problem().fit(&shape, from_file),
-        );
-        if a.cost <= b.cost { a } else { b }
+        self.fitted_from_both(best.with_terms(terms, self.dataset.scales))
     }
 
     /// The fraction of blocks in which one fit leaves more than the other, of those in which they differ.
@@ -138,19 +133,6 @@ impl Search<'_> {
         let better = acting.clone().filter(|block| block[0] > 0.0).count();
         better as f64 / acting.count().max(1) as f64
     }
-}
-
-/// Whether one effect stands for the other: a special case of it, or as late as it.
-fn stands_for(one: EffectId, other: EffectId) -> bool {
-    let family = one.info().family;
-    one == other || (family != Family::Alone && family == other.info().family)
-}
-
-/// Whether both effects only make the force late: in slow motion they differ by less than the errors of
-/// a rig.
-pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
-    let is_late = |id: EffectId| id.info().family == Family::Lateness;
-    one != other && is_late(one) && is_late(other)
 }
 
 /// The best fit with an effect, of any size as those without it.

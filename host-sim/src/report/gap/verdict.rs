@@ -2,9 +2,11 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::{Finding, MissingEffect, Verdict};
+use crate::gap::{Finding, MissingEffect, Verdict, share_in_words};
 use crate::number::{Measured, column};
 use crate::report::Tone;
+
+use super::tables::spaced;
 
 /// The tone and the words of the badge.
 pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
@@ -51,9 +53,9 @@ pub(super) fn sentence(finding: &Finding) -> String {
             times(finding.ratio_before)
         ),
         Verdict::PartlyExplained => format!(
-            "The model lacks {names}, which takes {:.0}\u{a0}% of the disagreement off. What remains no effect of \
+            "The model lacks {names}, which takes {} of the disagreement off. What remains no effect of \
              the catalogue explains. {shrinks}",
-            100.0 * finding.explained_share().unwrap_or(0.0)
+            spaced(&share_in_words(finding.explained_share().unwrap_or(0.0)))
         ),
     }
 }
