@@ -1,7 +1,6 @@
 //! The `palpate` command: arguments in, exit status out.
 
 use std::error::Error;
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -112,7 +111,6 @@ fn fail(error: &(dyn Error + 'static)) -> ExitCode {
         true => (error.to_string(), ExitCode::from(2)),
         false => (wrapped("error: ", &error.to_string()), ExitCode::FAILURE),
     };
-    // Nobody to tell if standard error is closed: the status says it.
-    let _ = writeln!(std::io::stderr(), "{text}");
+    output::complain(&text);
     code
 }

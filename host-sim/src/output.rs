@@ -60,13 +60,11 @@ pub fn try_folder(folder: &Path) -> io::Result<()> {
     let name = format!(".palpate-{}.try", std::process::id());
     let tried = existing.join(name);
     let done = File::create(&tried).and_then(|_| fs::remove_file(&tried));
-    done.map_err(|error| {
-        let place = folder.join("");
-        io::Error::new(
-            error.kind(),
-            format!("cannot write {}: {error}", place.display()),
-        )
-    })
+    done.map_err(|error| cannot_write(&folder.join("").display().to_string(), &error))
+}
+
+fn cannot_write(what: &str, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("cannot write {what}: {error}"))
 }
 
 /// Removes what is half written; for a process that is interrupted.
@@ -107,10 +105,7 @@ pub fn write_atomically(
     written.map_err(|error| {
         // Best effort: the first error is the one to report.
         let _ = fs::remove_file(&temporary);
-        io::Error::new(
-            error.kind(),
-            format!("cannot write {}: {error}", path.display()),
-        )
+        cannot_write(&path.display().to_string(), &error)
     })
 }
 
@@ -143,10 +138,7 @@ fn put(text: &str) -> io::Result<()> {
     let said = out.write_all(text.as_bytes()).and_then(|()| out.flush());
     match said {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        Err(error) => Err(io::Error::new(
-            error.kind(),
-            format!("cannot write to standard output: {error}"),
-        )),
+        Err(error) => Err(cannot_write("to standard output", &error)),
         Ok(()) => Ok(()),
     }
 }

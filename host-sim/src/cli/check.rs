@@ -13,7 +13,7 @@ use estimator_core::estimate::method::Method;
 use serde_json::{Map, Value};
 
 use crate::cli::ReadingArgs;
-use crate::cli::logs::{names, part_name};
+use crate::cli::logs::folder;
 use crate::cli::summary::{Answer, Failure, each};
 use crate::estimate::{Choices, estimate};
 use crate::inspect::{Inspection, suspicions};
@@ -51,12 +51,8 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
     each(&args.logs, args.out.as_deref(), &|file, name| {
         let logs = Log::read_all(file, &args.reading.options())?;
         let is_one = logs.len() == 1;
-        let only = names(&[file.to_path_buf()]).remove(0);
         let checked = logs.into_iter().map(|log| {
-            let folder = match (name, is_one) {
-                (None, true) => None,
-                (name, _) => Some(part_name(name.unwrap_or(&only), &log.path)),
-            };
+            let folder = folder(name, is_one, file, &log.path);
             checked(args, folder.as_deref(), &log)
         });
         checked.collect()

@@ -21,7 +21,7 @@ use serde_json::{Map, Value};
 pub use show::{Shown, document};
 
 use crate::batch::{Options, batch, batch_instead, lateness};
-use crate::cli::logs::part_name;
+use crate::cli::logs::folder;
 use crate::cli::summary::{Answer, Failure, each};
 use crate::estimate::{Choices, Estimation, estimate};
 use crate::json::write_json;
@@ -82,17 +82,13 @@ impl<'a> Task<'a> {
     fn run(&self, file: &Path, name: Option<&str>) -> Result<Vec<Answer>, Failure> {
         let logs = self.args.read(file)?;
         let is_one = logs.len() == 1;
-        let only = crate::cli::logs::names(&[file.to_path_buf()]).remove(0);
         let mut answers = Vec::new();
         for log in logs {
             let path = match is_one {
                 true => file.to_path_buf(),
                 false => log.path.clone(),
             };
-            let folder = match (name, is_one) {
-                (None, true) => None,
-                (name, _) => Some(part_name(name.unwrap_or(&only), &path)),
-            };
+            let folder = folder(name, is_one, file, &path);
             answers.push(self.answer(file, &path, folder.as_deref(), &log)?);
         }
         Ok(answers)

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use crate::cli::{ReadingArgs, progress::Bar};
+use crate::cli::{ReadingArgs, progress::Bar, reading::positive};
 use crate::diagnostic::Diagnostic;
 use crate::gap::{self, MOTION, Options, gap_with_progress};
 use crate::json::write_json;
@@ -65,17 +65,11 @@ pub struct GapArgs {
 }
 
 fn positive_hz(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive frequency in Hz, such as 20".into()),
-    }
+    positive(text, "a positive frequency in Hz, such as 20")
 }
 
 fn positive_n(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive standard deviation in N, such as 0.02".into()),
-    }
+    positive(text, "a positive standard deviation in N, such as 0.02")
 }
 
 /// Says what a motion will show, before any log.
@@ -87,12 +81,13 @@ fn plan_motion(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         .filter(|path| path.as_os_str() != "palpation");
     let motion = named.map(|path| Motion::read(path)).transpose()?;
     let plan = gap::plan(&model, motion.as_ref(), args.noise, &Options::default())?;
+    let json = plan::json(&plan);
     if let Some(folder) = &args.out {
         try_folder(folder)?;
         motion::put(folder, plan::motion(&plan).as_deref())?;
-        write_json(&folder.join("plan.json"), &plan::json(&plan))?;
+        write_json(&folder.join("plan.json"), &json)?;
     }
-    result(&plan::json(&plan))?;
+    result(&json)?;
     say(plan::summary(&plan))?;
     if let Some(folder) = args
         .out
@@ -132,14 +127,15 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     let finding = gap_with_progress(&model, &logs, &options, &bar)?;
     drop(bar);
     let seconds = clock.elapsed().as_secs_f64();
+    let json = files::json(&finding, seconds);
     if let Some(folder) = &args.out {
         let inputs = files::Inputs {
             model: &args.model,
             logs: &args.logs,
         };
-        files::write(folder, &finding, &inputs, seconds)?;
+        files::write(folder, &finding, &inputs, &json)?;
     }
-    result(&files::json(&finding, seconds))?;
+    result(&json)?;
     say(print::summary(&finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;
     if finding.advised.is_some() {

@@ -117,8 +117,23 @@ fn name(path: &Path) -> String {
     stem.unwrap_or(name).to_string()
 }
 
+/// The folder of a recording below `--out`, where `name` is that of its file among several: none for the only
+/// recording of the only file.
+pub(super) fn folder(
+    name: Option<&str>,
+    is_one: bool,
+    file: &Path,
+    recording: &Path,
+) -> Option<String> {
+    match (name, is_one) {
+        (None, true) => None,
+        (Some(name), _) => Some(part_name(name, recording)),
+        (None, false) => Some(part_name(&self::name(file), recording)),
+    }
+}
+
 /// The name of a recording within the file of that name: `log.csv#A` of `log` is `log-A`.
-pub(super) fn part_name(file: &str, recording: &Path) -> String {
+fn part_name(file: &str, recording: &Path) -> String {
     let name = recording.file_name().unwrap_or_default().to_string_lossy();
     match name.rsplit_once('#') {
         Some((_, label)) => format!("{file}-{label}"),

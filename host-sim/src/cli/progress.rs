@@ -8,29 +8,30 @@ use crate::gap::Progress;
 
 /// What is done sooner needs no progress.
 const SOON: Duration = Duration::from_secs(2);
+/// Time between two pictures of a bar.
+const TICK: Duration = Duration::from_millis(200);
 
 /// A bar on standard error if that is a terminal; nothing in a pipe.
 pub(super) struct Bar(ProgressBar);
 
 impl Bar {
     pub(super) fn new() -> Bar {
-        Bar(ticking(
-            ProgressBar::new(100),
-            "  {bar:24} {percent:>3} %  {elapsed:>3}  {msg}",
-        ))
+        let bar = ProgressBar::new(100);
+        if crate::output::is_quiet() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        let bar = styled(bar, "  {bar:24} {percent:>3} %  {elapsed:>3}  {msg}");
+        bar.enable_steady_tick(TICK);
+        Bar(bar)
     }
 }
 
-fn ticking(bar: ProgressBar, template: &str) -> ProgressBar {
-    if crate::output::is_quiet() {
-        bar.set_draw_target(ProgressDrawTarget::hidden());
+/// The bar with a template that holds no mistake: the fallback is the bar's own.
+fn styled(bar: ProgressBar, template: &str) -> ProgressBar {
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
     }
-    // A template that holds no mistake: the fallback is the bar's own.
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }
 
 impl Progress for Bar {
@@ -57,9 +58,7 @@ impl Spinner {
             1 => "  {spinner} {elapsed}",
             _ => "  {spinner} {pos} of {len} logs  {elapsed}",
         };
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
-        }
+        let bar = styled(bar, template);
         if !crate::output::is_quiet() {
             let shown = bar.downgrade();
             // Ends with the bar, or appears once.
@@ -67,7 +66,7 @@ impl Spinner {
                 std::thread::sleep(SOON);
                 if let Some(bar) = shown.upgrade().filter(|bar| !bar.is_finished()) {
                     bar.set_draw_target(ProgressDrawTarget::stderr());
-                    bar.enable_steady_tick(Duration::from_millis(200));
+                    bar.enable_steady_tick(TICK);
                 }
             });
         }

@@ -49,9 +49,14 @@ impl ReadingArgs {
 }
 
 fn rate(text: &str) -> Result<f64, String> {
+    positive(text, "a number of samples per second, such as 1000")
+}
+
+/// A finite number greater than 0 of an argument; `what` says what must stand there.
+pub(super) fn positive(text: &str, what: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("must be a number of samples per second, such as 1000".into()),
+        _ => Err(format!("must be {what}")),
     }
 }
 

@@ -11,16 +11,16 @@ use crate::json::{number, write_json};
 use crate::output::write_atomically;
 use crate::report::{Document, Input, Provenance, gap::GapReport};
 
-/// Writes the files into a folder.
+/// Writes the files into a folder; `json` is the content of `gap.json`.
 pub(super) fn write(
     folder: &Path,
     finding: &Finding,
     inputs: &Inputs<'_>,
-    seconds: f64,
+    json: &Value,
 ) -> io::Result<()> {
     // The motion comes first: if that is refused, nothing is written.
     advised_motion::put(folder, motion(finding, inputs).as_deref())?;
-    write_json(&folder.join("gap.json"), &json(finding, seconds))?;
+    write_json(&folder.join("gap.json"), json)?;
     write_atomically(&folder.join("model.toml"), |writer| {
         writer.write_all(finding.model.to_toml().as_bytes())
     })?;
