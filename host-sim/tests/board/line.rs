@@ -23,9 +23,7 @@ fn an_hour_at_a_kilohertz_goes_over_two_megabaud_without_a_loss() {
     while samples < HOUR {
         match device.next_frame().unwrap() {
             Some(Frame::Sample(sample)) => {
-                let due = last_us.map_or(sample.time_us, |last| last + 1000);
-                assert_eq!(sample.time_us, due);
-                last_us = Some(sample.time_us);
+                assert_next(&mut last_us, sample.time_us);
                 samples += 1;
             }
             Some(Frame::Estimate(_)) => estimates += 1,
@@ -63,9 +61,7 @@ fn commands_and_saves_at_full_telemetry_cost_no_record_and_no_health() {
         }
         match device.next_frame().unwrap() {
             Some(Frame::Sample(sample)) => {
-                let due = last_us.map_or(sample.time_us, |last| last + 1000);
-                assert_eq!(sample.time_us, due);
-                last_us = Some(sample.time_us);
+                assert_next(&mut last_us, sample.time_us);
                 samples += 1;
             }
             Some(Frame::Health(health)) => healths.push(health),
@@ -204,4 +200,11 @@ fn what_the_board_estimated_is_what_the_host_estimates_from_the_same_samples() {
             _ => {}
         }
     }
+}
+
+/// A sample comes a millisecond after the one before.
+fn assert_next(last_us: &mut Option<u64>, time_us: u64) {
+    let due_us = last_us.map_or(time_us, |last| last + 1000);
+    assert_eq!(time_us, due_us);
+    *last_us = Some(time_us);
 }

@@ -532,13 +532,19 @@ mod tests {
                 refiner.learn(&Pooled { force, ..at }, &NOISE, 1.0);
             });
         }
+        assert_considered(&refiner, offset, 0.0);
+    }
+
+    /// The errors that consider a wrong resting force and a drift are as large as what those do.
+    fn assert_considered(refiner: &Refiner<f64>, offset: f64, drift: f64) {
         let (without, with) = (
             refiner.std_errors(0.0, 0.0, &NOISE),
-            refiner.std_errors(offset, 0.0, &NOISE),
+            refiner.std_errors(offset, drift, &NOISE),
         );
         for (slot, truth) in [1.35, 0.36, 1.35, 0.0].into_iter().enumerate() {
             let bias = (refiner.values()[slot] - truth).abs();
             let claimed = (with[slot] * with[slot] - without[slot] * without[slot]).sqrt();
+            // Linear but for what the reference moves.
             assert!(
                 (bias / claimed - 1.0).abs() < 0.1,
                 "{slot}: {bias} {claimed}"
@@ -565,18 +571,6 @@ mod tests {
                 refiner.learn(&at, &NOISE, 1.0);
             });
         }
-        let (without, with) = (
-            refiner.std_errors(0.0, 0.0, &NOISE),
-            refiner.std_errors(0.0, drift, &NOISE),
-        );
-        for (slot, truth) in [1.35, 0.36, 1.35, 0.0].into_iter().enumerate() {
-            let bias = (refiner.values()[slot] - truth).abs();
-            let claimed = (with[slot] * with[slot] - without[slot] * without[slot]).sqrt();
-            // Linear in the drift but for what the reference moves.
-            assert!(
-                (bias / claimed - 1.0).abs() < 0.1,
-                "{slot}: {bias} {claimed}"
-            );
-        }
+        assert_considered(&refiner, 0.0, drift);
     }
 }
