@@ -112,6 +112,11 @@ impl std::fmt::Display for Measured {
     }
 }
 
+/// The text with no-break spaces before percent signs: a number is not separated from its sign.
+pub fn spaced(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
+}
+
 /// A value with so many significant digits and a prefix that suits it.
 pub fn quantity(value: f64, digits: i32, unit: &str) -> String {
     let prefix = prefix_for(value, unit);

@@ -8,7 +8,7 @@ use crate::gap::{
     Finding, MissingEffect, ParameterEstimate, Verdict, regions_in_words, share_in_words,
     times_larger,
 };
-use crate::number::{Measured, column, quantity};
+use crate::number::{Measured, column, quantity, spaced};
 use crate::wrap::wrapped;
 
 /// The column at which the text of a line begins, as blanks.
@@ -49,8 +49,7 @@ pub fn summary(finding: &Finding) -> String {
 }
 
 fn line(text: &mut String, label: &str, value: &str) {
-    // A number is not separated from its percent sign.
-    let value = value.replace(" %", "\u{a0}%");
+    let value = spaced(value);
     // Writing into a String cannot fail.
     let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), &value));
 }

@@ -1,8 +1,7 @@
 //! The regions in which the base model and the log disagree, and those that remain with the effects.
 
-use super::tables::spaced;
 use crate::gap::{Finding, Region, Verdict, regions_in_words};
-use crate::number::{column, fixed, quantity};
+use crate::number::{column, fixed, quantity, spaced};
 use crate::report::{Cell, Section, Table};
 
 /// The section on where the models and the log disagree.

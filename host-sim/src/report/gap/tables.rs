@@ -3,7 +3,7 @@
 use super::label;
 use super::verdict::{heading, title};
 use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, times_larger};
-use crate::number::Measured;
+use crate::number::{Measured, spaced};
 use crate::report::{Cell, Section, Table};
 
 /// A parameter has moved if it changed by more than this many standard errors.
@@ -57,11 +57,6 @@ pub(super) fn summary(finding: &Finding) -> Section {
             "The errors are those of {what}, on parts of the log that the fits do not see. {said}"
         ))
         .table(table)
-}
-
-/// The text with no-break spaces before percent signs.
-pub(super) fn spaced(text: &str) -> String {
-    text.replace(" %", "\u{a0}%")
 }
 
 /// The missing effects with their parameters.

@@ -3,10 +3,8 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{Finding, MissingEffect, Verdict, share_in_words};
-use crate::number::{Measured, column};
+use crate::number::{Measured, column, spaced};
 use crate::report::Tone;
-
-use super::tables::spaced;
 
 /// The tone and the words of the badge.
 pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
