@@ -24,9 +24,10 @@ pub(super) struct Quintic {
 }
 
 impl Quintic {
-    /// All widths, widest first.
-    pub(super) fn all() -> Vec<Quintic> {
-        HALF_WIDTHS.into_iter().map(Quintic::new).collect()
+    /// All widths, widest first; `wider` are those above the own ones.
+    pub(super) fn all(wider: &[usize]) -> Vec<Quintic> {
+        let all = wider.iter().copied().chain(HALF_WIDTHS);
+        all.map(Quintic::new).collect()
     }
 
     fn new(half_width: usize) -> Quintic {
@@ -88,7 +89,7 @@ mod tests {
             3.0 + u + 0.3 * u * u - 2e-2 * u.powi(3) + 1e-3 * u.powi(4) - 1e-5 * u.powi(5)
         };
         let channel: Vec<f64> = (0..41).map(at).collect();
-        for window in Quintic::all() {
+        for window in Quintic::all(&[]) {
             let (bend, left) = window.bend(&channel, 20);
             assert!((bend - 0.6).abs() < 1e-9, "{}: {bend}", window.half_width);
             // Sums of squares of 700 lose eight digits.
@@ -99,7 +100,7 @@ mod tests {
     #[test]
     fn the_noise_of_a_bend_is_that_of_its_weights() {
         // One sample of 1 at each place: the sum of the squares of what the bend makes of them.
-        for window in Quintic::all() {
+        for window in Quintic::all(&[]) {
             let m = window.half_width;
             let square: f64 = (0..=2 * m)
                 .map(|one| {

@@ -20,9 +20,9 @@ use crate::gap::noise::coloured::ResidualSpectrum;
 use crate::lsq::covariance::{inverse, long_run_variance};
 use crate::stats::correlation;
 
-/// Fewest lags of the sandwich: within a window of `kinematics`, 31 samples at most, the errors of speed and
-/// acceleration are the same ones.
-const FEWEST_LAGS: usize = 31;
+/// Fewest lags of the sandwich: within a window of `kinematics` the errors of speed and acceleration are the
+/// same ones. It has 31 samples at 1 kHz; 20 s at 5 kHz are fitted at every fourth sample, of which it has 38.
+const FEWEST_LAGS: usize = 40;
 /// Most lags of the sandwich.
 const MOST_LAGS: usize = 100;
 /// The share of the bias that is not known.
