@@ -158,7 +158,12 @@ fn fit_data(
     low_pass: Option<LowPass>,
     decide: Rest,
 ) -> (Vec<FitData>, Option<String>) {
-    let mut data: Vec<FitData> = logs.par_iter().map(|log| FitData::of(log)).collect();
+    let of = |log: &Cow<'_, UniformLog>| match &log.taken {
+        // A low-pass needs equally spaced samples.
+        Some(taken) if low_pass.is_none() => FitData::of(log).as_taken(taken),
+        _ => FitData::of(log),
+    };
+    let mut data: Vec<FitData> = logs.par_iter().map(of).collect();
     let note = match low_pass {
         None => budget::thin_rests(&mut data, FITTED_SAMPLES, decide),
         Some(_) => None,

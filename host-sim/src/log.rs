@@ -29,7 +29,7 @@ pub use channel::Channel;
 pub use columns::ColumnMap;
 pub use mcap::{McapTopics, write_mcap};
 pub use record::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
-pub use resample::{Compensated, UniformLog};
+pub use resample::{Compensated, Taken, UniformLog};
 pub use sampling::{Drops, Sampling, Stamps};
 pub use source::STANDARD_INPUT;
 pub use timing::{Gap, Timing};

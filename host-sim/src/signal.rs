@@ -15,10 +15,31 @@ const TOGGLING_NOISE: f64 = 0.7;
 /// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
 /// out; a channel whose noise is below its step reads step/√12, the quantisation's own.
 pub fn noise(channel: &[f64]) -> f64 {
-    let differences = channel.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
-    // The median of |normal| is 0.6745 σ.
-    let sigma = median(differences) / 0.6745 / 6.0_f64.sqrt();
+    let sigma = sigma(channel.windows(3).map(second_difference));
     sigma.max(step(channel).unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+/// The same of a channel in which some samples are invented: differences across one mean nothing.
+pub(crate) fn noise_of_measured(channel: &[f64], invented: &[bool]) -> f64 {
+    if !invented.contains(&true) {
+        return noise(channel);
+    }
+    let windows = channel.windows(3).zip(invented.windows(3));
+    let measured = windows.filter(|(_, invented)| !invented.contains(&true));
+    let each = channel.iter().zip(invented);
+    let taken: Vec<f64> = each.filter(|(_, out)| !**out).map(|(x, _)| *x).collect();
+    let sigma = sigma(measured.map(|(window, _)| second_difference(window)));
+    sigma.max(step(&taken).unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+fn second_difference(window: &[f64]) -> f64 {
+    window[2] - 2.0 * window[1] + window[0]
+}
+
+/// The standard deviation of white noise with these second differences.
+fn sigma(differences: impl Iterator<Item = f64>) -> f64 {
+    // The median of |normal| is 0.6745 σ.
+    median(differences.map(f64::abs)) / 0.6745 / 6.0_f64.sqrt()
 }
 
 /// The resolution of a channel: the smallest change between neighbours, if nine tenths of the

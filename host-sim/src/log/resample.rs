@@ -1,5 +1,6 @@
 //! Samples on an even grid of time.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use estimator_core::Faults;
@@ -25,6 +26,17 @@ pub struct Compensated {
     pub saturated: Vec<bool>,
 }
 
+/// The samples of an uneven log as they were taken, which interpolation has made smoother than they are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Taken {
+    /// Time stamps (s).
+    pub time_s: Vec<f64>,
+    /// Position (m).
+    pub position_m: Vec<f64>,
+    /// Force (N).
+    pub force_n: Vec<f64>,
+}
+
 /// A log with even spacing in time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UniformLog {
@@ -44,6 +56,8 @@ pub struct UniformLog {
     pub slower: Vec<(f64, f64)>,
     /// Whether the channels are the log's own, bit for bit.
     pub untouched: bool,
+    /// What was interpolated, where the sampling itself was uneven.
+    pub taken: Option<Taken>,
     /// The faults of each sample, where they were recognised before its samples were averaged; else empty.
     pub recognised: Vec<Faults>,
     /// What was taken off its channels.
@@ -68,17 +82,25 @@ impl UniformLog {
         if let Some(noise_n) = self.compensated.noise_n {
             return noise_n;
         }
-        let measured = self.in_gap.chunk_by(|a, b| a == b).scan(0, |start, run| {
-            let from = *start;
-            *start += run.len();
-            Some((run[0], from..*start))
-        });
-        // The longest stretch without a gap: second differences across one mean nothing.
-        let longest = measured
-            .filter(|(invented, _)| !invented)
-            .map(|(_, range)| range);
-        let longest = longest.max_by_key(|range| range.len()).unwrap_or(0..0);
-        signal::noise(&self.force_n[longest])
+        match &self.taken {
+            Some(taken) => signal::noise(&taken.force_n),
+            None => signal::noise_of_measured(&self.force_n, &self.in_gap),
+        }
+    }
+
+    /// The log with the samples as they were taken, at their own stamps.
+    pub(crate) fn as_taken(&self) -> Cow<'_, UniformLog> {
+        let Some(taken) = &self.taken else {
+            return Cow::Borrowed(self);
+        };
+        Cow::Owned(UniformLog {
+            rate_hz: self.rate_hz,
+            in_gap: vec![false; taken.time_s.len()],
+            time_s: taken.time_s.clone(),
+            position_m: taken.position_m.clone(),
+            force_n: taken.force_n.clone(),
+            ..UniformLog::default()
+        })
     }
 
     fn push(&mut self, time_s: f64, position_m: f64, force_n: f64, in_gap: bool) {
@@ -140,7 +162,15 @@ impl Log {
             {
                 Ok(self.placed(&line, &timing))
             }
-            _ => self.on_grid(rate_hz, &timing),
+            _ => {
+                let mut grid = self.on_grid(rate_hz, &timing)?;
+                grid.taken = Some(Taken {
+                    time_s: self.time_s.clone(),
+                    position_m: self.position_m.clone(),
+                    force_n: self.force_n.clone(),
+                });
+                Ok(grid)
+            }
         }
     }
 
@@ -196,6 +226,7 @@ impl Log {
             slower: Vec::new(),
             recognised: Vec::new(),
             untouched: true,
+            taken: None,
             compensated: Compensated::default(),
             notes: self.notes,
         }
@@ -266,6 +297,7 @@ impl Log {
             slower: Vec::new(),
             recognised: Vec::new(),
             untouched: false,
+            taken: None,
             compensated: Compensated::default(),
             notes: self.notes.clone(),
         }

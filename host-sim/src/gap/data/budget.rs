@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use crate::gap::data::fit_data::FitData;
+use crate::gap::data::fit_data::{FitData, Spacing};
 use crate::gap::thresholds::Rest;
 use crate::log::UniformLog;
 use crate::number::setting;
@@ -155,7 +155,7 @@ pub(crate) fn thin_rests(logs: &mut [FitData], most: usize, decide: Rest) -> Opt
     for (log, still) in logs.iter_mut().zip(&still) {
         let kept = kept_samples(log, still);
         *log = FitData {
-            even: false,
+            spacing: Spacing::Thinned,
             ..log.picked(kept.iter().copied())
         };
     }
@@ -234,7 +234,7 @@ mod tests {
         assert!(matches!(same[0], Cow::Borrowed(_)) && notes.is_empty());
         let mut data = [FitData::of(&same[0])];
         assert_eq!(thin_rests(&mut data, 5_000, Rest::default()), None);
-        assert!(data[0].even);
+        assert_eq!(data[0].spacing, Spacing::Even);
     }
 
     #[test]

@@ -3,9 +3,29 @@
 use estimator_core::maths::Scalar;
 use estimator_core::physics::effect::Motion;
 
-use crate::gap::data::fit_data::FitData;
+use crate::gap::data::fit_data::{FitData, Spacing};
 
 impl FitData {
+    /// Where the instant `delay_s` before a sample lies, in samples.
+    fn place_before(&self, at: usize, delay_s: f64) -> f64 {
+        let last = self.len() - 1;
+        if self.spacing == Spacing::Even {
+            return (at as f64 - delay_s / self.period_s).clamp(0.0, last as f64);
+        }
+        let instant_s = self.time_s[at] - delay_s;
+        // Delays are a few samples long.
+        let mut first = at.min(last.saturating_sub(1));
+        while first > 0 && self.time_s[first] > instant_s {
+            first -= 1;
+        }
+        while first + 1 < last && self.time_s[first + 1] <= instant_s {
+            first += 1;
+        }
+        let step_s = self.step_s((first + 1).min(last));
+        let share = ((instant_s - self.time_s[first]) / step_s).clamp(0.0, 1.0);
+        first as f64 + share
+    }
+
     /// The motion at a sample.
     pub(crate) fn motion<S: Scalar>(&self, at: usize) -> Motion<S> {
         Motion {
@@ -19,12 +39,11 @@ impl FitData {
     /// The motion `delay_s` before a sample, from the cubic through the positions and speeds of the two
     /// samples around that time.
     pub(crate) fn delayed_motion<S: Scalar>(&self, at: usize, delay_s: S) -> Motion<S> {
-        let period_s = self.step_s(at);
-        let back = delay_s.to_f64() / period_s;
-        let place = (at as f64 - back).clamp(0.0, (self.len() - 1) as f64);
+        let place = self.place_before(at, delay_s.to_f64());
         let first = (place.floor() as usize).min(self.len().saturating_sub(2));
         let second = (first + 1).min(self.len() - 1);
         let share = place - first as f64;
+        let period_s = self.step_s(second);
         let mix = |channel: &[f64]| channel[first] + share * (channel[second] - channel[first]);
         let (x0, x1) = (self.position_m[first], self.position_m[second]);
         let slopes = (

@@ -24,7 +24,7 @@ pub(super) fn of(log: &FitData) -> Option<f64> {
     let middle_m = log.position_m.iter().sum::<f64>() / log.len() as f64;
     let moved = || log.position_m.iter().map(|x| x - middle_m);
     let variance = moved().map(|x| x * x).sum::<f64>() / log.len() as f64;
-    if !log.even || variance <= 0.0 {
+    if !log.is_nearly_even() || variance <= 0.0 {
         return None;
     }
     let padded = (4 * log.len()).next_power_of_two();

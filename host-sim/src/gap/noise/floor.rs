@@ -49,6 +49,7 @@ pub struct NoiseFloor {
 impl NoiseFloor {
     /// Estimates the noise floor of a log.
     pub fn of(log: &UniformLog, decide: &Floor) -> NoiseFloor {
+        let log: &UniformLog = &log.as_taken();
         let rests = rests(log, decide);
         let mut floor = NoiseFloor::with_disturbances(log, &rests, decide);
         if rests.is_empty() {

@@ -43,7 +43,7 @@ pub(crate) fn lines(of_log: &LogResiduals<'_>, least_share: f64) -> Vec<Region> 
 
 /// The share of the energy in the strongest line in time, and its frequency (Hz).
 fn line_in_time(log: &FitData, residuals: &[f64], energy: f64) -> Option<(f64, f64)> {
-    if !log.even {
+    if !log.is_nearly_even() {
         return None;
     }
     let count = residuals.len() as f64;

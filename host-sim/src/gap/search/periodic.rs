@@ -73,7 +73,7 @@ impl LinearizedModel<'_> {
     fn waves_in_time(&self, carrier: &[f64]) -> Vec<Wave> {
         let log = &self.problem.logs[0];
         let n = log.len();
-        if !log.even {
+        if !log.is_nearly_even() {
             return Vec::new();
         }
         let padded = (2 * n).next_power_of_two();
