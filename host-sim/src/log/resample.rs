@@ -164,7 +164,8 @@ impl Log {
             }
             _ => {
                 let mut grid = self.on_grid(rate_hz, &timing)?;
-                grid.taken = Some(Taken {
+                // Of a rest that was sampled at another rate differences say nothing about the noise of this one.
+                grid.taken = grid.slower.is_empty().then(|| Taken {
                     time_s: self.time_s.clone(),
                     position_m: self.position_m.clone(),
                     force_n: self.force_n.clone(),

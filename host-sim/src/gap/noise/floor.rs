@@ -22,6 +22,9 @@ const LONGEST_WINDOW: usize = 2048;
 const WINDOW: usize = 256;
 /// Noise is fast from this frequency on (cycles per sample).
 const FAST: f64 = 1.0 / 16.0;
+/// Most samples in a row that may be invented in a rest. With 30 % of them missing 128 in a row are never
+/// measured, and what is there at rest was not seen at all.
+const LONGEST_GAP: usize = 8;
 /// Most lines that are looked for; some of them repeat with the motion.
 const MOST_LINES: usize = 4;
 
@@ -144,11 +147,12 @@ fn rests(log: &UniformLog, decide: &Floor) -> Vec<Range<usize>> {
     let still_m =
         decide.rest_steps * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
     let mut rests = Vec::new();
-    let mut from = 0;
+    let (mut from, mut invented) = (0, 0);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (at, x) in position.iter().copied().enumerate() {
         let (lower, higher) = (low.min(x), high.max(x));
-        if higher - lower > still_m || x > deepest_m || log.in_gap[at] {
+        invented = if log.in_gap[at] { invented + 1 } else { 0 };
+        if higher - lower > still_m || x > deepest_m || invented > LONGEST_GAP {
             if counts(at - from) {
                 rests.push(from..at);
             }
