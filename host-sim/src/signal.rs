@@ -192,6 +192,21 @@ mod tests {
     }
 
     #[test]
+    fn noise_is_that_of_what_was_measured() {
+        // GIVEN one sample of five invented half-way between their neighbours
+        let mut channel = noisy(0.02, 1e-12);
+        let invented: Vec<bool> = (0..channel.len()).map(|at| at % 5 == 3).collect();
+        for at in (3..channel.len() - 1).step_by(5) {
+            channel[at] = 0.5 * (channel[at - 1] + channel[at + 1]);
+        }
+        // THEN the noise is that of the others: a median of 1 600 differences is good to 3 %.
+        let measured = noise_of_measured(&channel, &invented);
+        assert!((measured / 0.02 - 1.0).abs() < 0.1, "{measured}");
+        let all = noise(&channel);
+        assert!(all < 0.9 * measured, "{all} with the invented ones");
+    }
+
+    #[test]
     fn without_noise_the_step_is_the_noise() {
         let ramp: Vec<f64> = (0..1000).map(|i| f64::from(i / 4) * 0.01).collect();
         assert!((noise(&ramp) - 0.01 / 12.0_f64.sqrt()).abs() < 1e-12);

@@ -143,3 +143,40 @@ impl FitData {
         self.time_s.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Log;
+    use crate::stats::rms;
+
+    #[test]
+    fn an_uneven_log_is_fitted_at_the_instants_at_which_it_was_taken() {
+        // GIVEN 2 mm at 1.5 Hz, sampled up to 0.3 ms before or after every millisecond, a white force
+        let instant = |i: i32| 1e-3 * f64::from(i) + 3e-4 * (f64::from(i * i % 97) / 48.0 - 1.0);
+        let place = |t: f64| 1e-3 * (9.42 * t).sin();
+        let time: Vec<f64> = (0..4000).map(instant).collect();
+        let position: Vec<f64> = time.iter().map(|t| place(*t)).collect();
+        let force: Vec<f64> = (0..4000).map(|i| f64::from(i * 31 % 64) - 31.5).collect();
+        let log = Log::from_channels(time.clone(), position.clone(), force.clone());
+        let grid = log.uniform().unwrap();
+        let taken = grid.taken.as_ref().unwrap();
+        let data = FitData::of(&grid).as_taken(taken);
+        // THEN force and instant are those of the file, and the motion is that at the instant: 0.3 ms of 9.4 mm/s
+        // are 2.8 µm.
+        assert_eq!((&data.force_n, &data.time_s), (&force, &time));
+        assert_eq!(data.spacing, Spacing::Scattered);
+        let inner = 20..3980;
+        let error_m = rms(inner.clone().map(|at| data.position_m[at] - position[at]));
+        assert!(error_m < 1e-7, "{error_m:e} m");
+        // A delay of 2.5 ms is one in time, and not of samples.
+        let late = inner.map(|at| {
+            let motion = data.delayed_motion::<f64>(at, 2.5e-3);
+            motion.position_m - place(time[at] - 2.5e-3)
+        });
+        let error_m = rms(late);
+        assert!(error_m < 1e-7, "{error_m:e} m, delayed");
+        // Interpolated forces are smoother than measured ones.
+        assert!(rms(grid.force_n.iter().copied()) < 0.95 * rms(force));
+    }
+}

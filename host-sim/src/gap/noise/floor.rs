@@ -339,6 +339,28 @@ mod tests {
     }
 
     #[test]
+    fn slow_noise_is_seen_where_a_third_of_the_samples_is_missing() {
+        // GIVEN noise with a corner of 20 Hz and a fifth of white, three samples of ten invented between others
+        let white = normals(SAMPLES, 1);
+        let slow = slow(20.0, SAMPLES, 0).into_iter().zip(white);
+        let noise: Vec<f64> = slow.map(|(a, b)| SIGMA_N * (a + 0.2 * b)).collect();
+        let whole = NoiseFloor::of(&log(&noise, |_, _| 0.0, 1e-9), &Floor::default());
+        let mut missing = log(&noise, |_, _| 0.0, 1e-9);
+        let is_taken = |at: usize| at % 10 < 2 || (4..9).contains(&(at % 10));
+        for at in (1..SAMPLES - 2).filter(|at| !is_taken(*at)) {
+            let next = (at..).find(|next| is_taken(*next)).unwrap();
+            let before = missing.force_n[at - 1];
+            missing.force_n[at] =
+                before + (missing.force_n[next] - before) / (next + 1 - at) as f64;
+            missing.in_gap[at] = true;
+        }
+        let floor = NoiseFloor::of(&missing, &Floor::default());
+        // THEN it reads as in the whole log: between neighbours slow noise is what they are, to a tenth.
+        assert!(floor.coloured && whole.coloured);
+        assert_near(&floor, whole.used_n, 0.1);
+    }
+
+    #[test]
     fn a_noise_below_the_converters_step_is_no_spike() {
         // GIVEN coloured noise of 0.6 codes: six in ten samples at rest are the same one
         let noise: Vec<f64> = slow(90.0, SAMPLES, 0).iter().map(|n| SIGMA_N * n).collect();
