@@ -17,7 +17,7 @@ use misfit::within;
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
 /// 14 µm/s of noise in the speed.
 const HALF_WIDTHS: [usize; 7] = [15, 10, 7, 5, 3, 2, 1];
-/// Above this rate (Hz) the widest windows last as long as they do at it, so that more samples of the same
+/// Above this rate (Hz) the widest windows of a position in counts last as long as they do at it, so that more samples of the same
 /// motion make less noise.
 const WIDEST_AT_HZ: f64 = 1000.0;
 /// Most samples of a half-width: 10 ms at 20 kHz.
@@ -143,8 +143,13 @@ impl Window {
 pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let position = signal::without_toggling(&log.position_m);
     let channel = position.as_ref();
-    let noise_m = noise_of_moving(channel);
-    let wide = wider_half_widths(log.rate_hz);
+    let counts_m = of_counts(channel);
+    let noise_m = counts_m.unwrap_or_else(|| signal::noise(channel));
+    let wide = match counts_m {
+        Some(_) => wider_half_widths(log.rate_hz),
+        // What a servo or an amplifier makes of a position remembers: a wider window takes less off than it claims.
+        None => Vec::new(),
+    };
     let narrow = HALF_WIDTHS.into_iter();
     let windows: Vec<Window> = wide
         .iter()
@@ -195,12 +200,14 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     }
 }
 
-/// Standard deviation (m) of the noise of a position while it moves: fifth differences have variance 252 σ² for
-/// white noise, and hardly see 5 Hz at 200 Hz. The median over blocks keeps corners out. The median of
-/// second differences, which [`signal::noise`] takes, is a whole count or none where there are counts: a
-/// position in counts that were rounded once more read 0.29 of one for 0.45.
-fn noise_of_moving(channel: &[f64]) -> f64 {
-    let least = signal::step(channel).map(|step| step / 12.0_f64.sqrt());
+/// Standard deviation (m) of the noise of a position that counts make; `None` where something else makes more.
+///
+/// The median of second differences, which [`signal::noise`] takes, is then a whole count or none: a position in
+/// counts that were rounded once more read 0.29 of one for 0.45. Fifth differences while the position moves have
+/// variance 252 σ² for white noise and hardly see 5 Hz at 200 Hz. The median over blocks keeps corners out.
+fn of_counts(channel: &[f64]) -> Option<f64> {
+    let noise_m = signal::noise(channel);
+    let step_m = signal::step(channel).filter(|step_m| noise_m < *step_m)?;
     let fifth = |w: &[f64]| w[5] - w[0] + 5.0 * (w[1] - w[4]) + 10.0 * (w[3] - w[2]);
     let moving = channel.chunks_exact(NOISE_BLOCK).filter(|block| {
         let changes = block.windows(2).filter(|pair| pair[0] != pair[1]);
@@ -209,10 +216,10 @@ fn noise_of_moving(channel: &[f64]) -> f64 {
     let noises: Vec<f64> = moving
         .map(|block| rms(block.windows(6).map(fifth)) / 252.0_f64.sqrt())
         .collect();
-    match noises.len() >= FEWEST_BLOCKS {
-        true => median(noises).max(least.unwrap_or(0.0)),
-        false => signal::noise(channel),
-    }
+    Some(match noises.len() >= FEWEST_BLOCKS {
+        true => median(noises).max(step_m / 12.0_f64.sqrt()),
+        false => noise_m,
+    })
 }
 
 /// Half-widths (samples) above those at 1 kHz, widest first.
