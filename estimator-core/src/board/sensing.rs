@@ -194,7 +194,7 @@ impl Conversion {
         let elapsed_us = codes.time_us.saturating_sub(last.time_us);
         let way_m = (position_m - last.position_m).abs();
         let fastest = self.limits.fastest_m_per_us;
-        let jumped = fastest > 0.0 && way_m > fastest * elapsed_us as f32;
+        let jumped = fastest > 0.0 && way_m > fastest * micros(elapsed_us);
         let (force_since_us, force_since_m) = match codes.force == last.force {
             true => (last.force_since_us, last.force_since_m),
             false => (codes.time_us, position_m),
@@ -227,6 +227,11 @@ impl Conversion {
         let moving = limits.stuck_moving_us > 0 && still_us >= limits.stuck_moving_us;
         stuck || (moving && way_m >= limits.stuck_way_m)
     }
+}
+
+/// A time difference (µs) as a number, 4294 s at most: a `u64` would cost the board 60 instructions.
+fn micros(elapsed_us: u64) -> f32 {
+    u32::try_from(elapsed_us).unwrap_or(u32::MAX) as f32
 }
 
 fn only(is: bool, fault: Fault) -> Faults {

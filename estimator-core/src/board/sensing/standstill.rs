@@ -36,11 +36,12 @@ impl Moving {
         }
         let elapsed_us = time_us.saturating_sub(self.since_us);
         if self.started && elapsed_us > 0 {
-            let far = self.speed_m_per_us.abs() * elapsed_us as f32 > limits.way_m;
+            let elapsed = super::micros(elapsed_us);
+            let far = self.speed_m_per_us.abs() * elapsed > limits.way_m;
             if limits.after_us > 0 && elapsed_us >= limits.after_us && far {
                 self.readings_since_standstill = 1;
             }
-            let speed = (position_m - self.position_m) / elapsed_us as f32;
+            let speed = (position_m - self.position_m) / elapsed;
             self.speed_m_per_us += SHARE * (speed - self.speed_m_per_us);
         } else if !self.started {
             // None has ended yet.

@@ -14,9 +14,6 @@ use f405::world::{Material, OnSpi, Press, Strokes};
 const SEEDS: u64 = 8;
 /// Length of a run (s): about six strokes.
 const SECONDS: f64 = 6.0;
-/// The number of the exception of the sampling task with analog sensors, DMA2 stream 0; and of telemetry's.
-const SAMPLE: u32 = 16 + 56;
-const TELEMETRY: u32 = 16 + 19;
 
 #[test]
 fn boots_with_its_registers_as_expected_and_samples_at_1_khz() {
@@ -41,22 +38,6 @@ fn boots_with_its_registers_as_expected_and_samples_at_1_khz() {
             format!("first estimate after power, at {cycles} cycles an instruction"),
             format!("{:.1} ms", first * 1e3),
         );
-        for (name, number) in [("sampling task", SAMPLE), ("telemetry", TELEMETRY)] {
-            let cost = bench.machine.chip.trace.costs[&number];
-            let own = match number {
-                TELEMETRY => {
-                    cost.instructions
-                        - bench.machine.chip.trace.costs[&SAMPLE]
-                            .instructions
-                            .min(cost.instructions)
-                }
-                _ => cost.instructions,
-            };
-            report.row(
-                format!("{name} at {cycles}"),
-                format!("{} instructions mean (interruptions by the sampling task taken off: at least {}), {:.0} µs at most", cost.instructions / cost.count, own / cost.count, cost.longest_s * 1e6),
-            );
-        }
     }
 }
 

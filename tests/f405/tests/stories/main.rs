@@ -4,6 +4,7 @@
 mod boot;
 mod clock;
 mod common;
+mod cost;
 mod flash;
 mod hang;
 mod instants;
