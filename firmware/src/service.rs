@@ -173,8 +173,7 @@ impl<B: Board> Service<B> {
             }
             self.overruns = overruns;
         }
-        let health_is_due =
-            samples.wrapping_sub(self.reported) >= RATE_HZ && telemetry.has_room();
+        let health_is_due = samples.wrapping_sub(self.reported) >= RATE_HZ && telemetry.has_room();
         let log_is_due = samples.wrapping_sub(self.logged) >= LOG_EVERY;
         if !health_is_due && !log_is_due {
             return;

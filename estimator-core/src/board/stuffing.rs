@@ -56,7 +56,11 @@ mod tests {
 
     fn contents(length: usize) -> [Vec<u8>; 3] {
         let of = |byte: fn(usize) -> usize| (0..length).map(|i| byte(i) as u8).collect();
-        [of(|i| i * 7 % 11 * (i % 13)), of(|i| i % 255 + 1), of(|_| 0)]
+        [
+            of(|i| i * 7 % 11 * (i % 13)),
+            of(|i| i % 255 + 1),
+            of(|_| 0),
+        ]
     }
 
     #[test]

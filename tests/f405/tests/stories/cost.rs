@@ -49,7 +49,11 @@ fn in_software(name: &str) -> bool {
         return false;
     };
     let doubles = helper.starts_with('d') || helper.ends_with("2d");
-    doubles || matches!(helper, "ul2f" | "l2f" | "f2ulz" | "f2lz" | "uldivmod" | "ldivmod")
+    doubles
+        || matches!(
+            helper,
+            "ul2f" | "l2f" | "f2ulz" | "f2lz" | "uldivmod" | "ldivmod"
+        )
 }
 
 // Before the repair: 186 of 5164 instructions.
