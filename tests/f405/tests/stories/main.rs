@@ -7,6 +7,7 @@ mod common;
 mod cost;
 mod flash;
 mod hang;
+mod history;
 mod instants;
 mod link;
 mod sensing;
