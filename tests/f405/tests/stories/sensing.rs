@@ -25,7 +25,10 @@ fn breaks(story: &'static str, what: impl Fn(&mut Bench)) {
         .estimates()
         .find(|(at, estimate)| *at > from && told(estimate.faults))
         .map(|(at, _)| at - from);
-    let count = bench.estimates().filter(|(at, _)| *at > from + 1.0).count();
+    let later = || bench.estimates().filter(|(at, _)| *at > from + 1.0);
+    let count = later().count();
+    let good = later().filter(|(_, estimate)| !told(estimate.faults));
+    let good = good.count();
     let wrong = bench
         .estimates()
         .filter(|(at, _)| *at > from)
@@ -33,13 +36,17 @@ fn breaks(story: &'static str, what: impl Fn(&mut Bench)) {
         .fold(0.0, f32::max);
     let shown = first.map_or("never".into(), |s| format!("{:.1} ms", s * 1e3));
     report.row("fault said after", &shown);
-    report.row("estimates from 1 s to 3 s after it", count);
+    report.row(
+        "estimates from 1 s to 3 s after it, and those without a fault",
+        format!("{count}, {good}"),
+    );
     report.row(
         "largest error of K after it",
         format!("{:.1} %", 100.0 * wrong),
     );
     assert!(first.is_some_and(|s| s < 0.02), "fault said after {shown}");
     assert!(count > 1950, "{count} estimates in 2 s");
+    assert!(good > 1950, "{good} of them without a fault");
     assert!(wrong < 0.05, "K was off by {wrong}");
     let mut rendering = Rendering::start(analog(), Part::default());
     let rest = rendering.rest_after(&what, 1.0);
