@@ -166,6 +166,8 @@ macro_rules! real {
             fn is_finite(self) -> bool {
                 self.is_finite()
             }
+            // The board's VSQRT gives the same bits in 14 cycles in place of 170 instructions. On stable Rust it is
+            // reached by `std` or by assembly alone; this crate has neither `std` nor unsafe code.
             #[inline]
             fn sqrt(self) -> Self {
                 libm::$sqrt(self)

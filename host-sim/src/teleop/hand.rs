@@ -22,14 +22,15 @@ pub const BAND_HZ: (f64, f64) = (3.0, 20.0);
 /// it takes to 3 %.
 const MEMORY_S: f64 = 12.0;
 /// The memory while another grip is learned (s), and for how long it is that short: what a parabola leaves of an
-/// intention has gone through the band-pass by then. Measured on a stiffness of 700 that becomes 1200 N/m, three
-/// seeds: within 15 % after 0.66 to 0.85 s; at 0.4 s of memory up to 1.01 s, at 0.4 s of time 1.14 s.
-const SHORT_MEMORY_S: f64 = 0.2;
+/// intention has gone through the band-pass by then. Measured on a stiffness of 700 that becomes 1200 N/m, six
+/// seeds: within 15 % after 0.85 to 0.96 s; to 0.98 s with 0.2 s of memory, to 1.19 s with the times below 0.04 s
+/// shorter.
+const SHORT_MEMORY_S: f64 = 0.08;
 const RINGS_S: f64 = 0.8;
 /// The band-pass starts anew so long after a change was seen (s), and the parabola goes through as many samples
 /// before it, and their middle: all of them are of the new grip.
-const RESTARTS_AFTER_S: f64 = 0.06;
-const HALF_PARABOLA: usize = 20;
+const RESTARTS_AFTER_S: f64 = 0.1;
+const HALF_PARABOLA: usize = 40;
 /// Time constants over which residuals are compared (s).
 const RECENT_S: f64 = 0.06;
 const USUAL_S: f64 = 4.0;
