@@ -97,7 +97,7 @@ pub(super) fn is_far<S: Scalar>(x: S) -> bool {
 /// beyond. A `u64` as `f64` would cost the board 200 instructions.
 pub fn seconds<S: Scalar>(time_us: u64) -> S {
     /// What the upper half of the word counts in (s): 2³² µs.
-    const UPPER_S: f64 = 4294.967_296;
+    const UPPER_S: f64 = 4_294.967_296;
     let lower = S::from_u32(time_us as u32) / S::from_f64(1e6);
     S::from_u32((time_us >> 32) as u32) * S::from_f64(UPPER_S) + lower
 }
