@@ -9,7 +9,7 @@ pub use standstill::Standstill;
 
 use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
 use outlier::Recent;
-use standstill::Moving;
+use standstill::{Moving, micros};
 
 /// The codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
 pub const CODES_PER_COUNT: i32 = 32;
@@ -245,11 +245,6 @@ impl Conversion {
         let moving = limits.stuck_moving_us > 0 && still_us >= limits.stuck_moving_us;
         stuck || (moving && way_m >= limits.stuck_way_m)
     }
-}
-
-/// A time difference (µs) as a number, 4294 s at most: a `u64` would cost the board 60 instructions.
-fn micros(elapsed_us: u64) -> f32 {
-    u32::try_from(elapsed_us).unwrap_or(u32::MAX) as f32
 }
 
 fn only(is: bool, fault: Fault) -> Faults {
