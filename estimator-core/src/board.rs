@@ -15,4 +15,5 @@ pub mod reflection;
 pub mod sampling;
 pub mod sensing;
 pub mod settings;
+mod stuffing;
 pub mod wire;

@@ -128,21 +128,23 @@ mod app {
     async fn telemetry(mut cx: telemetry::Context) {
         crash::mark(Stage::Answer);
         let (telemetry, service) = (cx.local.telemetry, cx.local.service);
-        // The copy is taken before the queue is emptied: records from before the end are then still sent.
-        let budget = cx.shared.budget.lock(|budget| *budget);
+        // It is read before the queue is emptied: records from before the end are then still sent.
+        let finished = cx.shared.budget.lock(|budget| budget.finished);
         // Answers and health go before the records: a line that these fill would have no room for them.
         service.answer(telemetry, &mut cx.shared.output);
         crash::mark(Stage::Send);
-        service.report(telemetry, &budget);
+        service.report(telemetry, &mut cx.shared.budget);
         while telemetry.has_room_for_a_record()
-            && let Some(record) = cx.local.inbox.dequeue()
+            && let Some(record) = cx.local.inbox.peek()
         {
-            telemetry.send(&record);
+            telemetry.send(record);
+            cx.local.inbox.dequeue();
         }
         telemetry.poll();
         crash::mark(Stage::Idle);
-        if budget.finished {
+        if finished {
             telemetry.finish();
+            let budget = cx.shared.budget.lock(|budget| *budget);
             Service::<Selected>::log(&budget, &telemetry.encode);
             Selected::stop(Outcome::Done);
         }

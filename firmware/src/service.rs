@@ -158,27 +158,35 @@ impl<B: Board> Service<B> {
     pub fn report<L: Link, P: OutputPin>(
         &mut self,
         telemetry: &mut Telemetry<L, P>,
-        budget: &Budget,
+        budget: &mut impl Mutex<T = Budget>,
     ) {
-        if budget.latched != Faults::NONE {
+        let (samples, overruns, latched) =
+            budget.lock(|budget| (budget.samples, budget.overruns, budget.latched));
+        if latched != Faults::NONE {
             self.responder.disarm();
         }
-        if budget.samples.wrapping_sub(self.fed) >= RATE_HZ / 10 {
-            self.fed = budget.samples;
+        if samples.wrapping_sub(self.fed) >= RATE_HZ / 10 {
+            self.fed = samples;
             // The watchdog is not fed by a task that is always late: 100 overruns in 100 samples.
-            if budget.overruns.wrapping_sub(self.overruns) < RATE_HZ / 10 {
+            if overruns.wrapping_sub(self.overruns) < RATE_HZ / 10 {
                 self.watchdog.feed();
             }
-            self.overruns = budget.overruns;
+            self.overruns = overruns;
         }
-        let due = budget.samples.wrapping_sub(self.reported) >= RATE_HZ;
-        if due && telemetry.has_room() {
-            self.reported = budget.samples;
-            telemetry.send_frame(&Frame::Health(self.health(telemetry, budget)));
+        let health_is_due = samples.wrapping_sub(self.reported) >= RATE_HZ && telemetry.has_room();
+        let log_is_due = samples.wrapping_sub(self.logged) >= LOG_EVERY;
+        if !health_is_due && !log_is_due {
+            return;
         }
-        if budget.samples.wrapping_sub(self.logged) >= LOG_EVERY {
-            self.logged = budget.samples;
-            Self::log(budget, &telemetry.encode);
+        // The meters are copied only for what shows them: 150 instructions.
+        let budget = budget.lock(|budget| *budget);
+        if health_is_due {
+            self.reported = samples;
+            telemetry.send_frame(&Frame::Health(self.health(telemetry, &budget)));
+        }
+        if log_is_due {
+            self.logged = samples;
+            Self::log(&budget, &telemetry.encode);
         }
     }
 

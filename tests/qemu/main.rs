@@ -8,6 +8,7 @@ mod compensation;
 mod fields;
 mod frames;
 mod image;
+mod joined;
 mod rendering;
 mod replay;
 mod settings;

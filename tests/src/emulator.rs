@@ -3,10 +3,12 @@
 mod budget;
 mod elf;
 mod image;
+mod live;
 
 pub use budget::{Budget, Meter};
 pub use elf::footprint;
 pub use image::{FLASH_START, Image};
+pub use live::{Live, wait_until};
 
 use estimator_core::Sample;
 use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};

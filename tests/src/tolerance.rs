@@ -154,8 +154,5 @@ pub const FELT_RELAXING: f64 = 0.10;
 pub const RESETTLES_S: (f64, f64) = (0.6, 1.0);
 /// Operator's stiffness, damping and mass: without and with the known force at the master.
 pub const HAND: (f64, f64) = (0.15, 0.05);
-/// What is reached of it; measured on three hands, seeds 1 and 2, at most: 6 and 6 %. The mass comes out low,
-/// since an intention that begins has a part in the band.
-pub const HAND_REACHED: (f64, f64) = (0.10, 0.10);
 /// Seconds until a change of the grip is followed.
 pub const GRIP_S: f64 = 1.0;

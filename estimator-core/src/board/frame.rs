@@ -12,6 +12,7 @@ pub use record::Instant;
 use crate::board::message::{Command, Health, Reply};
 use crate::board::reflection::{Packet, Rendered};
 use crate::board::sensing::Codes;
+use crate::board::stuffing;
 use crate::board::wire::{FrameError, MAX_BODY, RECORD_VERSION, Reader, VERSION, Writer};
 use crate::estimate::Estimate;
 use crate::estimate::fault::Faults;
@@ -113,13 +114,11 @@ pub fn encode(frame: &Frame, sequence: u16, out: &mut [u8; MAX_ENCODED]) -> usiz
         Frame::Record(instant) => instant.put(&mut body),
     }
     body.put(CRC.checksum(body.written()).to_le_bytes());
-    // MAX_ENCODED leaves room for the one byte of COBS below 254 bytes, and for the zero.
-    let length = cobs::try_encode(body.written(), out).unwrap_or(0);
-    if let Some(end) = out.get_mut(length) {
-        *end = 0;
-    }
-    length + 1
+    stuffing::encode(body.written(), out)
 }
+
+// MAX_ENCODED leaves room for the one byte of the code, and for the zero.
+const _: () = assert!(MAX_BODY <= stuffing::LONGEST);
 
 /// Returns the version of a kind's layout. A reader of an older version refuses the kinds that are newer
 /// than it is, and says so; all others it reads.
@@ -206,7 +205,7 @@ impl Decoder {
 }
 
 fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
-    let length = uncobs(encoded).ok_or(FrameError::Framing)?;
+    let length = stuffing::decode(encoded).ok_or(FrameError::Framing)?;
     let body = encoded.get(..length).ok_or(FrameError::Framing)?;
     let (content, sum) = body.split_last_chunk::<4>().ok_or(FrameError::Framing)?;
     if CRC.checksum(content) != u32::from_le_bytes(*sum) {
@@ -235,27 +234,6 @@ fn decode(encoded: &mut [u8]) -> Result<(u16, Frame), FrameError> {
     } else {
         Err(FrameError::Content)
     }
-}
-
-/// Decodes COBS in place and gives the decoded length. The decoder of the crate `cobs` has a panic
-/// path that firmware/src/bin/panic_free.rs would not let pass.
-fn uncobs(bytes: &mut [u8]) -> Option<usize> {
-    let (mut read, mut write) = (0_usize, 0_usize);
-    while let Some(&code) = bytes.get(read) {
-        let run = usize::from(code).checked_sub(1)?;
-        read += 1;
-        for _ in 0..run {
-            let byte = *bytes.get(read)?;
-            *bytes.get_mut(write)? = byte;
-            (read, write) = (read + 1, write + 1);
-        }
-        // A zero was taken out here, unless the run is a full one or the last.
-        if code != 0xff && read < bytes.len() {
-            *bytes.get_mut(write)? = 0;
-            write += 1;
-        }
-    }
-    Some(write)
 }
 
 fn take_sample(reader: &mut Reader) -> Result<Sample<f32>, FrameError> {
@@ -462,7 +440,7 @@ mod tests {
     fn a_record_has_a_version_of_its_own() {
         let bytes = encoded(&Frame::Record(instant()), 1);
         let mut plain = bytes.clone();
-        let length = uncobs(&mut plain[..bytes.len() - 1]).unwrap();
+        let length = stuffing::decode(&mut plain[..bytes.len() - 1]).unwrap();
         assert_eq!((plain[0], plain[1]), (RECORD_VERSION, 9));
         // The same content under the other version, with its check sum.
         plain[0] = VERSION;
@@ -475,24 +453,6 @@ mod tests {
             frames(&other[..=coded]),
             [Err(FrameError::Version(VERSION))]
         );
-    }
-
-    #[test]
-    fn the_decoder_undoes_what_the_encoder_does_at_every_length_and_takes_no_other() {
-        for length in 0..600_usize {
-            let plain: Vec<u8> = (0..length).map(|i| (i * 7 % 11 * (i % 13)) as u8).collect();
-            let dense: Vec<u8> = (0..length).map(|i| (i % 255) as u8 + 1).collect();
-            for bytes in [plain, dense] {
-                let mut coded = std::vec![0; cobs::max_encoding_length(length)];
-                let coded_length = cobs::encode(&bytes, &mut coded);
-                let coded = &mut coded[..coded_length];
-                let decoded = uncobs(coded).unwrap();
-                assert_eq!(&coded[..decoded], bytes);
-            }
-        }
-        // A run that points past the end, and a zero.
-        assert_eq!(uncobs(&mut [5, 1, 2]), None);
-        assert_eq!(uncobs(&mut [2, 1, 0]), None);
     }
 
     #[test]

@@ -52,14 +52,20 @@ impl Outbox {
     /// Writes at most [`Outbox::room`] bytes and cuts off the rest. Only the writer calls this.
     pub fn write(&self, bytes: &[u8]) {
         let fits = bytes.len().min(self.room());
-        let mut at = self.written.load(Ordering::Relaxed);
-        for byte in bytes.iter().take(fits) {
-            if let Some(slot) = self.bytes.get(at % OUTBOX) {
-                slot.store(*byte, Ordering::Relaxed);
-            }
-            at = at.wrapping_add(1);
+        let at = self.written.load(Ordering::Relaxed);
+        // Up to the ring's end, and on from its start: half of the work of finding the place of every byte.
+        let place = at % OUTBOX;
+        let to_end = fits.min(OUTBOX - place);
+        self.put(place, bytes.get(..to_end).unwrap_or(&[]));
+        self.put(0, bytes.get(to_end..fits).unwrap_or(&[]));
+        self.written.store(at.wrapping_add(fits), Ordering::Release);
+    }
+
+    /// Puts bytes at a place behind which there is room for them.
+    fn put(&self, place: usize, bytes: &[u8]) {
+        for (slot, byte) in self.bytes.iter().skip(place).zip(bytes) {
+            slot.store(*byte, Ordering::Relaxed);
         }
-        self.written.store(at, Ordering::Release);
     }
 
     /// Takes the last stretch as sent and returns the next one, which stays as it is until the next call;

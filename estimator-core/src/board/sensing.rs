@@ -9,7 +9,7 @@ pub use standstill::Standstill;
 
 use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
 use outlier::Recent;
-use standstill::Moving;
+use standstill::{Moving, micros};
 
 /// The codes of the position in one count of the encoder: the sum of 32 latches, or a count times 32.
 pub const CODES_PER_COUNT: i32 = 32;
@@ -50,6 +50,10 @@ pub struct Limits {
     pub lowest: f32,
     /// A single conversion above this is saturated.
     pub highest: f32,
+    /// A single conversion that is so many codes beyond these is none: a cable is off; 0: never.
+    pub broken_beyond: f32,
+    /// A position further from zero than this is none (m); 0: never.
+    pub reach_m: f32,
     /// The same code for this long is a stuck converter; 0: never.
     pub stuck_us: u64,
     /// The same code for this long, while the position has gone `stuck_way_m`, is one as well; 0: never.
@@ -73,6 +77,8 @@ impl Limits {
     pub const NONE: Limits = Limits {
         lowest: f32::NEG_INFINITY,
         highest: f32::INFINITY,
+        broken_beyond: 0.0,
+        reach_m: 0.0,
         stuck_us: 0,
         stuck_moving_us: 0,
         stuck_way_m: 0.0,
@@ -135,7 +141,8 @@ impl Conversion {
     pub fn sample(&self, watch: &mut Watch, codes: &Codes) -> Sample<f32> {
         let force_n = (codes.force as f32 - self.zero_code) * self.n_per_code;
         let position_m = codes.position as f32 * self.m_per_code;
-        let faults = codes.faults | self.standing | self.saturation(codes);
+        let broken = self.broken(codes, position_m);
+        let faults = codes.faults | self.standing | self.saturation(codes) | broken;
         let (last, seen) = self.watched(watch.last, codes, force_n, position_m);
         watch.last = Some(last);
         let seen = seen | self.outliers(watch, codes.time_us, force_n, position_m);
@@ -151,6 +158,17 @@ impl Conversion {
         let saturated = (codes.force_low as f32) < self.limits.lowest
             || codes.force_high as f32 > self.limits.highest;
         only(saturated, Fault::ForceSaturated)
+    }
+
+    /// A cable that is off: codes that no force gives, or a position where the rig cannot be.
+    fn broken(&self, codes: &Codes, position_m: f32) -> Faults {
+        let limits = &self.limits;
+        let below = limits.lowest - codes.force_low as f32;
+        let above = codes.force_high as f32 - limits.highest;
+        let beyond = limits.broken_beyond;
+        let force = beyond > 0.0 && below.max(above) >= beyond;
+        let position = limits.reach_m > 0.0 && position_m.abs() > limits.reach_m;
+        only(force, Fault::ForceUnusable) | only(position, Fault::PositionUnusable)
     }
 
     /// A spike of the force, a jump of the position and an encoder that was stuck, [`LATE`] samples late.
@@ -194,7 +212,7 @@ impl Conversion {
         let elapsed_us = codes.time_us.saturating_sub(last.time_us);
         let way_m = (position_m - last.position_m).abs();
         let fastest = self.limits.fastest_m_per_us;
-        let jumped = fastest > 0.0 && way_m > fastest * elapsed_us as f32;
+        let jumped = fastest > 0.0 && way_m > fastest * micros(elapsed_us);
         let (force_since_us, force_since_m) = match codes.force == last.force {
             true => (last.force_since_us, last.force_since_m),
             false => (codes.time_us, position_m),
@@ -360,6 +378,50 @@ mod tests {
                 assert_eq!(faults.has(fault), shown, "{fault:?} at {i}");
                 assert!(faults.iter().all(|one| one == fault), "{faults:?} at {i}");
             }
+        }
+    }
+
+    /// GIVEN a live zero, whose tenth of the range a force never leaves, and a rig of 20 mm. WHEN a cable comes off,
+    /// THEN its sensor is not believed at that instant, and what is only saturated stays a force.
+    #[test]
+    fn a_cable_that_is_off_gives_no_number_and_a_saturated_force_is_one() {
+        let conversion = conversion(|settings| {
+            settings.put(Key::ForceLowestCode, 410.0);
+            settings.put(Key::ForceHighestCode, 3686.0);
+            settings.put(Key::ForceBrokenBeyond, 205.0);
+            settings.put(Key::PositionReachM, 0.02);
+        });
+        let saturated = Faults::NONE.with(Fault::ForceSaturated);
+        let broken = saturated.with(Fault::ForceUnusable);
+        let away = Faults::NONE
+            .with(Fault::PositionUnusable)
+            .with(Fault::PositionJump);
+        for (low, high, counts, expected) in [
+            (410, 3686, 0, Faults::NONE),
+            (206, 3686, 0, saturated),
+            (205, 3686, 0, broken),
+            (410, 3890, 0, saturated),
+            (410, 3891, 0, broken),
+            (410, 3686, 19_999, Faults::NONE.with(Fault::PositionJump)),
+            (410, 3686, 20_001, away),
+            (410, 3686, -20_001, away),
+        ] {
+            let mut watch = Watch::default();
+            let read = Codes {
+                force_low: low,
+                force_high: high,
+                position: 32 * counts,
+                ..codes(1)
+            };
+            conversion.sample(
+                &mut watch,
+                &Codes {
+                    position: 0,
+                    ..codes(0)
+                },
+            );
+            let faults = conversion.sample(&mut watch, &read).faults;
+            assert_eq!(faults, expected, "{low} {high} {counts}");
         }
     }
 

@@ -39,7 +39,7 @@ pub use delay::MAX_DELAY_SAMPLES;
 use crate::estimate::error::{ConfigError, require_each};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
-use crate::maths::scalar::{Real, Scalar};
+use crate::maths::scalar::{Real, Scalar, seconds};
 use crate::physics::{effect::Effect, effect::EffectId, rig::MOST_EFFECTS};
 use delay::{ChannelDelay, DelayLine};
 use faults::LingeringFaults;
@@ -66,6 +66,8 @@ pub struct Compensation<T> {
     /// The window, if an effect needs a derivative.
     window: Option<Window<T>>,
     delay_s: f64,
+    /// The same in the precision of the samples, which a board has in hardware.
+    behind_s: T,
 }
 
 /// What a [`Compensation`] remembers of the samples.
@@ -120,13 +122,15 @@ impl<T: Real> Compensation<T> {
         let window = moving.then(|| Window::new(rate, position_step_m));
         let window_samples = window.map_or(0, |window| window.delay_samples());
         let last = effects.iter().rposition(Option::is_some);
+        let delay_s = window_samples as f64 / rate + delay_s.max(0.0);
         Ok(Compensation {
             used: last.map_or(0, |last| last + 1),
             effects,
             period_us: (1e6 / rate) as u64,
             delay,
             window,
-            delay_s: window_samples as f64 / rate + delay_s.max(0.0),
+            delay_s,
+            behind_s: T::from_f64(delay_s),
         })
     }
 
@@ -195,7 +199,7 @@ impl<T: Real> Compensation<T> {
         position_m: T,
         force_n: T,
     ) -> WindowMean<T> {
-        let time_s = T::from_f64(time_us as f64 * 1e-6 - self.delay_s);
+        let time_s = seconds::<T>(time_us) - self.behind_s;
         let (position_m, force_n) = self.delay.align(&mut state.delay_line, position_m, force_n);
         let Some(window) = &self.window else {
             return WindowMean::instant(time_s, position_m, force_n);

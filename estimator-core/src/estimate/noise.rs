@@ -19,14 +19,14 @@ impl<T: Real> Noise<T> {
     /// Takes one raw force (N).
     pub fn update(&mut self, force_n: T) {
         self.samples = self.samples.saturating_add(1);
-        let count = T::from_f64(f64::from(self.samples));
+        let count = T::from_u32(self.samples);
         let before = force_n - self.mean_n;
         self.mean_n += before / count;
         self.variance_n2 += (before * (force_n - self.mean_n) - self.variance_n2) / count;
         if self.samples > 2 {
             let [last, before] = self.previous;
             let difference = (force_n - last) - (last - before);
-            let terms = T::from_f64(f64::from(self.samples - 2));
+            let terms = T::from_u32(self.samples - 2);
             self.second_difference_n2 +=
                 (difference * difference - self.second_difference_n2) / terms;
         }

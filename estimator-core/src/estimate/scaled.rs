@@ -3,7 +3,7 @@
 use crate::estimate::{
     contact::Contact, filter::Aligned, identify::ForceNoise, identify::Instant, params::Params,
 };
-use crate::maths::scalar::Real;
+use crate::maths::scalar::{Real, seconds};
 
 /// Standard deviation of the quantization error, in counts: 1/√12.
 const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
@@ -46,13 +46,13 @@ pub(crate) fn scaled<T: Real>(
         position_variance: aligned.position_variance_m2 / (scale.depth_m * scale.depth_m),
         position_velocity_cov: aligned.position_velocity_cov_m2ps
             / (scale.depth_m * scale.speed_mps),
-        elapsed_s: T::from_f64(1e-6 * elapsed_us as f64),
+        elapsed_s: seconds(elapsed_us),
         rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
         quantization_variance: quantization_variance_m2(params, aligned, contact)
             / (scale.depth_m * scale.depth_m),
         rest_error: contact.resting_force_error_n / scale.force_n,
         rest_drift: contact.resting_force_drift_n / scale.force_n,
-        loaded: T::from_f64(f64::from(contact.loaded_samples)),
+        loaded: T::from_u32(contact.loaded_samples),
         speed_error,
         noise: force_noise(params, contact),
     }

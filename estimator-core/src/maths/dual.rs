@@ -134,6 +134,10 @@ impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
         Dual::constant(T::from_f64(value))
     }
 
+    fn from_u32(count: u32) -> Self {
+        Dual::constant(T::from_u32(count))
+    }
+
     fn to_f64(self) -> f64 {
         self.value.to_f64()
     }

@@ -8,17 +8,18 @@ mod setup;
 pub use args::TeleopArgs;
 
 use std::error::Error;
+use std::time::Instant;
 
 use serde_json::Value;
 
 use crate::cli::progress::Bar;
 use crate::gap::Progress;
 use crate::json::write_json;
-use crate::output::{result, say};
+use crate::output::{result, say, try_folder};
 use crate::report::teleop::{TeleopReport, comparison};
 use crate::report::{Input, Provenance};
 use crate::teleop::measure::transparency::transparency;
-use crate::teleop::{Grid, Options, System, compare, json, measure, stability_limit_s};
+use crate::teleop::{Grid, Measures, Options, System, compare, json, measure, stability_limit_s};
 
 /// Runs the scheme, or all of them, writes the files and prints a summary.
 ///
@@ -30,6 +31,9 @@ pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
         return bridge::run(args);
     }
     let options = setup::options(args)?;
+    if let Some(folder) = &args.out {
+        try_folder(folder)?;
+    }
     match args.compare {
         true => run_all(args, &options),
         false => run_one(args, &options),
@@ -37,11 +41,14 @@ pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
 }
 
 fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
+    let started = Instant::now();
     let trace = System::new(options, args.seed).run();
+    let took_s = started.elapsed().as_secs_f64();
     let measures = measure(&trace);
     let value = json::run(options, &measures);
     result(&value)?;
     say(print::summary(options, &trace, &measures))?;
+    say(print::speed(1, options.duration_s(), took_s))?;
     let Some(folder) = &args.out else {
         return Ok(());
     };
@@ -84,6 +91,7 @@ fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
         grid.environments = vec![options.environment.clone()];
     }
     let bar = Bar::new();
+    let started = Instant::now();
     let cells = compare(&grid, &|done, total| {
         bar.at(
             done as f64 / total as f64,
@@ -94,6 +102,13 @@ fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
     let value = Value::Array(cells.iter().map(json::cell).collect());
     result(&value)?;
     say(print::table(&cells))?;
+    let runs: Vec<&Measures> = cells.iter().flat_map(|cell| &cell.runs).collect();
+    let simulated_s = runs.iter().map(|run| run.duration_s).sum();
+    say(print::speed(
+        runs.len(),
+        simulated_s,
+        started.elapsed().as_secs_f64(),
+    ))?;
     match &args.out {
         Some(folder) => finish(folder, &value, &comparison(&cells, provenance(args)?)),
         None => Ok(()),

@@ -152,6 +152,11 @@ impl SimulatedBoard {
         (self.budget.samples, self.budget.dropped)
     }
 
+    /// Returns the faults of the last record that was sent.
+    pub fn faults(&self) -> Faults {
+        self.faults
+    }
+
     /// Returns how many bytes have gone over the line and wait to be taken.
     pub fn waiting(&self) -> usize {
         self.line.arrived.len()

@@ -42,13 +42,16 @@ impl Port for Box<dyn Port> {
     }
 }
 
+/// The name of the port behind which a board is simulated.
+pub const SIMULATED: &str = "simulated";
+
 /// Opens the port that `--port` names: `simulated`, the working directory of the emulator, or a serial
 /// port.
 ///
 /// # Errors
 /// A port that cannot be opened; the [`Diagnostic`] lists the serial ports that there are.
 pub fn open(name: &str) -> Result<Box<dyn Port>, Box<dyn Error>> {
-    if name == "simulated" {
+    if name == SIMULATED {
         let world = Arc::new(Mutex::new(World::default()));
         let board = SimulatedBoard::new(world, BYTES_PER_MS);
         return Ok(Box::new(Simulated::in_real_time(board)));

@@ -78,6 +78,39 @@ impl Material {
         }
     }
 
+    /// Stiffness (N/m), damping (N s/m) and exponent at 1 mm, where a board would report them: of a material that is
+    /// of its law, and without effects.
+    pub fn of_a_board(&self) -> [Option<f64>; 3] {
+        let none = [None; 3];
+        let Parts {
+            elastic, damping, ..
+        } = &self.rig.environment;
+        let (
+            Some(Elastic::Power {
+                stiffness_n_per_m,
+                exponent,
+                reference_depth_m,
+            }),
+            Some(damping),
+        ) = (elastic, damping)
+        else {
+            return none;
+        };
+        let of_its_law = self.rig == Rig::bare(self.rig.environment)
+            && self
+                .rig
+                .environment
+                .modes
+                .iter()
+                .all(|mode| mode.fraction == 0.0)
+            && damping.exponent == *exponent
+            && [*reference_depth_m, damping.reference_depth_m] == [1e-3; 2];
+        match of_its_law {
+            true => [*stiffness_n_per_m, damping.coefficient_ns_per_m, *exponent].map(Some),
+            false => none,
+        }
+    }
+
     /// The same with its surface at 0 m, where the operator expects it.
     #[must_use]
     pub fn at_zero(mut self) -> Material {

@@ -15,6 +15,8 @@ use crate::stats::{highest, rms};
 /// factor of a scheme that shapes it on purpose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measures {
+    /// Length of the run (s).
+    pub duration_s: f64,
     /// RMS of felt minus true force over the peak of the true one, once the scheme has what it needs: an
     /// impedance that has converged and arrived, or the first forces of a touch. `None`: it never had.
     pub felt_force_rmse_share: Option<f64>,
@@ -71,6 +73,7 @@ pub fn measure(trace: &Trace) -> Measures {
     let each = felt::felt(trace);
     let felt = each.first().copied().unwrap_or_default();
     Measures {
+        duration_s: trace.rows.len() as f64 * trace.period_s,
         felt_force_rmse_share: felt.share,
         felt_force_rmse_share_whole: felt.whole,
         felt_force_rmse_share_after: each.get(1).and_then(|felt| felt.share),

@@ -11,6 +11,15 @@ pub struct Image {
     pub(crate) pieces: Vec<(u32, Vec<u8>)>,
     /// Addresses of the symbols.
     pub symbols: BTreeMap<String, u32>,
+    /// Those that are functions.
+    pub(crate) functions: Vec<Function>,
+}
+
+/// A function in flash.
+pub(crate) struct Function {
+    pub(crate) at: u32,
+    pub(crate) bytes: u32,
+    pub(crate) name: String,
 }
 
 fn half(bytes: &[u8], at: usize) -> Option<usize> {
@@ -31,13 +40,25 @@ impl Image {
     pub fn read(path: &Path) -> Result<Image, String> {
         let file = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
         let parsed = pieces(&file).zip(symbols(&file));
-        let (pieces, symbols) =
+        let (pieces, (symbols, functions)) =
             parsed.ok_or_else(|| format!("{}: not a 32-bit ELF", path.display()))?;
         Ok(Image {
             file,
             pieces,
             symbols,
+            functions,
         })
+    }
+
+    /// The half word at an address; 0 where nothing is loaded.
+    pub(crate) fn half(&self, at: u32) -> u16 {
+        let halves = self.pieces.iter().filter_map(|(start, bytes)| {
+            let from = at.checked_sub(*start)? as usize;
+            Some(u16::from_le_bytes(
+                bytes.get(from..from + 2)?.try_into().ok()?,
+            ))
+        });
+        halves.last().unwrap_or(0)
     }
 }
 
@@ -59,10 +80,11 @@ fn pieces(file: &[u8]) -> Option<Vec<(u32, Vec<u8>)>> {
     Some(pieces)
 }
 
-fn symbols(file: &[u8]) -> Option<BTreeMap<String, u32>> {
+fn symbols(file: &[u8]) -> Option<(BTreeMap<String, u32>, Vec<Function>)> {
     const SYMTAB: u32 = 2;
+    const FUNCTION: u8 = 2;
     let (table, size, count) = (word(file, 32)? as usize, half(file, 46)?, half(file, 48)?);
-    let mut symbols = BTreeMap::new();
+    let (mut symbols, mut functions) = (BTreeMap::new(), Vec::new());
     for index in 0..count {
         let section = table + index * size;
         if word(file, section + 4)? != SYMTAB {
@@ -78,8 +100,16 @@ fn symbols(file: &[u8]) -> Option<BTreeMap<String, u32>> {
             let name = names.get(word(file, symbol)? as usize..)?;
             let end = name.iter().position(|byte| *byte == 0)?;
             let name = String::from_utf8_lossy(&name[..end]).into_owned();
-            symbols.insert(name, word(file, symbol + 4)?);
+            let at = word(file, symbol + 4)?;
+            if file.get(symbol + 12)? & 0xf == FUNCTION {
+                functions.push(Function {
+                    at: at & !1,
+                    bytes: word(file, symbol + 8)?,
+                    name: name.clone(),
+                });
+            }
+            symbols.insert(name, at);
         }
     }
-    Some(symbols)
+    Some((symbols, functions))
 }

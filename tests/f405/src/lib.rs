@@ -3,6 +3,7 @@
 //! covers and what it leaves out.
 
 pub mod bench;
+pub mod calls;
 pub mod chip;
 mod cpu;
 pub mod elf;

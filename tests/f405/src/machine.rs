@@ -162,6 +162,16 @@ impl Machine {
         self.chip.rcc.internal_unlockable = true;
     }
 
+    /// The cable of the encoder on SPI comes off.
+    pub fn cut_encoder(&mut self) {
+        self.chip.sensors.cut[0] = true;
+    }
+
+    /// The cable of the bridge converter on SPI comes off.
+    pub fn cut_converter(&mut self) {
+        self.chip.sensors.cut[1] = true;
+    }
+
     /// Stops a stream of a DMA controller (1 or 2), as a bus error does.
     pub fn stop_stream(&mut self, dma: usize, stream: usize) {
         self.chip.fail_stream(dma - 1, stream);

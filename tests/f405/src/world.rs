@@ -225,3 +225,33 @@ impl<M: Motion> World for OnSpi<M> {
         self.0.bridge(from, to)
     }
 }
+
+/// A world whose cables come off for a time: from one second to another, each.
+pub struct Loose<W> {
+    /// What is at the other end.
+    pub world: W,
+    /// When the load cell's cable is off: the amplifier's output falls to 0 V.
+    pub force: (f64, f64),
+    /// When the encoder's cable is off: the open inputs count 100 edges a millisecond, away from the material.
+    pub position: (f64, f64),
+}
+
+impl<W: World> World for Loose<W> {
+    fn counts(&mut self, at: u64) -> i64 {
+        const EDGES_PER_S: f64 = 1e5;
+        let off_s = (seconds(at).min(self.position.1) - self.position.0).max(0.0);
+        self.world.counts(at) - (off_s * EDGES_PER_S) as i64
+    }
+
+    fn force_code(&mut self, at: u64) -> u32 {
+        let code = self.world.force_code(at);
+        match seconds(at) {
+            t if t >= self.force.0 && t < self.force.1 => 0,
+            _ => code,
+        }
+    }
+
+    fn bridge(&mut self, from: u64, to: u64) -> i32 {
+        self.world.bridge(from, to)
+    }
+}

@@ -206,11 +206,7 @@ fn hand_errors(trace: &Trace, at_s: f64, grip: &Grip) -> [f64; 3] {
 
 /// The operator's impedance: with and without a known force, and a change of the grip.
 pub fn hand(seeds: u64) -> Vec<Row> {
-    hand_within(seeds, tolerance::HAND)
-}
-
-/// The same with other bounds, without and with a known force.
-pub fn hand_within(seeds: u64, bounds: (f64, f64)) -> Vec<Row> {
+    let bounds = tolerance::HAND;
     let grips = [
         HAND,
         Grip {

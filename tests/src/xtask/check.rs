@@ -41,8 +41,10 @@ fn firmware_steps(
     let qemu = packages::qemu()?;
     let firmware = Firmware::set_up()?;
     let emulated = firmware.build("qemu")?;
-    let board = firmware.build("f405")?;
-    let with_spi = firmware.build("f405,spi-sensors")?;
+    let [board, with_spi] = firmware.images()?;
+    if cfg!(unix) {
+        note(firmware.flash_without_a_probe());
+    }
     note(firmware.prove_panic_freedom());
     note(firmware.control_the_proof());
     match firmware.lint() {

@@ -44,7 +44,7 @@ impl Firmware {
         cargo.args(["--no-default-features", "--features", board]);
         run(&format!("firmware for {board}"), cargo)?;
         let elf = self.directory.join(self.toolchain.release(APPLICATION));
-        let kept = elf.with_extension(board);
+        let kept = self.kept(board);
         fs::copy(&elf, &kept).map_err(|e| format!("{}: {e}", elf.display()))?;
         within_limits(board, &kept)?;
         Ok(kept)
@@ -105,18 +105,77 @@ const BOARDS: [&str; 2] = ["f405", "f405,spi-sensors"];
 
 /// Builds the image of every board as .elf, .bin and .hex, for whatever tool flashes it.
 pub(crate) fn images() -> Result<(), String> {
-    let firmware = Firmware::set_up()?;
-    let folder = root().join("target/firmware");
-    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    for board in BOARDS {
-        let elf = firmware.build(board)?;
+    Firmware::set_up()?.images().map(|_| ())
+}
+
+impl Firmware {
+    /// Builds the image of every board in all three forms, and returns the ELFs, those of [`BOARDS`].
+    pub(crate) fn images(&self) -> Result<[PathBuf; 2], String> {
+        let folder = root().join("target/firmware");
+        fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        let [analog, spi] = BOARDS.map(|board| self.image(board, &folder));
+        println!("\nflash a .bin at {FLASH_START:#010x}; .elf and .hex carry their addresses");
+        Ok([analog?, spi?])
+    }
+
+    fn image(&self, board: &str, folder: &Path) -> Result<PathBuf, String> {
+        let elf = self.build(board)?;
         let stem = folder.join(format!("palpate-{}", board.replace(",spi-sensors", "-spi")));
         let image = Image::of(&elf)?;
         write(&stem.with_extension("elf"), &read(&elf)?)?;
         write(&stem.with_extension("bin"), &image.bytes)?;
         write(&stem.with_extension("hex"), image.to_hex().as_bytes())?;
+        Ok(elf)
     }
-    println!("\nflash a .bin at {FLASH_START:#010x}; .elf and .hex carry their addresses");
+
+    /// Runs the aliases that flash a board, with a program in place of probe-rs that keeps what it is told: the
+    /// chip, and the image of these features.
+    pub(crate) fn flash_without_a_probe(&self) -> Result<(), String> {
+        let folder = root().join("target/no-probe");
+        let (program, told) = (folder.join("probe-rs"), folder.join("told"));
+        fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        let script = format!("#!/bin/sh\nprintf '%s\\n' \"$@\" > '{}'\n", told.display());
+        executable_file(&program, &script)?;
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let paths = [folder.clone()]
+            .into_iter()
+            .chain(std::env::split_paths(&path));
+        let paths = std::env::join_paths(paths).map_err(|e| e.to_string())?;
+        for (alias, board) in [("flash-f405", BOARDS[0]), ("flash-f405-spi", BOARDS[1])] {
+            let _ = fs::remove_file(&told);
+            let mut cargo = self.cargo(alias);
+            cargo.env("PATH", &paths);
+            run(&format!("cargo {alias}, without a probe"), cargo)?;
+            let words = String::from_utf8_lossy(&read(&told)?).into_owned();
+            let words: Vec<&str> = words.lines().collect();
+            let ["run", "--chip", "STM32F405RG", elf] = words[..] else {
+                return Err(format!("cargo {alias} tells probe-rs {words:?}"));
+            };
+            if read(Path::new(elf))? != read(&self.kept(board))? {
+                return Err(format!(
+                    "cargo {alias} flashes another image than that of {board}"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the ELF of a board is kept.
+    fn kept(&self, board: &str) -> PathBuf {
+        let elf = self.directory.join(self.toolchain.release(APPLICATION));
+        elf.with_extension(board)
+    }
+}
+
+/// Writes a program that a shell runs.
+fn executable_file(path: &Path, text: &str) -> Result<(), String> {
+    fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let permissions = fs::Permissions::from_mode(0o755);
+        fs::set_permissions(path, permissions).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use super::{
     renderable::NotRenderable, rendered::Limit, rendered::Rendered,
 };
 use crate::estimate::fault::Fault;
-use crate::maths::scalar::Scalar;
+use crate::maths::scalar::{Scalar, seconds};
 
 /// The impedance that comes next, `None` while one is not known yet, and the number of its packet.
 type Next = (Option<Bounded>, u16);
@@ -67,7 +67,7 @@ impl Renderer {
         };
         let elapsed_us = match self.last_us {
             Some(last) => now_us.checked_sub(last).filter(|elapsed| *elapsed > 0),
-            None => Some((1e6 * params.period_s) as u64),
+            None => Some(u64::from((1e6 * params.period_s) as u32)),
         };
         self.last_us = Some(now_us);
         // A clock that starts anew must not put the timeout off.
@@ -75,7 +75,7 @@ impl Renderer {
         let force_n = elapsed_us
             .filter(|_| position_m.is_finite() && speed_mps.is_finite())
             .and_then(|elapsed_us| {
-                let elapsed_s = 1e-6 * elapsed_us as f32;
+                let elapsed_s = seconds(elapsed_us);
                 let force_n = self.force(params, &mut out, position_m, speed_mps, elapsed_s);
                 Some(force_n).filter(|force_n| force_n.is_finite())
             });

@@ -1,5 +1,7 @@
 //! The master's own speed, from its positions.
 
+use crate::maths::scalar::seconds;
+
 /// Time constant τ of the low pass over the differences (s). A count of 1 µm within a millisecond is
 /// 1 mm/s; through 2 ms it is 0.33 mm/s, and the damping that can be rendered stably is five times what
 /// it would be of the differences alone (render.rs).
@@ -30,7 +32,7 @@ impl Speed {
             elapsed => elapsed.unwrap_or(u64::MAX),
         };
         self.last = Some((time_us, position_m));
-        let elapsed_s = 1e-6 * elapsed_us as f32;
+        let elapsed_s = seconds::<f32>(elapsed_us);
         let speed =
             (position_m - last_m + SPEED_TIME_S * self.speed_mps) / (elapsed_s + SPEED_TIME_S);
         let usable = elapsed_us <= GAP_US && speed.is_finite();

@@ -27,6 +27,11 @@ pub(super) struct Moving {
     readings_since_standstill: u8,
 }
 
+/// A time difference (µs) as a number, 4294 s at most: a `u64` would cost the board 60 instructions.
+pub(super) fn micros(elapsed_us: u64) -> f32 {
+    u32::try_from(elapsed_us).unwrap_or(u32::MAX) as f32
+}
+
 impl Moving {
     /// Takes a reading; gives how many have come since the last standstill ended, this one included.
     pub(super) fn update(&mut self, limits: &Standstill, time_us: u64, position_m: f32) -> u8 {
@@ -36,11 +41,12 @@ impl Moving {
         }
         let elapsed_us = time_us.saturating_sub(self.since_us);
         if self.started && elapsed_us > 0 {
-            let far = self.speed_m_per_us.abs() * elapsed_us as f32 > limits.way_m;
+            let elapsed = micros(elapsed_us);
+            let far = self.speed_m_per_us.abs() * elapsed > limits.way_m;
             if limits.after_us > 0 && elapsed_us >= limits.after_us && far {
                 self.readings_since_standstill = 1;
             }
-            let speed = (position_m - self.position_m) / elapsed_us as f32;
+            let speed = (position_m - self.position_m) / elapsed;
             self.speed_m_per_us += SHARE * (speed - self.speed_m_per_us);
         } else if !self.started {
             // None has ended yet.

@@ -91,6 +91,10 @@ keys! {
     /// The root mean square of the calibration's residuals (N).
     ForceResidualN = 7, "force.residual_n", "N", Within(0.0, 1e6), 0.0, RUNS_ON,
         "what the calibration left over, rms";
+    /// The codes beyond the saturated ones at which a single conversion is none, since a cable is off; 0: never.
+    // A live zero tells a cable from a force: at 4 to 20 mA, half of the 4 mA below the lowest code.
+    ForceBrokenBeyond = 8, "force.broken_beyond", "1", Whole(0.0, EXACT), 0.0, RESTARTS,
+        "so many codes beyond the saturated ones a cable is off; 0: never";
     /// The position per code of the encoder (m); negative if it counts down into the material.
     // A count of 1 µm, 32 latches summed.
     PositionPerCode = 16, "position.m_per_code", "m", Signed(1e-12, 1.0), 1e-6 / 32.0, RESTARTS,
@@ -104,6 +108,9 @@ keys! {
     /// Whether the encoder's scale and sign were checked.
     PositionCalibrated = 19, "position.calibrated", "1", Whole(0.0, 1.0), 0.0, RESTARTS,
         "1: scale and sign of the encoder were checked";
+    /// The way from the zero of the position beyond which the rig cannot be (m); 0: there is none.
+    PositionReachM = 20, "position.reach_m", "m", Within(0.0, 1e3), 0.0, RESTARTS,
+        "a position further from zero is none: the encoder counts noise; 0: never";
     /// The number of the [`crate::estimate::method::Method`].
     EstimatorMethod = 32, "estimator.method", "1", Whole(1.0, 7.0), 5.0, RESTARTS,
         "1 Kelvin-Voigt, 2 two-stage, 3 Zener, 4 cascade, 5 bank, 6 Kelvin-Voigt with surface, 7 cascade of two";
@@ -195,6 +202,8 @@ impl Key {
     /// The setting that decides about a fault, if one does.
     pub const fn deciding(fault: Fault) -> Option<Key> {
         match fault {
+            Fault::ForceUnusable => Some(Key::ForceBrokenBeyond),
+            Fault::PositionUnusable => Some(Key::PositionReachM),
             Fault::ForceSaturated => Some(Key::ForceHighestCode),
             Fault::ForceStuck => Some(Key::ForceStuckS),
             Fault::PositionJump => Some(Key::PositionFastestMps),
@@ -245,7 +254,7 @@ mod tests {
         assert_eq!(
             ids[..BEFORE.len()],
             [
-                1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 32, 33, 34, 35, 36, 37, 38, 48
+                1, 2, 3, 4, 5, 6, 7, 8, 16, 17, 18, 19, 20, 32, 33, 34, 35, 36, 37, 38, 48
             ]
         );
         assert_eq!(

@@ -71,6 +71,8 @@ impl Settings {
         let limits = Limits {
             lowest: self.get(Key::ForceLowestCode),
             highest: self.get(Key::ForceHighestCode),
+            broken_beyond: self.get(Key::ForceBrokenBeyond),
+            reach_m: self.get(Key::PositionReachM),
             stuck_us: (self.get(Key::ForceStuckS) * 1e6) as u64,
             fastest_m_per_us: self.get(Key::PositionFastestMps) * 1e-6,
             stuck_n: self.get(Key::PositionStuckN),

@@ -1,8 +1,8 @@
 //! Settings in flash, such that a power cut at any instant leaves the old ones or the new ones.
 //!
 //! There are two sectors, of which one is written at a time. A record fills a slot of [`SLOT`] bytes:
-//! magic, layout, number of values, sequence, the values as (number, f32) pairs, CRC-32; effects that
-//! are off are left out. A save appends the next slot, and the valid record with the highest sequence
+//! magic, layout, number of values, sequence, the values as (number, f32) pairs, the number of counts, these as
+//! (number, u16) pairs, CRC-32; effects that are off are left out. Layout 1 had no counts apart. A save appends the next slot, and the valid record with the highest sequence
 //! counts. When a sector is full, the other one is erased, always just before it is written to:
 //! whatever an erase that was cut short left there is older than what the full sector holds, or no
 //! record at all.
@@ -11,6 +11,7 @@
 //! ever rewrites or erases the sector with the newest valid record.
 
 use super::compensation;
+use super::info::Bounds;
 use super::{key::Key, values::Invalid, values::Settings};
 use embedded_storage::nor_flash::NorFlash;
 
@@ -19,13 +20,31 @@ pub const SLOT: usize = 256;
 /// The layout of a record, raised when a value changes its meaning. A record of an older firmware is
 /// taken over: a setting that it lacks has its default, and a number that is no setting of this
 /// firmware is left out. A record of a newer layout is refused.
-pub const LAYOUT: u8 = 1;
+pub const LAYOUT: u8 = 2;
 const MAGIC: [u8; 2] = [0x50, 0xa1];
 const HEAD: usize = 8;
-/// A (number, f32) pair.
+/// A (number, f32) pair, and a (number, u16) pair.
 const PAIR: usize = 5;
+const COUNT_PAIR: usize = 3;
 /// A record has room for all settings of the board and for the eight largest effects.
-const _: () = assert!(HEAD + PAIR * (Key::BESIDES + compensation::MOST_AT_ONCE) + 4 <= SLOT);
+const _: () = {
+    let wide = Key::BESIDES - counts() + compensation::MOST_AT_ONCE;
+    assert!(HEAD + PAIR * wide + 1 + COUNT_PAIR * counts() + 4 <= SLOT);
+};
+
+/// How many settings are counts, which a u16 holds.
+const fn counts() -> usize {
+    let (mut at, mut number) = (0, 0);
+    while at < Key::ALL.len() {
+        number += is_count(Key::ALL[at]) as usize;
+        at += 1;
+    }
+    number
+}
+
+const fn is_count(key: Key) -> bool {
+    matches!(key.info().bounds, Bounds::Whole(low, high) if low >= 0.0 && high <= 65_535.0)
+}
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// What a load has found in flash.
@@ -201,13 +220,20 @@ fn encode(settings: &Settings, sequence: u32) -> [u8; SLOT] {
     let mut record = [0; SLOT];
     let [magic_1, magic_2] = MAGIC;
     let [a, b, c, d] = sequence.to_le_bytes();
-    let count = stored(settings).count() as u8;
-    let head = [magic_1, magic_2, LAYOUT, count, a, b, c, d];
-    let pairs = stored(settings).flat_map(|key| {
+    let wide = || stored(settings).filter(|key| !is_count(*key));
+    let counts = || stored(settings).filter(|key| is_count(*key));
+    let head = [magic_1, magic_2, LAYOUT, wide().count() as u8, a, b, c, d];
+    let pairs = wide().flat_map(|key| {
         let [a, b, c, d] = settings.get(key).to_le_bytes();
         [key.id(), a, b, c, d]
     });
-    for (slot, byte) in record.iter_mut().zip(head.into_iter().chain(pairs)) {
+    let count_pairs = counts().flat_map(|key| {
+        let [a, b] = (settings.get(key) as u16).to_le_bytes();
+        [key.id(), a, b]
+    });
+    let content = head.into_iter().chain(pairs);
+    let content = content.chain([counts().count() as u8]).chain(count_pairs);
+    for (slot, byte) in record.iter_mut().zip(content) {
         *slot = byte;
     }
     let sum = split(&record).map_or(0, |(content, _)| CRC.checksum(content));
@@ -234,11 +260,25 @@ fn decode(record: &[u8; SLOT]) -> Loaded {
         return Loaded::Newer(layout);
     }
     let mut settings = Settings::default();
-    for pair in body.chunks_exact(PAIR).take(usize::from(count)) {
+    let mut put = |id: u8, value: f32| {
+        if let Some(key) = Key::from_id(id) {
+            settings.put(key, value);
+        }
+    };
+    let (pairs, rest) = body
+        .split_at_checked(PAIR * usize::from(count))
+        .unwrap_or((body, &[]));
+    for pair in pairs.chunks_exact(PAIR) {
         if let [id, a, b, c, d] = *pair {
-            let value = f32::from_le_bytes([a, b, c, d]);
-            if let Some(key) = Key::from_id(id) {
-                settings.put(key, value);
+            put(id, f32::from_le_bytes([a, b, c, d]));
+        }
+    }
+    if let [number, rest @ ..] = rest
+        && layout > 1
+    {
+        for pair in rest.chunks_exact(COUNT_PAIR).take(usize::from(*number)) {
+            if let [id, a, b] = *pair {
+                put(id, f32::from(u16::from_le_bytes([a, b])));
             }
         }
     }

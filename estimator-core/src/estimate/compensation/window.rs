@@ -129,7 +129,7 @@ impl<T: Real> Window<T> {
         };
         let (mut sum, mut weights) = (T::zero(), T::zero());
         for (side, k) in self.filter.sides().iter().zip(1u8..) {
-            let offset_s = T::from_f64(f64::from(k)) / self.rate_hz;
+            let offset_s = T::from_u32(u32::from(k)) / self.rate_hz;
             sum += side.0 * (at(offset_s) + at(-offset_s));
             weights += side.0 + side.0;
         }

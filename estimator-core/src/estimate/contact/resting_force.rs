@@ -126,7 +126,7 @@ impl<T: Real> RestingForce<T> {
     /// Takes the mean (N) of `samples` samples at rest.
     pub(super) fn settle(&mut self, mean_n: T, samples: u32) {
         self.mean_n = mean_n;
-        self.gain = T::one() / T::from_f64(f64::from(samples));
+        self.gain = T::one() / T::from_u32(samples);
         self.kept = [mean_n; KEPT];
         self.at_last_touch = (mean_n, self.gain);
     }
@@ -170,7 +170,7 @@ impl<T: Real> RestingForce<T> {
         let Some(ended) = self.free.push(position_m, force_n) else {
             return;
         };
-        let count = T::from_f64(f64::from(STRETCH));
+        let count = T::from_u32(STRETCH);
         let mean_n = ended.sum_n / count;
         let certain_n = T::from_f64(DRIFTED) * noise_n / count.sqrt();
         let outside = self
@@ -186,9 +186,9 @@ impl<T: Real> RestingForce<T> {
     /// by how much (N) the forces since then are larger.
     pub(super) fn go_back(&mut self, samples: T) -> T {
         let mut slots = 1;
-        let mut reached = T::from_f64(f64::from(KEEP_EVERY));
+        let mut reached = T::from_u32(KEEP_EVERY);
         while reached < samples && slots < KEPT - 1 {
-            reached += T::from_f64(f64::from(KEEP_EVERY));
+            reached += T::from_u32(KEEP_EVERY);
             slots += 1;
         }
         let slot = (self.newest + KEPT - slots) % KEPT;
@@ -223,7 +223,7 @@ impl<T: Real> RestingForce<T> {
         let drift_n = T::zero().max_of(moved_n * moved_n - by_chance_n2).sqrt();
         self.drift_n = drift_n.max_of(T::from_f64(KEPT_DRIFT) * self.drift_n);
         // The mean follows the force over 1/slowest samples: what it moves in fewer is no rate.
-        let samples = T::from_f64(f64::from(self.samples_since_touch));
+        let samples = T::from_u32(self.samples_since_touch);
         let kept_n = T::from_f64(KEPT_DRIFT) * self.drift_per_sample_n;
         self.drift_per_sample_n = kept_n.max_of(drift_n * slowest.min_of(T::one() / samples));
         self.samples_since_touch = 0;
@@ -263,7 +263,7 @@ impl<T: Real> RestingForce<T> {
     /// Zero is elsewhere where the force is flat both on the way out and after it: on the way out alone it may
     /// be friction, and on the way in the beginning of a soft contact.
     fn judge(&mut self, ended: &Stretch<T>, below_n: T, noise_n: T, step_m: T) -> Shift {
-        let count = T::from_f64(f64::from(STRETCH));
+        let count = T::from_u32(STRETCH);
         let mean_n = ended.sum_n / count;
         let variance = T::zero().max_of(ended.square_n2 / count - mean_n * mean_n);
         let (least, most) = (T::from_f64(FLAT.0) * noise_n, T::from_f64(FLAT.1) * noise_n);
@@ -297,7 +297,7 @@ impl<T: Real> RestingForce<T> {
     /// Takes a zero that two stretches of free air have shown.
     fn shift(&mut self, by_n: T, below_n: T) -> Shift {
         self.mean_n += by_n;
-        self.gain = T::one() / T::from_f64(f64::from(STRETCH));
+        self.gain = T::one() / T::from_u32(STRETCH);
         self.kept = [self.mean_n; KEPT];
         self.seen_in_free_air = true;
         if by_n.abs() <= below_n {

@@ -3,7 +3,7 @@
 use super::ForceNoise;
 use super::params::IdentifyParams;
 use crate::estimate::rls::Excitation;
-use crate::maths::scalar::{Real, Scalar};
+use crate::maths::scalar::{Real, Scalar, seconds};
 use crate::physics::law::RelaxationMode;
 
 /// The sampling period of an ARX model: half of the filter's memory. Samples that are closer share
@@ -12,6 +12,8 @@ use crate::physics::law::RelaxationMode;
 pub(super) struct ModelPeriod<T> {
     /// Time between two samples of the sensors (s).
     pub(super) sample_s: T,
+    /// The same (µs).
+    sample_us: u32,
     /// Number of samples of the sensors in one period of the model.
     pub(super) samples: u32,
 }
@@ -19,7 +21,8 @@ pub(super) struct ModelPeriod<T> {
 impl<T: Real> ModelPeriod<T> {
     pub(super) fn new(params: &IdentifyParams<T>) -> Self {
         ModelPeriod {
-            sample_s: T::from_f64(1e-6 * params.period_us as f64),
+            sample_s: seconds(params.period_us),
+            sample_us: u32::try_from(params.period_us).unwrap_or(u32::MAX),
             samples: (params.memory_samples / 2).max(1),
         }
     }
@@ -34,13 +37,19 @@ impl<T: Real> ModelPeriod<T> {
 
     /// The period T of the model (s).
     pub(super) fn seconds(&self) -> T {
-        self.sample_s * T::from_f64(f64::from(self.samples))
+        self.sample_s * T::from_u32(self.samples)
+    }
+
+    /// How many whole periods a time (µs) has.
+    fn number_in(&self, time_us: u32) -> u32 {
+        let period_us = self.sample_us.saturating_mul(self.samples);
+        time_us.checked_div(period_us).unwrap_or(0)
     }
 
     /// Variance of white noise that is, at the frequencies of a palpation, what the filter leaves of
     /// the raw noise: filtering and picking every M-th sample is worth no more than the mean of M.
     pub(super) fn variance(&self, noise: &ForceNoise<T>) -> T {
-        noise.raw * noise.raw / T::from_f64(f64::from(self.samples))
+        noise.raw * noise.raw / T::from_u32(self.samples)
     }
 }
 
@@ -63,9 +72,9 @@ pub(super) struct RelaxationExcitation<T: Real> {
 /// The force relaxes when it has moved by this many standard deviations of its mean over a period:
 /// noise alone does not reach it in years.
 const MOVES_SIGMAS: f64 = 10.0;
-/// Time (s) within which a relaxing force moves so far: at 20 mN of noise, 6 mN/s is still a
+/// Time (µs) within which a relaxing force moves so far: at 20 mN of noise, 6 mN/s is still a
 /// relaxation.
-const PATIENCE_S: f64 = 10.0;
+const PATIENCE_US: u32 = 10_000_000;
 
 impl<T: Real> RelaxationExcitation<T> {
     pub(super) fn new(period: ModelPeriod<T>) -> Self {
@@ -73,7 +82,7 @@ impl<T: Real> RelaxationExcitation<T> {
             motion: Excitation::default(),
             from: T::zero(),
             still: 0,
-            patience: (PATIENCE_S / period.seconds().to_f64()).max(1.0) as u32,
+            patience: period.number_in(PATIENCE_US).max(1),
         }
     }
 
@@ -127,12 +136,12 @@ pub(super) fn rate_of<S: Scalar>(alpha: S, period_s: S) -> S {
     const SERIES_BELOW: f64 = 0.05;
     const TERMS: u32 = 11;
     let x = alpha * period_s;
-    if x.to_f64() >= SERIES_BELOW {
+    if x >= S::from_f64(SERIES_BELOW) {
         return -((S::one() - x).ln()) / period_s;
     }
     let mut sum = S::zero();
     for k in (1..=TERMS).rev() {
-        sum = sum * x + S::from_f64(1.0 / f64::from(k));
+        sum = sum * x + S::one() / S::from_u32(k);
     }
     alpha * sum
 }

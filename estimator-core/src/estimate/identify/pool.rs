@@ -98,7 +98,7 @@ impl<T: Real> Pool<T> {
         if self.taken == 0 {
             return None;
         }
-        let count = T::from_f64(f64::from(self.taken));
+        let count = T::from_u32(self.taken);
         let moved = self.sum.position / count;
         let faster = self.sum.speed / count;
         let pooled = Pooled {

@@ -147,7 +147,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         let Some(last) = &self.last else {
             return (kappa * at.depth, T::zero());
         };
-        let elapsed_s = T::from_f64(f64::from(self.since + 1)) * self.period.sample_s;
+        let elapsed_s = T::from_u32(self.since + 1) * self.period.sample_s;
         let change = at.depth - last.depth;
         let force = match &self.solid {
             Some(solid) => {

@@ -48,6 +48,8 @@ pub struct SpiSensors {
 /// Sets both sensors up and logs their errors.
 pub fn set_up(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
     let (sck, miso, mosi) = wires.bus;
+    // A line that nobody drives reads ones, which the encoder's driver takes for an error; zeros would be angle 0.
+    let miso = miso.into_pull_up_input();
     let pins = (Some(sck), Some(miso), Some(mosi));
     // 42 MHz / 8.
     let bus = wires.spi3.spi(pins, MODE_1, 5_250.kHz(), rcc);

@@ -6,6 +6,9 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::args::TeleopArgs;
+use estimator_core::board::link::Command;
+use estimator_core::board::settings::Key;
+
 use crate::diagnostic::Diagnostic;
 use crate::interrupt::{is_interrupted, watch};
 use crate::link::{Device, Port, port};
@@ -14,7 +17,7 @@ use crate::output::say;
 use crate::teleop::bridge::run::{
     MasterView, Wire, check_master, check_slave, framed, give, local, look, packets,
 };
-use crate::teleop::bridge::{Endpoint, Key, Role};
+use crate::teleop::bridge::{Endpoint, Key as Secret, Role};
 use crate::teleop::channel::Channel;
 
 /// How often a line is printed.
@@ -84,14 +87,45 @@ impl Clock<'_> {
     }
 }
 
-fn device(name: &str) -> Result<Device<Box<dyn Port>>, Box<dyn Error>> {
-    Ok(Device::new(port::open(name)?))
+/// What a simulated board is told before, so that nobody has to; its hand presses into gel once a second.
+const SIMULATED_SLAVE: [(Key, f32); 2] =
+    [(Key::ReflectionEvery, 10.0), (Key::TelemetryEvery, 50.0)];
+const SIMULATED_MASTER: [(Key, f32); 4] = [
+    (Key::RenderDeviceNsPerM, 100.0),
+    (Key::RenderFullN, 15.0),
+    (Key::RenderForceN, 12.0),
+    (Key::TelemetryEvery, 10.0),
+];
+
+fn device(name: &str, simulated: &[(Key, f32)]) -> Result<Device<Box<dyn Port>>, Box<dyn Error>> {
+    let mut device = Device::new(port::open(name)?);
+    if name == port::SIMULATED {
+        for (key, value) in simulated {
+            device.prepare(*key, *value)?;
+        }
+        device.order(Command::Commit)?;
+    }
+    Ok(device)
+}
+
+fn slave_at(name: &str) -> Result<Device<Box<dyn Port>>, Box<dyn Error>> {
+    let mut slave = device(name, &SIMULATED_SLAVE)?;
+    check_slave(&mut slave)?;
+    Ok(slave)
+}
+
+fn master_at(name: &str) -> Result<Device<Box<dyn Port>>, Box<dyn Error>> {
+    let mut master = device(name, &SIMULATED_MASTER)?;
+    check_master(&mut master)?;
+    // A real one is armed by a person.
+    if name == port::SIMULATED {
+        master.order(Command::Arm)?;
+    }
+    Ok(master)
 }
 
 fn on_one_host(args: &TeleopArgs, slave: &str, master: &str) -> Result<(), Box<dyn Error>> {
-    let (mut slave, mut master) = (device(slave)?, device(master)?);
-    check_slave(&mut slave)?;
-    check_master(&mut master)?;
+    let (mut slave, mut master) = (slave_at(slave)?, master_at(master)?);
     let config = super::setup::options(args)?.channels[1];
     let (mut channel, mut view) = (Channel::new(config, args.seed), MasterView::default());
     let mut clock = Clock::new(args);
@@ -140,7 +174,7 @@ fn end(args: &TeleopArgs) -> Result<(Wire, Endpoint), Box<dyn Error>> {
             .remedy("give --key FILE: what comes over the network moves somebody's hand")
             .into());
     };
-    let key = Key::read(Path::new(path))?;
+    let key = Secret::read(Path::new(path))?;
     let resolve = |name: &Option<String>| name.as_deref().map(resolve).transpose();
     let (listen, connect) = (resolve(&args.listen)?, resolve(&args.connect)?);
     let role = if listen.is_some() {
@@ -169,8 +203,7 @@ fn resolve(name: &str) -> Result<SocketAddr, Diagnostic> {
 
 fn slave_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
     let (mut wire, mut end) = end(args)?;
-    let mut slave = device(name)?;
-    check_slave(&mut slave)?;
+    let mut slave = slave_at(name)?;
     let mut clock = Clock::new(args);
     while clock.goes_on() {
         let packets = packets(&mut slave)?;
@@ -186,8 +219,7 @@ fn slave_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
 
 fn master_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
     let (mut wire, mut end) = end(args)?;
-    let mut master = device(name)?;
-    check_master(&mut master)?;
+    let mut master = master_at(name)?;
     let (mut clock, mut view) = (Clock::new(args), MasterView::default());
     while clock.goes_on() {
         look(&mut master, &mut view)?;

@@ -86,6 +86,19 @@ fn times(measures: &Measures) -> String {
     )
 }
 
+/// How many runs of what length altogether took how long (s).
+pub fn speed(runs: usize, simulated_s: f64, took_s: f64) -> String {
+    let runs = match runs {
+        1 => "a run".into(),
+        more => format!("{more} runs"),
+    };
+    format!(
+        "  time        {runs} of {} altogether in {}\n",
+        quantity(simulated_s, 3, "s"),
+        quantity(took_s, 2, "s")
+    )
+}
+
 /// The comparison: a block per environment and channel, schemes over round trips.
 pub fn table(cells: &[Cell]) -> String {
     let mut text = String::from(

@@ -3,9 +3,11 @@
 use super::run::TeleopReport;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Marker, Series, Size, Span, StripTone, Stroke};
+use crate::teleop::environment::Material;
 use crate::teleop::measure::felt::scored;
 use crate::teleop::measure::transparency::Line;
 use crate::teleop::notice::STIFFNESS;
+use crate::teleop::operator::Grip;
 use crate::teleop::{Row, SchemeId};
 
 /// The felt and the true force over the depth, a figure per material.
@@ -196,29 +198,40 @@ pub(super) fn transparency(schemes: &[(SchemeId, Vec<Line>)]) -> Figure {
             chart.series(Series::new(id.name(), ink, Stroke::Solid, x, y))
         });
     Figure::new("Transparency", &chart).caption(
-        "|Ẑ/Z|: the felt over the true force at the lines of a motion within the material. Band: what nobody \
-         tells apart by its stiffness (15 %).",
+        "|Ẑ/Z|: the felt over the true force at the lines of a motion within the material; what is above 2 is drawn \
+         at the upper edge. Band: what nobody tells apart by its stiffness (15 %).",
     )
 }
 
-/// Stiffness and exponent as the slave identifies them, and the hand as the master does.
+/// Stiffness, damping and exponent as the slave identifies them, and the hand as the master does.
 pub(super) fn parameters(report: &TeleopReport<'_>) -> Vec<Figure> {
     let rows = &report.trace.rows;
     let mut figures = Vec::new();
     if rows.iter().any(|row| row.identified.is_some()) {
-        for (place, name, unit) in [(0, "Stiffness", "N/m"), (2, "Exponent", "1")] {
-            let chart = parameter(report, (name, unit), None, |row| row.identified?[place]);
+        for (place, name, unit) in [
+            (0, "Stiffness", "N/m"),
+            (1, "Damping", "N s/m"),
+            (2, "Exponent", "1"),
+        ] {
+            let exact = |row: &Row| touched(report, row).of_a_board()[place];
+            let axis = Axis::new(name, unit).with_zero();
+            let chart = parameter(report, axis, exact, |row| row.identified?[place]);
             figures.push(
-                Figure::new(format!("{name} of the material, at the slave"), &chart)
-                    .caption("As the slave's board identifies it; band: two standard errors."),
+                Figure::new(format!("{name} of the material, at the slave"), &chart).caption(
+                    "As the slave's board identifies it, at a depth of 1 mm; band: two standard errors.",
+                ),
             );
         }
     }
     if rows.iter().any(|row| row.hand.is_some()) {
-        let grip = report.options.operator.grips.last().copied();
+        let operator = &report.options.operator;
         for (place, name, unit) in [(0, "Stiffness", "N/m"), (1, "Damping", "N s/m")] {
-            let exact = grip.map(|grip| [grip.stiffness_n_per_m, grip.damping_ns_per_m][place]);
-            let chart = parameter(report, (name, unit), exact, |row| row.hand?[place]);
+            let of = |grip: &Grip| [grip.stiffness_n_per_m, grip.damping_ns_per_m][place];
+            let most = crate::stats::highest(operator.grips.iter().map(of));
+            // A hand that is not known yet has any value.
+            let axis = Axis::new(name, unit).range(0.0, 2.0 * most);
+            let exact = |row: &Row| Some(of(&operator.grip(row.time_s)));
+            let chart = parameter(report, axis, exact, |row| row.hand?[place]);
             figures.push(
                 Figure::new(format!("{name} of the hand, at the master"), &chart).caption(
                     "As the master identifies it between 3 and 20 Hz, while the hand moves; band: two \
@@ -230,11 +243,24 @@ pub(super) fn parameters(report: &TeleopReport<'_>) -> Vec<Figure> {
     figures
 }
 
-/// A parameter over time with its band, and its true value where that is known.
+/// What is under the slave at an instant.
+fn touched<'a>(report: &'a TeleopReport<'_>, row: &Row) -> &'a Material {
+    let environment = &report.options.environment;
+    let changed = report
+        .trace
+        .changed_s
+        .is_some_and(|changed_s| row.time_s >= changed_s);
+    match &environment.second {
+        Some(second) if changed => second,
+        _ => &environment.first,
+    }
+}
+
+/// A parameter over time with its band, and its true value where there is one.
 fn parameter<'a>(
     report: &TeleopReport<'_>,
-    (name, unit): (&str, &str),
-    exact: Option<f64>,
+    axis: Axis,
+    exact: impl Fn(&Row) -> Option<f64>,
     of: impl Fn(&Row) -> Option<(f64, f64)>,
 ) -> Chart<'a> {
     let time = report.trace.column(|row| row.time_s);
@@ -245,19 +271,11 @@ fn parameter<'a>(
         .map(|row| of(row).unwrap_or((f64::NAN, f64::NAN)));
     let (values, errors): (Vec<f64>, Vec<f64>) = known.unzip();
     let band: Vec<f64> = errors.into_iter().map(|error| 2.0 * error).collect();
-    let axis = Axis::new(name, unit).with_zero();
-    let axis = match exact {
-        // A hand that is not known yet has any value.
-        Some(exact) => axis.range(0.0, 2.0 * exact),
-        None => axis,
-    };
+    let line = report.trace.column(|row| exact(row).unwrap_or(f64::NAN));
     let chart = Chart::new(Axis::time(), axis)
         .series(Series::estimated("identified", time.clone(), values).band(band));
-    match exact {
-        Some(exact) => {
-            let line = vec![exact; time.len()];
-            chart.series(Series::measured("true", time, line))
-        }
-        None => chart,
+    match line.iter().any(|value| value.is_finite()) {
+        true => chart.series(Series::measured("true", time, line)),
+        false => chart,
     }
 }

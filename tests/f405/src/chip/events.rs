@@ -267,7 +267,12 @@ impl Chip {
             return;
         };
         // The encoder is selected by PA2, the converter by PA3.
+        // Nobody drives the line of a cable that is off; PC11 may pull it up.
+        let open = if self.ports[2].pulls_up(11) { 0xff } else { 0 };
+        let [encoder, converter] = self.sensors.cut;
         let answer = match (self.ports[0].is_low(2), self.ports[0].is_low(3)) {
+            (true, _) if encoder => open,
+            (_, true) if converter => open,
             (true, _) => self.sensors.encoder(sent),
             (_, true) => self.sensors.bridge(sent, at),
             _ => 0xff,

@@ -46,6 +46,11 @@ impl Port {
     }
 
     /// Whether a pin is an output that is low.
+    /// Whether a resistor pulls the pin up.
+    pub(crate) fn pulls_up(&self, pin: u32) -> bool {
+        self.pupdr >> (2 * pin) & 3 == 1
+    }
+
     pub(crate) fn is_low(&self, pin: u32) -> bool {
         self.mode(pin) == 1 && self.odr >> pin & 1 == 0
     }
@@ -57,7 +62,7 @@ impl Port {
             } else if self.driven_mask >> pin & 1 == 1 {
                 self.driven >> pin & 1
             } else {
-                u32::from(self.pupdr >> (2 * pin) & 3 == 1)
+                u32::from(self.pulls_up(pin))
             };
             all | level << pin
         })

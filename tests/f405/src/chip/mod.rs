@@ -103,7 +103,7 @@ pub struct Chip {
     dma: Dma,
     pub(crate) uart: Uart,
     spi: Spi,
-    sensors: Sensors,
+    pub(crate) sensors: Sensors,
     /// Registers without a meaning in this model: what was written is read.
     plain: std::collections::BTreeMap<u32, u32>,
     periods: Periods,

@@ -117,6 +117,8 @@ pub(crate) struct Sensors {
     conversion: Option<(u64, u64)>,
     pub(crate) code: i32,
     ready: bool,
+    /// The cables of encoder and converter are off.
+    pub(crate) cut: [bool; 2],
 }
 
 /// A conversion takes 0.5 to 0.6 ms in turbo mode at 2000 samples a second.
@@ -165,6 +167,7 @@ impl Sensors {
             0x06 | 0x07 => {
                 *self = Sensors {
                     answer: self.answer,
+                    cut: self.cut,
                     ..Sensors::default()
                 }
             }
@@ -197,7 +200,9 @@ impl Sensors {
 
     /// A conversion is done; `mean` gives the code for the time that it took.
     pub(crate) fn at_event(&mut self, mean: impl FnOnce(u64, u64) -> i32) {
-        if let Some((from, to)) = self.conversion.take() {
+        if let Some((from, to)) = self.conversion.take()
+            && !self.cut[1]
+        {
             self.code = mean(from, to);
             self.ready = true;
         }

@@ -31,6 +31,8 @@ pub struct Cost {
     pub instructions: u64,
     /// The largest number of instructions.
     pub most: u64,
+    /// Instructions altogether, without those of exceptions that came in between.
+    pub own: u64,
     /// The longest time from entry to return (s).
     pub longest_s: f64,
 }
@@ -46,7 +48,8 @@ pub struct Trace {
     pub entries: Vec<u64>,
     /// The exception whose entries are kept.
     pub followed: u32,
-    entered: Vec<u64>,
+    /// Times of entry into the exceptions that are active, and the instructions of those that came in between.
+    entered: Vec<(u64, u64)>,
     /// Instructions that the interpreter does not know: address and code.
     pub undefined: Vec<(u32, u32)>,
     /// Accesses to addresses that the model does not have.
@@ -76,18 +79,22 @@ pub enum Reset {
 
 impl Trace {
     pub(crate) fn entered(&mut self, number: u32, now: u64) {
-        self.entered.push(now);
+        self.entered.push((now, 0));
         if number == self.followed {
             self.entries.push(now);
         }
     }
 
     pub(crate) fn left(&mut self, number: u32, instructions: u64, now: u64) {
-        let since = self.entered.pop().unwrap_or(now);
+        let (since, between) = self.entered.pop().unwrap_or((now, 0));
+        if let Some((_, within)) = self.entered.last_mut() {
+            *within += instructions;
+        }
         let cost = self.costs.entry(number).or_default();
         cost.count += 1;
         cost.instructions += instructions;
         cost.most = cost.most.max(instructions);
+        cost.own += instructions.saturating_sub(between);
         let took = (now - since) as f64 / UNITS_PER_SECOND as f64;
         cost.longest_s = cost.longest_s.max(took);
     }

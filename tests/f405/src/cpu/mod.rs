@@ -2,7 +2,7 @@
 //! parameter: cycle-exact timing of this core depends on its prefetch and is not modelled.
 
 mod arithmetic;
-mod decode;
+pub(crate) mod decode;
 mod decode_float;
 mod decode_wide;
 mod exception;
@@ -13,6 +13,7 @@ mod op;
 
 use crate::chip::{Chip, FLASH};
 use op::Instruction;
+pub(crate) use op::Op;
 use std::collections::HashMap;
 
 /// The registers and the decoded program.

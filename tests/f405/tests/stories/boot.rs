@@ -5,7 +5,7 @@ use estimator_core::board::frame::{Decoder, Frame, MAX_ENCODED, encode};
 use estimator_core::board::link::{Answer, Command};
 use estimator_core::board::sensing::Watch;
 use estimator_core::board::settings::{Key, Settings};
-use estimator_core::{Estimate, State, step};
+use estimator_core::{Estimate, Fault, State, step};
 use f405::bench::{Bench, analog, spi};
 use f405::chip::Part;
 use f405::report::Report;
@@ -14,9 +14,6 @@ use f405::world::{Material, OnSpi, Press, Strokes};
 const SEEDS: u64 = 8;
 /// Length of a run (s): about six strokes.
 const SECONDS: f64 = 6.0;
-/// The number of the exception of the sampling task with analog sensors, DMA2 stream 0; and of telemetry's.
-const SAMPLE: u32 = 16 + 56;
-const TELEMETRY: u32 = 16 + 19;
 
 #[test]
 fn boots_with_its_registers_as_expected_and_samples_at_1_khz() {
@@ -41,22 +38,6 @@ fn boots_with_its_registers_as_expected_and_samples_at_1_khz() {
             format!("first estimate after power, at {cycles} cycles an instruction"),
             format!("{:.1} ms", first * 1e3),
         );
-        for (name, number) in [("sampling task", SAMPLE), ("telemetry", TELEMETRY)] {
-            let cost = bench.machine.chip.trace.costs[&number];
-            let own = match number {
-                TELEMETRY => {
-                    cost.instructions
-                        - bench.machine.chip.trace.costs[&SAMPLE]
-                            .instructions
-                            .min(cost.instructions)
-                }
-                _ => cost.instructions,
-            };
-            report.row(
-                format!("{name} at {cycles}"),
-                format!("{} instructions mean (interruptions by the sampling task taken off: at least {}), {:.0} µs at most", cost.instructions / cost.count, own / cost.count, cost.longest_s * 1e6),
-            );
-        }
     }
 }
 
@@ -199,10 +180,10 @@ const SPI_SETTINGS: [(Key, f32); 5] = [
     (Key::PositionPerCode, 9.536_743e-9),
 ];
 
-#[test]
-fn with_spi_sensors_it_boots_samples_and_identifies_gel_within_a_hundredth() {
-    let motion = Strokes::random(1, 1.5, 100.0, Strokes::depths(Material::GEL));
-    let world = OnSpi(Press::new(motion, Material::GEL, 1));
+/// A board with the second set of sensors and their settings, whose probe presses from 1.5 s on.
+fn with_spi(material: Material, seed: u64) -> Bench {
+    let motion = Strokes::random(seed, 1.5, 100.0, Strokes::depths(material));
+    let world = OnSpi(Press::new(motion, material, seed));
     let mut bench = Bench::new(spi(), Part::default(), Box::new(world));
     bench.run(0.3);
     // Bounds that do not suit the old scale are refused, so they come first, together.
@@ -215,18 +196,65 @@ fn with_spi_sensors_it_boots_samples_and_identifies_gel_within_a_hundredth() {
     }
     let answer = bench.ask(Command::Commit, 0.2);
     assert!(matches!(answer, Some((Answer::Done, _))), "{answer:?}");
-    bench.run(6.0);
-    within_the_model(&bench);
-    let log = bench.log();
-    assert!(
-        log.iter()
-            .any(|line| line.contains("registers as expected")),
-        "{log:#?}"
-    );
-    let found = identified(&bench).expect("converged");
-    let mut report = Report::new("gel with SPI sensors, one seed");
-    report.row("K, λ, n", format!("{found:.4?}"));
-    for (found, truth) in found.iter().zip([1350.0, 36.0, 1.35]) {
-        assert!((found / truth - 1.0).abs() < 0.01, "{found} for {truth}");
+    bench
+}
+
+#[test]
+fn with_spi_sensors_it_boots_and_identifies_both_materials_within_a_hundredth() {
+    let mut report = Report::new("SPI sensors, one seed");
+    for (material, truth) in [
+        (Material::GEL, [1350.0, 36.0, 1.35]),
+        (Material::PLASTIC, [11_500.0, 70.0, 1.2]),
+    ] {
+        let mut bench = with_spi(material, 1);
+        bench.run(6.0);
+        within_the_model(&bench);
+        let log = bench.log();
+        let expected = |line: &String| line.contains("registers as expected");
+        assert!(log.iter().any(expected), "{log:#?}");
+        let found = identified(&bench).expect("converged");
+        report.row(format!("K, λ, n for {truth:?}"), format!("{found:.4?}"));
+        for (found, truth) in found.iter().zip(truth) {
+            assert!((found / truth - 1.0).abs() < 0.01, "{found} for {truth}");
+        }
+        let health = bench.healths().last().expect("health comes");
+        let counts = (health.dropped, health.overruns, bench.lost());
+        assert_eq!(counts, (0, 0, 0));
+    }
+}
+
+/// A cable that comes off is told, and nothing is learned meanwhile.
+// Before PC11 pulled up: an open line that reads 0 was angle 0, and no fault until the force had risen by 5 N.
+#[test]
+fn with_spi_sensors_a_cable_that_comes_off_is_told() {
+    let mut report = Report::new("SPI sensor's cable off");
+    for (name, fault, breaks) in [
+        (
+            "converter",
+            Fault::ForceUnusable,
+            (|bench: &mut Bench| bench.machine.cut_converter()) as fn(&mut Bench),
+        ),
+        ("encoder", Fault::PositionUnusable, |bench: &mut Bench| {
+            bench.machine.cut_encoder();
+        }),
+    ] {
+        let mut bench = with_spi(Material::GEL, 1);
+        bench.run(4.0);
+        let before = identified(&bench).expect("converged");
+        let from = bench.machine.chip.seconds();
+        breaks(&mut bench);
+        bench.run(1.0);
+        let first = bench
+            .estimates()
+            .find(|(at, estimate)| *at > from && estimate.faults.has(fault))
+            .map(|(at, _)| at - from)
+            .expect("it is told");
+        report.row(
+            format!("{name}: told after"),
+            format!("{:.1} ms", first * 1e3),
+        );
+        assert!(first < 0.02, "{name}: {first} s");
+        let after = identified(&bench).expect("converged");
+        assert!((after[0] / before[0] - 1.0).abs() < 0.01, "{after:?}");
     }
 }

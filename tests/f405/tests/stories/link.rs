@@ -90,6 +90,8 @@ fn health_comes_every_second_under_commands_and_packets_at_full_telemetry() {
         let told = packet(sequence, now_us, [1350.0, 5.0, 1.35, 0.5e-3]);
         let command = match sequence % 20 {
             7 => Command::Save,
+            // A save disarms; a force that is put out has a frame of its own at every sample.
+            8 | 1 => Command::Arm,
             n if n % 2 == 0 => Command::Reflect(told),
             _ => Command::Get(Key::EstimatorHalfWidth.id()),
         };
@@ -109,6 +111,12 @@ fn health_comes_every_second_under_commands_and_packets_at_full_telemetry() {
         .iter()
         .filter(|r| matches!(r.frame, Frame::Codes(_)));
     report.row("records", records.count());
+    let rendered = bench.host.frames.iter();
+    let rendered = rendered.filter(|r| matches!(r.frame, Frame::Rendered(_)));
+    let rendered = rendered.count();
+    report.row("rendered forces", rendered);
+    // More than a line carries that is looked at once a millisecond: 128 bytes.
+    assert!(rendered > 40_000, "{rendered}");
     report.row(
         "lag",
         format!("{:.1} ms mean, {:.1} ms at most", mean * 1e3, most * 1e3),

@@ -4,8 +4,10 @@
 mod boot;
 mod clock;
 mod common;
+mod cost;
 mod flash;
 mod hang;
+mod history;
 mod instants;
 mod link;
 mod sensing;

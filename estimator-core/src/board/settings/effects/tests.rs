@@ -1,6 +1,7 @@
 use super::super::compensation::{COUNT, MOST_AT_ONCE};
 use super::super::store::SLOT;
 use super::*;
+use crate::board::settings::Bounds;
 extern crate std;
 use std::string::ToString;
 use std::vec::Vec;
@@ -63,8 +64,11 @@ fn a_record_holds_all_settings() {
     let most: usize = sizes.iter().take(8).sum();
     assert_eq!(most, MOST_AT_ONCE);
     let own = Key::ALL.len() - sizes.iter().sum::<usize>();
-    // Eight bytes of head, five for each, four of check sum.
-    assert!(8 + 5 * (own + most) + 4 <= SLOT, "{own} and {most}");
+    let count = |key: &&Key| matches!(key.info().bounds, Bounds::Whole(low, high) if low >= 0.0 && high < 65_536.0);
+    let counts = Key::ALL.iter().filter(count).count();
+    // Eight bytes of head, five for each value, one and three for each count, four of check sum.
+    let bytes = 8 + 5 * (own + most - counts) + 1 + 3 * counts + 4;
+    assert!(bytes <= SLOT, "{own} and {most}: {bytes}");
 }
 
 #[test]

@@ -50,7 +50,7 @@ impl<T: Real> Agreement<T> {
         let (low, high) = self.span;
         self.span = (low.min_of(force), high.max_of(force));
         if moves && slope > T::zero() {
-            let share = T::from_f64(1.0 / f64::from(self.pools + 1));
+            let share = T::one() / T::from_u32(self.pools + 1);
             self.shift -= share * error / slope;
         }
     }

@@ -80,7 +80,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
     /// Change of z from the middle of the last period to `now`.
     pub(super) fn change(&self, now: &SplitForce<T>) -> T {
         let half = T::from_f64(0.5);
-        let since = T::from_f64(f64::from(self.summed + 1));
+        let since = T::from_u32(self.summed + 1);
         let elapsed_s = self.period.sample_s * since + half * self.period.seconds();
         let slope = if self.known < R {
             T::zero()
@@ -109,7 +109,7 @@ impl<T: Real, const R: usize, const N: usize> RelaxationStage<T, R, N> {
         if self.summed < self.period.samples {
             return;
         }
-        let share = T::one() / T::from_f64(f64::from(self.summed));
+        let share = T::one() / T::from_u32(self.summed);
         let now = SplitForce::zero().plus(&self.sum, share);
         self.sum = SplitForce::zero();
         self.summed = 0;
