@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::cli::progress::Bar;
 use crate::gap::Progress;
 use crate::json::write_json;
-use crate::output::{result, say};
+use crate::output::{result, say, try_folder};
 use crate::report::teleop::{TeleopReport, comparison};
 use crate::report::{Input, Provenance};
 use crate::teleop::measure::transparency::transparency;
@@ -26,6 +26,9 @@ use crate::teleop::{Grid, Options, System, compare, json, measure, stability_lim
 /// A [`Diagnostic`](crate::diagnostic::Diagnostic) for a file that cannot be used; an I/O error if a file
 /// cannot be written.
 pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
+    if let Some(out) = &args.out {
+        try_folder(out)?;
+    }
     if bridge::is_asked(args) {
         return bridge::run(args);
     }
