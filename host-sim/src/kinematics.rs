@@ -8,6 +8,8 @@
 mod bend;
 mod misfit;
 
+use std::borrow::Cow;
+
 use crate::log::UniformLog;
 use crate::signal;
 use bend::Quintic;
@@ -126,25 +128,59 @@ impl Window {
     }
 }
 
+/// What smooths the position of a log, sample by sample.
+pub(crate) struct Smoother<'a> {
+    position_m: Cow<'a, [f64]>,
+    rate_hz: f64,
+    noise_m: f64,
+    windows: Vec<Window>,
+}
+
+impl<'a> Smoother<'a> {
+    pub(crate) fn of(log: &'a UniformLog) -> Smoother<'a> {
+        let position_m = signal::without_toggling(&log.position_m);
+        Smoother {
+            rate_hz: log.rate_hz,
+            noise_m: signal::noise(&position_m),
+            position_m,
+            windows: HALF_WIDTHS.into_iter().map(Window::new).collect(),
+        }
+    }
+
+    /// Position (m) and its rate (m/s) at a sample.
+    pub(crate) fn motion(&self, at: usize) -> (f64, f64) {
+        let ([position, slope, _], _) = self.cubic(at);
+        (position, slope * self.rate_hz)
+    }
+
+    /// Samples on either side that there are.
+    fn room(&self, at: usize) -> usize {
+        at.min(self.position_m.len() - 1 - at)
+    }
+
+    /// Value, slope and bend per sample, and the noise of the last two in that of the position.
+    fn cubic(&self, at: usize) -> ([f64; 3], [f64; 2]) {
+        let (channel, room) = (&*self.position_m, self.room(at));
+        let fitting = self.windows.iter().filter(|own| own.half_width <= room);
+        let smoothed = fitting
+            .map(|window| (window, window.cubic(channel, at)))
+            .find(|(window, (_, left))| *left <= window.within * self.noise_m)
+            .map(|(window, (cubic, _))| (cubic, window.noise()));
+        smoothed.unwrap_or(([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]))
+    }
+}
+
 /// Smooths the position of a log.
 pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
-    let position = signal::without_toggling(&log.position_m);
-    let channel = position.as_ref();
-    let noise_m = signal::noise(channel);
-    let windows: Vec<Window> = HALF_WIDTHS.into_iter().map(Window::new).collect();
+    let smoother = Smoother::of(log);
+    let (channel, noise_m) = (&*smoother.position_m, smoother.noise_m);
     let quintics = Quintic::all();
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
-        let room = at.min(channel.len() - 1 - at);
-        let fitting = windows.iter().filter(|window| window.half_width <= room);
-        let smoothed = fitting
-            .map(|window| (window, window.cubic(channel, at)))
-            .find(|(window, (_, left))| *left <= window.within * noise_m)
-            .map(|(window, (cubic, _))| (cubic, window.noise()));
-        let edge = ([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]);
-        let ([position, slope, bend], noise) = smoothed.unwrap_or(edge);
+        let ([position, slope, bend], noise) = smoother.cubic(at);
+        let room = smoother.room(at);
         let fitting = quintics.iter().filter(|own| own.half_width <= room);
         let mut bends = fitting.map(|own| (own, own.bend(channel, at)));
         let quintic = bends.find(|(own, (_, left))| *left <= own.within * noise_m);

@@ -81,6 +81,29 @@ impl UniformLog {
         signal::noise(&self.force_n[longest])
     }
 
+    /// The first so many samples as a log of their own.
+    pub(crate) fn first(&self, count: usize) -> UniformLog {
+        let end = count.min(self.len());
+        let upto = |channel: &[f64]| channel[..end].to_vec();
+        let marks = |all: &[bool]| all[..end.min(all.len())].to_vec();
+        UniformLog {
+            path: self.path.clone(),
+            rate_hz: self.rate_hz,
+            time_s: upto(&self.time_s),
+            position_m: upto(&self.position_m),
+            force_n: upto(&self.force_n),
+            in_gap: marks(&self.in_gap),
+            slower: self.slower.clone(),
+            untouched: self.untouched,
+            recognised: self.recognised[..end.min(self.recognised.len())].to_vec(),
+            compensated: Compensated {
+                saturated: marks(&self.compensated.saturated),
+                ..self.compensated.clone()
+            },
+            notes: self.notes.clone(),
+        }
+    }
+
     fn push(&mut self, time_s: f64, position_m: f64, force_n: f64, in_gap: bool) {
         self.time_s.push(time_s);
         self.position_m.push(position_m);
