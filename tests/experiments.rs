@@ -253,7 +253,7 @@ fn e4_after_a_swap_the_new_values_are_found_uninfluenced_by_the_old() {
 
 fn moments(estimation: &Estimation, event: Event) -> Vec<f64> {
     let replay = &estimation.replay;
-    let all = (0..replay.records.len()).filter(|i| replay.records[*i].event == Some(event));
+    let all = (0..replay.records.len()).filter(|i| replay.records.at(*i).event == Some(event));
     all.map(|i| replay.time_s(i)).collect()
 }
 

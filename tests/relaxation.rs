@@ -182,7 +182,7 @@ fn settles<const N: usize>(
     let last = replay.last().and_then(&values).unwrap();
     let mut settled = [0.0; N];
     for (index, record) in replay.records.iter().enumerate() {
-        let now = values(record);
+        let now = values(&record);
         for (i, settled) in settled.iter_mut().enumerate() {
             if now.is_none_or(|now| (now[i] / last[i] - 1.0).abs() > tolerance::CLOSE) {
                 *settled = replay.time_s(index) - from_s;

@@ -74,7 +74,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
     })?;
     let motion = kinematics(log);
     let mut empty = nothing(log, &replay, &motion, notes);
-    let Some(course) = Course::of(log, &motion, &replay, options.thresholds) else {
+    let Some(course) = Course::of(log, &motion, replay.contacts(), options.thresholds) else {
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);
     };
@@ -142,7 +142,11 @@ impl Given<'_> {
 
 /// The result of a log in which nothing is touched.
 fn nothing(log: &UniformLog, replay: &Replay, motion: &Kinematics, notes: Vec<String>) -> Batch {
-    let outcome = Outcome::along(log, replay, std::slice::from_ref(motion));
+    let outcome = Outcome::along(
+        log,
+        replay,
+        &crate::estimate::outcome::Motions::known(motion),
+    );
     let inspection = inspect(log, replay, &outcome.touches);
     Batch {
         family: Family::KELVIN_VOIGT,

@@ -18,16 +18,19 @@ pub use explain::explain;
 pub use lateness::Lateness;
 pub use outcome::Outcome;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
-use residual::motions;
+use residual::Motions;
 pub use setup::{Choices, Setup, setup};
 
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
 use crate::log::{FEWEST_SAMPLES, UniformLog};
+use crate::number::quantity;
 use crate::replay::{Replay, decimated, replay};
 
 /// What a simpler law may leave more than the best one and still be chosen: 2 %.
 const SIMPLER_MARGIN: f64 = 1.02;
+/// A log of more than twice this (s) is compared with the laws by its beginning: four laws over an hour take 15 s.
+const BEGINNING_S: f64 = 300.0;
 /// A method that is not trusted by itself is taken where the best of the others leaves so much more.
 const WELL_ABOVE: f64 = 1.5;
 
@@ -87,7 +90,55 @@ pub fn estimate(
 ) -> Result<Estimation, Diagnostic> {
     let decimated = decimated(log);
     let log = decimated.as_ref().unwrap_or(log);
-    let motions = motions(log);
+    let mut estimation = match by_its_beginning(log, base, methods, choices)? {
+        Some(estimation) => estimation,
+        None => compared(log, base, methods, choices)?,
+    };
+    estimation.decimated = decimated;
+    Ok(estimation)
+}
+
+/// Chooses the law of a long log by its beginning, and runs that law alone over all of it; `None` where the
+/// beginning decides nothing, or what it decides does not explain the rest.
+fn by_its_beginning(
+    log: &UniformLog,
+    base: Config,
+    methods: &[Method],
+    choices: Choices,
+) -> Result<Option<Estimation>, Diagnostic> {
+    let beginning = (BEGINNING_S * log.rate_hz) as usize;
+    if methods.len() < 2 || log.len() < 2 * beginning {
+        return Ok(None);
+    }
+    let Ok(begun) = compared(&log.first(beginning), base, methods, choices) else {
+        return Ok(None);
+    };
+    if begun.outcome.touches.is_empty() || !begun.is_explained() {
+        return Ok(None);
+    }
+    let method = begun.replay.config.method;
+    let selection = begun.selection;
+    drop(begun.replay);
+    let mut whole = compared(log, base, &[method], choices)?;
+    if !whole.is_explained() {
+        return Ok(None);
+    }
+    whole.selection = selection;
+    whole.notes.push(format!(
+        "the log is long: the laws were compared over its first {}, and the best of them was run over all of it",
+        quantity(BEGINNING_S, 3, "s")
+    ));
+    Ok(Some(whole))
+}
+
+/// Runs every method over the whole log and keeps the best.
+fn compared(
+    log: &UniformLog,
+    base: Config,
+    methods: &[Method],
+    choices: Choices,
+) -> Result<Estimation, Diagnostic> {
+    let motions = Motions::of(log);
     let mut best: Option<(Replay, Outcome, Vec<String>)> = None;
     let (mut selection, mut rmses_n) = (Vec::new(), Vec::new());
     for method in methods {
@@ -131,7 +182,7 @@ pub fn estimate(
         selection,
         notes,
         evidence,
-        decimated,
+        decimated: None,
     })
 }
 

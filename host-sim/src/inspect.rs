@@ -137,7 +137,7 @@ fn saturation(contact: &[f64], noise_n: f64) -> Option<f64> {
 fn speeds(replay: &Replay) -> Option<(f64, f64)> {
     let contacts = replay.contacts().into_iter().flatten();
     let mut speeds: Vec<f64> = contacts
-        .map(|index| f64::from(replay.records[index].speed_mps.abs()))
+        .map(|index| f64::from(replay.records.speed_mps(index).abs()))
         .collect();
     let fastest = speeds.iter().copied().fold(0.0, f64::max);
     speeds.retain(|speed| *speed > 0.1 * fastest);

@@ -8,6 +8,8 @@
 mod bend;
 mod misfit;
 
+use std::borrow::Cow;
+
 use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::{median, rms};
@@ -139,37 +141,69 @@ impl Window {
     }
 }
 
+/// What smooths the position of a log, sample by sample.
+pub(crate) struct Smoother<'a> {
+    position_m: Cow<'a, [f64]>,
+    rate_hz: f64,
+    noise_m: f64,
+    /// Half-widths (samples) above those at 1 kHz, widest first.
+    wider: Vec<usize>,
+    windows: Vec<Window>,
+}
+
+impl<'a> Smoother<'a> {
+    pub(crate) fn of(log: &'a UniformLog) -> Smoother<'a> {
+        let position_m = signal::without_toggling(&log.position_m);
+        let counts_m = of_counts(&position_m);
+        let wider = match counts_m {
+            Some(_) => wider_half_widths(log.rate_hz),
+            // What a servo or an amplifier makes of a position remembers: a wider window takes less off than it claims.
+            None => Vec::new(),
+        };
+        let all = wider.iter().copied().chain(HALF_WIDTHS);
+        Smoother {
+            rate_hz: log.rate_hz,
+            noise_m: counts_m.unwrap_or_else(|| signal::noise(&position_m)),
+            windows: all.map(Window::new).collect(),
+            wider,
+            position_m,
+        }
+    }
+
+    /// Position (m) and its rate (m/s) at a sample.
+    pub(crate) fn motion(&self, at: usize) -> (f64, f64) {
+        let ([position, slope, _], _) = self.cubic(at);
+        (position, slope * self.rate_hz)
+    }
+
+    /// Samples on either side that there are.
+    fn room(&self, at: usize) -> usize {
+        at.min(self.position_m.len() - 1 - at)
+    }
+
+    /// Value, slope and bend per sample, and the noise of the last two in that of the position.
+    fn cubic(&self, at: usize) -> ([f64; 3], [f64; 2]) {
+        let (channel, room) = (&*self.position_m, self.room(at));
+        let fitting = self.windows.iter().filter(|own| own.half_width <= room);
+        let smoothed = fitting
+            .map(|window| (window, window.cubic(channel, at)))
+            .find(|(window, (_, left))| *left <= window.within * self.noise_m)
+            .map(|(window, (cubic, _))| (cubic, window.noise()));
+        smoothed.unwrap_or(([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]))
+    }
+}
+
 /// Smooths the position of a log.
 pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
-    let position = signal::without_toggling(&log.position_m);
-    let channel = position.as_ref();
-    let counts_m = of_counts(channel);
-    let noise_m = counts_m.unwrap_or_else(|| signal::noise(channel));
-    let wide = match counts_m {
-        Some(_) => wider_half_widths(log.rate_hz),
-        // What a servo or an amplifier makes of a position remembers: a wider window takes less off than it claims.
-        None => Vec::new(),
-    };
-    let narrow = HALF_WIDTHS.into_iter();
-    let windows: Vec<Window> = wide
-        .iter()
-        .copied()
-        .chain(narrow)
-        .map(Window::new)
-        .collect();
-    let quintics = Quintic::all(&wide);
+    let smoother = Smoother::of(log);
+    let (channel, noise_m) = (&*smoother.position_m, smoother.noise_m);
+    let quintics = Quintic::all(&smoother.wider);
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
-        let room = at.min(channel.len() - 1 - at);
-        let fitting = windows.iter().filter(|window| window.half_width <= room);
-        let smoothed = fitting
-            .map(|window| (window, window.cubic(channel, at)))
-            .find(|(window, (_, left))| *left <= window.within * noise_m)
-            .map(|(window, (cubic, _))| (cubic, window.noise()));
-        let edge = ([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]);
-        let ([position, slope, bend], noise) = smoothed.unwrap_or(edge);
+        let ([position, slope, bend], noise) = smoother.cubic(at);
+        let room = smoother.room(at);
         let fitting = quintics.iter().filter(|own| own.half_width <= room);
         let mut bends = fitting.map(|own| (own, own.bend(channel, at)));
         let quintic = bends.find(|(own, (_, left))| *left <= own.within * noise_m);

@@ -15,6 +15,7 @@ pub mod log;
 mod lsq;
 pub mod model;
 pub mod motion;
+pub mod motion_kind;
 pub mod number;
 pub mod output;
 pub mod plant;

@@ -3,11 +3,15 @@
 mod decimate;
 mod limits;
 mod marks;
+mod records;
 mod sensing;
+mod steps;
 mod width;
 
 pub use decimate::decimated;
 pub use marks::{EventKind, EventMark, Touch};
+pub use records::{Records, Said};
+pub use steps::Steps;
 pub(crate) use width::half_width;
 
 use estimator_core::estimate::{Phase, params::Params};
@@ -25,11 +29,11 @@ pub struct Replay {
     /// Its coefficients.
     pub params: Params<f32>,
     /// A record per sample. Record `i` describes sample `i − delay`.
-    pub records: Vec<Estimate<f32>>,
+    pub records: Records,
     /// The resting force (N) at each sample.
     pub rest_n: Vec<f32>,
     /// Position of the surface (m) that the depth of each record is measured from.
-    pub surface_m: Vec<f32>,
+    pub surface_m: Steps,
     /// Standard deviation of the raw force (N) as the estimator measured it.
     pub noise_n: f64,
     /// Samples that the records are late.
@@ -47,17 +51,17 @@ pub struct Replay {
 pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> {
     let params = config.validate::<f32>()?;
     let mut state = State::new(&params);
-    let mut records = Vec::with_capacity(log.len());
+    let mut records = Records::with_capacity(log.len());
     let mut rest_n = Vec::with_capacity(log.len());
-    let mut surface_m = Vec::with_capacity(log.len());
+    let mut surface_m = Steps::default();
     let delay = (params.delay_us() as f64 * 1e-6 * log.rate_hz).round() as usize;
     let readings = Readings::of(log);
     for (index, sample) in readings.samples(log.rate_hz).enumerate() {
         // The instant that a record describes must have been measured.
         let described = index.checked_sub(delay);
-        state.enable_learning(described.is_none_or(|at| !readings.invented[at]));
+        state.enable_learning(described.is_none_or(|at| !readings.invented.contains(at)));
         let mut record = step(&params, &mut state, sample);
-        record.faults = record.faults | readings.bridged_faults[index];
+        record.faults = record.faults | readings.bridged_faults.at(index);
         records.push(record);
         rest_n.push(state.resting_force_n());
         surface_m.push(state.surface_m(&params).unwrap_or_default());
@@ -87,9 +91,9 @@ pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {
     sampled(log.rate_hz, &log.position_m, &log.force_n, faults)
 }
 
-impl Readings {
+impl Readings<'_> {
     fn samples(&self, rate_hz: f64) -> impl Iterator<Item = Sample<f32>> + '_ {
-        let faults = self.faults.iter().copied();
+        let faults = (0..self.position_m.len()).map(|at| self.faults.at(at));
         sampled(rate_hz, &self.position_m, &self.force_n, faults)
     }
 }
@@ -131,8 +135,8 @@ impl Replay {
     /// Depth (m) that record `index` describes, below the surface that is known at the end: an
     /// estimator that finds the surface moves the depths of its records with it.
     pub fn final_depth_m(&self, index: usize) -> f64 {
-        let surface = self.surface_m.last().copied().unwrap_or_default();
-        let position = self.records[index].depth_m + self.surface_m[index];
+        let surface = self.surface_m.last();
+        let position = self.records.depth_m(index) + self.surface_m.at(index);
         f64::from(position) - f64::from(surface)
     }
 
@@ -149,13 +153,12 @@ impl Replay {
     /// Stretches of contact as ranges of records.
     pub fn contacts(&self) -> Vec<std::ops::Range<usize>> {
         let mut contacts: Vec<std::ops::Range<usize>> = Vec::new();
-        for (index, record) in self.records.iter().enumerate() {
-            if record.phase != Phase::Contact {
-                continue;
-            }
+        let in_contact = |said: &Said| said.phase == Phase::Contact;
+        let stretches = self.records.stretches();
+        for (range, _) in stretches.filter(|(_, said)| in_contact(said)) {
             match contacts.last_mut() {
-                Some(last) if last.end == index => last.end = index + 1,
-                _ => contacts.push(index..index + 1),
+                Some(last) if last.end == range.start => last.end = range.end,
+                _ => contacts.push(range),
             }
         }
         contacts

@@ -46,20 +46,18 @@ fn sigma(differences: impl Iterator<Item = f64>) -> f64 {
 /// changes are whole multiples of it. `None` for a channel that is not quantised.
 pub fn step(channel: &[f64]) -> Option<f64> {
     let span = range(channel);
-    let changes: Vec<f64> = channel
-        .windows(2)
-        .map(|w| (w[1] - w[0]).abs())
-        .filter(|change| *change > 1e-9 * span)
-        .collect();
-    let smallest = lowest(changes.iter().copied());
-    let whole = changes
-        .iter()
-        .filter(|change| {
-            let codes = *change / smallest;
-            codes < 1e4 && (codes - codes.round()).abs() < 0.02
-        })
-        .count();
-    (changes.len() >= 10 && 10 * whole >= 9 * changes.len()).then_some(smallest)
+    // Walked through twice rather than kept: of an hour they are 29 MB.
+    let changes = || {
+        let changes = channel.windows(2).map(|w| (w[1] - w[0]).abs());
+        changes.filter(|change| *change > 1e-9 * span)
+    };
+    let smallest = lowest(changes());
+    let is_whole = |change: &f64| {
+        let codes = change / smallest;
+        codes < 1e4 && (codes - codes.round()).abs() < 0.02
+    };
+    let (count, whole) = (changes().count(), changes().filter(is_whole).count());
+    (count >= 10 && 10 * whole >= 9 * count).then_some(smallest)
 }
 
 /// How often a channel goes one step there and back again: three changes of one step in a row, each

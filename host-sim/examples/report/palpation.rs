@@ -183,6 +183,7 @@ impl Log {
                 name,
                 unit,
                 estimate: values[at],
+                truth: None,
             }
         };
         NAMES.iter().zip(&self.parameters).map(of).collect()

@@ -23,7 +23,6 @@ use std::ops::Range;
 use super::thresholds::{Samples, Thresholds};
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
-use crate::replay::Replay;
 use crate::stats::{highest, lowest, median};
 
 /// Half-width of the moving mean that decides about it (samples): 7 samples.
@@ -113,14 +112,13 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Lays the course of a log; `None` if nothing is touched.
+    /// Lays the course of a log over its touches, as ranges of samples; `None` if nothing is touched.
     pub(super) fn of(
         log: &UniformLog,
         motion: &Kinematics,
-        replay: &Replay,
+        touches: Vec<Range<usize>>,
         thresholds: Thresholds,
     ) -> Option<Course> {
-        let touches = replay.contacts();
         let force_n = moving_mean(&log.force_n);
         let scales = scales(
             log,
@@ -382,7 +380,13 @@ mod tests {
         )
         .config;
         let replay = crate::replay::replay(&log, &config).unwrap();
-        let course = Course::of(&log, &kinematics(&log), &replay, Thresholds::default()).unwrap();
+        let course = Course::of(
+            &log,
+            &kinematics(&log),
+            replay.contacts(),
+            Thresholds::default(),
+        )
+        .unwrap();
         (log, course)
     }
 

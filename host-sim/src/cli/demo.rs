@@ -8,20 +8,25 @@ use clap::Args;
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
 
+use crate::cli::progress::Bar;
 use crate::cli::{estimate::Shown, estimate::document, gap::print::summary};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, estimate};
-use crate::gap::{Options, gap};
+use crate::gap::{Finding, Options, Progress, gap};
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::motion_kind::MotionKind;
 use crate::number::Measured;
-use crate::output::{say, write_atomically};
+use crate::output::{say, try_folder, write_atomically};
 use crate::plant::{GEL, Material, PLASTIC, Rig, Stage};
+use crate::report::{Document, Provenance, Tone, gap::GapReport};
 use estimator_core::physics::{effect::CoulombFriction, effect::Effect, law::ContactLaw};
 
 /// What is hidden in the demo's third log (N).
 const HIDDEN_FRICTION_N: f64 = 0.35;
+/// Below this speed (m/s) it turns around: no dry contact reverses at once.
+const FRICTION_TRANSITION_MPS: f64 = 2e-4;
 
 /// What the demo's simulation knows of the gel.
 const BASE: &str = r#"[environment]
@@ -103,20 +108,33 @@ pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
         "A simulated rig palpates two materials; the estimator is told nothing about them, nor\n\
          where they begin. Load cell: 20 mN noise, 5 mN steps; encoder: 1 µm; 1 kHz.\n\n",
     )?;
+    // Written at the end, tried before anything is computed.
+    try_folder(&args.out)?;
+    let bar = Bar::after_a_while();
     let mut shown = Vec::new();
     for (material, surface_m) in [(GEL, 180e-6), (PLASTIC, -120e-6)] {
         let method = Method::HUNT_CROSSLEY_BANK;
+        bar.at(0.2 * shown.len() as f64, material.name);
         let palpated = palpate(material, surface_m, args.seed, method, false)?;
-        say(found(&palpated))?;
+        bar.suspend(|| say(found(&palpated)))?;
         let path = args.out.join(format!("{}.csv", material.name));
         write_log(&path, &palpated.log)?;
         let law = material.law;
         let columns = Shown::new(material.name, &palpated.log, &palpated.estimation);
-        shown.push(columns.with_true_elastic(|depth_m| law.force_n(depth_m, 0.0)));
+        let columns = columns.with_true_elastic(|depth_m| law.force_n(depth_m, 0.0));
+        shown.push(columns.with_truth(&[
+            ("stiffness", law.stiffness_n_per_m),
+            ("damping", law.damping_ns_per_m),
+            ("exponent", law.exponent),
+            ("surface", surface_m),
+        ]));
     }
+    bar.at(0.4, "a friction that the model does not know");
+    let finding = hidden(args)?;
+    drop(bar);
+    told(&finding)?;
     let report = args.out.join("report.html");
-    document(shown, "Palpating gel and plastic", &[])?.write(&report)?;
-    hidden(args)?;
+    page(shown, &finding)?.write(&report)?;
     say(format!(
         "report: {}\nnext:   palpate estimate {}\n        palpate gap --model {} --log {} --out result\n",
         report.display(),
@@ -127,13 +145,50 @@ pub fn run(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// The report: what was palpated, and what was found of the friction, both beside the truth.
+fn page(shown: Vec<Shown>, finding: &Finding) -> std::io::Result<Document> {
+    let estimated: Vec<String> = shown.iter().map(Shown::verdict).collect();
+    let named = finding
+        .effects
+        .iter()
+        .any(|effect| effect.id.name() == "coulomb_friction");
+    let of_the_friction = match named {
+        true => "The friction that was hidden in a third run is found by name.",
+        false => "The friction that was hidden in a third run is not found.",
+    };
+    let page = GapReport {
+        title: "",
+        kind: MotionKind::Linear,
+        finding,
+        names: &[],
+        provenance: Provenance::new(""),
+    };
+    let law = GEL.law;
+    let section = page.short(
+        "A friction that the model does not know of",
+        &[
+            ("stiffness", law.stiffness_n_per_m),
+            ("damping", law.damping_ns_per_m),
+            ("exponent", law.exponent),
+            ("surface", 0.0),
+            ("force", HIDDEN_FRICTION_N),
+            ("transition_speed", FRICTION_TRANSITION_MPS),
+        ],
+    );
+    let tone = if named { Tone::Good } else { Tone::Bad };
+    let verdict = format!("{} {of_the_friction}", estimated.join(" "));
+    let document = document(shown, "Palpating gel and plastic", &[])?;
+    Ok(document
+        .verdict(tone, if named { "found" } else { "not found" }, verdict)
+        .section_at(1, section))
+}
+
 /// The gel once more, on a rig whose guide rubs; the model knows the gel to a tenth, and no friction.
-fn hidden(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
+fn hidden(args: &DemoArgs) -> Result<Finding, Box<dyn Error>> {
     let friction = CoulombFriction {
         force_n: HIDDEN_FRICTION_N,
         width_m: 0.0,
-        // No dry contact reverses at once.
-        transition_mps: 2e-4,
+        transition_mps: FRICTION_TRANSITION_MPS,
     };
     let mut rig = Rig::default();
     rig.effects[0] = Some(Effect::CoulombFriction(friction));
@@ -148,13 +203,15 @@ fn hidden(args: &DemoArgs) -> Result<(), Box<dyn Error>> {
     let path = args.out.join("base.toml");
     write_atomically(&path, |writer| writer.write_all(BASE.as_bytes()))?;
     let model = Model::read(&path)?;
-    let finding = gap(&model, &[log], &Options::default())?;
+    Ok(gap(&model, &[log], &Options::default())?)
+}
+
+fn told(finding: &Finding) -> std::io::Result<()> {
     say("Then the guide rubs, and the model does not know it (gel to a tenth, no friction):\n")?;
-    say(format!("{}\n", summary(&finding)))?;
+    say(format!("{}\n", summary(finding)))?;
     say(format!(
         "  true        coulomb_friction force {HIDDEN_FRICTION_N} N\n\n"
-    ))?;
-    Ok(())
+    ))
 }
 
 fn write_log(path: &Path, log: &UniformLog) -> std::io::Result<()> {

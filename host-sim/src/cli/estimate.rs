@@ -9,6 +9,7 @@ mod mcap;
 mod methods;
 mod print;
 mod show;
+mod thin;
 mod whole_log;
 
 use std::error::Error;
@@ -27,6 +28,7 @@ use crate::estimate::{Choices, Estimation, estimate};
 use crate::json::write_json;
 use crate::log::UniformLog;
 use crate::output::try_folder;
+use crate::report::called;
 use crate::settings::Settings;
 use estimator_core::estimate::method::Method;
 
@@ -185,7 +187,7 @@ fn write(
     every: usize,
 ) -> io::Result<()> {
     files::write_csv(&folder.join("estimate.csv"), &estimation.replay, every)?;
-    let title = format!("Estimate of {}", path.display());
+    let title = format!("Estimate of {}", called(path));
     let shown = Shown::new("", log, estimation);
     document(vec![shown], &title, inputs)?.write(&folder.join("report.html"))
 }

@@ -16,14 +16,49 @@ pub(super) struct Bar(ProgressBar);
 
 impl Bar {
     pub(super) fn new() -> Bar {
-        let bar = ProgressBar::new(100);
-        if crate::output::is_quiet() {
-            bar.set_draw_target(ProgressDrawTarget::hidden());
+        let bar = Bar::hidden();
+        if !crate::output::is_quiet() {
+            bar.0.set_draw_target(ProgressDrawTarget::stderr());
+            bar.0.enable_steady_tick(TICK);
         }
-        let bar = styled(bar, "  {bar:24} {percent:>3} %  {elapsed:>3}  {msg}");
-        bar.enable_steady_tick(TICK);
-        Bar(bar)
+        bar
     }
+
+    /// A bar that appears after two seconds, for what is usually done by then.
+    pub(super) fn after_a_while() -> Bar {
+        let bar = Bar::hidden();
+        appear_late(&bar.0);
+        bar
+    }
+
+    fn hidden() -> Bar {
+        let bar = ProgressBar::with_draw_target(Some(100), ProgressDrawTarget::hidden());
+        Bar(styled(
+            bar,
+            "  {bar:24} {percent:>3} %  {elapsed:>3}  {msg}",
+        ))
+    }
+
+    /// Runs something that writes to the terminal, without the bar in its way.
+    pub(super) fn suspend<T>(&self, run: impl FnOnce() -> T) -> T {
+        self.0.suspend(run)
+    }
+}
+
+/// Shows a hidden bar after two seconds, unless it has ended or nothing is to be said.
+fn appear_late(bar: &ProgressBar) {
+    if crate::output::is_quiet() {
+        return;
+    }
+    let shown = bar.downgrade();
+    // Ends with the bar, or appears once.
+    std::thread::spawn(move || {
+        std::thread::sleep(SOON);
+        if let Some(bar) = shown.upgrade().filter(|bar| !bar.is_finished()) {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+            bar.enable_steady_tick(TICK);
+        }
+    });
 }
 
 /// The bar with a template that holds no mistake: the fallback is the bar's own.
@@ -59,17 +94,7 @@ impl Spinner {
             _ => "  {spinner} {pos} of {len} logs  {elapsed}",
         };
         let bar = styled(bar, template);
-        if !crate::output::is_quiet() {
-            let shown = bar.downgrade();
-            // Ends with the bar, or appears once.
-            std::thread::spawn(move || {
-                std::thread::sleep(SOON);
-                if let Some(bar) = shown.upgrade().filter(|bar| !bar.is_finished()) {
-                    bar.set_draw_target(ProgressDrawTarget::stderr());
-                    bar.enable_steady_tick(TICK);
-                }
-            });
-        }
+        appear_late(&bar);
         Spinner(bar)
     }
 

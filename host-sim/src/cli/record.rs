@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::cli::progress::Spinner;
 use crate::diagnostic::Diagnostic;
+use crate::interrupt;
 use crate::link::{Device, device::Statistics, port, record::convert, record::record};
 use crate::number::counted;
 use crate::output::say;
@@ -15,7 +17,7 @@ use crate::output::say;
 #[command(
     after_help = "Example:\n  palpate record --port /dev/ttyUSB0 --seconds 60 --out run7\n  \
     palpate record --convert run7\n\n\
-    Without --seconds it records until it is stopped (Ctrl-C); --convert then makes the log."
+    Without --seconds it records until Ctrl-C, and then writes the log as well. After a crash --convert makes it."
 )]
 pub struct RecordArgs {
     /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
@@ -51,9 +53,13 @@ pub fn run(args: &RecordArgs) -> Result<(), Box<dyn Error>> {
         let diagnostic = Diagnostic::new("a recording of no length").value(seconds);
         return Err(diagnostic.remedy("give --seconds greater than 0").into());
     }
+    // Ctrl-C ends the recording as its length would: the log is written.
+    interrupt::watch();
     let mut device = Device::new(port::open(name)?);
     let end = args.seconds.map(|s| (s * 1e6) as u64);
+    let spinner = Spinner::new(1);
     let statistics = record(&mut device, folder, end)?;
+    drop(spinner);
     say(said(&statistics))?;
     say(convert(folder)?)?;
     Ok(())

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::progress::Spinner;
 use crate::diagnostic::Diagnostic;
 use crate::model::Model;
 use crate::motion::Motion;
@@ -56,7 +57,10 @@ pub struct SimulateArgs {
 /// cannot be written.
 pub fn run(args: &SimulateArgs) -> Result<(), Box<dyn Error + Send + Sync>> {
     try_folder(&args.out)?;
-    say(record(args)?)?;
+    let spinner = Spinner::new(1);
+    let said = record(args)?;
+    drop(spinner);
+    say(said)?;
     let log = args.out.join("log.csv").display().to_string();
     result(&json!({ "log": log, "seed": args.seed }))?;
     Ok(())

@@ -27,6 +27,9 @@ use crate::teleop::{Grid, Measures, Options, System, compare, json, measure, sta
 /// A [`Diagnostic`](crate::diagnostic::Diagnostic) for a file that cannot be used; an I/O error if a file
 /// cannot be written.
 pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
+    if let Some(out) = &args.out {
+        try_folder(out)?;
+    }
     if bridge::is_asked(args) {
         return bridge::run(args);
     }

@@ -88,12 +88,21 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
     })
 }
 
-/// "4.5 times", "220 times": more digits mean nothing.
+/// "4.5 times", "220 times", within a sentence.
 pub(crate) fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio.is_infinite() => "any number of times".into(),
         ratio if ratio < 10.0 => format!("{ratio:.1} times"),
         ratio => format!("{ratio:.0} times"),
+    }
+}
+
+/// "4.5 ×", "220 ×": more digits mean nothing.
+pub(crate) fn multiple(ratio: f64) -> String {
+    match ratio {
+        ratio if ratio.is_infinite() => "any multiple of".into(),
+        ratio if ratio < 10.0 => format!("{ratio:.1} ×"),
+        ratio => format!("{ratio:.0} ×"),
     }
 }
 

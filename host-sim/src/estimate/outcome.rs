@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters, Phase};
+use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters};
 use estimator_core::physics::law::ParameterInfo;
 use estimator_core::{Faults, LawKind, Status};
 
 use super::reason::{Evidence, Reason, judged};
+pub(crate) use super::residual::Motions;
 pub use super::residual::law_with;
-use super::residual::{force_rmse, motions, named, replay_force};
+use super::residual::{force_rmse, named, replay_force};
 use super::touches::touches;
-use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::replay::{EventKind, EventMark, Replay, Touch};
 
@@ -71,17 +71,18 @@ pub struct Outcome {
 impl Outcome {
     /// Draws the sum of a replay of `log`.
     pub fn of(log: &UniformLog, replay: &Replay) -> Outcome {
-        Outcome::along(log, replay, &motions(log))
+        Outcome::along(log, replay, &Motions::of(log))
     }
 
     /// Draws the sum of a replay of `log`, whose motion is one of these.
-    pub(crate) fn along(log: &UniformLog, replay: &Replay, motions: &[Kinematics]) -> Outcome {
+    pub(crate) fn along(log: &UniformLog, replay: &Replay, motions: &Motions<'_>) -> Outcome {
         let at = decisive(replay);
         let decisive = at.and_then(|at| replay.records.get(at));
+        let decisive = decisive.as_ref();
         let law = decisive.map_or(replay.params.law(), |record| record.law);
         let parameters = decisive.map_or([None; PARAMETER_SLOTS], |record| record.parameters);
         let stretch = at.map_or(0..0, |at| stretch(replay, at));
-        let replays = motions.iter().map(|motion| {
+        let replays = motions.each().map(|motion| {
             let replayed_n = replay_force(log, replay, motion, law, &parameters);
             let rmse_n = force_rmse(log, replay, &replayed_n, stretch.clone());
             (replayed_n, rmse_n)
@@ -149,11 +150,7 @@ impl Outcome {
 fn decisive(replay: &Replay) -> Option<usize> {
     let last = replay.last()?;
     let learned = !matches!(last.status, Status::Changed | Status::Unobservable);
-    let change = replay
-        .records
-        .iter()
-        .rposition(|r| r.event == Some(Event::MaterialChange));
-    match change {
+    match replay.records.last_with(Event::MaterialChange) {
         Some(change) if !learned && change > 0 => Some(change - 1),
         _ => Some(replay.records.len() - 1),
     }
@@ -162,18 +159,28 @@ fn decisive(replay: &Replay) -> Option<usize> {
 /// Records of the material that those of `at` stand for: from its change on, if enough of the contact
 /// comes after it to judge a law by.
 fn stretch(replay: &Replay, at: usize) -> Range<usize> {
-    let is_change = |record: &Record| record.event == Some(Event::MaterialChange);
-    let start = replay.records[..=at]
-        .iter()
-        .rposition(is_change)
-        .unwrap_or(0);
-    let is_contact = |record: &&Record| record.phase == Phase::Contact;
-    let of = |records: &[Record]| records.iter().filter(is_contact).count() as f64;
-    let (own, all) = (of(&replay.records[start..=at]), of(&replay.records));
+    let mut before = changes(replay).into_iter().rev();
+    let start = before.find(|change| *change <= at).unwrap_or(0);
+    let contacts = replay.contacts();
+    let of = |from: usize, to: usize| -> f64 {
+        let within = contacts.iter().map(|contact| {
+            let end = contact.end.min(to);
+            end.saturating_sub(contact.start.max(from)) as f64
+        });
+        within.sum()
+    };
+    let (own, all) = (of(start, at + 1), of(0, replay.records.len()));
     match own >= (STRETCH_S / replay.period_s).max(STRETCH_SHARE * all) {
         true => start..at + 1,
         false => 0..replay.records.len(),
     }
+}
+
+/// The records at which the material has changed.
+fn changes(replay: &Replay) -> Vec<usize> {
+    let stretches = replay.records.stretches();
+    let changes = stretches.filter(|(_, said)| said.event == Some(Event::MaterialChange));
+    changes.flat_map(|(range, _)| range).collect()
 }
 
 /// From the end backward to the last record that is further than 5 % from the end's parameters.
@@ -194,7 +201,7 @@ fn settled_at(replay: &Replay, law: LawKind, parameters: &Parameters<f32>) -> Op
                 })
             })
     };
-    let first_near = match replay.records.iter().rposition(|record| !near(record)) {
+    let first_near = match replay.records.iter().rposition(|record| !near(&record)) {
         Some(far) => far + 1,
         None => 0,
     };
@@ -208,11 +215,7 @@ fn segments(replay: &Replay) -> Vec<Segment> {
     let Some(first) = replay.contacts().first().map(|contact| contact.start) else {
         return Vec::new();
     };
-    let changes = replay.records.iter().enumerate();
-    let changes = changes
-        .filter(|(_, r)| r.event == Some(Event::MaterialChange))
-        .map(|(i, _)| i);
-    let mut bounds: Vec<usize> = std::iter::once(first).chain(changes).collect();
+    let mut bounds: Vec<usize> = std::iter::once(first).chain(changes(replay)).collect();
     bounds.push(replay.records.len());
     bounds
         .windows(2)
@@ -222,7 +225,7 @@ fn segments(replay: &Replay) -> Vec<Segment> {
                 false => replay.time_s(pair[0]),
             },
             to_s: replay.time_s(pair[1] - 1),
-            parameters: replay.records[pair[1] - 1].parameters,
+            parameters: replay.records.at(pair[1] - 1).parameters,
         })
         .collect()
 }
@@ -232,7 +235,12 @@ fn segments(replay: &Replay) -> Vec<Segment> {
 fn events(replay: &Replay) -> Vec<EventMark> {
     let mut events = Vec::new();
     let mut before = Faults::NONE;
-    for (index, record) in replay.records.iter().enumerate() {
+    // A change of what is said begins a stretch, and an event is raised at every record of its own.
+    let said = replay.records.stretches().flat_map(|(range, said)| {
+        let many = if said.event.is_some() { range.len() } else { 1 };
+        range.take(many).map(move |index| (index, said))
+    });
+    for (index, record) in said {
         let time_s = replay.raw_time_s(index);
         for fault in record.faults.iter().filter(|fault| !before.has(*fault)) {
             let description = fault.describe().into();

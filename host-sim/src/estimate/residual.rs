@@ -7,7 +7,7 @@ use estimator_core::estimate::{Estimated, Parameters, Phase};
 use estimator_core::physics::law::{Law, RelaxingLaw, unilateral};
 use estimator_core::{Faults, LawKind};
 
-use crate::kinematics::{Kinematics, kinematics};
+use crate::kinematics::{Kinematics, Smoother};
 use crate::log::UniformLog;
 use crate::replay::Replay;
 use crate::signal;
@@ -43,16 +43,39 @@ pub fn law_with(
 /// happens within it, and 11 samples at 1 kHz take 7 % off the speed of a chatter at 25 Hz, 20 times the noise
 /// of a soft gel. And over a fixed window: where stamps jitter, a window that gives way to every sample leaves
 /// three times as much. A law is judged by the one that leaves less.
-pub(crate) fn motions(log: &UniformLog) -> [Kinematics; 2] {
-    let narrow = kinematics(log);
-    let of = |at: usize| signal::parabola(&log.position_m, at, FIXED_HALF_WIDTH, log.period_s());
-    let (position_m, speed_mps) = (0..log.len()).map(of).unzip();
-    let fixed = Kinematics {
-        position_m,
-        speed_mps,
-        ..narrow.clone()
-    };
-    [narrow, fixed]
+///
+/// Each is worked out sample by sample: those of an hour would take 120 MB.
+pub(crate) struct Motions<'a>(Vec<Box<Motion<'a>>>);
+
+/// A position (m) and its rate (m/s) at a sample.
+type Motion<'a> = dyn Fn(usize) -> (f64, f64) + 'a;
+
+impl<'a> Motions<'a> {
+    pub(crate) fn of(log: &'a UniformLog) -> Motions<'a> {
+        let (narrow, period_s) = (Smoother::of(log), log.period_s());
+        let fixed = move |at| signal::parabola(&log.position_m, at, FIXED_HALF_WIDTH, period_s);
+        Motions(vec![Box::new(move |at| narrow.motion(at)), Box::new(fixed)])
+    }
+
+    /// The one that is there already.
+    pub(crate) fn known(motion: &'a Kinematics) -> Motions<'a> {
+        let at = |at: usize| (motion.position_m[at], motion.speed_mps[at]);
+        Motions(vec![Box::new(at)])
+    }
+
+    /// One after the other.
+    pub(super) fn each(&self) -> impl Iterator<Item = &Motion<'a>> {
+        self.0.iter().map(Box::as_ref)
+    }
+}
+
+/// The motion of so many samples ago; at the ends of the log its first or last.
+fn delayed(motion: &Motion<'_>, at: usize, samples: f64, count: usize) -> (f64, f64) {
+    let last = count.saturating_sub(1);
+    let at = (at as f64 - samples).clamp(0.0, last as f64);
+    let (before, share) = (at as usize, at.fract());
+    let (a, b) = (motion(before), motion((before + 1).min(last)));
+    (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1))
 }
 
 /// The law over a motion of the log. What a law remembers runs on between the touches; a
@@ -60,7 +83,7 @@ pub(crate) fn motions(log: &UniformLog) -> [Kinematics; 2] {
 pub(super) fn replay_force(
     log: &UniformLog,
     replay: &Replay,
-    motion: &Kinematics,
+    motion: &Motion<'_>,
     kind: LawKind,
     parameters: &Parameters<f32>,
 ) -> Vec<f32> {
@@ -75,25 +98,33 @@ pub(super) fn replay_force(
         false => None,
     };
     let skew = named(kind, parameters, "skew");
-    let shifted = skew.map(|skew| motion.delayed(f64::from(skew.value) / log.period_s()));
-    let motion = shifted.as_ref().unwrap_or(motion);
+    let skew_samples = skew.map(|skew| f64::from(skew.value) / log.period_s());
+    let remembers = kind.law().info().relaxes;
     let mut state = law.at_rest();
-    let touched = replay.contacts().first().map_or(usize::MAX, |c| c.start);
-    for (index, record) in replay.records.iter().enumerate().skip(touched) {
+    let stretches = replay.records.stretches();
+    let mut touched = stretches
+        .skip_while(|(_, said)| said.phase != Phase::Contact)
+        // What a law forgets at once needs no free air.
+        .filter(|(_, said)| remembers || said.phase == Phase::Contact)
+        .flat_map(|(range, said)| range.map(move |index| (index, said.phase)));
+    for (index, phase) in &mut touched {
         let Some(sample) = replay.sample_of(index) else {
             continue;
         };
-        let (position_m, speed_mps) = (motion.position_m[sample], motion.speed_mps[sample]);
-        let surface_m = found.map_or(replay.surface_m[index], |surface| surface.value);
+        let (position_m, speed_mps) = match skew_samples {
+            Some(samples) => delayed(motion, sample, samples, log.len()),
+            None => motion(sample),
+        };
+        let surface_m = found.map_or(replay.surface_m.at(index), |surface| surface.value);
         let depth_m = position_m - f64::from(surface_m);
         let force_n = law.step(&mut state, depth_m, speed_mps, log.period_s());
         // A material that lags behind its depth lets go of the probe; the chapter saturates the
         // force of its Hammerstein model, and lets its linear one show that it pulls (E2).
-        let force_n = match kind.law().info().relaxes {
+        let force_n = match remembers {
             true => unilateral(force_n),
             false => force_n,
         };
-        if record.phase == Phase::Contact {
+        if phase == Phase::Contact {
             forces[index] = force_n as f32;
         }
     }
@@ -111,8 +142,12 @@ pub(super) fn surface_misfit(
     let law = law_with(kind, parameters, reference_depth_m)?;
     let contacts = replay.contacts().into_iter().flatten();
     let changes = contacts.map(|index| {
-        let record = &replay.records[index];
-        let (depth, speed) = (f64::from(record.depth_m), f64::from(record.speed_mps));
+        let records = &replay.records;
+        let (depth, speed) = (
+            records.depth_m(index).into(),
+            records.speed_mps(index).into(),
+        );
+        let (depth, speed): (f64, f64) = (depth, speed);
         law.force_n(depth + error_m, speed) - law.force_n(depth, speed)
     });
     Some(rms(changes))
@@ -144,14 +179,19 @@ pub(super) fn force_rmse(
 
 /// Whether each sample, and those that its motion is smoothed over, were measured without a fault.
 fn sound(log: &UniformLog, replay: &Replay) -> Vec<bool> {
-    let is_faulty = |at: usize| log.in_gap[at] || replay.records[at].faults != Faults::NONE;
-    let faulty: Vec<usize> = (0..log.len()).filter(|at| is_faulty(*at)).collect();
+    let mut faulty = log.in_gap.clone();
+    for (range, said) in replay.records.stretches() {
+        if said.faults != Faults::NONE {
+            faulty[range].fill(true);
+        }
+    }
     let mut sound = vec![true; log.len()];
+    let faulty = || (0..log.len()).filter(|at| faulty[*at]);
     // Where most of a log is faulty nothing else is left to judge by.
-    if 2 * faulty.len() > log.len() {
+    if 2 * faulty().count() > log.len() {
         return sound;
     }
-    for at in faulty {
+    for at in faulty() {
         let end = (at + BENT_SAMPLES + 1).min(log.len());
         sound[at.saturating_sub(BENT_SAMPLES)..end].fill(false);
     }

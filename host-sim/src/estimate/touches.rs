@@ -66,7 +66,7 @@ pub(crate) fn departure(log: &UniformLog, replay: &Replay) -> Option<Departure> 
 fn each<'a>(
     log: &'a UniformLog,
     replay: &'a Replay,
-    smooth: &'a Smooth,
+    smooth: &'a Smooth<'a>,
 ) -> impl Iterator<Item = One<'a>> {
     let contacts = replay.contacts();
     let ends: Vec<usize> = contacts.iter().map(|contact| contact.end).collect();
@@ -75,7 +75,9 @@ fn each<'a>(
         .into_iter()
         .zip(before)
         .map(|(contact, free_from)| {
-            let free = &smooth.force_n[free_from..contact.start];
+            let free: Vec<f64> = (free_from..contact.start)
+                .map(|at| smooth.force_n(at))
+                .collect();
             let rest_n = match free.len() >= FEWEST_FREE {
                 true => median(free.iter().copied()),
                 false => f64::from(replay.rest_n[contact.start]),
@@ -88,7 +90,6 @@ fn each<'a>(
             };
             One {
                 log,
-                is_faulty: &smooth.is_faulty,
                 smooth,
                 rest_n,
                 leaves_n: LEAVES_SIGMAS * wander_n.max(replay.noise_n / smooth.averages),
@@ -99,35 +100,41 @@ fn each<'a>(
 }
 
 /// A force smoothed over a few milliseconds.
-struct Smooth {
-    force_n: Vec<f64>,
+struct Smooth<'a> {
+    log: &'a UniformLog,
     is_faulty: Vec<bool>,
     half_width: usize,
     /// Noise of a sample over that of a smoothed one.
     averages: f64,
 }
 
-impl Smooth {
-    fn of(log: &UniformLog, replay: &Replay) -> Smooth {
-        let faults = replay.records.iter().map(|record| record.faults);
+impl<'a> Smooth<'a> {
+    fn of(log: &'a UniformLog, replay: &Replay) -> Smooth<'a> {
+        let mut is_faulty = vec![false; replay.records.len()];
+        for (range, said) in replay.records.stretches() {
+            is_faulty[range].fill(said.faults != Faults::NONE);
+        }
         let half_width = (SMOOTH_S * log.rate_hz) as usize;
-        let value = |at| parabola(&log.force_n, at, half_width, log.period_s()).0;
         // A parabola over 2m + 1 samples leaves 9/4 of the variance of their mean.
         let averages = ((2 * half_width + 1) as f64 / 2.25).sqrt().max(1.0);
         Smooth {
-            force_n: (0..log.len()).map(value).collect(),
-            is_faulty: faults.map(|faults| faults != Faults::NONE).collect(),
+            log,
+            is_faulty,
             half_width,
             averages,
         }
+    }
+
+    /// The smoothed force (N) at a sample.
+    fn force_n(&self, at: usize) -> f64 {
+        parabola(&self.log.force_n, at, self.half_width, self.log.period_s()).0
     }
 }
 
 /// One touch in its log.
 struct One<'a> {
     log: &'a UniformLog,
-    is_faulty: &'a [bool],
-    smooth: &'a Smooth,
+    smooth: &'a Smooth<'a>,
     rest_n: f64,
     leaves_n: f64,
     /// End of the touch before.
@@ -137,7 +144,7 @@ struct One<'a> {
 
 impl One<'_> {
     fn force_n(&self, at: usize) -> f64 {
-        self.smooth.force_n[at] - self.rest_n
+        self.smooth.force_n(at) - self.rest_n
     }
 
     /// The last sample before the force leaves its baseline; `None` if the touch follows from another
@@ -152,7 +159,8 @@ impl One<'_> {
         let first = onset.unwrap_or(self.contact.start);
         let all = first..self.contact.end;
         // A sample with a fault is no measurement, and one in a gap was invented.
-        let is_measured = |at: &usize| self.is_faulty.get(*at) != Some(&true) && !log.in_gap[*at];
+        let is_measured =
+            |at: &usize| self.smooth.is_faulty.get(*at) != Some(&true) && !log.in_gap[*at];
         let hardest = all
             .clone()
             .filter(is_measured)

@@ -37,7 +37,7 @@ pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
         .fold(0.0, f64::max);
     let shortest = ((SHORTEST_S / log.period_s()) as usize).max(8 * replay.delay);
     let noise_n = log.force_noise_n();
-    let speed = |index: usize| f64::from(replay.records[index].speed_mps.abs());
+    let speed = |index: usize| f64::from(replay.records.speed_mps(index).abs());
     let fastest = replay
         .contacts()
         .into_iter()
@@ -74,7 +74,7 @@ fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
     let edge = ((to - from) / 10).max(1);
     let lead = ((to - from) / 50).max(2 * replay.delay + 1);
     let (early, late) = (from + lead..from + lead + edge, to - lead - edge..to - lead);
-    let force = |index: usize| f64::from(replay.records[index].force_n);
+    let force = |index: usize| f64::from(replay.records.force_n(index));
     let depth = |index: usize| replay.final_depth_m(index);
     let (from_n, to_n) = (mean(&early, force), mean(&late, force));
     let depth_m = mean(&early, depth);

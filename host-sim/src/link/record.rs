@@ -16,6 +16,7 @@ use estimator_core::{Estimate, Sample};
 use super::device::Statistics;
 use super::{Device, Port, backup};
 use crate::diagnostic::Diagnostic;
+use crate::interrupt;
 use crate::log::{ExtraColumn, FEWEST_SAMPLES, Log};
 use crate::number::counted;
 use crate::output::say;
@@ -24,7 +25,8 @@ const RECORDING: &str = "recording.frames";
 const SILENCE: Duration = Duration::from_secs(3);
 const TO_DISK: Duration = Duration::from_secs(1);
 
-/// Records until the board's own time has advanced by `length_us`, or until it falls silent.
+/// Records until the board's own time has advanced by `length_us`, until it falls silent, or until the process is
+/// interrupted.
 ///
 /// # Errors
 /// The folder has a recording already, the port or the disk fails, or no frame comes.
@@ -33,6 +35,39 @@ pub fn record<P: Port>(
     folder: &Path,
     length_us: Option<u64>,
 ) -> Result<Statistics, Box<dyn Error>> {
+    let recording = begin(device, folder)?;
+    if let Some(note) = &recording.note {
+        say(format!("{note}\n"))?;
+    }
+    let recorded = listen(device, &recording.file, length_us);
+    recording.end(device)?;
+    recorded?;
+    Ok(device.statistics())
+}
+
+/// A recording that runs: every byte that comes goes into its file.
+pub struct Recording {
+    file: File,
+    /// What is to be said of it.
+    pub note: Option<String>,
+}
+
+impl Recording {
+    /// Ends it, with all that has come on the disk.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn end<P: Port>(self, device: &mut Device<P>) -> io::Result<()> {
+        device.tap(None);
+        self.file.sync_all()
+    }
+}
+
+/// Begins a recording in a folder, with the settings of the board beside it.
+///
+/// # Errors
+/// The folder has a recording already, or the port or the disk fails.
+pub fn begin<P: Port>(device: &mut Device<P>, folder: &Path) -> Result<Recording, Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let path = folder.join(RECORDING);
     if path.exists() {
@@ -45,11 +80,13 @@ pub fn record<P: Port>(
     let mut bytes = file.try_clone()?;
     // From here on every byte is kept, also those that come while the settings are read.
     device.tap(Some(Box::new(move |come| bytes.write_all(come))));
-    let recorded = keep_settings(device, folder).and_then(|()| listen(device, &file, length_us));
-    device.tap(None);
-    file.sync_all()?;
-    recorded?;
-    Ok(device.statistics())
+    match keep_settings(device, folder) {
+        Ok(note) => Ok(Recording { file, note }),
+        Err(error) => {
+            device.tap(None);
+            Err(error)
+        }
+    }
 }
 
 /// Listens until the time of the board has advanced by `length_us`, or until the board falls silent.
@@ -59,7 +96,7 @@ fn listen<P: Port>(
     length_us: Option<u64>,
 ) -> Result<(), Box<dyn Error>> {
     let (mut first, mut heard, mut kept) = (None, Instant::now(), Instant::now());
-    while heard.elapsed() <= SILENCE {
+    while heard.elapsed() <= SILENCE && !interrupt::is_interrupted() {
         let frame = device.next_frame()?;
         if frame.is_some() {
             heard = Instant::now();
@@ -80,16 +117,19 @@ fn listen<P: Port>(
 }
 
 /// Writes the settings that the samples are taken with. A board that only sends is recorded without them.
-fn keep_settings<P: Port>(device: &mut Device<P>, folder: &Path) -> Result<(), Box<dyn Error>> {
+fn keep_settings<P: Port>(
+    device: &mut Device<P>,
+    folder: &Path,
+) -> Result<Option<String>, Box<dyn Error>> {
     match device.identity() {
         Ok(identity) => {
             let name = identity.board.to_string();
             let (settings, unknown) = device.known_settings()?;
             backup::write(&folder.join("settings.toml"), &settings, &unknown, &name)?;
+            Ok(None)
         }
-        Err(error) => say(format!("recording without settings: {error}\n"))?,
+        Err(error) => Ok(Some(format!("recording without settings: {error}"))),
     }
-    Ok(())
 }
 
 /// An instant of a recording.

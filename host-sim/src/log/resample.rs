@@ -37,6 +37,18 @@ pub struct Taken {
     pub force_n: Vec<f64>,
 }
 
+impl Taken {
+    /// The samples up to an instant (s).
+    fn until(&self, end_s: f64) -> Taken {
+        let end = self.time_s.partition_point(|stamp| *stamp <= end_s);
+        Taken {
+            time_s: self.time_s[..end].to_vec(),
+            position_m: self.position_m[..end].to_vec(),
+            force_n: self.force_n[..end].to_vec(),
+        }
+    }
+}
+
 /// A log with even spacing in time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UniformLog {
@@ -101,6 +113,31 @@ impl UniformLog {
             force_n: taken.force_n.clone(),
             ..UniformLog::default()
         })
+    }
+
+    /// The first so many samples as a log of their own.
+    pub(crate) fn first(&self, count: usize) -> UniformLog {
+        let end = count.min(self.len());
+        let end_s = end.checked_sub(1).map_or(0.0, |last| self.time_s[last]);
+        let upto = |channel: &[f64]| channel[..end].to_vec();
+        let marks = |all: &[bool]| all[..end.min(all.len())].to_vec();
+        UniformLog {
+            path: self.path.clone(),
+            rate_hz: self.rate_hz,
+            time_s: upto(&self.time_s),
+            position_m: upto(&self.position_m),
+            force_n: upto(&self.force_n),
+            in_gap: marks(&self.in_gap),
+            slower: self.slower.clone(),
+            untouched: self.untouched,
+            taken: self.taken.as_ref().map(|taken| taken.until(end_s)),
+            recognised: self.recognised[..end.min(self.recognised.len())].to_vec(),
+            compensated: Compensated {
+                saturated: marks(&self.compensated.saturated),
+                ..self.compensated.clone()
+            },
+            notes: self.notes.clone(),
+        }
     }
 
     fn push(&mut self, time_s: f64, position_m: f64, force_n: f64, in_gap: bool) {

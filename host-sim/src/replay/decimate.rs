@@ -28,7 +28,7 @@ pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
         return None;
     }
     let readings = Readings::of(log);
-    let measured = |at: &usize| !readings.invented[*at];
+    let measured = |at: &usize| !readings.invented.contains(*at);
     let mut means = UniformLog {
         path: log.path.clone(),
         rate_hz: log.rate_hz / factor as f64,
@@ -49,7 +49,7 @@ pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
         };
         let faults = samples
             .clone()
-            .map(|at| readings.faults[at] | readings.bridged_faults[at]);
+            .map(|at| readings.faults.at(at) | readings.bridged_faults.at(at));
         means
             .time_s
             .push(log.time_s[samples.clone()].iter().sum::<f64>() / factor as f64);

@@ -7,6 +7,8 @@
 //! learned from. After a longer gap, and after every other fault, nothing is learned until the filter has
 //! forgotten it, as on the board.
 
+use std::borrow::Cow;
+use std::collections::HashMap;
 use std::ops::Range;
 
 use estimator_core::board::sensing::{Codes, Conversion, LATE, Watch};
@@ -18,41 +20,72 @@ use crate::log::UniformLog;
 /// Longest gap that is bridged (samples): a quarter of the filter's window of 17.
 const BRIDGED: usize = 4;
 
-/// What a replay makes of the readings of a log.
+/// What a replay makes of the readings of a log. What is not touched is the log's own: most logs have no fault.
 #[derive(Clone, Debug)]
-pub(super) struct Readings {
+pub(super) struct Readings<'a> {
     /// Position (m) as the estimator sees it.
-    pub(super) position_m: Vec<f64>,
+    pub(super) position_m: Cow<'a, [f64]>,
     /// Force (N) as the estimator sees it.
-    pub(super) force_n: Vec<f64>,
+    pub(super) force_n: Cow<'a, [f64]>,
     /// The faults of each sample that the estimator is told.
-    pub(super) faults: Vec<Faults>,
+    pub(super) faults: Marked,
     /// The faults that were bridged, and that only the reader is told.
-    pub(super) bridged_faults: Vec<Faults>,
-    /// Whether the sample was invented, here or by the resampling.
-    pub(super) invented: Vec<bool>,
+    pub(super) bridged_faults: Marked,
+    /// The samples that were invented, here or by the resampling.
+    pub(super) invented: Invented<'a>,
 }
 
-impl Readings {
+/// The faults of those samples that have any.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Marked(HashMap<usize, Faults>);
+
+impl Marked {
+    /// The faults of a sample.
+    pub(super) fn at(&self, sample: usize) -> Faults {
+        // Most logs have none, and every sample is asked for.
+        match self.0.is_empty() {
+            true => Faults::NONE,
+            false => self.0.get(&sample).copied().unwrap_or(Faults::NONE),
+        }
+    }
+
+    fn add(&mut self, sample: usize, fault: Fault) {
+        let faults = self.0.entry(sample).or_insert(Faults::NONE);
+        *faults = faults.with(fault);
+    }
+}
+
+/// The samples that were invented.
+#[derive(Clone, Debug)]
+pub(super) struct Invented<'a>(Cow<'a, [bool]>);
+
+impl Invented<'_> {
+    /// Whether a sample is one of them.
+    pub(super) fn contains(&self, sample: usize) -> bool {
+        self.0[sample]
+    }
+}
+
+impl<'a> Readings<'a> {
     /// Looks for the faults of a log.
-    pub(super) fn of(log: &UniformLog) -> Readings {
+    pub(super) fn of(log: &'a UniformLog) -> Readings<'a> {
         let mut readings = Readings {
-            position_m: log.position_m.clone(),
-            force_n: log.force_n.clone(),
-            faults: vec![Faults::NONE; log.len()],
-            bridged_faults: vec![Faults::NONE; log.len()],
-            invented: log.in_gap.clone(),
+            position_m: Cow::Borrowed(&log.position_m),
+            force_n: Cow::Borrowed(&log.force_n),
+            faults: Marked::default(),
+            bridged_faults: Marked::default(),
+            invented: Invented(Cow::Borrowed(&log.in_gap)),
         };
         if !log.recognised.is_empty() {
             readings.take_recognised(log);
             return readings;
         }
         // What was taken off a log leaves edges where friction turns: they are no readings of a sensor.
-        let seen = match log.compensated.noise_n {
-            None => watched(log),
-            Some(_) => Vec::new(),
-        };
-        for (at, faults) in seen.iter().enumerate() {
+        let seen = log.compensated.noise_n.is_none().then(|| watched(log));
+        for (at, faults) in seen.into_iter().flatten().enumerate() {
+            if faults == Faults::NONE {
+                continue;
+            }
             // Where the resampling invented samples lie straight lines, whose corners are no fault.
             let mut window = at.saturating_sub(2 * LATE)..at + 1;
             if !window.any(|at| log.in_gap[at] || is_slower(log, at)) {
@@ -80,8 +113,8 @@ impl Readings {
                     _ => false,
                 };
                 match bridged {
-                    true => self.bridged_faults[at] = self.bridged_faults[at].with(fault),
-                    false => self.faults[at] = self.faults[at].with(fault),
+                    true => self.bridged_faults.add(at, fault),
+                    false => self.faults.add(at, fault),
                 }
             }
         }
@@ -91,13 +124,13 @@ impl Readings {
     fn take(&mut self, log: &UniformLog, at: usize, fault: Fault) {
         match fault {
             // A converter that goes on again leaps like a spike.
-            Fault::ForceUnusable if self.faults[at - LATE - 1].has(Fault::ForceStuck) => {}
+            Fault::ForceUnusable if self.faults.at(at - LATE - 1).has(Fault::ForceStuck) => {}
             Fault::ForceUnusable => {
-                self.force_n[at - LATE] = between(&log.force_n, at - LATE);
+                self.force_n.to_mut()[at - LATE] = between(&log.force_n, at - LATE);
                 self.bridge(at - LATE, fault);
             }
             Fault::PositionJump if is_back(&log.position_m[at - 4..=at]) => {
-                self.position_m[at - LATE] = between(&log.position_m, at - LATE);
+                self.position_m.to_mut()[at - LATE] = between(&log.position_m, at - LATE);
                 self.bridge(at - LATE, fault);
             }
             Fault::PositionJump => self.mark(at - LATE..at - LATE + 1, fault),
@@ -108,14 +141,12 @@ impl Readings {
     }
 
     fn mark(&mut self, samples: Range<usize>, fault: Fault) {
-        for faults in &mut self.faults[samples] {
-            *faults = faults.with(fault);
-        }
+        samples.for_each(|sample| self.faults.add(sample, fault));
     }
 
     fn bridge(&mut self, at: usize, fault: Fault) {
-        self.invented[at] = true;
-        self.bridged_faults[at] = self.bridged_faults[at].with(fault);
+        self.invented.0.to_mut()[at] = true;
+        self.bridged_faults.add(at, fault);
     }
 
     /// Samples that the resampling invented are missing, unless the log was sampled more slowly there.
@@ -130,7 +161,7 @@ impl Readings {
             if is_slower(log, here.start) {
                 // Nothing is missing between the samples of a slower rate: the line through them is what
                 // is known of a hold, and all that the estimator can see of it.
-                self.invented[here].fill(false);
+                self.invented.0.to_mut()[here].fill(false);
                 continue;
             }
             match run.len() <= BRIDGED {
@@ -149,7 +180,7 @@ fn is_slower(log: &UniformLog, at: usize) -> bool {
 }
 
 /// What the board's code says to each sample.
-fn watched(log: &UniformLog) -> Vec<Faults> {
+fn watched(log: &UniformLog) -> impl Iterator<Item = Faults> + '_ {
     let sensors = LogSensors::of(log);
     let (n_per_code, m_per_code) = (sensors.n_per_code, sensors.m_per_code);
     let conversion = Conversion::new(n_per_code as f32, 0.0, m_per_code as f32, sensors.limits);
@@ -157,20 +188,18 @@ fn watched(log: &UniformLog) -> Vec<Faults> {
     let period_us = 1e6 / log.rate_hz;
     let start_m = log.position_m.first().copied().unwrap_or_default();
     let pairs = log.position_m.iter().zip(&log.force_n).zip(1u64..);
-    pairs
-        .map(|((position_m, force_n), count)| {
-            let force = (force_n / n_per_code).round() as i32;
-            let codes = Codes {
-                time_us: (count as f64 * period_us).round() as u64,
-                force,
-                force_low: force,
-                force_high: force,
-                position: ((position_m - start_m) / m_per_code).round() as i32,
-                faults: Faults::NONE,
-            };
-            conversion.sample(&mut watch, &codes).faults
-        })
-        .collect()
+    pairs.map(move |((position_m, force_n), count)| {
+        let force = (force_n / n_per_code).round() as i32;
+        let codes = Codes {
+            time_us: (count as f64 * period_us).round() as u64,
+            force,
+            force_low: force,
+            force_high: force,
+            position: ((position_m - start_m) / m_per_code).round() as i32,
+            faults: Faults::NONE,
+        };
+        conversion.sample(&mut watch, &codes).faults
+    })
 }
 
 /// The samples up to this one that read the same as it does.

@@ -153,7 +153,7 @@ fn instants_that_the_resampling_invented_are_not_learned_from() {
     let replay = replay(&log.uniform().unwrap(), &Config::default()).unwrap();
     // THEN learning pauses at the two records that describe them, and the filter runs on.
     let paused: Vec<bool> = (at..at + 30)
-        .map(|index| replay.records[index].forgetting == 1.0)
+        .map(|index| replay.records.at(index).forgetting == 1.0)
         .collect();
     let expected: Vec<bool> = (at..at + 30)
         .map(|index| (at + 8..at + 10).contains(&index))
@@ -161,5 +161,5 @@ fn instants_that_the_resampling_invented_are_not_learned_from() {
     let of_faults = |paused: &[bool]| paused.iter().filter(|p| **p).count();
     assert!(paused[8] && paused[9], "{paused:?}");
     assert_eq!(of_faults(&paused), of_faults(&expected), "{paused:?}");
-    assert!(replay.records[at].faults.has(Fault::SampleMissed));
+    assert!(replay.records.at(at).faults.has(Fault::SampleMissed));
 }

@@ -9,6 +9,11 @@ use super::html::escape;
 use super::{Figure, HeatMap, Provenance, Table};
 
 const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+/// Nothing is fetched from anywhere, whatever a browser finds in the page.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+/// A page with fewer sections needs no contents.
+const FEWEST_FOR_CONTENTS: usize = 4;
 
 /// How good the result is. The page shows it by a sign and a word as well as by a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +97,12 @@ impl Document {
         self
     }
 
+    /// Adds a section behind the first `at`.
+    pub fn section_at(mut self, at: usize, section: Section) -> Document {
+        self.sections.insert(at.min(self.sections.len()), section);
+        self
+    }
+
     /// Adds what the report was made from, which stands at the end.
     pub fn provenance(mut self, provenance: Provenance) -> Document {
         self.provenance = Some(provenance);
@@ -105,6 +116,7 @@ impl Document {
             "<!DOCTYPE html>\n<html lang=\"en\" xmlns=\"http://www.w3.org/1999/xhtml\">\n<head>\n\
              <meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>\n\
              <meta name=\"generator\" content=\"palpate {}\"/>\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
              <header>\n<p class=\"brand\">Palpate</p>\n<h1>{title}</h1>\n",
@@ -122,15 +134,39 @@ impl Document {
             );
         }
         out.push_str("</header>\n");
+        self.push_contents(&mut out);
         let mut figures = 0;
-        for section in &self.sections {
-            section.push_html(&mut out, &mut figures);
+        for (section, number) in self.sections.iter().zip(1..) {
+            section.push_html(&mut out, number, &mut figures);
         }
         if let Some(provenance) = &self.provenance {
             provenance.push_html(&mut out);
         }
-        out.push_str("</main>\n</body>\n</html>\n");
+        let _ = write!(
+            out,
+            "</main>\n<script>\n//<![CDATA[\n{SCRIPT}//]]>\n</script>\n</body>\n</html>\n"
+        );
         out
+    }
+
+    /// The headings of a long page, each with a link.
+    fn push_contents(&self, out: &mut String) {
+        let headed = || {
+            let numbered = self.sections.iter().zip(1..);
+            numbered.filter(|(section, _): &(_, usize)| !section.heading.is_empty())
+        };
+        if headed().count() < FEWEST_FOR_CONTENTS {
+            return;
+        }
+        out.push_str("<nav class=\"contents\" aria-label=\"Contents\">\n<ol>\n");
+        for (section, number) in headed() {
+            let heading = escape(&section.heading);
+            let _ = writeln!(out, "<li><a href=\"#s{number}\">{heading}</a></li>");
+        }
+        if self.provenance.is_some() {
+            out.push_str("<li><a href=\"#provenance\">Provenance</a></li>\n");
+        }
+        out.push_str("</ol>\n</nav>\n");
     }
 
     /// Writes the page. A reader of `path` sees the old file or the new one, never half of a file.
@@ -231,8 +267,8 @@ impl Section {
         self.blocks.is_empty()
     }
 
-    fn push_html(&self, out: &mut String, figures: &mut usize) {
-        out.push_str("<section>\n");
+    fn push_html(&self, out: &mut String, number: usize, figures: &mut usize) {
+        let _ = writeln!(out, "<section id=\"s{number}\">");
         if !self.heading.is_empty() {
             let _ = writeln!(out, "<h2>{}</h2>", escape(&self.heading));
         }
@@ -309,7 +345,8 @@ mod tests {
     #[test]
     fn no_text_of_the_caller_becomes_markup_and_the_page_is_well_formed() {
         let html = everything().to_html();
-        assert!(!html.contains("<script"));
+        // The page's own, and no other.
+        assert_eq!(html.matches("<script").count(), 1);
         let options = roxmltree::ParsingOptions {
             allow_dtd: true,
             ..Default::default()
@@ -319,10 +356,38 @@ mod tests {
 
     #[test]
     fn the_page_asks_for_nothing_from_elsewhere() {
-        let html = everything().to_html();
-        for link in ["src=", "href=", "url(", "@import"] {
+        let html = everything().to_html().replace("href=\"#", "");
+        for link in ["src=", "href=", "url(", "@import", "fetch(", "XMLHttp"] {
             assert!(!html.contains(link), "{link}");
         }
+        assert!(html.contains("default-src 'none'"));
+    }
+
+    #[test]
+    fn a_long_page_has_contents_and_a_short_one_has_none() {
+        let page = |sections: usize| {
+            let section = |number| Section::new(format!("Part {number}")).text("text");
+            let document = (1..=sections).map(section);
+            document
+                .fold(Document::new("t"), Document::section)
+                .to_html()
+        };
+        let long = page(4);
+        assert!(
+            long.contains("<li><a href=\"#s3\">Part 3</a></li>"),
+            "{long}"
+        );
+        assert!(
+            long.contains("<section id=\"s3\">\n<h2>Part 3</h2>"),
+            "{long}"
+        );
+        assert!(!page(3).contains("class=\"contents\""));
+    }
+
+    #[test]
+    fn the_script_is_small() {
+        // Bar: 50 kB. Measured: 20 kB.
+        assert!(SCRIPT.len() < 30_000, "{}", SCRIPT.len());
     }
 
     #[test]

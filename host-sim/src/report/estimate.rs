@@ -14,7 +14,7 @@ mod run;
 mod tables;
 mod window;
 
-pub(super) use run::label;
+pub(crate) use run::label;
 pub use run::{
     Column, Elastic, EstimateReport, FinalParameter, ForgettingLaw, Run, Segment, Trajectory,
 };
@@ -40,15 +40,23 @@ impl EstimateReport<'_> {
     /// One section per kind of figure, so that the runs stand side by side.
     fn figures(&self) -> Vec<Section> {
         let kinds: [(&str, &str, figures::Kind); 5] = [
-            ("Force and depth", "", loops::figures),
+            ("Force and depth", loops::HOW_TO_READ, loops::figures),
             (
                 "Parameters over time",
                 parameters::HOW_TO_READ,
                 parameters::figures,
             ),
-            ("Force and displacement over time", "", course::forces),
+            (
+                "Force and displacement over time",
+                course::HOW_TO_READ,
+                course::forces,
+            ),
             ("Residual", "", course::residual),
-            ("Forgetting factor β", "", forgetting::figures),
+            (
+                "Forgetting factor β",
+                forgetting::EQUATION,
+                forgetting::figures,
+            ),
         ];
         let layout = figures::Layout::new(self.runs.len());
         kinds

@@ -17,6 +17,7 @@ mod verdict;
 use super::estimate::label;
 use super::{Document, Provenance, Section};
 use crate::gap::{Curves, Finding};
+use crate::motion_kind::MotionKind;
 
 /// The most logs that are drawn. The tables hold for all logs.
 const MOST_LOGS: usize = 4;
@@ -28,6 +29,8 @@ pub struct GapReport<'a> {
     pub title: &'a str,
     /// What was found.
     pub finding: &'a Finding,
+    /// How the rig moves: it decides the units of axes and tables.
+    pub kind: MotionKind,
     /// Names of the logs, in the order of [`Finding::curves`].
     pub names: &'a [String],
     /// What the report was made from.
@@ -35,18 +38,35 @@ pub struct GapReport<'a> {
 }
 
 impl GapReport<'_> {
+    /// The finding as a part of another report: the verdict, the numbers beside the true ones, which a simulated rig
+    /// knows by name, and the residual before and after.
+    pub fn short(&self, heading: &str, truths: &[(&str, f64)]) -> Section {
+        let finding = self.finding;
+        let section = Section::new(heading)
+            .text(verdict::sentence(finding, self.kind))
+            .table(tables::against(finding, truths));
+        let Some(curves) = finding.curves.first() else {
+            return section;
+        };
+        let log = bins::LogCurves::of(curves, !finding.effects.is_empty(), self.kind);
+        let residuals = figures::residuals_over_time(&log).into_iter().take(1);
+        let by = figures::by_depth_and_speed(&log).into_iter().take(2);
+        residuals.chain(by).fold(section, Section::figure)
+    }
+
     /// The report.
     pub fn document(&self) -> Document {
         let finding = self.finding;
         let (tone, badge) = verdict::badge(finding);
         let sections = [
-            tables::summary(finding),
-            next::motion(finding),
+            tables::summary(finding, self.kind),
+            next::motion(finding, self.kind),
             tables::effects(finding),
-            regions::place(finding),
+            regions::place(finding, self.kind),
             tables::base(finding),
         ];
-        let document = Document::new(self.title).verdict(tone, badge, verdict::sentence(finding));
+        let document =
+            Document::new(self.title).verdict(tone, badge, verdict::sentence(finding, self.kind));
         let logs = finding.curves.iter().enumerate().take(MOST_LOGS);
         let logs = logs.flat_map(|(at, curves)| {
             let name = match finding.curves.len() {
@@ -58,14 +78,18 @@ impl GapReport<'_> {
         sections
             .into_iter()
             .chain(logs)
-            .chain([tables::ladder(finding), tables::floors(finding, self.names)])
+            .chain([
+                tables::ladder(finding),
+                tables::floors(finding, self.names, self.kind),
+            ])
             .filter(|section| !section.is_empty())
             .fold(document, Document::section)
             .provenance(self.provenance.clone())
     }
 
     fn log(&self, name: &str, curves: &Curves) -> [Section; 2] {
-        let log = bins::LogCurves::of(curves);
+        let finding = self.finding;
+        let log = bins::LogCurves::of(curves, !finding.effects.is_empty(), self.kind);
         let heading = |what: &str| match name {
             "" => what.to_string(),
             name => format!("{what}: {name}"),

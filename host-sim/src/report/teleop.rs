@@ -5,11 +5,12 @@ mod figures;
 mod map;
 mod run;
 mod tables;
+mod words;
 
 pub use run::TeleopReport;
 
 use super::{Document, Provenance, Section, Tone};
-use crate::number::quantity;
+use crate::number::setting;
 use crate::teleop::{Cell, Measures, Options, SchemeId};
 
 /// The felt force is right below this share, and wrong above the other.
@@ -83,9 +84,9 @@ fn title(options: &Options) -> String {
     let [there, back] = options.channels;
     format!(
         "Teleoperation: {} on {}, {} round trip",
-        options.scheme.name(),
+        words::words(options.scheme),
         options.environment.first.name,
-        quantity(there.delay_s + back.delay_s, 3, "s"),
+        setting(there.delay_s + back.delay_s, "s"),
     )
 }
 

@@ -1,5 +1,10 @@
 //! The command itself against the simulated board.
 
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
 use crate::common::Folder;
 
 #[test]
@@ -38,6 +43,51 @@ fn the_verbs_refuse_a_port_that_is_not_there_with_status_2() {
         let output = folder.palpate(line);
         assert_eq!(output.status.code(), Some(2), "{line}");
         assert!(!output.stderr.is_empty());
+    }
+}
+
+#[test]
+fn ctrl_c_ends_a_recording_with_its_log() {
+    let folder = Folder::new();
+    let arguments = ["record", "--port", "simulated", "--out", "run"];
+    let child = folder
+        .command(&arguments)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // GIVEN a recording of a second, which has no length of its own
+    while fs::metadata(folder.path("run/recording.frames")).map_or(0, |file| file.len()) < 100_000 {
+        sleep(Duration::from_millis(20));
+    }
+    // WHEN it is interrupted
+    let process = child.id().to_string();
+    let done = Command::new("kill")
+        .args(["-INT", &process])
+        .status()
+        .unwrap();
+    assert!(done.success());
+    // THEN it ends well, with the log written.
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("log.csv"), "{said}");
+    assert!(folder.read("run/log.csv").lines().count() > 500);
+}
+
+#[test]
+fn the_monitor_replays_a_log_at_its_own_pace_in_lines_with_units() {
+    let folder = Folder::new();
+    folder.write(
+        "model.toml",
+        "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 1350.0\n\
+        damping = 36.0\nexponent = 1.35\n",
+    );
+    folder.succeeds("simulate --model model.toml --out sim");
+    let text = folder.succeeds("monitor --log sim/log.csv --speed 50 --every 1");
+    // 8.6 s, a look a second of the log.
+    assert_eq!(text.lines().count(), 8, "{text}");
+    for word in ["N/m", "N\u{a0}s/m", "contact", "converged"] {
+        assert!(text.contains(word), "no {word} in {text}");
     }
 }
 

@@ -5,14 +5,26 @@ use crate::step::{command, lint_level, run, run_quietly, runs};
 use crate::{model, packages, root};
 use std::process::Command;
 
-/// Runs every step, even after one has failed; an error if any has.
-pub(crate) fn everything() -> Result<(), String> {
+/// Runs every step, even after one has failed; an error if any has. The reports are opened in a browser unless that
+/// is left out.
+pub(crate) fn everything(with_browser: bool) -> Result<(), String> {
     let mut failed = Vec::new();
     let mut note = |result: Result<(), String>| failed.extend(result.err());
     note(host_lints());
     let set_up = firmware_steps(&mut note);
     note(example_effect());
     let mut tests = cargo(&["test", "--workspace", "--no-fail-fast"]);
+    tests.args(["--features", "host-sim/foxglove"]);
+    match with_browser.then(packages::browser) {
+        Some(Ok(browser)) => {
+            tests.args(["--features", "host-sim/browser"]);
+            tests.env("PALPATE_BROWSER", browser);
+        }
+        Some(Err(error)) => note(Err(format!(
+            "{error}\nSo no report was opened. `cargo xtask test --without-browser` leaves that out."
+        ))),
+        None => println!("LEFT OUT: reports in a browser, by --without-browser"),
+    }
     match set_up {
         Ok(environment) => {
             note(model::stories(&environment));
@@ -96,7 +108,11 @@ fn host_lints() -> Result<(), String> {
     }
     if runs(cargo(&["clippy", "--version"])) {
         let mut clippy = cargo(&["clippy", "--workspace", "--all-targets"]);
-        clippy.args(["--features", "tests/qemu", "--", lint_level(), "warnings"]);
+        clippy.args([
+            "--features",
+            "tests/qemu,host-sim/browser,host-sim/foxglove",
+        ]);
+        clippy.args(["--", lint_level(), "warnings"]);
         result = result.and(run("clippy", clippy));
     } else {
         println!("LEFT OUT: lints. `rustup component add clippy` brings them.");

@@ -14,7 +14,8 @@ use std::process::ExitCode;
 
 const USAGE: &str = "\
 cargo xtask test         set up what is missing and run everything: host tests, firmware builds,
-                         link proof, emulator, the board's image on its model
+                         link proof, emulator, the board's image on its model, reports in a browser;
+                         --without-browser leaves the last out
 cargo xtask firmware     build the images of every board as .elf, .bin and .hex, into target/firmware
 cargo xtask qemu [ELF]   run a firmware in the emulator on a simulated palpation and print its log;
                          without ELF: build it first
@@ -24,7 +25,8 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words[..] {
-        ["test"] => check::everything(),
+        ["test"] => check::everything(true),
+        ["test", "--without-browser"] => check::everything(false),
         ["firmware"] => firmware::images(),
         ["qemu"] => qemu::run(None),
         ["qemu", elf] => qemu::run(Some(Path::new(elf))),

@@ -14,6 +14,17 @@ pub(crate) fn qemu() -> Result<PathBuf, String> {
     which(PROGRAM).ok_or_else(|| format!("{PROGRAM} is still not on the PATH"))
 }
 
+/// Returns where a browser is that runs without a screen, and installs Debian's if there is none.
+pub(crate) fn browser() -> Result<PathBuf, String> {
+    const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+    let found = || PROGRAMS.iter().find_map(|program| which(program));
+    if found().is_none() {
+        // Debian's; the letters of a page are part of how it looks.
+        install(&["chromium", "fonts-dejavu-core"], "the browser")?;
+    }
+    found().ok_or_else(|| "chromium is still not on the PATH".into())
+}
+
 /// Returns where a program is.
 pub(crate) fn which(program: &str) -> Option<PathBuf> {
     env::split_paths(&env::var_os("PATH")?)

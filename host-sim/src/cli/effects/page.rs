@@ -108,7 +108,7 @@ fn parameters(own: &Ignored) -> Table {
     let law = own.family.name();
     let left = own.misfit.map_or(String::new(), |misfit| {
         format!(
-            " {} times the noise remain.",
+            " The residual is {} × the noise.",
             quantity(misfit, 3, "1").trim_end()
         )
     });

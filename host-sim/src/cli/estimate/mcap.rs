@@ -54,7 +54,7 @@ fn put_estimates(topics: &mut McapTopics, replay: &Replay, every: usize) -> io::
 }
 
 fn message(replay: &Replay, index: usize, time_s: f64, parameters: &[&str]) -> Map<String, Value> {
-    let record = &replay.records[index];
+    let record = replay.records.at(index);
     let signals = [
         time_s,
         record.depth_m.into(),

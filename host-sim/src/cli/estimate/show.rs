@@ -4,16 +4,19 @@ use std::io;
 use std::path::Path;
 
 use estimator_core::estimate::{Estimated, Parameters, Phase};
-use estimator_core::physics::law::{LawKind, ParameterInfo, RelaxingLaw};
+use estimator_core::physics::law::{ParameterInfo, RelaxingLaw};
 use estimator_core::{Estimate, Status};
 
+use super::thin;
 use crate::estimate::{
     Estimation,
-    explain::times,
+    explain::multiple,
     outcome::{Outcome, Segment, law_with},
 };
 use crate::log::UniformLog;
 use crate::model::law_title;
+use crate::motion_kind::MotionKind;
+use crate::replay::Replay;
 use crate::report::estimate::{self as report, Column};
 use crate::report::{Document, Input, Provenance, Tone};
 
@@ -45,41 +48,124 @@ fn finals(
             name: info.name,
             unit: info.unit.symbol(),
             estimate: estimate.map(wide),
+            truth: None,
         })
         .collect()
 }
 
-/// The last `count` readings of the force without what the load cell shows at rest.
-fn measured(log: &UniformLog, rest_n: &[f32], count: usize) -> Column<'static> {
-    let rest = &rest_n[rest_n.len() - count..];
-    let pairs = log.force_n.iter().zip(rest);
-    pairs
-        .map(|(force, rest)| force - f64::from(*rest))
-        .collect()
+/// The records that are shown, each with its number; the first that describes a sample comes first.
+struct Rows<'a> {
+    log: &'a UniformLog,
+    replay: &'a Replay,
+    outcome: &'a Outcome,
+    rows: Vec<(usize, Estimate<f32>)>,
+    is_thinned: bool,
 }
 
-/// The force of the law, in contact only.
-fn estimated(outcome: &Outcome, delay: usize, records: &[Estimate<f32>]) -> Column<'static> {
-    let replayed = outcome.replayed_n.iter().skip(delay).zip(records);
-    replayed
-        .map(|(force, record)| match record.phase {
-            Phase::Contact => f64::from(*force),
+impl<'a> Rows<'a> {
+    fn of(log: &'a UniformLog, estimation: &'a Estimation) -> Rows<'a> {
+        let (replay, outcome) = (&estimation.replay, &estimation.outcome);
+        let mut rows = Rows {
+            log,
+            replay,
+            outcome,
+            rows: Vec::new(),
+            is_thinned: false,
+        };
+        let from = replay.delay.min(replay.records.len());
+        let curves = |index: usize, record: &Estimate<f32>| {
+            let parameter = |slot: usize| {
+                let own = record.parameters.get(slot).copied().flatten();
+                own.map_or(f64::NAN, |own| f64::from(own.value))
+            };
+            let (measured, estimated) = (rows.measured(index), rows.estimated(index, record));
+            [
+                measured,
+                estimated,
+                measured - estimated,
+                f64::from(record.depth_m),
+                f64::from(record.innovation.innovation_n),
+                f64::from(record.forgetting),
+                parameter(0),
+                parameter(1),
+                parameter(2),
+                parameter(3),
+            ]
+        };
+        rows.rows = match thin::kept(replay, from, &outcome.touches, curves) {
+            Some(kept) => {
+                rows.is_thinned = true;
+                kept.into_iter()
+                    .map(|at| (at, replay.records.at(at)))
+                    .collect()
+            }
+            None => {
+                let all = from..replay.records.len();
+                all.clone().zip(replay.records.range(all)).collect()
+            }
+        };
+        rows
+    }
+
+    /// Force (N) of the sample that a record describes, without what the load cell shows at rest.
+    fn measured(&self, index: usize) -> f64 {
+        let sample = index - self.replay.delay;
+        self.log.force_n[sample] - f64::from(self.replay.rest_n[index])
+    }
+
+    /// Force (N) of the law, in contact only.
+    fn estimated(&self, index: usize, record: &Estimate<f32>) -> f64 {
+        match record.phase {
+            Phase::Contact => f64::from(self.outcome.replayed_n[index]),
             _ => f64::NAN,
-        })
-        .collect()
-}
+        }
+    }
 
-fn trajectories(law: LawKind, records: &[Estimate<f32>]) -> Vec<report::Trajectory<'static>> {
-    let slots = law.parameters().iter().enumerate();
-    let trajectory = |(slot, info): (usize, &ParameterInfo)| report::Trajectory {
-        name: info.name,
-        unit: info.unit.symbol(),
-        values: records
+    fn column(&self, of: impl Fn(usize, &Estimate<f32>) -> f64) -> Column<'static> {
+        self.rows
             .iter()
-            .map(|record| record.parameters[slot].map(wide))
-            .collect(),
-    };
-    slots.map(trajectory).collect()
+            .map(|(at, record)| of(*at, record))
+            .collect()
+    }
+
+    fn trajectories(&self) -> Vec<report::Trajectory<'static>> {
+        let slots = self.outcome.law.parameters().iter().enumerate();
+        let trajectory = |(slot, info): (usize, &ParameterInfo)| report::Trajectory {
+            name: info.name,
+            unit: info.unit.symbol(),
+            values: self
+                .rows
+                .iter()
+                .map(|(_, record)| record.parameters[slot].map(wide))
+                .collect(),
+        };
+        slots.map(trajectory).collect()
+    }
+
+    /// Of a log that is not shown whole the means of the residual over equal stretches, which the samples that are
+    /// shown no longer tell: times (s) and means (N).
+    fn mean_residual(&self) -> Option<(Column<'static>, Column<'static>)> {
+        if !self.is_thinned {
+            return None;
+        }
+        let (from, count) = (self.replay.delay, self.replay.records.len());
+        let length = thin::stretch_len(count - from);
+        let mut is_contact = vec![false; count];
+        for contact in self.replay.contacts() {
+            is_contact[contact].fill(true);
+        }
+        let means = (from..count).step_by(length).map(|start| {
+            let stretch = start..(start + length).min(count);
+            let (mut sum, mut samples) = (0.0, 0.0);
+            for at in stretch.filter(|at| is_contact[*at]) {
+                sum += self.measured(at) - f64::from(self.outcome.replayed_n[at]);
+                samples += 1.0;
+            }
+            (self.replay.time_s(start + length / 2), sum / samples)
+        });
+        let (times_s, means_n): (Vec<f64>, Vec<f64>) = means.unzip();
+        Some((times_s.into(), means_n.into()))
+    }
 }
 
 fn segments(estimation: &Estimation) -> Vec<report::Segment<'static>> {
@@ -93,36 +179,32 @@ fn segments(estimation: &Estimation) -> Vec<report::Segment<'static>> {
 }
 
 impl Shown {
-    /// Collects the columns. Force and depth are the raw force and the smoothed depth of the same
+    /// Collects the columns; of a long log those samples that the figures need. Force and depth are the raw force and the smoothed depth of the same
     /// instant.
     pub fn new(name: &'static str, log: &UniformLog, estimation: &Estimation) -> Shown {
         let (replay, outcome) = (&estimation.replay, &estimation.outcome);
-        let log = estimation.log(log);
-        let records = &replay.records[replay.delay.min(replay.records.len())..];
-        let column = |of: &dyn Fn(&Estimate<f32>) -> f32| -> Column<'static> {
-            records.iter().map(|record| f64::from(of(record))).collect()
-        };
+        let rows = Rows::of(estimation.log(log), estimation);
         let (alpha_1, alpha_2, alpha_3) = replay.params.alphas(replay.noise_n as f32);
         let run = report::Run {
             name,
             law: outcome.law.name(),
-            time_s: (0..records.len())
-                .map(|i| replay.time_s(i + replay.delay))
-                .collect(),
-            depth_m: column(&|record| record.depth_m),
-            speed_mps: column(&|record| record.speed_mps),
-            measured_n: measured(log, &replay.rest_n, records.len()),
-            estimated_n: estimated(outcome, replay.delay, records),
-            innovation_n: column(&|record| record.innovation.innovation_n),
-            forgetting: column(&|record| record.forgetting),
-            status: records.iter().map(|record| record.status).collect(),
+            kind: MotionKind::default(),
+            time_s: rows.column(|at, _| replay.time_s(at)),
+            depth_m: rows.column(|_, record| record.depth_m.into()),
+            speed_mps: rows.column(|_, record| record.speed_mps.into()),
+            measured_n: rows.column(|at, _| rows.measured(at)),
+            estimated_n: rows.column(|at, record| rows.estimated(at, record)),
+            innovation_n: rows.column(|_, record| record.innovation.innovation_n.into()),
+            mean_residual: rows.mean_residual(),
+            forgetting: rows.column(|_, record| record.forgetting.into()),
+            status: rows.rows.iter().map(|(_, record)| record.status).collect(),
             noise_n: Some(estimation.inspection.noise_n),
             forgetting_law: Some(report::ForgettingLaw {
                 alpha_1: alpha_1.into(),
                 alpha_2_per_n: alpha_2.into(),
                 alpha_3_n: alpha_3.into(),
             }),
-            parameters: trajectories(outcome.law, records),
+            parameters: rows.trajectories(),
             finals: finals(estimation, &outcome.parameters),
             segments: segments(estimation),
             touches: outcome.touches.clone().into(),
@@ -151,6 +233,15 @@ impl Shown {
         self
     }
 
+    /// Adds the true values of the parameters that a simulated rig knows, by name.
+    pub fn with_truth(mut self, truths: &[(&str, f64)]) -> Shown {
+        for own in &mut self.run.finals {
+            let known = truths.iter().find(|(name, _)| *name == own.name);
+            own.truth = known.map(|(_, truth)| *truth);
+        }
+        self
+    }
+
     /// One sentence: what was found and whether to trust it.
     pub fn verdict(&self) -> String {
         let name = match self.run.name {
@@ -160,18 +251,18 @@ impl Shown {
         let law = law_title(self.run.law);
         match (self.status, self.run.force_rmse_n.zip(self.run.noise_n)) {
             (Status::NoContact, _) => format!("{name}nothing was touched."),
-            (_, None) => format!("{name}the contact does not tell the parameters of {law}."),
+            (_, None) => format!("{name}the data do not determine the parameters of {law}."),
             (status, Some((rmse, noise))) => {
-                let multiple = rmse / noise;
+                let ratio = rmse / noise;
                 let trust = match status {
-                    Status::Converged if multiple < 3.0 => "explains the force",
+                    Status::Converged if ratio < 3.0 => "explains the force",
                     Status::Converged => "has settled, but leaves a misfit",
                     Status::ModelSuspect => "does not explain the force",
                     _ => "has not settled",
                 };
                 format!(
-                    "{name}{law} {trust}: {} the noise remain in contact.",
-                    times(multiple)
+                    "{name}{law} {trust}: in contact the residual is {} the noise.",
+                    multiple(ratio)
                 )
             }
         }

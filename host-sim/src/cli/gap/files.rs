@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use super::motion as advised_motion;
 use crate::gap::{Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region};
 use crate::json::{number, write_json};
+use crate::motion_kind::MotionKind;
 use crate::output::write_atomically;
 use crate::report::{Document, Input, Provenance, gap::GapReport};
 
@@ -80,6 +81,7 @@ fn report(finding: &Finding, inputs: &Inputs<'_>) -> io::Result<Document> {
     );
     let report = GapReport {
         title: &title,
+        kind: MotionKind::default(),
         finding,
         names: &names,
         provenance,

@@ -68,12 +68,18 @@ impl Rows<'_> {
                 name: column.name.clone(),
                 values: column.values.split_off(*start),
             });
+            // A channel that has grown holds up to twice what it needs.
+            let own = |channel: &mut Vec<f64>| {
+                let mut own = channel.split_off(*start);
+                own.shrink_to_fit();
+                own
+            };
             logs.push(Log {
                 path,
                 extra: extra.collect(),
-                time_s: self.log.time_s.split_off(*start),
-                position_m: self.log.position_m.split_off(*start),
-                force_n: self.log.force_n.split_off(*start),
+                time_s: own(&mut self.log.time_s),
+                position_m: own(&mut self.log.position_m),
+                force_n: own(&mut self.log.force_n),
                 notes: Vec::new(),
             });
         }

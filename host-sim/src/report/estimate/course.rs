@@ -1,12 +1,20 @@
 //! The log from its first to its last sample: force, displacement, residual.
 
-use super::{figures::Layout, figures::annotate, figures::compare, run::Run, window::windows};
+use super::{figures::Layout, figures::annotate, figures::compare, run::Run};
 use crate::report::{Figure, plot::Axis, plot::Chart, plot::Ink, plot::Series, plot::Stroke};
+
+/// How to read the figures over time.
+pub(super) const HOW_TO_READ: &str = "Estimated: the replay with the final parameters. Shaded: in contact; in a \
+    long log neighbouring touches may merge into one shaded area, and a curve that fills the figure is drawn as \
+    the area between its peaks.";
 
 /// The force over time, and the displacement below it.
 pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
-    let force =
-        Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero()).size(layout.over_time);
+    let force = Chart::new(
+        Axis::time(),
+        Axis::new("Force F", run.kind.unit("N")).with_zero(),
+    )
+    .size(layout.over_time);
     let force = compare(
         force,
         run,
@@ -14,25 +22,23 @@ pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
         &run.measured_n[..],
         &run.estimated_n[..],
     );
-    let depth = Chart::new(Axis::time(), Axis::new("Depth δ", "m").with_zero())
-        .size(layout.slim)
-        .series(Series::new(
-            "",
-            Ink::Measured,
-            Stroke::Solid,
-            &run.time_s[..],
-            &run.depth_m[..],
-        ));
-    let mut caption = String::from(
-        "Measured force and the replay with the estimated parameters. Shaded: in contact.",
-    );
-    if windows(run).len() > 1 {
-        caption += " In a log of this length neighbouring touches may merge into one shaded area.";
-    }
+    let depth = Chart::new(
+        Axis::time(),
+        Axis::new("Depth δ", run.kind.unit("m")).with_zero(),
+    )
+    .size(layout.slim)
+    .series(Series::new(
+        "",
+        Ink::Measured,
+        Stroke::Solid,
+        &run.time_s[..],
+        &run.depth_m[..],
+    ));
     vec![
-        Figure::new(layout.title(run, "Force", ""), &annotate(force, run)).caption(caption),
+        Figure::new(layout.title(run, "Force", ""), &annotate(force, run))
+            .caption("Measured and estimated force."),
         Figure::new(layout.title(run, "Displacement", ""), &annotate(depth, run))
-            .caption("Penetration; it is negative in free air. Shaded: in contact."),
+            .caption("Penetration; it is negative in free air."),
     ]
 }
 
@@ -42,8 +48,14 @@ pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
     let residual: Vec<f64> = forces
         .map(|(measured, estimated)| measured - estimated)
         .collect();
-    let mean = running_mean(&residual, residual.len() / MEANS);
-    let axis = Axis::new("Measured − estimated", "N").with_zero();
+    let (mean_s, mean) = match &run.mean_residual {
+        Some((times_s, means)) => (&times_s[..], running_mean(means, means.len() / MEANS)),
+        None => (
+            &run.time_s[..],
+            running_mean(&residual, residual.len() / MEANS),
+        ),
+    };
+    let axis = Axis::new("Measured − estimated", run.kind.unit("N")).with_zero();
     let mut chart = Chart::new(Axis::time(), axis)
         .size(layout.over_time)
         .series(Series::new(
@@ -53,7 +65,7 @@ pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
             &run.time_s[..],
             residual,
         ))
-        .series(Series::estimated("running mean", &run.time_s[..], mean));
+        .series(Series::estimated("running mean", mean_s, mean));
     let mut caption = format!(
         "Measured minus estimated force, and its running mean over 1/{MEANS} of the log. A pattern in \
          the mean is an effect that the law does not contain."

@@ -5,6 +5,11 @@ use crate::number::setting;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 
+/// What β is, which the figures show.
+pub(super) const EQUATION: &str = "How much of the past an estimate keeps: β = 1 − α₁ {(1/π) arctan[α₂ (|F − F̂| − \
+    α₃)] + ½}. The larger the error |F − F̂| of the predicted force, the faster the past is forgotten; at β = 1 \
+    everything is remembered, or nothing is being learned.";
+
 /// β over |F − F̂| and over time.
 pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
     let mut figures = Vec::new();
@@ -25,7 +30,7 @@ pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
             ));
         figures.push(
             Figure::new(layout.title(run, "β over time", ""), &annotate(chart, run))
-                .caption("At β = 1 everything is remembered, or nothing is being learned."),
+                .caption("The factor that was used at each sample."),
         );
     }
     figures
@@ -43,11 +48,11 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
     let curve_x: Vec<f64> = (0..=300).map(|i| end * f64::from(i) / 300.0).collect();
     let curve_y: Vec<f64> = curve_x.iter().map(|e| law.beta(*e)).collect();
     let chart = Chart::new(
-        Axis::new("Force error before learning", "N").range(0.0, end),
+        Axis::new("Force error |F − F̂|", run.kind.unit("N")).range(0.0, end),
         Axis::new("β", "1"),
     )
     .series(Series::new(
-        "equation (24)",
+        "β by the equation above",
         Ink::Muted,
         Stroke::Solid,
         curve_x,
@@ -61,11 +66,12 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
         &run.forgetting[..],
     ));
     let caption = format!(
-        "The larger the error of the predicted force, the faster the past is forgotten: α₁ = {}, α₂ = {} per N, \
-         α₃ = {}. Dots at β = 1 are samples that the estimator did not learn from.",
+        "The factor over the error, with α₁ = {}, α₂ = {} per {} and α₃ = {}. Dots at β = 1 are samples that the \
+         estimator did not learn from.",
         setting(law.alpha_1, "1"),
         setting(law.alpha_2_per_n, "1"),
-        setting(law.alpha_3_n, "N"),
+        run.kind.unit("N"),
+        setting(law.alpha_3_n, run.kind.unit("N")),
     );
     let title = layout.title(run, "β over the force error", "");
     Some(Figure::new(title, &chart).caption(caption))

@@ -7,6 +7,10 @@ use super::run::Run;
 use super::window::{Window, windows};
 use crate::report::{Figure, plot::Axis, plot::Chart, plot::Series, plot::Size};
 
+/// How to read the figures of the loops.
+pub(super) const HOW_TO_READ: &str = "The area inside a loop is the work that the contact dissipates. Power is \
+    positive where it goes into the material, and negative where it comes back. Shaded: in contact.";
+
 /// Hysteresis loops, elastic response and power exchange.
 pub(super) fn figures(run: &Run, layout: &Layout) -> Vec<Figure> {
     let windows = windows(run);
@@ -31,30 +35,29 @@ fn hysteresis(run: &Run, layout: &Layout, window: &Window) -> Figure {
     let measured = in_contact(part(&run.measured_n, &range));
     let estimated = in_contact(part(&run.estimated_n, &range));
     let chart = Chart::new(
-        Axis::new("Depth δ", "m"),
-        Axis::new("Force F", "N").with_zero(),
+        Axis::new("Depth δ", run.kind.unit("m")),
+        Axis::new("Force F", run.kind.unit("N")).with_zero(),
     );
     let chart = compare(chart, run, depth, measured, estimated);
     Figure::new(layout.title(run, "Hysteresis loop", &window.name), &chart).caption(format!(
-        "Force over depth, measured dashed and estimated solid. The area inside a loop is the work \
-         that the contact dissipates.{}",
-        shown(window)
+        "Measured and estimated force over depth{}.",
+        shown(run, window)
     ))
 }
 
-/// Says which part of a long log a figure shows.
-fn shown(window: &Window) -> String {
+/// Says which part of a log a figure shows.
+fn shown(run: &Run, window: &Window) -> String {
     match window.name.as_str() {
         "" => String::new(),
-        name => format!(" Shown: the {name} of this long log."),
+        name => format!(" in the {name} of {}", run.touches.len()),
     }
 }
 
 fn elastic(run: &Run, layout: &Layout) -> Option<Figure> {
     let elastic = run.elastic.as_ref()?;
     let mut chart = Chart::new(
-        Axis::new("Depth δ", "m"),
-        Axis::new("Elastic force", "N").with_zero(),
+        Axis::new("Depth δ", run.kind.unit("m")),
+        Axis::new("Elastic force", run.kind.unit("N")).with_zero(),
     )
     .series(Series::estimated(
         "estimated",
@@ -86,9 +89,8 @@ fn power(run: &Run, layout: &Layout, window: &Window, wide: bool) -> Figure {
         &annotate(chart, run),
     )
     .caption(format!(
-        "Power that goes into the material while loading (positive) and comes back while unloading. \
-         Shaded: in contact.{}",
-        shown(window)
+        "Measured and estimated power into the material{}.",
+        shown(run, window)
     ))
 }
 

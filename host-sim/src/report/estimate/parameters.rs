@@ -24,7 +24,7 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
         trajectory.values.iter().map(value).collect()
     };
     let (values, errors) = (column(|e| e.value), column(|e| e.std_error));
-    let mut axis = Axis::new(label(trajectory.name), trajectory.unit);
+    let mut axis = Axis::new(label(trajectory.name), run.kind.unit(trajectory.unit));
     let mut caption = format!("{} ± one standard error.", label(trajectory.name));
     if let Some((low, high)) = range_that_matters(&values, &errors) {
         axis = axis.range(low, high);
@@ -32,10 +32,16 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
             caption += " The axis shows where the estimate settles; the transient leaves it.";
         }
     }
-    let chart = Chart::new(Axis::time(), axis)
+    let own = run.finals.iter().find(|own| own.name == trajectory.name);
+    let truth = own.and_then(|own| own.truth);
+    let mut chart = Chart::new(Axis::time(), axis)
         .size(layout.slim)
         .strip(status_spans(run))
-        .series(Series::estimated("", &run.time_s[..], values).band(errors));
+        .series(Series::estimated("estimated", &run.time_s[..], values).band(errors));
+    if let (Some(truth), [from, .., to]) = (truth, &run.time_s[..]) {
+        chart = chart.series(Series::measured("true", vec![*from, *to], vec![truth; 2]));
+        caption += " Dashed: the true value of the simulated rig.";
+    }
     Figure::new(
         layout.title(run, &label(trajectory.name), ""),
         &annotate(chart, run),

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use estimator_core::estimate::{Estimated, status::Status};
 
+use crate::motion_kind::MotionKind;
 use crate::replay::{EventMark, Touch};
 use crate::report::{Provenance, Tone};
 
@@ -37,6 +38,9 @@ pub struct Run<'a> {
     pub name: &'a str,
     /// The law, as in files: `hunt_crossley`.
     pub law: &'a str,
+    /// How the rig moves: it decides the units of axes and tables. The fields below name those of a rig that moves
+    /// along a line.
+    pub kind: MotionKind,
     /// Time (s).
     pub time_s: Column<'a>,
     /// Penetration (m).
@@ -49,6 +53,9 @@ pub struct Run<'a> {
     pub estimated_n: Column<'a>,
     /// F − F̂ before the sample was learned from (N): the argument of (24).
     pub innovation_n: Column<'a>,
+    /// Times (s) and means (N) of the residual over equal stretches, of a log whose columns hold a part of its
+    /// samples; else they are taken of the columns.
+    pub mean_residual: Option<(Column<'a>, Column<'a>)>,
     /// β of (24) that was used.
     pub forgetting: Column<'a>,
     /// The status of the estimate, which says how far it can be trusted.
@@ -98,6 +105,8 @@ pub struct FinalParameter<'a> {
     pub unit: &'a str,
     /// The estimate; `None` if the parameter is not observable.
     pub estimate: Option<Estimated<f64>>,
+    /// The true value, where a simulated rig knows it.
+    pub truth: Option<f64>,
 }
 
 /// The stretch from one change of material to the next.
@@ -142,7 +151,7 @@ pub struct Elastic<'a> {
 }
 
 /// Name of a parameter for people, with its symbol in the equations.
-pub(in crate::report) fn label(name: &str) -> String {
+pub(crate) fn label(name: &str) -> String {
     let symbol = match name {
         "stiffness" => " K",
         "damping" => " λ",

@@ -79,11 +79,13 @@ impl Log {
                 name: "stiffness",
                 unit: "N/m",
                 estimate: self.stiffness.last().copied().flatten(),
+                truth: Some(1350.0),
             },
             FinalParameter {
                 name: "damping",
                 unit: "N s/m",
                 estimate: None,
+                truth: None,
             },
         ];
         let run = Run {
@@ -205,8 +207,8 @@ fn an_hour_at_1_khz_stays_below_half_a_megabyte_and_says_what_it_leaves_out() {
     well_formed(&html);
     // Measured: 172 kB.
     assert!((60_000..500_000).contains(&html.len()), "{}", html.len());
-    assert!(html.contains("Shown: the first 3 touches of this long log."));
-    assert!(html.contains("Shown: the last 3 touches of this long log."));
+    assert!(html.contains("in the first 3 touches of 1800."));
+    assert!(html.contains("in the last 3 touches of 1800."));
     assert!(html.contains("… 1786 more …"));
 }
 

@@ -1,6 +1,7 @@
 //! The residuals of a log, and their means over depth or speed, which a scatter plot would hide.
 
 use crate::gap::{Curves, phase};
+use crate::motion_kind::MotionKind;
 use crate::stats::{median, quantile};
 
 /// A mean is taken over at least this many samples.
@@ -12,11 +13,13 @@ const STILL: f64 = 0.02;
 /// The curves of a log, and what the figures derive from them.
 pub(super) struct LogCurves<'a> {
     pub(super) curves: &'a Curves,
+    /// How the rig moves.
+    pub(super) kind: MotionKind,
     /// Measured force minus that of the base model (N); NaN where the sample has no weight.
     pub(super) before_n: Vec<f64>,
     /// Measured force minus that of the model with the effects (N).
     pub(super) after_n: Vec<f64>,
-    /// Whether the two models differ. If they do not, there is only one model to show.
+    /// Whether the two models differ by effects. If they do not, there is only one model to show.
     pub(super) changed: bool,
     /// Largest penetration (m); 0 without contact.
     pub(super) deepest_m: f64,
@@ -27,7 +30,7 @@ pub(super) struct LogCurves<'a> {
 }
 
 impl<'a> LogCurves<'a> {
-    pub(super) fn of(curves: &'a Curves) -> LogCurves<'a> {
+    pub(super) fn of(curves: &'a Curves, has_effects: bool, kind: MotionKind) -> LogCurves<'a> {
         let residuals = |modelled_n: &[f64]| -> Vec<f64> {
             let pairs = curves.measured_n.iter().zip(modelled_n);
             let each = pairs.zip(&curves.allowed_n);
@@ -40,9 +43,10 @@ impl<'a> LogCurves<'a> {
         let moving = speeds.filter(|v| *v > STILL * fast_mps);
         LogCurves {
             curves,
+            kind,
             before_n: residuals(&curves.before_n),
             after_n: residuals(&curves.after_n),
-            changed: curves.before_n != curves.after_n,
+            changed: has_effects && curves.before_n != curves.after_n,
             deepest_m: curves.depth_m.iter().copied().fold(0.0, f64::max),
             fast_mps,
             typical_mps: median(moving),

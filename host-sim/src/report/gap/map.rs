@@ -2,15 +2,15 @@
 
 use super::bins::LogCurves;
 use crate::number::quantity;
-use crate::report::{HeatMap, Shaded};
+use crate::report::{HeatMap, HeatScale, Shaded};
 
 /// The number of rows in contact; each covers the same range of depths.
 const DEPTHS: usize = 5;
 const COLUMNS: [&str; 5] = ["out, fast", "out, slow", "still", "in, slow", "in, fast"];
 /// A cell is shown if it has at least this many samples.
 const FEWEST: f64 = 20.0;
-/// Above each of these ratios a cell is one shade darker.
-const SHADES: [f64; 6] = [1.15, 1.5, 2.5, 5.0, 10.0, 25.0];
+/// The ratios of no shade and of the darkest.
+const SHADES: [f64; 2] = [1.0, 30.0];
 
 #[derive(Clone, Copy, Default)]
 struct Tally {
@@ -32,7 +32,7 @@ pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
         .sum();
     let what = format!(
         "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
-        quantity(log.typical_mps, 2, "m/s")
+        quantity(log.typical_mps, 2, log.kind.unit("m/s"))
     );
     let first = if log.changed { "Before" } else { "Base model" };
     let mut maps = vec![map(log, &before, all).caption(format!("{first}: {what}"))];
@@ -74,21 +74,35 @@ fn map(log: &LogCurves<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> 
         .enumerate()
         .filter(|(_, row)| row.iter().any(|tally| tally.count >= FEWEST));
     filled.fold(
-        HeatMap::new("depth \\ motion", COLUMNS),
+        HeatMap::new("depth \\ motion", COLUMNS, scale()),
         |map, (at, row)| {
             let cells = row.iter().map(|tally| cell(tally, all_n2)).collect();
-            map.row(depth(at, log.deepest_m), cells)
+            map.row(depth(at, log), cells)
         },
     )
 }
 
+fn scale() -> HeatScale {
+    let [from, to] = SHADES;
+    HeatScale {
+        name: "Residual over what is allowed",
+        from,
+        to,
+        ticks: [from, 3.0, 10.0, to]
+            .map(|at| (at, format!("{at} ×")))
+            .into(),
+        beyond: "",
+    }
+}
+
 /// The name of a row: free air, or the depth at its lower end.
-fn depth(row: usize, deepest_m: f64) -> String {
-    let end = |at: usize| at as f64 / DEPTHS as f64 * deepest_m;
+fn depth(row: usize, log: &LogCurves<'_>) -> String {
+    let unit = log.kind.unit("m");
+    let end = |at: usize| at as f64 / DEPTHS as f64 * log.deepest_m;
     match row {
         0 => "free air".into(),
-        1 => format!("to {}", quantity(end(1), 2, "m")),
-        row => format!("to {}", quantity(end(row), 3, "m")),
+        1 => format!("to {}", quantity(end(1), 2, unit)),
+        row => format!("to {}", quantity(end(row), 3, unit)),
     }
 }
 
@@ -109,6 +123,6 @@ fn cell(tally: &Tally, all_n2: f64) -> Option<Shaded> {
         } else {
             String::new()
         },
-        shade: SHADES.iter().filter(|from| times > **from).count(),
+        value: Some(times),
     })
 }

@@ -2,6 +2,7 @@
 
 use crate::gap::Finding;
 use crate::motion::Limits;
+use crate::motion_kind::MotionKind;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 use crate::report::{Cell, Figure, Section, Table};
 
@@ -9,7 +10,7 @@ use crate::report::{Cell, Figure, Section, Table};
 const POINTS: u32 = 8_000;
 
 /// The section on the motion; empty where no motion is advised.
-pub(super) fn motion(finding: &Finding) -> Section {
+pub(super) fn motion(finding: &Finding, kind: MotionKind) -> Section {
     let Some(advised) = &finding.advised else {
         return Section::new("");
     };
@@ -18,11 +19,11 @@ pub(super) fn motion(finding: &Finding) -> Section {
     let time: Vec<f64> = (0..=POINTS).map(|at| f64::from(at) * step_s).collect();
     let position: Vec<f64> = time.iter().map(|t| motion.position(*t).0).collect();
     let series = Series::new("motion.toml", Ink::First, Stroke::Thin, time, position);
-    let chart = Chart::new(Axis::time(), Axis::new("Position", "m"))
+    let chart = Chart::new(Axis::time(), Axis::new("Position", kind.unit("m")))
         .size(Size::Slim)
         .series(series);
     let row = |name: &str, of: fn(&Limits) -> f64, unit: &str| {
-        let cell = |limits: &Limits| Cell::quantity(of(limits), 3, unit);
+        let cell = |limits: &Limits| Cell::quantity(of(limits), 3, kind.unit(unit));
         vec![
             Cell::from(name),
             cell(&finding.limits()),
@@ -40,5 +41,8 @@ pub(super) fn motion(finding: &Finding) -> Section {
             advised.purpose, advised.words
         ))
         .table(table)
-        .figure(Figure::new("The motion", &chart))
+        .figure(
+            Figure::new("The motion", &chart)
+                .caption("Position over time, as motion.toml commands it."),
+        )
 }

@@ -1,11 +1,12 @@
 //! The regions in which the base model and the log disagree, and those that remain with the effects.
 
-use crate::gap::{Finding, Region, Verdict, regions_in_words};
+use crate::gap::{Finding, Region, Verdict};
+use crate::motion_kind::MotionKind;
 use crate::number::{column, fixed, quantity, spaced};
 use crate::report::{Cell, Section, Table};
 
 /// The section on where the models and the log disagree.
-pub(super) fn place(finding: &Finding) -> Section {
+pub(super) fn place(finding: &Finding, kind: MotionKind) -> Section {
     let section = Section::new("Where the base model and the measurement disagree");
     if finding.disagreement.is_empty() {
         return section.text(
@@ -13,10 +14,6 @@ pub(super) fn place(finding: &Finding) -> Section {
              noise and the errors of the motion allow (false discoveries below 1 %).",
         );
     }
-    let section = section.text(spaced(&format!(
-        "{}.",
-        regions_in_words(&finding.disagreement)
-    )));
     let section = match (
         finding.verdict,
         finding.effects.is_empty(),
@@ -28,12 +25,11 @@ pub(super) fn place(finding: &Finding) -> Section {
         (_, true, _) => section,
         (_, _, true) => section.text("With the effects, nothing significant remains anywhere."),
         _ => section.text(spaced(&format!(
-            "With the effects {} of the excess remains: {}.",
-            remaining_share(finding),
-            regions_in_words(&finding.remaining).replace("of the excess is", "of it")
+            "With the effects {} of the excess remains.",
+            remaining_share(finding)
         ))),
     };
-    section.table(table(finding))
+    section.table(table(finding, kind))
 }
 
 /// The share of the excess on held-out parts that remains.
@@ -67,7 +63,7 @@ const ORDER: [&str; 15] = [
 ];
 
 /// A table of every region in which either model and the log disagree.
-fn table(finding: &Finding) -> Table {
+fn table(finding: &Finding, kind: MotionKind) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);
     let of = |regions: &[Region], id: &str| regions.iter().find(|region| region.id == id).cloned();
@@ -80,12 +76,14 @@ fn table(finding: &Finding) -> Table {
         .iter()
         .flat_map(|(before, after)| [before, after])
         .flatten();
-    let (unit, errors) = column(&all.map(|region| region.rms_n).collect::<Vec<_>>(), 3, "N");
+    let rms_n: Vec<f64> = all.map(|region| region.rms_n).collect();
+    let (unit, errors) = column(&rms_n, 3, kind.unit("N"));
     let mut errors = errors.into_iter().map(Cell::Number);
     let percent = |share: f64| Cell::Number(format!("{} %", fixed(100.0 * share, 0)));
     let none = || Cell::Missing("–".into());
     let cells = rows.iter().map(|(before, after)| {
         let named = before.as_ref().or(after.as_ref());
+        let name = |region: &Region| name(region, kind);
         let is_line = named.is_some_and(|region| region.hz.is_some() || region.pitch_m.is_some());
         let mut rms = |region: &Option<Region>| {
             region
@@ -109,31 +107,34 @@ fn table(finding: &Finding) -> Table {
             .collect::<Vec<_>>()
     });
     let cells: Vec<_> = cells.collect();
-    let columns = ["Region", "Samples", "Share of the excess"].map(String::from);
-    let first = if only_base {
-        "Residual, rms"
-    } else {
-        "Residual before, rms"
-    };
-    let last = (!only_base).then(|| format!("after [{unit}]"));
-    Table::new(
-        columns
-            .into_iter()
-            .chain([format!("{first} [{unit}]")])
-            .chain(last),
-    )
+    Table::new(columns(&unit, only_base))
     .caption(
         "Regions in which the residual is significantly larger than what is allowed; – where it is not.",
     )
     .rows(cells)
 }
 
-fn name(region: &Region) -> String {
+/// The columns; with the base model alone there is nothing after it.
+fn columns(unit: &str, only_base: bool) -> Vec<String> {
+    let first = match only_base {
+        true => "Residual, rms",
+        false => "Residual before, rms",
+    };
+    let columns = ["Region", "Samples", "Share of the excess"].map(String::from);
+    let last = (!only_base).then(|| format!("after [{unit}]"));
+    let columns = columns.into_iter().chain([format!("{first} [{unit}]")]);
+    columns.chain(last).collect()
+}
+
+fn name(region: &Region, kind: MotionKind) -> String {
     if let Some(hz) = region.hz {
         return format!("Line at {}", quantity(hz, 4, "Hz"));
     }
     if let Some(pitch_m) = region.pitch_m {
-        return format!("Repeats every {} of travel", quantity(pitch_m, 4, "m"));
+        return format!(
+            "Repeats every {} of travel",
+            quantity(pitch_m, 4, kind.unit("m"))
+        );
     }
     match region.id {
         "free" => "Free air",

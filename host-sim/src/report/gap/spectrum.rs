@@ -25,10 +25,11 @@ pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
         let (hz, density) = density(residuals, period_s, most_hz);
         Series::new(name, ink, Stroke::Solid, hz, density)
     };
-    let (before, after) = (
-        curve("before", Ink::Second, &log.before_n),
-        curve("after", Ink::First, &log.after_n),
-    );
+    let before = log
+        .changed
+        .then(|| curve("before", Ink::Second, &log.before_n));
+    let name = if log.changed { "after" } else { "base model" };
+    let after = curve(name, Ink::First, &log.after_n);
     // White noise of this standard deviation, all of it below the highest frequency.
     let floor = finding.noise_floor_n / most_hz.sqrt();
     let ends = vec![
@@ -37,7 +38,7 @@ pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
     ];
     let chart = Chart::new(
         Axis::new("Frequency", "Hz").log(),
-        Axis::new("Density of the residual", "N/√Hz").log(),
+        Axis::new("Density of the residual", log.kind.unit("N/√Hz")).log(),
     )
     .series(Series::new(
         "floor",
@@ -45,12 +46,11 @@ pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
         Stroke::Dashed,
         ends,
         vec![floor; 2],
-    ))
-    .series(before)
-    .series(after);
+    ));
+    let chart = before.into_iter().chain([after]).fold(chart, Chart::series);
     Figure::new("Spectrum of the residual", &chart).caption(
-        "Amplitude density over frequency; dashed: the noise floor as white noise. Where the residual \
-         after stands above the floor it is unexplained, or an error of the motion. A peak is a line of \
+        "Amplitude density over frequency; dashed: the noise floor as white noise. Where the last \
+         model's residual stands above the floor it is unexplained, or an error of the motion. A peak is a line of \
          the spectrum: hum, or cogging at a constant speed.",
     )
 }

@@ -2,7 +2,8 @@
 
 use super::label;
 use super::verdict::{heading, title};
-use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, times_larger};
+use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, times_larger};
+use crate::motion_kind::MotionKind;
 use crate::number::{Measured, spaced};
 use crate::report::{Cell, Section, Table};
 
@@ -14,9 +15,9 @@ const INTERVAL: f64 = 1.96;
 const MOST_SETS: usize = 14;
 
 /// The errors before and after, the advice and the notes.
-pub(super) fn summary(finding: &Finding) -> Section {
+pub(super) fn summary(finding: &Finding, kind: MotionKind) -> Section {
     let has_effects = !finding.effects.is_empty();
-    let errors = super::verdict::errors(finding);
+    let errors = super::verdict::errors(finding, kind);
     let times = |ratio: f64| format!("{ratio:.2} ×");
     let multiple = |rmse_n: f64| times(rmse_n / finding.noise_floor_n);
     let row = |name: &str, before: String, after: String| {
@@ -50,8 +51,13 @@ pub(super) fn summary(finding: &Finding) -> Section {
         true => "Before: the base model, refitted. After: the same with the effects, all refitted.",
         false => "The base model is refitted.",
     };
+    // That nothing is missing stands in the verdict.
+    let advice = match finding.verdict {
+        Verdict::NoMissingEffect if finding.advised.is_none() => String::new(),
+        _ => spaced(&finding.advice),
+    };
     Section::new("What to know")
-        .text(spaced(&finding.advice))
+        .text(advice)
         .list(finding.notes.iter().map(|note| spaced(note)))
         .text(format!(
             "The errors are those of {what}, on parts of the log that the fits do not see. {said}"
@@ -89,12 +95,15 @@ fn table(caption: &str, parameters: &[ParameterEstimate]) -> Table {
 
 fn description(effect: &MissingEffect, finding: &Finding) -> String {
     let mut text = format!(
-        "{}: {}. Without it, all else refitted, the squared error on held-out parts is {}. {}.",
+        "{}: {}. Without it, all else refitted, the squared error on held-out parts is {}.",
         heading(effect.id),
         effect.id.info().law,
         share_larger(effect.held_out_gain),
-        where_it_shows(&effect.place),
     );
+    // What a single effect explains is the disagreement, whose table stands below.
+    if finding.effects.len() > 1 {
+        text += &format!(" {}.", where_it_shows(&effect.place));
+    }
     if !effect.alternatives.is_empty() {
         let others: Vec<String> = effect.alternatives.iter().map(|id| title(*id)).collect();
         let motion = match finding.advised {
@@ -217,6 +226,29 @@ fn environment(finding: &Finding) -> Section {
         .table(Table::new(columns).rows(rows))
 }
 
+/// The base's parameters before and after and the effects' own, each beside its true value.
+pub(super) fn against(finding: &Finding, truths: &[(&str, f64)]) -> Table {
+    let truth = |own: &ParameterEstimate| match truths.iter().find(|(name, _)| *name == own.name) {
+        Some((_, truth)) => Cell::measured(*truth, None, own.unit),
+        None => Cell::Missing("–".into()),
+    };
+    let base = finding.base_before.iter().zip(&finding.base_after);
+    let base = base.map(|(before, after)| {
+        let name = Cell::from(label(&after.name));
+        [name, measured(before), measured(after), truth(after)]
+    });
+    let effects = finding.effects.iter().flat_map(|effect| {
+        effect.parameters.iter().map(|own| {
+            let name = format!("{}: {}", heading(effect.id), own.name.replace('_', " "));
+            let none = Cell::Missing("not in the model".into());
+            [Cell::from(name), none, measured(own), truth(own)]
+        })
+    });
+    Table::new(["Parameter", "Without it", "With it", "True"])
+        .caption("The model's parameters, each fit to the same log; value ± one standard error.")
+        .rows(base.chain(effects))
+}
+
 fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> String {
     let change = (after.value - before.value) / before.value.abs();
     match change {
@@ -321,16 +353,17 @@ fn role(
 }
 
 /// How the noise floor of each log was found.
-pub(super) fn floors(finding: &Finding, names: &[String]) -> Section {
+pub(super) fn floors(finding: &Finding, names: &[String], kind: MotionKind) -> Section {
+    let unit = kind.unit("N");
     let rows = finding.floors.iter().enumerate().map(|(at, floor)| {
         [
             Cell::from(names.get(at).map_or("the log", String::as_str)),
-            Cell::quantity(floor.high_pass_n, 3, "N"),
+            Cell::quantity(floor.high_pass_n, 3, unit),
             match floor.rest_n {
-                Some(rest) => Cell::quantity(rest, 3, "N"),
+                Some(rest) => Cell::quantity(rest, 3, unit),
                 None => Cell::Missing("never at rest".into()),
             },
-            Cell::quantity(floor.used_n, 3, "N"),
+            Cell::quantity(floor.used_n, 3, unit),
             Cell::from(floor.why.as_str()),
         ]
     });

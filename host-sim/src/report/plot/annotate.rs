@@ -2,7 +2,7 @@
 
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, IntoFont, TextStyle};
+use plotters::style::{Color, IntoFont, RGBColor, TextStyle};
 
 use super::{
     area::Error, area::Plot, area::Root, canvas::PX, canvas::Role, chart::Chart, chart::Marker,
@@ -12,15 +12,24 @@ use super::{
 /// The width of a letter of a label [px].
 const LETTER_PX: f64 = 6.2;
 
-pub(super) fn text_style(role: Role) -> TextStyle<'static> {
-    ("sans-serif", 12 * PX).into_font().color(&role.color())
+pub(super) fn text_style(color: RGBColor) -> TextStyle<'static> {
+    ("sans-serif", 12 * PX).into_font().color(&color)
 }
 
 /// Draws a text centred on a point [px].
-pub(super) fn text(root: &Root, text: &str, role: Role, (x, y): (f64, f64)) -> Result<(), Error> {
-    let style = text_style(role).pos(Pos::new(HPos::Center, VPos::Center));
-    let at = [x, y].map(|v| (v * f64::from(PX)).round() as i32);
-    root.draw(&Text::new(text.to_string(), (at[0], at[1]), style))
+pub(super) fn text(
+    root: &Root,
+    text: &str,
+    color: RGBColor,
+    (x, y): (f64, f64),
+) -> Result<(), Error> {
+    let style = text_style(color).pos(Pos::new(HPos::Center, VPos::Center));
+    root.draw(&Text::new(text.to_string(), (units(x), units(y)), style))
+}
+
+/// A length [px] in units of the canvas.
+fn units(px: f64) -> i32 {
+    (px * f64::from(PX)).round() as i32
 }
 
 /// Draws the touches and the lines of events behind the curves.
@@ -80,7 +89,10 @@ pub(super) fn above(chart: &Chart, layout: &Layout, root: &Root) -> Result<(), E
     }
     for (middle, _, marker) in &labels.placed {
         let at = (*middle, f64::from(layout.strip_top) - 9.0);
-        text(root, &marker.label, Role::event_label(marker.major), at)?;
+        // The label may stand beside its line; the script moves it with the line.
+        let line = units(layout.x_px(marker.at)) as usize;
+        let color = Role::event_label(marker.major).numbered(line);
+        text(root, &marker.label, color, at)?;
     }
     strip(chart, layout, root)
 }
@@ -129,7 +141,6 @@ fn strip(chart: &Chart, layout: &Layout, root: &Root) -> Result<(), Error> {
             continue;
         }
         drawn_to = to;
-        let units = |px: f64| (px * f64::from(PX)).round() as i32;
         let corners = [(units(from), top * PX), (units(to), bottom * PX)];
         root.draw(&Rectangle::new(
             corners,
@@ -137,7 +148,7 @@ fn strip(chart: &Chart, layout: &Layout, root: &Root) -> Result<(), Error> {
         ))?;
         if to - from > text_px(&span.label) + 4.0 {
             let middle = (0.5 * (from + to), 0.5 * f64::from(top + bottom));
-            text(root, &span.label, Role::STRIP_LABEL, middle)?;
+            text(root, &span.label, Role::STRIP_LABEL.color(), middle)?;
         }
     }
     Ok(())

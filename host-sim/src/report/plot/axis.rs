@@ -135,6 +135,11 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
+    /// Whether the scale is logarithmic.
+    pub(crate) fn is_log(&self) -> bool {
+        self.log
+    }
+
     /// Converts a value from the unit of the data to the unit of the scale. The result is not finite where
     /// nothing can be shown.
     pub(crate) fn map(&self, value: f64) -> f64 {
@@ -197,14 +202,19 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
     let rough = (high - low) / most.max(1) as f64;
     let decade = 10f64.powf(rough.log10().floor());
     let nice = [1.0, 2.0, 5.0, 10.0].map(|m| m * decade);
-    let step = nice
-        .into_iter()
-        .find(|s| *s >= rough * (1.0 - 1e-9))
-        .unwrap_or(nice[3]);
-    let place = (step.log10() + 1e-9).floor() as i32;
     // Half a thousandth of a step of tolerance: 0.30000000000000004 is on an axis that ends at 0.3.
-    let first = (low / step - 5e-4).ceil() as i64;
-    let last = (high / step + 5e-4).floor() as i64;
+    let ends = |step: f64| {
+        let first = (low / step - 5e-4).ceil() as i64;
+        (first, (high / step + 5e-4).floor() as i64)
+    };
+    // One more than asked for where both ends are ticks.
+    let fits = |step: &f64| {
+        let (first, last) = ends(*step);
+        last - first <= most.max(1) as i64
+    };
+    let step = nice.into_iter().find(fits).unwrap_or(nice[3]);
+    let place = (step.log10() + 1e-9).floor() as i32;
+    let (first, last) = ends(step);
     (first..=last)
         .take(2 * most.max(1) + 2)
         .map(|i| (i as f64 * step, fixed(i as f64 * step, place)))

@@ -97,8 +97,20 @@ impl Role {
         RGBColor(self.0, 0, 0)
     }
 
+    /// The role as plotters carries it, with a number: of the series that a curve belongs to, or the place of a
+    /// label on the x axis in units of the canvas. The script of the page reads it off the element.
+    pub(crate) fn numbered(self, number: usize) -> RGBColor {
+        let [.., high, low] = number.to_be_bytes();
+        RGBColor(self.0, high, low)
+    }
+
     fn of(color: BackendColor) -> Role {
         Role(color.rgb.0)
+    }
+
+    /// The number that [`Role::numbered`] has put into a colour; 0 without one.
+    fn number(color: BackendColor) -> u16 {
+        u16::from_be_bytes([color.rgb.1, color.rgb.2])
     }
 
     /// The class attribute in the SVG and in the legend.
@@ -152,10 +164,20 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn path(&mut self, points: impl IntoIterator<Item = BackendCoord>, role: Role, end: &str) {
+    fn path(
+        &mut self,
+        points: impl IntoIterator<Item = BackendCoord>,
+        color: BackendColor,
+        end: &str,
+    ) {
+        let role = Role::of(color);
         let out = self.layer(role);
         let start = out.len();
-        let _ = write!(out, "<path class=\"{}\" d=\"", role.class());
+        let _ = write!(out, "<path class=\"{}\"", role.class());
+        let _ = match Role::number(color) {
+            0 => write!(out, " d=\""),
+            series => write!(out, " data-s=\"{series}\" d=\""),
+        };
         let mut previous = None;
         for (x, y) in points {
             let _ = match previous {
@@ -208,7 +230,7 @@ impl DrawingBackend for Canvas<'_> {
     }
 
     fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> Drawn {
-        self.path([point], Role::of(color), "");
+        self.path([point], color, "");
         Ok(())
     }
 
@@ -218,7 +240,7 @@ impl DrawingBackend for Canvas<'_> {
         to: BackendCoord,
         style: &S,
     ) -> Drawn {
-        self.path([from, to], Role::of(style.color()), "");
+        self.path([from, to], style.color(), "");
         Ok(())
     }
 
@@ -247,7 +269,7 @@ impl DrawingBackend for Canvas<'_> {
         path: I,
         style: &S,
     ) -> Drawn {
-        self.path(path, Role::of(style.color()), "");
+        self.path(path, style.color(), "");
         Ok(())
     }
 
@@ -256,7 +278,7 @@ impl DrawingBackend for Canvas<'_> {
         path: I,
         style: &S,
     ) -> Drawn {
-        self.path(path, Role::of(style.color()), "Z");
+        self.path(path, style.color(), "Z");
         Ok(())
     }
 
@@ -283,9 +305,13 @@ impl DrawingBackend for Canvas<'_> {
             FontTransform::Rotate180 => format!(" transform=\"rotate(180 {x} {y})\""),
             FontTransform::Rotate270 => format!(" transform=\"rotate(-90 {x} {y})\""),
         };
+        let at = match Role::number(style.color()) {
+            0 => String::new(),
+            at => format!(" data-x=\"{at}\""),
+        };
         let _ = writeln!(
             self.layer(role),
-            "<text class=\"{}\" x=\"{x}\" y=\"{y}\" dy=\"{dy}\" text-anchor=\"{anchor}\"{turn}>{}</text>",
+            "<text class=\"{}\"{at} x=\"{x}\" y=\"{y}\" dy=\"{dy}\" text-anchor=\"{anchor}\"{turn}>{}</text>",
             role.class(),
             escape(text),
         );

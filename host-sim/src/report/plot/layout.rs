@@ -89,33 +89,67 @@ impl Layout {
         f64::from(self.left) + px.clamp(0.0, view.size_px.0)
     }
 
-    /// The SVG element with the layers. The plot is an element of its own, which clips the curves.
+    /// The SVG element with the layers. The plot is an element of its own, which clips the curves; so is what lies
+    /// behind the grid. The script of the page moves both when a reader zooms in, and reads the axes and the names
+    /// of the series off the outer element.
     pub(super) fn assemble(&self, chart: &Chart, title: &str, layers: &Layers) -> String {
         let (w, h) = (self.width * PX, self.height * PX);
         let (width, height) = self.view().size_px;
         let (pw, ph) = (width as i32 * PX, height as i32 * PX);
         let (x, y) = (self.left * PX, self.top * PX);
+        let plot = |class: &str, contents: &str| {
+            format!(
+                "<svg class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{pw}\" height=\"{ph}\" \
+                 viewBox=\"{x} {y} {pw} {ph}\" preserveAspectRatio=\"none\" overflow=\"hidden\">\n{contents}</svg>\n"
+            )
+        };
+        let mut svg = String::with_capacity(layers.data.len() + layers.frame.len() + 1200);
+        let _ = write!(
+            svg,
+            "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" \
+             role=\"img\" aria-label=\"{}\"{}>\n{}{}{}</svg>",
+            escape(&self.spoken(chart, title)),
+            self.attributes(chart),
+            plot("back", &layers.back),
+            layers.frame,
+            plot("plot", &layers.data),
+        );
+        svg
+    }
+
+    /// What a screen reader says of the chart.
+    fn spoken(&self, chart: &Chart, title: &str) -> String {
         let names = chart.series.iter().map(|s| s.name.as_str());
         let names: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
-        let label = format!(
+        format!(
             "{title}: {} over {}. {}",
             self.y.name,
             self.x.name,
             names.join(", ")
-        );
-        let mut svg = String::with_capacity(layers.data.len() + layers.frame.len() + 800);
-        let _ = write!(
-            svg,
-            "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" \
-             role=\"img\" aria-label=\"{}\">\n{}{}\
-             <svg x=\"{x}\" y=\"{y}\" width=\"{pw}\" height=\"{ph}\" \
-             viewBox=\"{x} {y} {pw} {ph}\" overflow=\"hidden\">\n{}</svg>\n</svg>",
-            escape(&label),
-            layers.back,
-            layers.frame,
-            layers.data,
-        );
-        svg
+        )
+    }
+
+    /// Each axis by its ends, whether it is logarithmic, and its name with the unit; and the names of the series.
+    fn attributes(&self, chart: &Chart) -> String {
+        let mut out = String::new();
+        if !self.has_data {
+            return out;
+        }
+        for (letter, scale) in [("x", &self.x), ("y", &self.y)] {
+            let log = u8::from(scale.is_log());
+            // Writing into a String cannot fail.
+            let _ = write!(
+                out,
+                " data-{letter}=\"{} {} {log}\" data-{letter}n=\"{}\"",
+                scale.low,
+                scale.high,
+                escape(&scale.name)
+            );
+        }
+        for (series, number) in chart.series.iter().zip(1..) {
+            let _ = write!(out, " data-n{number}=\"{}\"", escape(&series.name));
+        }
+        out
     }
 }
 

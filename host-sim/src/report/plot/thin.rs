@@ -12,6 +12,15 @@ pub(crate) struct View {
 }
 
 impl View {
+    /// The same picture with `times` as many columns.
+    pub(crate) fn finer(self, times: f64) -> View {
+        let (width, height) = self.size_px;
+        View {
+            size_px: (times * width, height),
+            ..self
+        }
+    }
+
     fn column(&self, x: f64) -> i64 {
         let column = (x - self.x.0) / (self.x.1 - self.x.0) * self.size_px.0;
         // A point outside the plot is needed only for the line that leads to it.

@@ -1,6 +1,7 @@
 //! Felt and true force over depth and time, positions, energy, transparency, parameters.
 
 use super::run::TeleopReport;
+use super::words::words;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Marker, Series, Size, Span, StripTone, Stroke};
 use crate::teleop::environment::Material;
@@ -195,7 +196,7 @@ pub(super) fn transparency(schemes: &[(SchemeId, Vec<Line>)]) -> Figure {
         .fold(chart, |chart, ((id, lines), ink)| {
             let x: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
             let y: Vec<f64> = lines.iter().map(|line| line.magnitude).collect();
-            chart.series(Series::new(id.name(), ink, Stroke::Solid, x, y))
+            chart.series(Series::new(words(*id), ink, Stroke::Solid, x, y))
         });
     Figure::new("Transparency", &chart).caption(
         "|Ẑ/Z|: the felt over the true force at the lines of a motion within the material; what is above 2 is drawn \

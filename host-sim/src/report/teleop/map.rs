@@ -1,14 +1,24 @@
 //! Maps of the schemes: the error of the felt force over delay and loss.
 
+use super::words::words;
 use crate::number::quantity;
-use crate::report::{HeatMap, Section, Shaded};
+use crate::report::{HeatMap, HeatScale, Section, Shaded};
 use crate::teleop::{Cell, SchemeId};
 
-/// Above each of these errors a cell is one shade darker: what nobody feels, twice that, what everybody
-/// notices, and worse.
-const SHADES: [f64; 5] = [0.05, 0.10, 0.20, 0.40, 0.80];
-/// The shade of a system that does not come to rest.
-const UNSTABLE: usize = 6;
+/// The errors of no shade and of the darkest: what nobody feels, and the whole force.
+const SHADES: [f64; 2] = [0.02, 1.0];
+
+fn scale() -> HeatScale {
+    let [from, to] = SHADES;
+    let percent = |at: f64| (at, format!("{:.0} %", 100.0 * at));
+    HeatScale {
+        name: "Error of the felt force",
+        from,
+        to,
+        ticks: [from, 0.05, 0.15, to].map(percent).into(),
+        beyond: "does not come to rest",
+    }
+}
 
 /// A map per loss and jitter of one environment.
 pub(super) fn maps(cells: &[Cell]) -> Vec<HeatMap> {
@@ -25,7 +35,7 @@ pub(super) fn maps(cells: &[Cell]) -> Vec<HeatMap> {
             .collect();
         one(&own).caption(format!(
             "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, once the \
-             scheme has what it needs; darkest: does not come to rest.",
+             scheme has what it needs.",
             100.0 * loss,
             100.0 * jitter
         ))
@@ -55,7 +65,7 @@ fn one(cells: &[&Cell]) -> HeatMap {
     trips.sort_by(f64::total_cmp);
     trips.dedup();
     let heads = trips.iter().map(|trip_s| quantity(*trip_s, 2, "s"));
-    let map = HeatMap::new("scheme \\ round trip", heads);
+    let map = HeatMap::new("scheme \\ round trip", heads, scale());
     SchemeId::ALL
         .into_iter()
         .filter(|id| cells.iter().any(|cell| cell.scheme == *id))
@@ -65,7 +75,7 @@ fn one(cells: &[&Cell]) -> HeatMap {
                 own.find(|cell| cell.scheme == id && cell.round_trip_s == *trip_s)
             };
             map.row(
-                id.name(),
+                words(id),
                 trips
                     .iter()
                     .map(|trip_s| find(trip_s).map(|cell| shaded(cell)))
@@ -83,10 +93,10 @@ fn shaded(cell: &Cell) -> Shaded {
         None => "no force".into(),
     };
     let stable = cell.is_stable();
-    let shade = match share {
-        _ if !stable => UNSTABLE,
-        Some(share) => SHADES.iter().filter(|level| share > **level).count(),
-        None => SHADES.len(),
+    let value = match stable {
+        // A scheme that puts no force out is as wrong as the whole force.
+        true => Some(share.unwrap_or(1.0)),
+        false => None,
     };
     Shaded {
         text,
@@ -95,6 +105,6 @@ fn shaded(cell: &Cell) -> Shaded {
         } else {
             "unstable".into()
         },
-        shade,
+        value,
     }
 }

@@ -50,7 +50,7 @@ fn a_report_of_a_run_and_of_a_comparison_have_their_parts_and_are_well_formed() 
             ..Default::default()
         };
         roxmltree::Document::parse_with_options(&html, parsing).unwrap();
-        assert!(html.contains("unstable") && html.contains("position_force"));
+        assert!(html.contains("unstable") && html.contains("position–force"));
     }
     let html = report.document().to_html();
     for part in [

@@ -70,7 +70,7 @@ impl Answer {
         let depth_m = f64::from(replay.config.reference.depth_m);
         let said = records
             .clone()
-            .map(|(index, record)| said(replay.time_s(index), record, depth_m));
+            .map(|(index, record)| said(replay.time_s(index), &record, depth_m));
         let mut flags: Vec<(f64, Flag)> = Vec::new();
         let mut before = Status::NoContact;
         for (index, record) in records {

@@ -8,10 +8,13 @@ use estimator_core::Status;
 use super::print::name;
 use crate::batch::{Batch, ModulusKind, Parameter};
 use crate::cli::estimate::show::tone;
+use crate::estimate::explain::multiple;
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::fixed;
-use crate::report::{Cell, Document, Input, Provenance, Section, Table, estimate as report};
+use crate::report::{
+    Cell, Document, Input, Provenance, Section, Table, called, estimate as report,
+};
 
 /// Of touches, so many rows are shown.
 const MOST_ROWS: usize = 14;
@@ -45,7 +48,7 @@ pub(super) fn document(log: &UniformLog, batch: &Batch, path: &Path) -> io::Resu
         reference_depth_m: Some(batch.reference_depth_m),
         ..report::Run::default()
     };
-    let title = format!("Estimate of {}", path.display());
+    let title = format!("Estimate of {}", called(path));
     let badge = batch.status.name().replace('_', " ");
     let verdict = verdict(batch);
     let provenance = Provenance::of_this_process();
@@ -70,6 +73,7 @@ fn finals(parameters: &[Parameter]) -> Vec<report::FinalParameter<'_>> {
         name: parameter.name,
         unit: parameter.unit,
         estimate: parameter.estimate,
+        truth: None,
     })
     .collect()
 }
@@ -83,11 +87,11 @@ fn verdict(batch: &Batch) -> String {
     let trust = match batch.status {
         Status::Converged => "explains the force",
         Status::ModelSuspect => "does not explain the force within its noise",
-        Status::Unobservable => "has parameters that this log does not tell",
+        Status::Unobservable => "has parameters that this log does not determine",
         _ => "has not come to a minimum",
     };
-    let multiple = rmse / batch.noise_n;
-    format!("{law} {trust}: {multiple:.1} times the noise remain in contact.")
+    let multiple = multiple(rmse / batch.noise_n);
+    format!("{law} {trust}: in contact the residual is {multiple} the noise.")
 }
 
 /// What the recursive methods do not have.
