@@ -48,6 +48,8 @@ pub enum Scaled {
     Part(Scale, f64),
     /// The number times the first size over the second.
     Ratio(f64, Scale, Scale),
+    /// The number times the first size over the square of the second.
+    RatioOfSquare(f64, Scale, Scale),
     /// The larger of two products of a number and a size.
     Largest([(f64, Scale); 2]),
 }
@@ -61,6 +63,9 @@ impl Scaled {
             Scaled::Per(number, scale) => number / size(scale),
             Scaled::Part(scale, number) => size(scale) / number,
             Scaled::Ratio(number, over, under) => number * (size(over) / size(under)),
+            Scaled::RatioOfSquare(number, over, under) => {
+                number * (size(over) / (size(under) * size(under)))
+            }
             Scaled::Largest([a, b]) => (a.0 * size(a.1)).max(b.0 * size(b.1)),
         }
     }

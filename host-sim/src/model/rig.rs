@@ -9,10 +9,11 @@ use crate::plant::{Contact, Effects};
 
 /// Effects that a rig has once: two power laws are no law, two amplifiers one filter of second
 /// order, two plays one play.
-const ONCE: [EffectId; 4] = [
+const ONCE: [EffectId; 5] = [
     EffectId::PowerLawStiffness,
     EffectId::DepthDependentDamping,
     EffectId::Backlash,
+    EffectId::DriveBacklash,
     EffectId::ForceLag,
 ];
 

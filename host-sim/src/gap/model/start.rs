@@ -27,7 +27,7 @@ pub(in crate::gap) fn is_possible(id: EffectId, shape: &Shape) -> bool {
 
 /// Whether it is a wave, in time or along the way.
 pub(in crate::gap) fn repeats(id: EffectId) -> bool {
-    id.info().repeats != Repeats::Never
+    id.info().repeats.has_spectrum()
 }
 
 /// Starts of an effect; there are none if it means nothing on this law.
