@@ -58,6 +58,7 @@ use search::run::Search;
 use thresholds::{Input, Rest};
 
 use crate::diagnostic::Diagnostic;
+use crate::kind::{self, Kind};
 use crate::log::UniformLog;
 use crate::model::Model;
 
@@ -85,7 +86,19 @@ pub fn gap_with_progress(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Finding, Diagnostic> {
+    let kind = Kind::agreed(model.kind, logs)?;
+    let model = &model.clone().of_kind(kind);
     model.rig()?;
+    kind::worded(kind, || workflow(model, logs, options, progress))
+}
+
+/// The workflow for logs of the model's kind of machine.
+fn workflow(
+    model: &Model,
+    logs: &[UniformLog],
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Finding, Diagnostic> {
     progress.at(0.0, "noise floor and motion");
     let given = given(model)?;
     let thresholds = &options.thresholds;
@@ -109,12 +122,13 @@ pub fn gap_with_progress(
         thresholds,
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);
+    let catalogue = options.catalogue_of(kind::of_words());
     let mut search = Search {
         dataset: dataset(&coarse),
         weights: vec![1.0; coarse.iter().map(FitData::len).sum()],
         base: &model.environment,
         given: &given,
-        ids: &options.catalogue,
+        ids: &catalogue,
         progress,
         noise_cost: 0.0,
         tried: Vec::new(),

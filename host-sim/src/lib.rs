@@ -9,6 +9,7 @@ pub mod gap;
 pub mod inspect;
 pub mod interrupt;
 pub mod json;
+pub mod kind;
 mod kinematics;
 pub mod link;
 pub mod log;

@@ -44,6 +44,8 @@ pub enum Scaled {
     Times(f64, Scale),
     /// The number divided by a size.
     Per(f64, Scale),
+    /// The number divided by the square of a size.
+    PerSquare(f64, Scale),
     /// A size divided by the number.
     Part(Scale, f64),
     /// The number times the first size over the second.
@@ -61,6 +63,7 @@ impl Scaled {
             Scaled::Number(number) => number,
             Scaled::Times(number, scale) => number * size(scale),
             Scaled::Per(number, scale) => number / size(scale),
+            Scaled::PerSquare(number, scale) => number / (size(scale) * size(scale)),
             Scaled::Part(scale, number) => size(scale) / number,
             Scaled::Ratio(number, over, under) => number * (size(over) / size(under)),
             Scaled::RatioOfSquare(number, over, under) => {

@@ -10,18 +10,18 @@ effect! {
         /// k (N/m)
         stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive, Size, FitRange::NOT_NEGATIVE;
         /// β (1/m^ν)
-        beta = "beta", PerMetrePower, Any, Shape, FitRange::NOT_NEGATIVE;
+        beta = "beta", PerMetrePower, Positive, Shape, Logarithmic(Per(1e-3, Travel), Number(1e30));
         /// γ (1/m^ν)
         gamma = "gamma", PerMetrePower, Any, Shape, FitRange::ANY;
         /// ν (1)
-        exponent = "exponent", One, Positive, Shape, Linear(Number(1.0), Number(4.0));
+        exponent = "exponent", One, Positive, Shape, Linear(Number(1.0), Number(6.0));
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: DryFriction, simpler: Some("coulomb_friction"),
-    // Without β it is a spring that bends, and no loop.
-    is_physical: |[_, beta, ..]| *beta > 0.0,
+    is_physical: |_| true,
     example: [4000.0, 3000.0, 3000.0, 1.0], starts: &[
         Starts::at(&[At(Ratio(10.0, SmallForce, Travel)), At(Per(5.0, Travel)), At(Per(5.0, Travel)), Held(1.0)]),
+        Starts::at(&[At(Ratio(10.0, SmallForce, Travel)), At(PerSquare(25.0, Travel)), At(PerSquare(25.0, Travel)), Held(2.0)]),
         Starts::at(&[At(Ratio(40.0, SmallForce, Travel)), At(Per(20.0, Travel)), At(Per(20.0, Travel)), Held(1.0)]),
         Starts::at(&[At(Ratio(5.0, SmallForce, Travel)), At(Per(2.0, Travel)), At(Per(-4.0, Travel)), Held(1.0)]),
     ],

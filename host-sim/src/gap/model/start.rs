@@ -1,6 +1,6 @@
 //! Where a candidate may start: its row says the numbers, in the sizes of the log.
 
-use estimator_core::physics::effect::{EffectId, Laws, MOST_PARAMETERS, Repeats};
+use estimator_core::physics::effect::{EffectId, Laws, MOST_PARAMETERS};
 use estimator_core::physics::effect::{StartValues, Starts};
 use estimator_core::physics::{fit_range::Scaled, law::LawId};
 

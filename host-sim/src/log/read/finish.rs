@@ -70,6 +70,7 @@ impl Rows<'_> {
             });
             logs.push(Log {
                 path,
+                kind: self.log.kind,
                 extra: extra.collect(),
                 time_s: self.log.time_s.split_off(*start),
                 position_m: self.log.position_m.split_off(*start),
