@@ -10,7 +10,7 @@ effect! {
         /// k (N/m)
         stiffness_n_per_m = "stiffness", NewtonPerMetre, Positive, Size, FitRange::NOT_NEGATIVE;
         /// β (1/m^ν)
-        beta = "beta", PerMetrePower, Positive, Shape, Logarithmic(Per(1e-3, Travel), Number(1e30));
+        beta = "beta", PerMetrePower, Positive, Shape, Logarithmic(Per(0.5, Travel), Number(1e30));
         /// γ (1/m^ν)
         gamma = "gamma", PerMetrePower, Any, Shape, FitRange::ANY;
         /// ν (1)
