@@ -58,8 +58,8 @@ use search::run::Search;
 use thresholds::{Input, Rest};
 
 use crate::diagnostic::Diagnostic;
-use crate::kind::{self, Kind};
-use crate::log::UniformLog;
+use crate::kind;
+use crate::log::{UniformLog, agreed_kind};
 use crate::model::Model;
 
 /// Most samples that the search uses.
@@ -86,7 +86,7 @@ pub fn gap_with_progress(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Finding, Diagnostic> {
-    let kind = Kind::agreed(model.kind, logs)?;
+    let kind = agreed_kind(model.kind, logs)?;
     let model = &model.clone().of_kind(kind);
     model.rig()?;
     kind::worded(kind, || workflow(model, logs, options, progress))

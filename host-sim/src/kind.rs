@@ -9,9 +9,6 @@ use std::cell::Cell;
 
 use estimator_core::physics::effect::{EffectId, Repeats};
 
-use crate::diagnostic::Diagnostic;
-use crate::log::UniformLog;
-
 /// Whether a machine moves along a line or turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
@@ -69,65 +66,9 @@ impl Kind {
         }
     }
 
-    /// `metres` or `radians`.
-    pub const fn position_words(self) -> &'static str {
-        match self {
-            Kind::Linear => "metres",
-            Kind::Rotary => "radians",
-        }
-    }
-
-    /// `newtons` or `newton metres`.
-    pub const fn force_words(self) -> &'static str {
-        match self {
-            Kind::Linear => "newtons",
-            Kind::Rotary => "newton metres",
-        }
-    }
-
     /// Whether a machine of this kind can have an effect.
     pub fn can_have(self, id: EffectId) -> bool {
         self == Kind::Rotary || id.info().repeats != Repeats::EveryTurn
-    }
-
-    /// The kind of a machine of which a model may say one and logs may show one; along a line if nobody
-    /// does.
-    ///
-    /// # Errors
-    /// A model and a log, or two logs, of different kinds.
-    pub fn agreed(model: Option<Kind>, logs: &[UniformLog]) -> Result<Kind, Diagnostic> {
-        let mut agreed = model;
-        for log in logs {
-            match (agreed, log.kind) {
-                (Some(one), Some(other)) if one != other => {
-                    return Err(other.contradicts(one, log, model.is_some()));
-                }
-                (None, kind) => agreed = kind,
-                _ => {}
-            }
-        }
-        Ok(agreed.unwrap_or_default())
-    }
-
-    fn contradicts(self, one: Kind, log: &UniformLog, is_model: bool) -> Diagnostic {
-        let who = if is_model {
-            "the model says"
-        } else {
-            "the first log has"
-        };
-        Diagnostic::new(format!(
-            "the log has positions in {} and forces in {}, and {who} {} and {}",
-            self.unit("m"),
-            self.unit("N"),
-            one.unit("m"),
-            one.unit("N"),
-        ))
-        .in_file(&log.path)
-        .value(self.name())
-        .remedy(match is_model {
-            true => format!("write kind = \"{}\" at the top of the model, or give the columns (--columns x=NAME,f=NAME)", self.name()),
-            false => "give logs of one machine, or the columns that belong together (--columns x=NAME,f=NAME)".into(),
-        })
     }
 }
 
@@ -179,24 +120,5 @@ mod tests {
         assert_eq!(unit("N s/m"), "N s/m");
         assert_eq!(worded(Kind::Rotary, || unit("N s/m")), "N m s/rad");
         assert_eq!(unit("N s/m"), "N s/m");
-    }
-
-    #[test]
-    fn a_model_and_a_log_of_two_kinds_are_an_error() {
-        let log = |kind| UniformLog {
-            kind,
-            ..UniformLog::default()
-        };
-        let (turns, unknown) = (log(Some(Kind::Rotary)), log(None));
-        assert_eq!(
-            Kind::agreed(None, &[unknown.clone(), turns.clone()]),
-            Ok(Kind::Rotary)
-        );
-        assert_eq!(
-            Kind::agreed(Some(Kind::Rotary), &[unknown]),
-            Ok(Kind::Rotary)
-        );
-        let error = Kind::agreed(Some(Kind::Linear), &[turns]).unwrap_err();
-        assert!(error.to_string().contains("rad"), "{error}");
     }
 }

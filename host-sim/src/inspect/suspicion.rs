@@ -1,6 +1,7 @@
 //! Columns that look exchanged, units that look wrong: what a person should look at first.
 
-use crate::log::UniformLog;
+use crate::kind::Kind;
+use crate::log::{Channel, UniformLog};
 use crate::number::quantity;
 use crate::stats::{highest, median, range};
 
@@ -45,12 +46,23 @@ fn still(name: &str, letter: &str, channel: &[f64]) -> Option<String> {
 }
 
 fn swapped(log: &UniformLog) -> Option<String> {
-    Some(format!("{} (--columns x=f_n,f=x_m)", exchanged(log)?))
+    let [_, x, f] = columns(log);
+    Some(format!("{} (--columns x={f},f={x})", exchanged(log)?))
+}
+
+/// The names of the log's columns.
+fn columns(log: &UniformLog) -> [&'static str; 3] {
+    let kind = log.kind.unwrap_or_default();
+    Channel::ALL.map(|channel| channel.column_of(kind))
 }
 
 /// Position and force in each other's column, without the remedy.
 pub(crate) fn exchanged(log: &UniformLog) -> Option<String> {
     let (travel, span) = (range(&log.position_m), range(&log.force_n));
+    // A joint that nothing turns back has as little torque in a turn: only its units could tell.
+    if log.kind == Some(Kind::Rotary) {
+        return None;
+    }
     // Stiffness below 1 N per 100 m: no contact is that soft, but x and f exchanged look like it.
     (span > 0.0 && travel > 0.1 && span < 0.01 * travel).then(|| {
         format!(
@@ -64,10 +76,24 @@ pub(crate) fn exchanged(log: &UniformLog) -> Option<String> {
 fn millimetres(log: &UniformLog) -> Option<String> {
     let travel = range(&log.position_m);
     let span = range(&log.force_n);
+    if log.kind == Some(Kind::Rotary) {
+        return degrees(travel);
+    }
     (travel > 0.5 && span >= 0.01 * travel).then(|| {
         format!(
             "the probe travels {}: millimetres or micrometres given as metres? (--columns x=x_m*1e-3)",
             quantity(travel, 3, "m")
+        )
+    })
+}
+
+/// Degrees given as radians: more than six turns of a machine that presses or swings.
+fn degrees(travel_rad: f64) -> Option<String> {
+    const MOST_RAD: f64 = 40.0;
+    (travel_rad > MOST_RAD).then(|| {
+        format!(
+            "the machine turns by {}: degrees given as radians? (--columns x=x_rad*0.0174533)",
+            quantity(travel_rad, 3, "rad")
         )
     })
 }
@@ -97,9 +123,10 @@ fn force_sign(log: &UniformLog) -> Option<String> {
     let span = range(&log.force_n);
     let falls = deep < out - 0.2 * span && span > 20.0 * noise;
     (travel > 0.0 && falls).then(|| {
+        let [_, x, f] = columns(log);
         format!(
             "the force falls from {} to {} on the way in: its sign, or that of the position, may be \
-             reversed (--columns f=-f_n or x=-x_m)",
+             reversed (--columns f=-{f} or x=-{x})",
             quantity(out, 3, "N"),
             quantity(deep, 3, "N")
         )

@@ -6,7 +6,7 @@ use super::super::random::Random;
 use super::{Drawn, Scale};
 
 /// The ids, which have kinds of cases of their own: the others' draws stay as they were.
-pub const MACHINE: [&str; 7] = [
+pub(crate) const MACHINE: [&str; 7] = [
     "drive_backlash",
     "bouc_wen",
     "load_friction",
