@@ -51,7 +51,7 @@ use self::model::given::given;
 use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
-use data::{budget, input};
+use data::{budget, input, orientation};
 use decide::selection::decide;
 use say::{builder, plausibility};
 use search::run::Search;
@@ -87,6 +87,8 @@ pub fn gap_with_progress(
     progress: &dyn Progress,
 ) -> Result<Finding, Diagnostic> {
     let kind = agreed_kind(model.kind, logs)?;
+    let oriented = orientation::oriented(model, logs);
+    let logs: &[UniformLog] = &oriented;
     let model = &model.clone().of_kind(kind);
     model.rig()?;
     kind::worded(kind, || workflow(model, logs, options, progress))

@@ -108,6 +108,20 @@ fn milliseconds(log: &UniformLog) -> Option<String> {
     })
 }
 
+/// Whether the force of a machine that touches nothing drives its motion: over a whole motion a passive load takes
+/// work, ∮F dx > 0, and gives less than a third of what went in and out of it.
+pub(crate) fn gives_work(log: &UniformLog) -> bool {
+    const SHARE: f64 = 0.3;
+    let middle = median(log.force_n.iter().copied());
+    let (mut work, mut moved) = (0.0, 0.0);
+    for (x, f) in log.position_m.windows(2).zip(log.force_n.windows(2)) {
+        let step = (0.5 * (f[0] + f[1]) - middle) * (x[1] - x[0]);
+        work += step;
+        moved += step.abs();
+    }
+    work < -SHARE * moved
+}
+
 /// The sign of the force where the probe is deepest, against where it is farthest out.
 fn force_sign(log: &UniformLog) -> Option<String> {
     let noise = log.force_noise_n();
@@ -158,6 +172,23 @@ mod tests {
     fn a_good_log_raises_no_suspicion() {
         assert_eq!(suspicions(&log(1.0, 1.0, 1.0)), [""; 0]);
         assert_eq!(suspicions(&log(1.0, 1e-3, 1e-6)), [""; 0]);
+    }
+
+    #[test]
+    fn a_drive_whose_force_has_the_motors_sign_gives_work_and_one_that_is_dragged_takes_it() {
+        let t: Vec<f64> = (0..4000).map(|i| f64::from(i) * 1e-3).collect();
+        let x: Vec<f64> = t.iter().map(|t| (2.0 * t).sin()).collect();
+        let drag = |sign: f64| -> UniformLog {
+            let f = t
+                .iter()
+                .map(|t| sign * (2.0 * t).cos().signum() + 0.2 * (2.0 * t).sin());
+            Log::from_channels(t.clone(), x.clone(), f.collect())
+                .uniform()
+                .unwrap()
+        };
+        assert!(gives_work(&drag(-1.0)) && !gives_work(&drag(1.0)));
+        // A spring gives back what it took.
+        assert!(!gives_work(&drag(0.0)));
     }
 
     #[test]
