@@ -60,3 +60,28 @@ impl<S: Scalar> BoucWen<S> {
         z * decay.exp() + way_m * decay.exprel()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_levels_off_where_beta_and_gamma_say_and_hardens_where_they_are_negative() {
+        let pushed = |beta: f64, gamma: f64, exponent: f64| {
+            let own = BoucWen {
+                stiffness_n_per_m: 1.0,
+                beta,
+                gamma,
+                exponent,
+            };
+            let mut memory = LoadPathMemory::at_rest();
+            (0..20_000).fold(0.0, |_, _| own.force_n(&mut memory, 1e-6, 0.0))
+        };
+        // z = (β + γ)^{−1/ν}: 1/(600 + 400), and 1/√(4·10⁶ + 2·10⁶).
+        assert!((pushed(600.0, 400.0, 1.0) / 1e-3 - 1.0).abs() < 1e-6);
+        assert!((pushed(4e6, 2e6, 2.0) * 6e6_f64.sqrt() - 1.0).abs() < 1e-6);
+        // After 20 mm with β + γ = −20 1/m: (e^{0.4} − 1)/20.
+        let exact = ((0.4_f64).exp() - 1.0) / 20.0;
+        assert!((pushed(30.0, -50.0, 1.0) / exact - 1.0).abs() < 1e-4);
+    }
+}

@@ -63,3 +63,53 @@ impl<S: Scalar> LoadPathMemory<S> {
         self.z
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::effect::shapes::slid;
+
+    const PLAY_M: f64 = 1e-3;
+
+    #[test]
+    fn between_the_flanks_nothing_pushes_and_on_a_flank_the_way_counts() {
+        for (at, beyond) in [
+            (0.4e-3, 0.0),
+            (-0.5e-3, 0.0),
+            (0.9e-3, 0.4e-3),
+            (-2e-3, -1.5e-3),
+        ] {
+            assert!((beyond_play(at, PLAY_M) - beyond).abs() < 1e-18, "{at}");
+        }
+    }
+
+    #[test]
+    fn after_a_reversal_a_friction_unwinds_then_the_play_is_crossed_without_force() {
+        // GIVEN a friction that sticks over 0.2 mm behind a play of 1 mm, pushed far on one flank
+        let mut memory = LoadPathMemory::at_rest();
+        let follow = |z: f64, way_m: f64| slid(z, way_m, 0.2e-3);
+        let pushed = memory.follow(5e-3, PLAY_M, follow);
+        assert!((pushed - 1.0).abs() < 1e-9, "{pushed}");
+        // WHEN the motor goes back in steps of a micrometre
+        let way: [f64; 3000] = core::array::from_fn(|_| memory.follow(-1e-6, PLAY_M, follow));
+        let free = way.iter().filter(|z| **z == 0.0).count();
+        let unwound = way.iter().position(|z| *z <= 0.0).unwrap();
+        // THEN it has let go after w ln 2 of the way, is without force over the play, and pushes the other way.
+        let exact = 0.2e-3 * core::f64::consts::LN_2 * 1e6;
+        assert!((unwound as f64 - exact).abs() < 2.0, "{unwound} of {exact}");
+        assert!((free as f64 - 1000.0).abs() < 2.0, "{free}");
+        assert!(way[2999] < -0.999, "{}", way[2999]);
+    }
+
+    #[test]
+    fn without_a_play_the_way_is_the_motors() {
+        let (mut with, mut without) = (LoadPathMemory::at_rest(), 0.0);
+        for way_m in [3e-5, 4e-5, -2e-5, -9e-5] {
+            without = slid(without, way_m, 1e-4);
+            assert_eq!(
+                with.follow(way_m, 0.0, |z, way| slid(z, way, 1e-4)),
+                without
+            );
+        }
+    }
+}
