@@ -40,10 +40,8 @@ use crate::estimate::error::{ConfigError, require_each};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::{Real, Scalar};
-use crate::physics::effect::{
-    Effect, EffectId, LoadPathMemory, Motion, cables_n, play_m, share_of_load,
-    without_load_friction_n,
-};
+use crate::physics::effect::{Effect, EffectId, LoadPathMemory, Motion};
+use crate::physics::load_path::{cables_n, play_m, share_of_load, without_load_friction_n};
 use crate::physics::rig::MOST_EFFECTS;
 use delay::{ChannelDelay, DelayLine};
 use faults::LingeringFaults;

@@ -72,7 +72,7 @@ mod force_saturation;
 mod gravity_torque;
 mod hysteretic_damping;
 mod load_friction;
-mod load_path;
+mod load_memory;
 mod loading_curve;
 mod motion;
 mod periodic_disturbance;
@@ -96,9 +96,7 @@ mod viscous_drag;
 pub use super::parameter::{Bounds, ParameterInfo};
 use crate::maths::scalar::Scalar;
 use catalogue::catalogue;
-pub(crate) use load_path::{
-    LoadPathMemory, cables_n, play_m, share_of_load, without_load_friction_n,
-};
+pub(crate) use load_memory::{LoadPathMemory, beyond_play};
 pub use motion::Motion;
 pub use row::{
     ChainStage, EffectInfo, Family, Form, Laws, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
@@ -170,7 +168,7 @@ impl<S: Scalar> Effect<S> {
     /// What the effect adds to the force between contact and load cell (N) after the motor side has
     /// gone `change_m` since the last sample, with a play of `play_m` in front of what restores; 0 where
     /// the effect enters elsewhere. A friction that grows with the load comes after all others
-    /// ([`share_of_load`]).
+    /// (`physics::load_path`).
     pub(crate) fn load_n(
         &self,
         memory: &mut LoadPathMemory<S>,
@@ -187,9 +185,7 @@ impl<S: Scalar> Effect<S> {
             Effect::AsymmetricDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::QuadraticDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::ToolInertia(effect) => effect.force_n(motor.acceleration_mps2),
-            Effect::CableStiffness(effect) => {
-                effect.force_n(drive_backlash::beyond_play(motor.position_m, play_m))
-            }
+            Effect::CableStiffness(effect) => effect.force_n(beyond_play(motor.position_m, play_m)),
             Effect::BoucWen(effect) => effect.force_n(memory, change_m, play_m),
             Effect::GravityTorque(effect) => effect.torque_nm(motor.position_m),
             Effect::Cogging(effect) => effect.force_n(motor.position_m),

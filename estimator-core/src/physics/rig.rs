@@ -16,7 +16,8 @@ use contact::Contact;
 pub use contact::{ContactState, MOST_EFFECTS, Touch};
 
 use crate::maths::scalar::Scalar;
-use crate::physics::effect::{Effect, LoadPathMemory, Motion, cables_n, play_m, share_of_load};
+use crate::physics::effect::{Effect, LoadPathMemory, Motion};
+use crate::physics::load_path::{cables_n, play_m, share_of_load};
 
 /// What is touched, and what touches it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! A restoring loop in the drive: Bouc and Wen's, with hardening.
 
-use super::{load_path::LoadPathMemory, row::effect};
+use super::{load_memory::LoadPathMemory, row::effect};
 use crate::maths::scalar::Scalar;
 
 effect! {

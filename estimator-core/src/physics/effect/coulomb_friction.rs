@@ -1,6 +1,6 @@
 //! Dry friction of the drive or the guide, between the motor and the load cell.
 
-use super::{load_path::LoadPathMemory, row::effect, shapes::direction, shapes::slid};
+use super::{load_memory::LoadPathMemory, row::effect, shapes::direction, shapes::slid};
 use crate::maths::scalar::Scalar;
 
 effect! {

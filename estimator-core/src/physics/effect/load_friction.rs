@@ -26,7 +26,7 @@ effect! {
 
 impl<S: Scalar> LoadFriction<S> {
     /// Its force for each newton of load.
-    pub(super) fn share_of_load(&self, speed_mps: S) -> S {
+    pub(crate) fn share_of_load(&self, speed_mps: S) -> S {
         self.coefficient * direction(speed_mps, self.transition_mps)
     }
 }

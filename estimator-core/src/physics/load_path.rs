@@ -1,27 +1,7 @@
-//! What the load path is: how its effects share a play and a load.
+//! What the effects of a load path share: a play, and a load.
 
-use super::Effect;
-use super::drive_backlash::beyond_play;
+use super::effect::{Effect, beyond_play};
 use crate::maths::scalar::Scalar;
-
-/// What an effect of the load path remembers.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct LoadPathMemory<S> {
-    /// Its internal state.
-    pub(super) z: S,
-    /// Where it is within a play in front of it (m), from −w/2 to w/2.
-    pub(super) gap_m: S,
-}
-
-impl<S: Scalar> LoadPathMemory<S> {
-    /// Before anything has moved.
-    pub(crate) fn at_rest() -> LoadPathMemory<S> {
-        LoadPathMemory {
-            z: S::zero(),
-            gap_m: S::zero(),
-        }
-    }
-}
 
 /// The play in front of whatever restores in the load path (m); 0 without one.
 pub(crate) fn play_m<'a, S: Scalar>(effects: impl Iterator<Item = &'a Effect<S>>) -> S {
