@@ -201,7 +201,8 @@ fn every_effect_of_the_catalogue_runs_on_the_rig() {
                 "N" | "N s/m" => 0.5,
                 "N/m" => 5e3,
                 "s" => 5e-3,
-                "1/m" => 100.0,
+                "1/m" | "1/m^ν" => 100.0,
+                "N s²/m²" => 50.0,
                 "Hz" | "1/s" => 5.0,
                 _ if info.name == "exponent" => 1.7,
                 // A form: a bond pulls what has relaxed, and this gel does not.
