@@ -4,5 +4,6 @@
 pub mod effect;
 pub mod fit_range;
 pub mod law;
+pub(crate) mod load_path;
 pub mod parameter;
 pub mod rig;

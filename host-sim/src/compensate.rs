@@ -95,6 +95,7 @@ fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
     let start_s = log.time_s.first().copied().unwrap_or(0.0);
     let mut out = UniformLog {
         path: log.path.clone(),
+        kind: log.kind,
         rate_hz: log.rate_hz,
         untouched: false,
         slower: log.slower.clone(),

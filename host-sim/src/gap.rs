@@ -51,14 +51,15 @@ use self::model::given::given;
 use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
-use data::{budget, input};
+use data::{budget, input, orientation};
 use decide::selection::decide;
 use say::{builder, plausibility};
 use search::run::Search;
 use thresholds::{Input, Rest};
 
 use crate::diagnostic::Diagnostic;
-use crate::log::UniformLog;
+use crate::kind;
+use crate::log::{UniformLog, agreed_kind};
 use crate::model::Model;
 
 /// Most samples that the search uses.
@@ -85,7 +86,21 @@ pub fn gap_with_progress(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Finding, Diagnostic> {
+    let kind = agreed_kind(model.kind, logs)?;
+    let oriented = orientation::oriented(model, logs);
+    let logs: &[UniformLog] = &oriented;
+    let model = &model.clone().of_kind(kind);
     model.rig()?;
+    kind::worded(kind, || workflow(model, logs, options, progress))
+}
+
+/// The workflow for logs of the model's kind of machine.
+fn workflow(
+    model: &Model,
+    logs: &[UniformLog],
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Finding, Diagnostic> {
     progress.at(0.0, "noise floor and motion");
     let given = given(model)?;
     let thresholds = &options.thresholds;
@@ -109,12 +124,13 @@ pub fn gap_with_progress(
         thresholds,
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);
+    let catalogue = options.catalogue_of(kind::of_words());
     let mut search = Search {
         dataset: dataset(&coarse),
         weights: vec![1.0; coarse.iter().map(FitData::len).sum()],
         base: &model.environment,
         given: &given,
-        ids: &options.catalogue,
+        ids: &catalogue,
         progress,
         noise_cost: 0.0,
         tried: Vec::new(),

@@ -5,7 +5,7 @@ mod holds;
 mod suspicion;
 
 pub use holds::{Hold, holds};
-pub(crate) use suspicion::exchanged;
+pub(crate) use suspicion::{exchanged, gives_work};
 pub use suspicion::{suspicions, suspicions_without_contact};
 
 use crate::log::UniformLog;

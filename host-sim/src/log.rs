@@ -4,6 +4,7 @@
 //! other machines are read with a [`ColumnMap`] that names their columns, signs and units. What a
 //! reader of the log should know (rows left out, stamps that repeat) stands in [`Log::notes`].
 
+mod agreed;
 mod cell;
 mod channel;
 mod coarse;
@@ -25,6 +26,7 @@ mod timing;
 mod units;
 mod write;
 
+pub use agreed::agreed_kind;
 pub use channel::Channel;
 pub use columns::ColumnMap;
 pub use mcap::{McapTopics, write_mcap};

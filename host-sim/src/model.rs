@@ -18,6 +18,7 @@ pub use title::law_title;
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::plant::Sensors;
 use crate::toml_reader::{Bounds, Table, TomlFile};
 
@@ -26,6 +27,8 @@ use crate::toml_reader::{Bounds, Table, TomlFile};
 pub struct Model {
     /// Where it came from.
     pub path: PathBuf,
+    /// Whether the machine turns, where the file says so.
+    pub kind: Option<Kind>,
     /// What is touched.
     pub environment: Environment,
     /// What the rig adds, in the order of the file.
@@ -43,12 +46,23 @@ impl Model {
         Model::from_toml(&TomlFile::read(path)?, path)
     }
 
+    /// The model of a machine that its logs say the kind of.
+    #[must_use]
+    pub fn of_kind(self, kind: Kind) -> Model {
+        let is_said = self.kind.is_some() || kind == Kind::Rotary;
+        Model {
+            kind: is_said.then_some(kind),
+            ..self
+        }
+    }
+
     /// A model from a parsed file; `path` is kept.
     ///
     /// # Errors
     /// As [`Model::read`].
     pub fn from_toml(file: &TomlFile, path: &Path) -> Result<Model, Diagnostic> {
         let root = file.root();
+        let kind = read_kind(&root)?;
         let environment = root.table("environment")?;
         let effects = root.tables("effect")?;
         let sensors = root.table("sensors")?;
@@ -61,6 +75,7 @@ impl Model {
         };
         Ok(Model {
             path: path.to_path_buf(),
+            kind,
             environment: Environment::from_table(&environment)?,
             effects: effects
                 .iter()
@@ -68,6 +83,19 @@ impl Model {
                 .collect::<Result<_, _>>()?,
             sensors: sensors.map_or(Ok(Sensors::default()), |table| read_sensors(&table))?,
         })
+    }
+}
+
+/// `kind = "rotary"`, if the file says so.
+fn read_kind(root: &Table<'_>) -> Result<Option<Kind>, Diagnostic> {
+    let Some(name) = root.text("kind")? else {
+        return Ok(None);
+    };
+    match Kind::from_name(name) {
+        Some(kind) => Ok(Some(kind)),
+        None => Err(root
+            .wrong("kind", "neither a machine along a line nor one that turns")
+            .remedy("write kind = \"linear\" (m, N) or kind = \"rotary\" (rad, N m)")),
     }
 }
 

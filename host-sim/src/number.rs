@@ -1,4 +1,7 @@
-//! Numbers as a reader wants them: the standard error decides the digits, a prefix the size.
+//! Numbers as a reader wants them: the standard error decides the digits, a prefix the size, and the kind of
+//! machine that is worded the unit ([`kind::worded`]).
+
+use crate::kind;
 
 /// Minus sign; a hyphen is too short beside digits.
 const MINUS: char = '\u{2212}';
@@ -37,6 +40,7 @@ const PREFIXES: [Prefix; 9] = [
 /// an axis that ends at 0.9 N need not become 900 mN. Composed units (N/m) take one only from 10⁵
 /// on: gel at 1 350 N/m compares better with plastic at 11 500 N/m than with 11.5 kN/m.
 pub fn prefix_for(magnitude: f64, unit: &str) -> Prefix {
+    let unit = kind::unit(unit);
     let composed = unit.contains([' ', '/']);
     pick(magnitude.abs(), unit, 0.3, if composed { 1e5 } else { 1e3 })
 }
@@ -66,9 +70,9 @@ fn takes_prefix(unit: &str) -> bool {
 
 /// A unit with a prefix; the unit `1` is not written.
 pub fn unit_text(prefix: Prefix, unit: &str) -> String {
-    match unit {
+    match kind::unit(unit) {
         "1" => String::new(),
-        _ => format!("{}{}", prefix.symbol, unit.replace(' ', "\u{a0}")),
+        unit => format!("{}{}", prefix.symbol, unit.replace(' ', "\u{a0}")),
     }
 }
 
@@ -86,6 +90,7 @@ pub struct Measured {
 impl Measured {
     /// Rounds to the digits that the standard error leaves; four digits where there is none.
     pub fn new(value: f64, std_error: Option<f64>, unit: &str) -> Measured {
+        let unit = kind::unit(unit);
         let error = std_error.filter(|e| e.is_finite() && *e > 0.0);
         let size = value.abs().max(error.unwrap_or(0.0));
         let prefix = pick(size, unit, 0.1, if unit.contains('/') { 1e5 } else { 1e3 });

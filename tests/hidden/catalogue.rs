@@ -7,7 +7,7 @@ use estimator_core::physics::law::{
 };
 use estimator_core::physics::rig::{Environment, Rig};
 use tests::hidden::rig::case::Case;
-use tests::hidden::rig::draw::CATALOGUE;
+use tests::hidden::rig::draw::every_id;
 use tests::hidden::rig::fit::rms;
 use tests::hidden::rig::material::Law;
 use tests::hidden::rig::motion::{FINE_HZ, SUBSTEPS};
@@ -54,7 +54,8 @@ fn effect(case: &Case) -> Effect<f64> {
     let id = EffectId::from_name(hidden.id).unwrap_or_else(|| panic!("{} is unknown", hidden.id));
     let mut row = [0.0; MOST_PARAMETERS];
     let info = id.info();
-    for (name, value) in &hidden.params {
+    // How long a radian is on the rig is no number of the effect.
+    for (name, value) in hidden.params.iter().filter(|own| own.0 != "radian_m") {
         let place = info.parameters.iter().position(|p| p.name == *name);
         row[place.unwrap_or_else(|| panic!("{} has no {name}", hidden.id))] = *value;
     }
@@ -63,8 +64,21 @@ fn effect(case: &Case) -> Effect<f64> {
 
 /// The project's force at the samples of a case.
 fn theirs(case: &Case) -> Vec<f64> {
-    let rig = Rig::bare(environment(case)).with(effect(case));
+    let mut rig = Rig::bare(environment(case));
+    let mut lever = Rig::bare(Environment::free());
+    match case.radian_m() {
+        Some(_) => lever = lever.with(effect(case)),
+        None => rig = rig.with(effect(case)),
+    }
+    if let Some(cable) = case.cable_n_per_m() {
+        rig = rig.with(Effect::new(
+            EffectId::CableStiffness,
+            &[cable, 0.0, 0.0, 0.0],
+        ));
+    }
     let (track, mut state) = (&case.track, rig.at_rest());
+    // A rig that turns has its positions in radians.
+    let radian_m = case.radian_m().unwrap_or(1.0);
     let late = (rig.delay_s().unwrap_or(0.0) * FINE_HZ).round() as i64;
     // v_read/v
     let gain = |x: f64| (case.plant.read_m(x + 1e-9) - case.plant.read_m(x - 1e-9)) / 2e-9;
@@ -76,7 +90,12 @@ fn theirs(case: &Case) -> Vec<f64> {
                 speed_mps: track.v[k] * gain(track.x[k]),
                 acceleration_mps2: track.a[k],
             };
-            rig.step(&mut state, read, 1.0 / FINE_HZ).force_n
+            let turned = Motion {
+                position_m: read.position_m / radian_m,
+                ..read
+            };
+            let weight = lever.step(&mut lever.at_rest(), turned, 1.0 / FINE_HZ);
+            rig.step(&mut state, read, 1.0 / FINE_HZ).force_n + weight.force_n
         })
         .collect();
     let last = force.len() as i64 - 1;
@@ -88,7 +107,7 @@ fn theirs(case: &Case) -> Vec<f64> {
 #[test]
 fn both_readings_of_the_catalogue_agree() {
     let mut apart = Vec::new();
-    for index in 0..CATALOGUE.len() {
+    for index in 0..every_id().len() {
         let case = Case::sketch(5, index);
         let ours = case.plant.samples(&case.track, SUBSTEPS);
         let peak = ours.iter().fold(0.0, |top: f64, f| f.abs().max(top));

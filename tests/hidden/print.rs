@@ -12,7 +12,7 @@ use tests::hidden::score::injected::{self, Question};
 use tests::hidden::score::{further, library, run, sweep, table};
 
 const USAGE: &str = "\
-hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched|foreign] [--seed S] [--jobs J] [--brief]
+hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched|foreign|machine|machine_mismatched] [--seed S] [--jobs J] [--brief]
              [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
 hidden record RIG --motion FILE --out DIR   (the same rig under another motion, to DIR/further.csv)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]
@@ -76,13 +76,16 @@ fn write(arguments: &[String]) -> Result<(), String> {
         length: size("--length")?,
         force: size("--force")?,
         time: size("--time")?,
+        turns: false,
     };
     let kind = kind(option(arguments, "--kind").unwrap_or("single"))?;
     let brief = arguments.iter().any(|a| a == "--brief");
     let draw = if brief { Case::brief } else { Case::generate };
     let drawn = |index| {
         let mut case = draw(kind, seed, index);
-        case.units = units;
+        if !case.units.turns {
+            case.units = units;
+        }
         case
     };
     save_all(Path::new(dir), cases, jobs, drawn, |line| {

@@ -72,6 +72,23 @@ fn one_effect_in_another_form_is_named_alone() {
 }
 
 #[test]
+fn each_effect_that_measured_machines_asked_for_is_named_or_left_open_and_nothing_else_is() {
+    // 14 of 14 brief rigs of this seed were so, 13 of them named alone: a friction that grows with the load is left
+    // open where it stands in 1.13 floors.
+    let mut exact = 0;
+    for index in 0..7 {
+        let one = scored(Kind::Machine, index);
+        assert!(
+            [Mark::Exact, Mark::InGroup].contains(&one.mark()),
+            "{index}: {:?}",
+            one.answer
+        );
+        exact += usize::from(one.mark() == Mark::Exact);
+    }
+    assert!(exact >= 6, "{exact}");
+}
+
+#[test]
 fn of_two_effects_both_and_only_both_are_named() {
     let pair = scored(Kind::Pair, COULOMB_OF_TWO);
     exactly_right(&pair);

@@ -40,7 +40,9 @@ use crate::estimate::error::{ConfigError, require_each};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::{Real, Scalar, seconds};
-use crate::physics::{effect::Effect, effect::EffectId, rig::MOST_EFFECTS};
+use crate::physics::effect::{Effect, EffectId, LoadPathMemory, Motion};
+use crate::physics::load_path::{cables_n, play_m, share_of_load, without_load_friction_n};
+use crate::physics::rig::MOST_EFFECTS;
 use delay::{ChannelDelay, DelayLine};
 use faults::LingeringFaults;
 use window::{Window, WindowMean, WindowState, resting_at};
@@ -75,8 +77,8 @@ pub struct Compensation<T> {
 pub struct CompensationState<T: Real> {
     delay_line: DelayLine<T>,
     window: WindowState<T>,
-    /// The internal state z of each effect of the load path.
-    load_path: [T; MOST_EFFECTS],
+    /// What each effect of the load path remembers.
+    load_path: [LoadPathMemory<T>; MOST_EFFECTS],
     /// Positions (m) of the motor side and of the far side of the play.
     motor_m: T,
     far_m: T,
@@ -169,7 +171,7 @@ impl<T: Real> Compensation<T> {
         }
         let faults = self.faults(state, &read, restarts && last_us.is_some());
         let mean = self.mean(state, read.time_us, position_m, read.force_n);
-        let force_n = mean.force_n - self.load_path_n(state, &mean);
+        let force_n = self.contact_n(state, &mean);
         Sample {
             time_us: read.time_us,
             position_m: self.tip_m(state, mean.motion.position_m, force_n),
@@ -211,13 +213,30 @@ impl<T: Real> Compensation<T> {
         window.update(&mut state.window, time_s, (position_m, force_n), lag_s)
     }
 
-    /// Force that the load path adds (N), in the mean over the window.
-    fn load_path_n(&self, state: &mut CompensationState<T>, mean: &WindowMean<T>) -> T {
+    /// The contact force (N): the mean over the window without what the load path adds.
+    fn contact_n(&self, state: &mut CompensationState<T>, mean: &WindowMean<T>) -> T {
+        let play_m = play_m(self.effects());
+        let known_n = mean.force_n - self.load_path_n(state, mean, play_m);
+        let at = |motion: &Motion<T>| share_of_load(self.effects(), motion.speed_mps);
+        if at(&mean.motion).is_none() {
+            return known_n;
+        }
+        let share = match &self.window {
+            Some(window) => window.mean_force_n(mean, |motion| at(motion).unwrap_or(T::zero())),
+            None => T::zero(),
+        };
+        let cables_n = cables_n(self.effects(), mean.motion.position_m, play_m);
+        without_load_friction_n(known_n, cables_n, share)
+    }
+
+    /// Force that the load path adds (N), in the mean over the window, but for a friction that grows
+    /// with the load.
+    fn load_path_n(&self, state: &mut CompensationState<T>, mean: &WindowMean<T>, play_m: T) -> T {
         let motion = &mean.motion;
         let change_m = motion.position_m - state.motor_m;
         state.motor_m = motion.position_m;
         let mut force_n = T::zero();
-        for (effect, z) in self
+        for (effect, memory) in self
             .effects
             .iter()
             .take(self.used)
@@ -226,10 +245,10 @@ impl<T: Real> Compensation<T> {
             let Some(effect) = effect else { continue };
             force_n += match &self.window {
                 // A force that depends on the travel has its state at one end of the window only.
-                Some(window) if !depends_on_travel(effect) => {
-                    window.mean_force_n(mean, |at| effect.load_n(&mut { *z }, at, T::zero()))
-                }
-                _ => effect.load_n(z, motion, change_m),
+                Some(window) if !effect.depends_on_travel() => window.mean_force_n(mean, |at| {
+                    effect.load_n(&mut { *memory }, at, T::zero(), play_m)
+                }),
+                _ => effect.load_n(memory, motion, change_m, play_m),
             };
         }
         force_n
@@ -292,12 +311,7 @@ impl<T: Real> Compensation<T> {
 
 /// Whether an effect cannot be removed without speed, acceleration or the rate of the force.
 fn needs_derivative<T: Scalar>(effect: &Effect<T>) -> bool {
-    effect.id().needs_derivative() && !depends_on_travel(effect)
-}
-
-/// Whether the force of an effect depends on the travel since the last reversal (Dahl's friction).
-fn depends_on_travel<T: Scalar>(effect: &Effect<T>) -> bool {
-    matches!(effect, Effect::CoulombFriction(friction) if friction.width_m > T::zero())
+    effect.id().needs_derivative() && !effect.depends_on_travel()
 }
 
 /// The same effect in another precision.

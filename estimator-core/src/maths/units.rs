@@ -14,10 +14,14 @@ pub enum Unit {
     NewtonPerMetre,
     /// N s/m
     NewtonSecondPerMetre,
+    /// N s²/m²
+    NewtonSecondSquaredPerMetreSquared,
     /// 1/s
     PerSecond,
     /// 1/m
     PerMetre,
+    /// 1/m^ν, with an exponent ν beside it
+    PerMetrePower,
     /// m/s
     MetrePerSecond,
     /// N
@@ -42,8 +46,10 @@ impl Unit {
             Unit::Metre => "m",
             Unit::NewtonPerMetre => "N/m",
             Unit::NewtonSecondPerMetre => "N s/m",
+            Unit::NewtonSecondSquaredPerMetreSquared => "N s²/m²",
             Unit::PerSecond => "1/s",
             Unit::PerMetre => "1/m",
+            Unit::PerMetrePower => "1/m^ν",
             Unit::MetrePerSecond => "m/s",
             Unit::Newton => "N",
             Unit::NewtonPerSecond => "N/s",
@@ -51,6 +57,17 @@ impl Unit {
             Unit::Second => "s",
             Unit::Hertz => "Hz",
             Unit::Radian => "rad",
+        }
+    }
+}
+
+impl Unit {
+    /// The symbol for a link that carries ASCII alone.
+    pub const fn ascii(self) -> &'static str {
+        match self {
+            Unit::NewtonSecondSquaredPerMetreSquared => "N s2/m2",
+            Unit::PerMetrePower => "1/m^nu",
+            other => other.symbol(),
         }
     }
 }

@@ -12,10 +12,10 @@
 //! | position reading | encoder_periodic_error |
 //! | transmission | backlash, series_compliance |
 //! | depth | surface_motion, permanent_set |
-//! | elastic force | power_law_stiffness, exponential_stiffening, cyclic_softening, buried_layer |
+//! | elastic force | power_law_stiffness, exponential_stiffening, cyclic_softening, loading_curve, buried_layer, snap_through |
 //! | relaxation | stress_relaxation |
 //! | contact force | depth_dependent_damping, hysteretic_damping, adhesion |
-//! | load path | coulomb_friction, stribeck_friction, viscous_drag, asymmetric_drag, tool_inertia, cable_stiffness, cogging, periodic_disturbance, force_offset, force_drift |
+//! | load path | coulomb_friction, stribeck_friction, viscous_drag, asymmetric_drag, tool_inertia, quadratic_drag, load_friction, drive_backlash in front of cable_stiffness, pre-sliding friction and bouc_wen, gravity_torque, cogging, periodic_disturbance, force_offset, force_drift |
 //! | force reading | force_lag, time_delay, force_saturation |
 //!
 //! # Adding an effect
@@ -54,6 +54,7 @@
 mod adhesion;
 mod asymmetric_drag;
 mod backlash;
+mod bouc_wen;
 mod buried_layer;
 mod cable_stiffness;
 mod catalogue;
@@ -61,20 +62,27 @@ mod cogging;
 mod coulomb_friction;
 mod cyclic_softening;
 mod depth_dependent_damping;
+mod drive_backlash;
 mod encoder_periodic_error;
 mod exponential_stiffening;
 mod force_drift;
 mod force_lag;
 mod force_offset;
 mod force_saturation;
+mod gravity_torque;
 mod hysteretic_damping;
+mod load_friction;
+mod load_memory;
+mod loading_curve;
 mod motion;
 mod periodic_disturbance;
 mod permanent_set;
 mod power_law_stiffness;
+mod quadratic_drag;
 mod row;
 mod series_compliance;
 mod shapes;
+mod snap_through;
 mod starts;
 mod stress_relaxation;
 mod stribeck_friction;
@@ -88,6 +96,7 @@ mod viscous_drag;
 pub use super::parameter::{Bounds, ParameterInfo};
 use crate::maths::scalar::Scalar;
 use catalogue::catalogue;
+pub(crate) use load_memory::{LoadPathMemory, beyond_play};
 pub use motion::Motion;
 pub use row::{
     ChainStage, EffectInfo, Family, Form, Laws, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
@@ -121,6 +130,13 @@ catalogue! {
     time_delay::TimeDelay = 24,
     force_saturation::ForceSaturation = 25,
     encoder_periodic_error::EncoderPeriodicError = 26,
+    drive_backlash::DriveBacklash = 27,
+    bouc_wen::BoucWen = 28,
+    load_friction::LoadFriction = 29,
+    quadratic_drag::QuadraticDrag = 30,
+    gravity_torque::GravityTorque = 31,
+    loading_curve::LoadingCurve = 32,
+    snap_through::SnapThrough = 33,
     // The last number that a board has settings for: it stays out of the way of real effects.
     #[cfg(feature = "example-effect")]
     tip_magnet::TipMagnet = 50,
@@ -132,6 +148,16 @@ impl EffectId {
         self.info().name
     }
 
+    /// What an effect needs beside it to change anything in free air: a play changes what restores, a
+    /// friction that grows with the load rubs under one.
+    pub const fn needs(self) -> Option<EffectId> {
+        match self {
+            EffectId::DriveBacklash => Some(EffectId::BoucWen),
+            EffectId::LoadFriction => Some(EffectId::CableStiffness),
+            _ => None,
+        }
+    }
+
     /// The effect with an id of files.
     pub fn from_name(name: &str) -> Option<EffectId> {
         EffectId::ALL.iter().copied().find(|id| id.name() == name)
@@ -140,15 +166,28 @@ impl EffectId {
 
 impl<S: Scalar> Effect<S> {
     /// What the effect adds to the force between contact and load cell (N) after the motor side has
-    /// gone `change_m` since the last sample; 0 where the effect enters elsewhere. `z` is its state.
-    pub(crate) fn load_n(&self, z: &mut S, motor: &Motion<S>, change_m: S) -> S {
+    /// gone `change_m` since the last sample, with a play of `play_m` in front of what restores; 0 where
+    /// the effect enters elsewhere. A friction that grows with the load comes after all others
+    /// (`physics::load_path`).
+    pub(crate) fn load_n(
+        &self,
+        memory: &mut LoadPathMemory<S>,
+        motor: &Motion<S>,
+        change_m: S,
+        play_m: S,
+    ) -> S {
         match self {
-            Effect::CoulombFriction(effect) => effect.force_n(z, motor.speed_mps, change_m),
+            Effect::CoulombFriction(effect) => {
+                effect.force_n(memory, motor.speed_mps, change_m, play_m)
+            }
             Effect::StribeckFriction(effect) => effect.force_n(motor.speed_mps),
             Effect::ViscousDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::AsymmetricDrag(effect) => effect.force_n(motor.speed_mps),
+            Effect::QuadraticDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::ToolInertia(effect) => effect.force_n(motor.acceleration_mps2),
-            Effect::CableStiffness(effect) => effect.force_n(motor.position_m),
+            Effect::CableStiffness(effect) => effect.force_n(beyond_play(motor.position_m, play_m)),
+            Effect::BoucWen(effect) => effect.force_n(memory, change_m, play_m),
+            Effect::GravityTorque(effect) => effect.torque_nm(motor.position_m),
             Effect::Cogging(effect) => effect.force_n(motor.position_m),
             Effect::PeriodicDisturbance(effect) => effect.force_n(motor.time_s),
             Effect::ForceOffset(effect) => effect.force_n(),
@@ -156,6 +195,15 @@ impl<S: Scalar> Effect<S> {
             #[cfg(feature = "example-effect")]
             Effect::TipMagnet(effect) => effect.force_n(motor.position_m),
             _ => S::zero(),
+        }
+    }
+
+    /// Whether the force depends on the way since the last reversal, and not on the speed.
+    pub(crate) fn depends_on_travel(&self) -> bool {
+        match self {
+            Effect::CoulombFriction(friction) => friction.width_m > S::zero(),
+            Effect::BoucWen(_) => true,
+            _ => false,
         }
     }
 }

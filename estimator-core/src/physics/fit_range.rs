@@ -44,10 +44,14 @@ pub enum Scaled {
     Times(f64, Scale),
     /// The number divided by a size.
     Per(f64, Scale),
+    /// The number divided by the square of a size.
+    PerSquare(f64, Scale),
     /// A size divided by the number.
     Part(Scale, f64),
     /// The number times the first size over the second.
     Ratio(f64, Scale, Scale),
+    /// The number times the first size over the square of the second.
+    RatioOfSquare(f64, Scale, Scale),
     /// The larger of two products of a number and a size.
     Largest([(f64, Scale); 2]),
 }
@@ -59,8 +63,12 @@ impl Scaled {
             Scaled::Number(number) => number,
             Scaled::Times(number, scale) => number * size(scale),
             Scaled::Per(number, scale) => number / size(scale),
+            Scaled::PerSquare(number, scale) => number / (size(scale) * size(scale)),
             Scaled::Part(scale, number) => size(scale) / number,
             Scaled::Ratio(number, over, under) => number * (size(over) / size(under)),
+            Scaled::RatioOfSquare(number, over, under) => {
+                number * (size(over) / (size(under) * size(under)))
+            }
             Scaled::Largest([a, b]) => (a.0 * size(a.1)).max(b.0 * size(b.1)),
         }
     }

@@ -16,7 +16,8 @@ use contact::Contact;
 pub use contact::{ContactState, MOST_EFFECTS, Touch};
 
 use crate::maths::scalar::Scalar;
-use crate::physics::effect::{Effect, Motion};
+use crate::physics::effect::{Effect, LoadPathMemory, Motion};
+use crate::physics::load_path::{cables_n, play_m, share_of_load};
 
 /// What is touched, and what touches it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +40,8 @@ pub struct RigState<S> {
     deflection_m: [S; 2],
     /// Period between those two samples (s).
     period_s: S,
-    /// The internal variable z of each friction.
-    sliding: [S; MOST_EFFECTS],
+    /// What each effect of the load path remembers.
+    load_path: [LoadPathMemory<S>; MOST_EFFECTS],
     /// Force before the lag (N) at the last sample.
     load_n: S,
     /// Force after the lag (N) at the last sample.
@@ -89,7 +90,7 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// The effects that the rig adds.
-    pub fn effects(&self) -> impl Iterator<Item = &Effect<S>> {
+    pub fn effects(&self) -> impl Iterator<Item = &Effect<S>> + Clone {
         self.effects.iter().flatten()
     }
 
@@ -112,7 +113,7 @@ impl<S: Scalar> Rig<S> {
             far_m: zero,
             deflection_m: [zero; 2],
             period_s: S::one(),
-            sliding: [zero; MOST_EFFECTS],
+            load_path: [LoadPathMemory::at_rest(); MOST_EFFECTS],
             load_n: zero,
             reading_n: zero,
             started: false,
@@ -127,7 +128,7 @@ impl<S: Scalar> Rig<S> {
             (state.motor_m, state.far_m) = (motor.position_m, motor.position_m);
         }
         let touch = self.touch(state, &motor, period_s);
-        let load_n = touch.force_n + self.load_path(state, &motor);
+        let load_n = touch.force_n + self.load_path_n(state, &motor, touch.force_n);
         if !state.started {
             (state.load_n, state.reading_n) = (load_n, load_n);
         }
@@ -235,13 +236,18 @@ impl<S: Scalar> Rig<S> {
         sum
     }
 
-    /// What comes to the force between contact and load cell (N).
-    fn load_path(&self, state: &mut RigState<S>, motor: &Motion<S>) -> S {
+    /// What comes to the contact force (N) between contact and load cell (N).
+    fn load_path_n(&self, state: &mut RigState<S>, motor: &Motion<S>, contact_n: S) -> S {
         let change_m = motor.position_m - state.motor_m;
+        let play_m = play_m(self.effects());
         let mut force_n = S::zero();
-        for (effect, z) in self.effects.iter().zip(&mut state.sliding) {
+        if let Some(share) = share_of_load(self.effects(), motor.speed_mps) {
+            let cables_n = cables_n(self.effects(), motor.position_m, play_m);
+            force_n = share * (contact_n + cables_n).abs();
+        }
+        for (effect, memory) in self.effects.iter().zip(&mut state.load_path) {
             let Some(effect) = effect else { continue };
-            force_n = force_n + effect.load_n(z, motor, change_m);
+            force_n = force_n + effect.load_n(memory, motor, change_m, play_m);
         }
         force_n
     }

@@ -18,6 +18,7 @@ use crate::cli::summary::{Answer, Failure, each};
 use crate::estimate::{Choices, estimate};
 use crate::inspect::{Inspection, suspicions};
 use crate::json::write_json;
+use crate::kind;
 use crate::log::{Log, STANDARD_INPUT, Sampling, UniformLog};
 use crate::number::quantity;
 use crate::output::try_folder;
@@ -61,6 +62,10 @@ pub fn run(args: &CheckArgs) -> Result<(), Box<dyn Error>> {
 
 /// Checks a recording and writes its file.
 fn checked(args: &CheckArgs, folder: Option<&str>, raw: &Log) -> Result<Answer, Failure> {
+    kind::worded(raw.kind.unwrap_or_default(), || worded(args, folder, raw))
+}
+
+fn worded(args: &CheckArgs, folder: Option<&str>, raw: &Log) -> Result<Answer, Failure> {
     let log = raw.uniform()?;
     // Kelvin–Voigt: any contact will do to find the touches.
     let estimation = estimate(

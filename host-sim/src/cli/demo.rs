@@ -13,10 +13,10 @@ use crate::cli::{estimate::Shown, estimate::document, gap::print::summary};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, estimate};
 use crate::gap::{Finding, Options, Progress, gap};
+use crate::kind::Kind;
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
-use crate::motion_kind::MotionKind;
 use crate::number::Measured;
 use crate::output::{say, try_folder, write_atomically};
 use crate::plant::{GEL, Material, PLASTIC, Rig, Stage};
@@ -158,7 +158,7 @@ fn page(shown: Vec<Shown>, finding: &Finding) -> std::io::Result<Document> {
     };
     let page = GapReport {
         title: "",
-        kind: MotionKind::Linear,
+        kind: Kind::Linear,
         finding,
         names: &[],
         provenance: Provenance::new(""),

@@ -26,6 +26,7 @@ use crate::cli::logs::folder;
 use crate::cli::summary::{Answer, Failure, each};
 use crate::estimate::{Choices, Estimation, estimate};
 use crate::json::write_json;
+use crate::kind;
 use crate::log::UniformLog;
 use crate::output::try_folder;
 use crate::report::called;
@@ -97,6 +98,18 @@ impl<'a> Task<'a> {
     }
 
     fn answer(
+        &self,
+        file: &Path,
+        path: &Path,
+        folder: Option<&str>,
+        log: &UniformLog,
+    ) -> Result<Answer, Failure> {
+        let kind = log.kind.unwrap_or_default();
+        self.args.batch.refuse_on(kind)?;
+        kind::worded(kind, || self.worded(file, path, folder, log))
+    }
+
+    fn worded(
         &self,
         file: &Path,
         path: &Path,

@@ -15,8 +15,9 @@ use clap::Args;
 
 use crate::cli::{ReadingArgs, progress::Bar, reading::positive};
 use crate::diagnostic::Diagnostic;
-use crate::gap::{self, MOTION, Options, gap_with_progress};
+use crate::gap::{self, Finding, MOTION, Options, Plan, gap_with_progress};
 use crate::json::write_json;
+use crate::kind;
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
@@ -81,18 +82,23 @@ fn plan_motion(args: &GapArgs) -> Result<(), Box<dyn Error>> {
         .filter(|path| path.as_os_str() != "palpation");
     let motion = named.map(|path| Motion::read(path)).transpose()?;
     let plan = gap::plan(&model, motion.as_ref(), args.noise, &Options::default())?;
-    let json = plan::json(&plan);
+    kind::worded(model.kind.unwrap_or_default(), || tell_plan(args, &plan))
+}
+
+/// Writes the files of a plan and prints its summary.
+fn tell_plan(args: &GapArgs, plan: &Plan) -> Result<(), Box<dyn Error>> {
+    let json = plan::json(plan);
     if let Some(folder) = &args.out {
         try_folder(folder)?;
-        motion::put(folder, plan::motion(&plan).as_deref())?;
+        motion::put(folder, plan::motion(plan).as_deref())?;
         write_json(&folder.join("plan.json"), &json)?;
     }
     result(&json)?;
-    say(plan::summary(&plan))?;
+    say(plan::summary(plan))?;
     if let Some(folder) = args
         .out
         .as_ref()
-        .filter(|_| !plan::advised(&plan).is_empty())
+        .filter(|_| !plan::advised(plan).is_empty())
     {
         say(format!(
             "  motion          {}\n",
@@ -126,17 +132,23 @@ pub fn run(args: &GapArgs) -> Result<(), Box<dyn Error>> {
     let bar = Bar::new();
     let finding = gap_with_progress(&model, &logs, &options, &bar)?;
     drop(bar);
+    let kind = finding.model.kind.unwrap_or_default();
+    kind::worded(kind, || tell(args, &finding, clock))
+}
+
+/// Writes the files of a finding and prints its summary.
+fn tell(args: &GapArgs, finding: &Finding, clock: Instant) -> Result<(), Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
-    let json = files::json(&finding, seconds);
+    let json = files::json(finding, seconds);
     if let Some(folder) = &args.out {
         let inputs = files::Inputs {
             model: &args.model,
             logs: &args.logs,
         };
-        files::write(folder, &finding, &inputs, &json)?;
+        files::write(folder, finding, &inputs, &json)?;
     }
     result(&json)?;
-    say(print::summary(&finding))?;
+    say(print::summary(finding))?;
     say(format!("  time        {seconds:.1} s\n"))?;
     if finding.advised.is_some() {
         say(match &args.out {

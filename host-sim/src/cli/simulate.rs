@@ -8,8 +8,10 @@ use serde_json::json;
 
 use crate::cli::progress::Spinner;
 use crate::diagnostic::Diagnostic;
+use crate::kind;
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::number::quantity;
 use crate::output::{result, say, try_folder};
 use crate::plant::{Contact, Effects, Rig, Run, Stage, depth_at_m};
 use crate::stats::highest;
@@ -76,10 +78,12 @@ fn record(args: &SimulateArgs) -> Result<String, Box<dyn Error + Send + Sync>> {
         effects,
         ..Rig::default()
     };
-    let run = rig.run(&Stage::throughout(contact), &motion, args.seed)?;
+    let mut run = rig.run(&Stage::throughout(contact), &motion, args.seed)?;
+    run.log.kind = model.kind;
     let path = args.out.join("log.csv");
     run.log.write_csv(&path)?;
-    let summary = summary(&run, &model, args);
+    let kind = model.kind.unwrap_or_default();
+    let summary = kind::worded(kind, || summary(&run, &model, args));
     Ok(format!("{summary}\n  log         {}\n", path.display()))
 }
 
@@ -99,14 +103,14 @@ fn summary(run: &Run, model: &Model, args: &SimulateArgs) -> String {
     let deepest_m = highest(run.truth.position_m.iter().copied()) - model.environment.surface_m;
     let mut text = format!(
         "simulated {} over {}\n  rate        {} Hz\n  duration    {:.3} s, {} samples\n  \
-         peak force  {:.3} N\n  peak depth  {:.4} mm\n  seed        {}",
+         peak force  {}\n  peak depth  {}\n  seed        {}",
         model.environment.law.name(),
         args.motion.display(),
         model.sensors.rate_hz,
         run.log.duration_s(),
         run.log.len(),
-        highest(run.truth.force_n.iter().copied()),
-        deepest_m * 1e3,
+        quantity(highest(run.truth.force_n.iter().copied()), 4, "N"),
+        quantity(deepest_m, 4, "m"),
         args.seed,
     );
     for effect in &model.effects {

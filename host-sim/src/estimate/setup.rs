@@ -95,7 +95,8 @@ fn set_scales(
     if let Some(depth) = reference_depth_m {
         config.reference.depth_m = depth as f32;
     } else if !own_depth && depth_m > 0.0 && !USUAL_DEPTH_M.contains(&depth_m) {
-        let depth = decade_below(depth_m);
+        // A lever of many turns, or degrees read as radians, is still measured at one.
+        let depth = decade_below(depth_m).min(1.0);
         config.reference.depth_m = depth as f32;
         notes.push(format!(
             "reference depth {}, since the log reaches {} deep: stiffness and damping hold there \

@@ -6,6 +6,7 @@ pub(crate) mod input;
 pub(crate) mod low_pass;
 pub(crate) mod motion;
 pub(crate) mod motion_errors;
+pub(crate) mod orientation;
 pub(crate) mod repetition;
 pub(crate) mod scales;
 pub(crate) mod standstill;

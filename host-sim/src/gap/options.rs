@@ -3,6 +3,7 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::thresholds::Thresholds;
+use crate::kind::Kind;
 
 /// Options of [`gap`](fn@crate::gap::gap).
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,14 @@ pub struct Options {
     pub catalogue: Vec<EffectId>,
     /// What decides.
     pub thresholds: Thresholds,
+}
+
+impl Options {
+    /// The effects that may be named on a machine of a kind.
+    pub(crate) fn catalogue_of(&self, kind: Kind) -> Vec<EffectId> {
+        let all = self.catalogue.iter().copied();
+        all.filter(|id| kind.can_have(*id)).collect()
+    }
 }
 
 impl Default for Options {

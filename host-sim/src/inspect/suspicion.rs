@@ -1,6 +1,7 @@
 //! Columns that look exchanged, units that look wrong: what a person should look at first.
 
-use crate::log::UniformLog;
+use crate::kind::Kind;
+use crate::log::{Channel, UniformLog};
 use crate::number::quantity;
 use crate::stats::{highest, median, range};
 
@@ -45,12 +46,23 @@ fn still(name: &str, letter: &str, channel: &[f64]) -> Option<String> {
 }
 
 fn swapped(log: &UniformLog) -> Option<String> {
-    Some(format!("{} (--columns x=f_n,f=x_m)", exchanged(log)?))
+    let [_, x, f] = columns(log);
+    Some(format!("{} (--columns x={f},f={x})", exchanged(log)?))
+}
+
+/// The names of the log's columns.
+fn columns(log: &UniformLog) -> [&'static str; 3] {
+    let kind = log.kind.unwrap_or_default();
+    Channel::ALL.map(|channel| channel.column_of(kind))
 }
 
 /// Position and force in each other's column, without the remedy.
 pub(crate) fn exchanged(log: &UniformLog) -> Option<String> {
     let (travel, span) = (range(&log.position_m), range(&log.force_n));
+    // A joint that nothing turns back has as little torque in a turn: only its units could tell.
+    if log.kind == Some(Kind::Rotary) {
+        return None;
+    }
     // Stiffness below 1 N per 100 m: no contact is that soft, but x and f exchanged look like it.
     (span > 0.0 && travel > 0.1 && span < 0.01 * travel).then(|| {
         format!(
@@ -64,10 +76,24 @@ pub(crate) fn exchanged(log: &UniformLog) -> Option<String> {
 fn millimetres(log: &UniformLog) -> Option<String> {
     let travel = range(&log.position_m);
     let span = range(&log.force_n);
+    if log.kind == Some(Kind::Rotary) {
+        return degrees(travel);
+    }
     (travel > 0.5 && span >= 0.01 * travel).then(|| {
         format!(
             "the probe travels {}: millimetres or micrometres given as metres? (--columns x=x_m*1e-3)",
             quantity(travel, 3, "m")
+        )
+    })
+}
+
+/// Degrees given as radians: more than six turns of a machine that presses or swings.
+fn degrees(travel_rad: f64) -> Option<String> {
+    const MOST_RAD: f64 = 40.0;
+    (travel_rad > MOST_RAD).then(|| {
+        format!(
+            "the machine turns by {}: degrees given as radians? (--columns x=x_rad*0.0174533)",
+            quantity(travel_rad, 3, "rad")
         )
     })
 }
@@ -80,6 +106,20 @@ fn milliseconds(log: &UniformLog) -> Option<String> {
             quantity(period, 3, "s")
         )
     })
+}
+
+/// Whether the force of a machine that touches nothing drives its motion: over a whole motion a passive load takes
+/// work, ∮F dx > 0, and gives less than a third of what went in and out of it.
+pub(crate) fn gives_work(log: &UniformLog) -> bool {
+    const SHARE: f64 = 0.3;
+    let middle = median(log.force_n.iter().copied());
+    let (mut work, mut moved) = (0.0, 0.0);
+    for (x, f) in log.position_m.windows(2).zip(log.force_n.windows(2)) {
+        let step = (0.5 * (f[0] + f[1]) - middle) * (x[1] - x[0]);
+        work += step;
+        moved += step.abs();
+    }
+    work < -SHARE * moved
 }
 
 /// The sign of the force where the probe is deepest, against where it is farthest out.
@@ -97,9 +137,10 @@ fn force_sign(log: &UniformLog) -> Option<String> {
     let span = range(&log.force_n);
     let falls = deep < out - 0.2 * span && span > 20.0 * noise;
     (travel > 0.0 && falls).then(|| {
+        let [_, x, f] = columns(log);
         format!(
             "the force falls from {} to {} on the way in: its sign, or that of the position, may be \
-             reversed (--columns f=-f_n or x=-x_m)",
+             reversed (--columns f=-{f} or x=-{x})",
             quantity(out, 3, "N"),
             quantity(deep, 3, "N")
         )
@@ -131,6 +172,23 @@ mod tests {
     fn a_good_log_raises_no_suspicion() {
         assert_eq!(suspicions(&log(1.0, 1.0, 1.0)), [""; 0]);
         assert_eq!(suspicions(&log(1.0, 1e-3, 1e-6)), [""; 0]);
+    }
+
+    #[test]
+    fn a_drive_whose_force_has_the_motors_sign_gives_work_and_one_that_is_dragged_takes_it() {
+        let t: Vec<f64> = (0..4000).map(|i| f64::from(i) * 1e-3).collect();
+        let x: Vec<f64> = t.iter().map(|t| (2.0 * t).sin()).collect();
+        let drag = |sign: f64| -> UniformLog {
+            let f = t
+                .iter()
+                .map(|t| sign * (2.0 * t).cos().signum() + 0.2 * (2.0 * t).sin());
+            Log::from_channels(t.clone(), x.clone(), f.collect())
+                .uniform()
+                .unwrap()
+        };
+        assert!(gives_work(&drag(-1.0)) && !gives_work(&drag(1.0)));
+        // A spring gives back what it took.
+        assert!(!gives_work(&drag(0.0)));
     }
 
     #[test]

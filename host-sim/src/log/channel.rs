@@ -1,6 +1,7 @@
 //! The three channels of a log, and where in a file they stand.
 
 use super::units::Unit;
+use crate::kind::Kind;
 
 /// One of the three channels of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +33,14 @@ impl Channel {
             Channel::Time => "t_s",
             Channel::Position => "x_rad",
             Channel::Force => "f_nm",
+        }
+    }
+
+    /// The name of its column in a log of our own of a machine of this kind.
+    pub const fn column_of(self, kind: Kind) -> &'static str {
+        match kind {
+            Kind::Linear => self.column(),
+            Kind::Rotary => self.rotary_column(),
         }
     }
 

@@ -7,6 +7,7 @@ use super::channel::{Header, Origin, Placed};
 use super::guess::{self, Unclear};
 use super::units::{self, Quantity};
 use crate::diagnostic::{Diagnostic, listed, nearest};
+use crate::kind::Kind;
 
 /// A column that was named, and what turns its numbers into SI.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,7 +167,7 @@ impl ColumnMap {
             };
             taken.extend(placed[slot].map(|placed| placed.index));
         }
-        kind(&placed, header)?;
+        one_machine(&placed, header)?;
         Ok(placed)
     }
 
@@ -284,8 +285,23 @@ fn several(channel: Channel, header: Header, indices: &[usize]) -> Diagnostic {
     .remedy(format!("say which: {}", flags.join(" or ")))
 }
 
-/// Whether the rig turns: radians and N m. One channel of each is a mistake.
-fn kind(placed: &[Option<Placed>; 3], header: Header) -> Result<(), Diagnostic> {
+/// Whether the machine turns, as the units of position and force say; `None` if neither is known.
+pub(super) fn kind_of(placed: &[Option<Placed>; 3]) -> Option<Kind> {
+    let unit = |channel: Channel| placed[channel as usize].and_then(|placed| placed.unit);
+    let quantities = [Channel::Position, Channel::Force]
+        .into_iter()
+        .filter_map(unit)
+        .map(|unit| unit.quantity);
+    let mut kinds = quantities.filter_map(|quantity| match quantity {
+        Quantity::Angle | Quantity::Torque => Some(Kind::Rotary),
+        Quantity::Length | Quantity::Force => Some(Kind::Linear),
+        _ => None,
+    });
+    kinds.next()
+}
+
+/// Radians and newtons, or metres and newton metres, are a mistake.
+fn one_machine(placed: &[Option<Placed>; 3], header: Header) -> Result<(), Diagnostic> {
     let unit = |channel: Channel| placed[channel as usize].and_then(|placed| placed.unit);
     let (Some(position), Some(force)) = (unit(Channel::Position), unit(Channel::Force)) else {
         return Ok(());

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::columns::ColumnMap;
+use crate::kind::Kind;
 
 /// Fewest samples that make a log.
 pub const FEWEST_SAMPLES: usize = 10;
@@ -13,6 +14,8 @@ pub const FEWEST_SAMPLES: usize = 10;
 pub struct Log {
     /// Where it came from.
     pub path: PathBuf,
+    /// Whether the machine turns, where the units of position or force say so.
+    pub kind: Option<Kind>,
     /// Time (s).
     pub time_s: Vec<f64>,
     /// Position (m), growing into the material.

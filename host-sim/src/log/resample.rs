@@ -8,6 +8,7 @@ use estimator_core::Faults;
 use super::sampling::{EVEN_PERIODS, Line, Stamps, slower};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::number::{counted, quantity};
 use crate::signal;
 use crate::stats::rms;
@@ -54,6 +55,8 @@ impl Taken {
 pub struct UniformLog {
     /// Where it came from; empty for a log that is in memory only.
     pub path: PathBuf,
+    /// Whether the machine turns, where the log says so.
+    pub kind: Option<Kind>,
     /// Samples per second (Hz).
     pub rate_hz: f64,
     /// Time (s): the log's own stamps if nothing was interpolated.
@@ -107,6 +110,7 @@ impl UniformLog {
         };
         Cow::Owned(UniformLog {
             rate_hz: self.rate_hz,
+            kind: self.kind,
             in_gap: vec![false; taken.time_s.len()],
             time_s: taken.time_s.clone(),
             position_m: taken.position_m.clone(),
@@ -124,6 +128,7 @@ impl UniformLog {
         UniformLog {
             path: self.path.clone(),
             rate_hz: self.rate_hz,
+            kind: self.kind,
             time_s: upto(&self.time_s),
             position_m: upto(&self.position_m),
             force_n: upto(&self.force_n),
@@ -256,6 +261,7 @@ impl Log {
     fn untouched(self, rate_hz: f64) -> UniformLog {
         UniformLog {
             path: self.path,
+            kind: self.kind,
             rate_hz,
             in_gap: vec![false; self.time_s.len()],
             time_s: self.time_s,
@@ -327,6 +333,7 @@ impl Log {
     fn empty_grid(&self, rate_hz: f64, count: usize) -> UniformLog {
         UniformLog {
             path: self.path.clone(),
+            kind: self.kind,
             rate_hz,
             time_s: Vec::with_capacity(count),
             position_m: Vec::with_capacity(count),

@@ -6,6 +6,7 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
+use super::channel::Channel;
 use super::record::Log;
 use crate::output::write_atomically;
 
@@ -13,7 +14,7 @@ use crate::output::write_atomically;
 const DIGITS: i32 = 9;
 
 impl Log {
-    /// Writes the log as CSV, `t_s,x_m,f_n` and its further columns; gzipped if the name ends in
+    /// Writes the log as CSV, `t_s,x_m,f_n`, or `t_s,x_rad,f_nm` of a machine that turns, and its further columns; gzipped if the name ends in
     /// `.gz`. Nine digits of each channel's largest value, without trailing zeros. The file appears
     /// whole or not at all.
     ///
@@ -53,7 +54,9 @@ impl Log {
     fn header(&self) -> io::Result<Vec<u8>> {
         let names = self.extra.iter().map(|column| column.name.as_str());
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(["t_s", "x_m", "f_n"].into_iter().chain(names))?;
+        let kind = self.kind.unwrap_or_default();
+        let own = Channel::ALL.map(|channel| channel.column_of(kind));
+        writer.write_record(own.into_iter().chain(names))?;
         writer.into_inner().map_err(|error| error.into_error())
     }
 }

@@ -9,10 +9,11 @@ use crate::plant::{Contact, Effects};
 
 /// Effects that a rig has once: two power laws are no law, two amplifiers one filter of second
 /// order, two plays one play.
-const ONCE: [EffectId; 4] = [
+const ONCE: [EffectId; 5] = [
     EffectId::PowerLawStiffness,
     EffectId::DepthDependentDamping,
     EffectId::Backlash,
+    EffectId::DriveBacklash,
     EffectId::ForceLag,
 ];
 
@@ -41,6 +42,16 @@ impl Model {
         let mut rig = Rig::bare(self.environment.core()?);
         for (count, effect) in self.effects.iter().enumerate() {
             let core = effect.core()?;
+            let kind = self.kind.unwrap_or_default();
+            if !kind.can_have(core.id()) {
+                return Err(effect
+                    .wrong(format!("{} on a machine that does not turn", effect.id))
+                    .at_key("effect.id")
+                    .value(&effect.id)
+                    .remedy(
+                        "write kind = \"rotary\" at the top of the model, or remove the effect",
+                    ));
+            }
             if count >= MOST_EFFECTS {
                 return Err(effect
                     .wrong(format!("more than {MOST_EFFECTS} effects"))

@@ -11,6 +11,9 @@ impl Model {
     /// The model as TOML; reading it back gives the same model, apart from path and lines.
     pub fn to_toml(&self) -> String {
         let mut document = DocumentMut::new();
+        if let Some(kind) = self.kind {
+            document["kind"] = value(kind.name());
+        }
         document["environment"] = Item::Table(environment(&self.environment));
         if !self.effects.is_empty() {
             let mut effects = ArrayOfTables::new();

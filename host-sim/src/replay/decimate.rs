@@ -31,6 +31,7 @@ pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
     let measured = |at: &usize| !readings.invented.contains(*at);
     let mut means = UniformLog {
         path: log.path.clone(),
+        kind: log.kind,
         rate_hz: log.rate_hz / factor as f64,
         slower: log.slower.clone(),
         notes: log.notes.clone(),

@@ -17,7 +17,7 @@ mod verdict;
 use super::estimate::label;
 use super::{Document, Provenance, Section};
 use crate::gap::{Curves, Finding};
-use crate::motion_kind::MotionKind;
+use crate::kind::Kind;
 
 /// The most logs that are drawn. The tables hold for all logs.
 const MOST_LOGS: usize = 4;
@@ -30,7 +30,7 @@ pub struct GapReport<'a> {
     /// What was found.
     pub finding: &'a Finding,
     /// How the rig moves: it decides the units of axes and tables.
-    pub kind: MotionKind,
+    pub kind: Kind,
     /// Names of the logs, in the order of [`Finding::curves`].
     pub names: &'a [String],
     /// What the report was made from.

@@ -6,7 +6,7 @@
 //! knows nothing of it. Its resting force follows a slow drift.
 
 use super::info::{Bounds, Info};
-use crate::physics::{effect, effect::EffectId, effect::MOST_PARAMETERS, rig::MOST_EFFECTS};
+use crate::physics::{effect, effect::EffectId, effect::MOST_PARAMETERS};
 
 /// How many settings the section has.
 pub const COUNT: usize = {
@@ -19,23 +19,10 @@ pub const COUNT: usize = {
     }
     count
 };
-/// The largest number of settings that can be other than 0: those of the [`MOST_EFFECTS`] effects
-/// with the most parameters.
-pub(super) const MOST_AT_ONCE: usize = {
-    let (mut sum, mut effects, mut size) = (0, 0, MOST_PARAMETERS);
-    while size > 0 {
-        let mut at = 0;
-        while at < EffectId::ALL.len() {
-            let of = EffectId::ALL[at];
-            if of.is_for_boards() && of.info().parameters.len() == size && effects < MOST_EFFECTS {
-                (sum, effects) = (sum + size, effects + 1);
-            }
-            at += 1;
-        }
-        size -= 1;
-    }
-    sum
-};
+/// The largest number of settings that can be other than 0: what a record in flash has room for beside
+/// the settings of the board. The eight largest effects would have 23, of which three are dry frictions,
+/// each a form of the others.
+pub(super) const MOST_AT_ONCE: usize = 20;
 const SECTION: &str = "compensation.";
 /// The length of the longest name: `compensation.stribeck_friction.transition_speed`.
 const NAME: usize = 48;
@@ -198,7 +185,7 @@ const fn info(effect: EffectId, place: usize, name: &'static ([u8; NAME], usize)
     };
     Info {
         name,
-        unit: of.unit.symbol(),
+        unit: of.unit.ascii(),
         bounds: match of.bounds {
             effect::Bounds::Any | effect::Bounds::Angle => Bounds::Within(-LARGEST, LARGEST),
             effect::Bounds::NotNegative | effect::Bounds::Positive => Bounds::Within(0.0, LARGEST),

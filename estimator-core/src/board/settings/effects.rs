@@ -1,6 +1,7 @@
 //! The effects that the section `compensation` names, as the board compensates them.
 
-use super::{compensation::Parameter, key::Key, values::Invalid, values::Settings};
+use super::compensation::{MOST_AT_ONCE, Parameter};
+use super::{key::Key, values::Invalid, values::Settings};
 use crate::board::sensing::CODES_PER_COUNT;
 use crate::estimate::{compensation::Compensation, config::Config, error::ConfigError};
 use crate::physics::{
@@ -16,6 +17,7 @@ impl Settings {
     pub(super) fn compensation(&self) -> Result<Option<Compensation<f32>>, Invalid> {
         let mut effects = [None; MOST_EFFECTS];
         let mut free = effects.iter_mut();
+        let mut numbers = 0;
         for id in Parameter::effects() {
             let Some(effect) = self.effect(id)? else {
                 continue;
@@ -23,6 +25,10 @@ impl Settings {
             let Some(slot) = free.next() else {
                 return Err(self.invalid(id, 0, "0: no more than 8 effects at once"));
             };
+            numbers += effect.row().iter().filter(|value| **value != 0.0).count();
+            if numbers > MOST_AT_ONCE {
+                return Err(self.invalid(id, 0, "0: no more than 20 numbers of effects at once"));
+            }
             *slot = Some(effect);
         }
         if effects.iter().all(Option::is_none) {

@@ -49,6 +49,10 @@ const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// What a load has found in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "settings of 252 bytes, once at a start, and nothing to allocate a box from"
+)]
 pub enum Loaded {
     /// The flash of a new board holds no record.
     Nothing,

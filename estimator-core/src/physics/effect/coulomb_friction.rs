@@ -1,6 +1,6 @@
 //! Dry friction of the drive or the guide, between the motor and the load cell.
 
-use super::{row::effect, shapes::direction, shapes::slid};
+use super::{load_memory::LoadPathMemory, row::effect, shapes::direction, shapes::slid};
 use crate::maths::scalar::Scalar;
 
 effect! {
@@ -30,11 +30,17 @@ effect! {
 }
 
 impl<S: Scalar> CoulombFriction<S> {
-    /// Its force (N); `z` is its memory.
-    pub(crate) fn force_n(&self, z: &mut S, speed_mps: S, change_m: S) -> S {
+    /// Its force (N) after a way of `change_m`; a play of `play_m` is in front of surfaces that stick.
+    pub(super) fn force_n(
+        &self,
+        memory: &mut LoadPathMemory<S>,
+        speed_mps: S,
+        change_m: S,
+        play_m: S,
+    ) -> S {
         if self.width_m > S::zero() {
-            *z = slid(*z, change_m, self.width_m);
-            return self.force_n * *z;
+            let z = memory.follow(change_m, play_m, |z, way_m| slid(z, way_m, self.width_m));
+            return self.force_n * z;
         }
         self.force_n * direction(speed_mps, self.transition_mps)
     }

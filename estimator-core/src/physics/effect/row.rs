@@ -83,6 +83,15 @@ pub enum Repeats {
     /// The effect is a wave along the way; its parameters are amplitude, pitch (m) and phase at the
     /// encoder's zero.
     AlongTheWay,
+    /// The effect has one period a turn, and only a machine that turns has it.
+    EveryTurn,
+}
+
+impl Repeats {
+    /// Whether a fit finds the period in a spectrum, and starts the effect from there.
+    pub const fn has_spectrum(self) -> bool {
+        matches!(self, Repeats::InTime | Repeats::AlongTheWay)
+    }
 }
 
 /// Effects that are mistaken for each other.

@@ -65,7 +65,7 @@ fn an_example_is_within_its_bounds_and_a_start_has_no_more_values_than_parameter
         // A wave starts from a spectrum.
         assert_eq!(
             info.starts.is_empty(),
-            info.repeats != Repeats::Never,
+            info.repeats.has_spectrum(),
             "{}",
             id.name()
         );

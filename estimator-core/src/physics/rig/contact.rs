@@ -61,9 +61,9 @@ impl<S: Scalar> Contact<'_, S> {
         period_s: S,
     ) -> Touch<S> {
         let (depth_m, speed_mps) = self.depth(state, tip, time_s);
-        let relaxed_n = self.relaxed(state, depth_m, period_s);
         let change_m = S::zero().max_of(depth_m) - S::zero().max_of(state.depth_m);
         state.depth_m = depth_m;
+        let relaxed_n = self.relaxed(state, (depth_m, speed_mps), change_m, period_s);
         let mut pushed_n = relaxed_n;
         if let Some(damping) = self.damping() {
             pushed_n = pushed_n + damping.force_n(depth_m, speed_mps);
@@ -120,7 +120,7 @@ impl<S: Scalar> Contact<'_, S> {
     }
 
     /// The elastic force F⁽ᵉ⁾ (N), with what effects make of it.
-    fn elastic(&self, state: &ContactState<S>, depth_m: S) -> S {
+    fn elastic(&self, state: &mut ContactState<S>, (depth_m, speed_mps): (S, S), change_m: S) -> S {
         let Some(mut elastic) = self.environment.elastic else {
             return S::zero();
         };
@@ -133,7 +133,8 @@ impl<S: Scalar> Contact<'_, S> {
             }
         }
         let (mut factor, mut layers_n) = (S::one(), S::zero());
-        for effect in self.effects.iter().flatten() {
+        for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
+            let Some(effect) = effect else { continue };
             match effect {
                 Effect::ExponentialStiffening(stiffening) => {
                     factor = factor * stiffening.factor(depth_m)
@@ -141,7 +142,11 @@ impl<S: Scalar> Contact<'_, S> {
                 Effect::CyclicSoftening(softening) => {
                     factor = factor * softening.factor(state.deepest_m - depth_m);
                 }
+                Effect::LoadingCurve(curve) => {
+                    factor = factor * curve.factor(memory, speed_mps, change_m);
+                }
                 Effect::BuriedLayer(layer) => layers_n = layers_n + layer.force_n(depth_m),
+                Effect::SnapThrough(snap) => layers_n = layers_n + snap.force_n(depth_m),
                 _ => {}
             }
         }
@@ -149,8 +154,8 @@ impl<S: Scalar> Contact<'_, S> {
     }
 
     /// The relaxed force F⁽ᵉ⁾ − Σcᵢ(F⁽ᵉ⁾ − wᵢ) (N), (9), over the environment's modes and the effects'.
-    fn relaxed(&self, state: &mut ContactState<S>, depth_m: S, period_s: S) -> S {
-        let elastic_n = self.elastic(state, depth_m);
+    fn relaxed(&self, state: &mut ContactState<S>, motion: (S, S), change_m: S, period_s: S) -> S {
+        let elastic_n = self.elastic(state, motion, change_m);
         let change_n = elastic_n - state.elastic_n;
         state.elastic_n = elastic_n;
         let mut force_n = elastic_n;

@@ -97,6 +97,15 @@ fn usual(id: EffectId) -> [f64; 4] {
     }
 }
 
+/// A rig with what the effect changes.
+fn bare(id: EffectId) -> Rig<f64> {
+    let rig = Rig::bare(base(id));
+    match id.needs() {
+        Some(other) => rig.with(Effect::new(other, &usual(other))),
+        None => rig,
+    }
+}
+
 /// A linear contact where the effect is one of a linear law.
 fn base(id: EffectId) -> Environment<f64> {
     if !id.info().laws.are_linear() {
@@ -112,7 +121,7 @@ fn base(id: EffectId) -> Environment<f64> {
 #[test]
 fn every_effect_changes_the_force_where_it_should() {
     for id in EffectId::ALL.iter().copied() {
-        let bare = Rig::bare(base(id));
+        let bare = bare(id);
         let with = bare.with(Effect::new(id, &usual(id)));
         let (plain, changed) = (forces(&bare, 2000), forces(&with, 2000));
         let largest = plain
@@ -150,7 +159,7 @@ fn gradients_agree_with_central_differences() {
             let at = |value: f64| {
                 let mut row = row;
                 row[parameter] = value;
-                forces(&Rig::bare(base(id)).with(Effect::new(id, &row)), 1200)
+                forces(&bare(id).with(Effect::new(id, &row)), 1200)
             };
             let (more, less) = (at(row[parameter] + h), at(row[parameter] - h));
             let dual: [One; 4] = core::array::from_fn(|i| {
@@ -165,6 +174,9 @@ fn gradients_agree_with_central_differences() {
                 environment: lift(base(id)),
                 effects: [None; MOST_EFFECTS],
             };
+            let rig = bare(id).effects().fold(rig, |rig, other| {
+                rig.with(Effect::new(other.id(), &other.row().map(One::constant)))
+            });
             let rig = rig.with(Effect::new(id, &dual));
             let mut state = rig.at_rest();
             let (mut errors, mut size) = (0.0, 0.0);

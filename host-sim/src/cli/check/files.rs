@@ -17,6 +17,7 @@ pub(super) fn json(raw: &Log, facts: &Sampling, inspection: &Inspection) -> Valu
         })
     });
     json!({
+        "kind": raw.kind.unwrap_or_default().name(),
         "samples": raw.len(),
         "duration_s": number(raw.duration_s()),
         "sampling": sampling(facts),

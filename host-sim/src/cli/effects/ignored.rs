@@ -75,6 +75,8 @@ pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
     let palpated = |effect: Option<Effect<f64>>| -> Result<UniformLog, Diagnostic> {
         let mut effects = [None; MOST_EFFECTS];
         effects[0] = effect;
+        let example = |id: EffectId| Effect::new(id, &id.info().example);
+        effects[1] = id.needs().map(example);
         let rig = Rig {
             effects,
             ..Rig::default()

@@ -9,6 +9,7 @@ use super::{law::AUTO, law::LawChoice, law::law_choice, methods::MethodChoice};
 use crate::batch::Indenter;
 use crate::cli::ReadingArgs;
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::log::UniformLog;
 use crate::settings::Settings;
 
@@ -124,6 +125,18 @@ fn poisson(text: &str) -> Result<f64, String> {
 }
 
 impl BatchArgs {
+    /// Refuses what only something that presses along a line has.
+    pub(super) fn refuse_on(&self, kind: Kind) -> Result<(), Diagnostic> {
+        if kind == Kind::Linear || self.indenter.is_none() {
+            return Ok(());
+        }
+        Err(Diagnostic::new(
+            "Young's modulus is that of an indenter pressed along a line, and this log is of a machine that turns",
+        )
+        .value("--indenter")
+        .remedy("leave --indenter out: stiffness and damping are in N m/rad and N m s/rad"))
+    }
+
     /// Refuses what the recursive methods do not take.
     pub(super) fn refuse(&self) -> Result<(), Diagnostic> {
         let given = [

@@ -13,6 +13,7 @@ use serde_json::{Map, Value, json};
 use super::json::{events, measured, touches};
 use crate::estimate::{Outcome, Reason};
 use crate::json::{number, seconds};
+use crate::kind;
 use crate::output::write_atomically;
 use crate::replay::Replay;
 
@@ -40,7 +41,7 @@ fn parameters(outcome: &Outcome, parameters: &Parameters<f32>) -> Value {
             json!({
                 "value": number(estimate.value.into()),
                 "std_error": number(estimate.std_error.into()),
-                "unit": info.unit.symbol(),
+                "unit": kind::unit(info.unit.symbol()),
             })
         });
         object.insert(info.name.into(), value);

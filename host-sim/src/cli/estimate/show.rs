@@ -15,7 +15,6 @@ use crate::estimate::{
 };
 use crate::log::UniformLog;
 use crate::model::law_title;
-use crate::motion_kind::MotionKind;
 use crate::replay::Replay;
 use crate::report::estimate::{self as report, Column};
 use crate::report::{Document, Input, Provenance, Tone};
@@ -188,7 +187,7 @@ impl Shown {
         let run = report::Run {
             name,
             law: outcome.law.name(),
-            kind: MotionKind::default(),
+            kind: log.kind,
             time_s: rows.column(|at, _| replay.time_s(at)),
             depth_m: rows.column(|_, record| record.depth_m.into()),
             speed_mps: rows.column(|_, record| record.speed_mps.into()),

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::motion as advised_motion;
 use crate::gap::{Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region};
 use crate::json::{number, write_json};
-use crate::motion_kind::MotionKind;
+use crate::kind;
 use crate::output::write_atomically;
 use crate::report::{Document, Input, Provenance, gap::GapReport};
 
@@ -81,7 +81,7 @@ fn report(finding: &Finding, inputs: &Inputs<'_>) -> io::Result<Document> {
     );
     let report = GapReport {
         title: &title,
-        kind: MotionKind::default(),
+        kind: kind::of_words(),
         finding,
         names: &names,
         provenance,
@@ -123,6 +123,7 @@ fn csv(writer: &mut dyn Write, curves: &Curves) -> io::Result<()> {
 pub fn json(finding: &Finding, seconds: f64) -> Value {
     json!({
         "verdict": finding.verdict.name(),
+        "kind": finding.model.kind.unwrap_or_default().name(),
         "effects": finding.effects.iter().map(effect).collect::<Vec<_>>(),
         "rmse_n": {
             "before": number(finding.rmse_before_n),
@@ -172,7 +173,7 @@ fn parameters(estimates: &[ParameterEstimate]) -> Value {
         let mut value = json!({
             "value": number(estimate.value),
             "std_error": estimate.std_error.map(number),
-            "unit": estimate.unit,
+            "unit": kind::unit(estimate.unit),
         });
         if estimate.at_bound {
             value["at_bound"] = true.into();

@@ -2,6 +2,7 @@
 
 use super::args::TeleopArgs;
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::model::Model;
 use crate::teleop::environment::{Environment, Material};
 use crate::teleop::file::{ChannelFile, OperatorFile};
@@ -14,9 +15,19 @@ pub(super) fn options(args: &TeleopArgs) -> Result<Options, Diagnostic> {
         let name = path
             .file_stem()
             .map_or("model".into(), |stem| stem.to_string_lossy());
+        let model = Model::read(path)?;
+        if model.kind == Some(Kind::Rotary) {
+            return Err(Diagnostic::new("a machine that turns")
+                .in_file(path)
+                .at_key("kind")
+                .value("rotary")
+                .remedy(
+                    "give a model in m and N: motor, hand and limits of the simulated teleoperation move along a line",
+                ));
+        }
         let material = Material {
             name: name.into_owned(),
-            rig: Model::read(path)?.rig()?,
+            rig: model.rig()?,
         };
         options.environment = Environment::throughout(material.at_zero());
     }

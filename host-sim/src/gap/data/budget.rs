@@ -79,6 +79,7 @@ fn averaged(log: &UniformLog, factor: usize) -> UniformLog {
         force_n: block_means(&log.force_n, &log.in_gap, factor),
         in_gap: gaps.map(|gaps| gaps.iter().all(|gap| *gap)).collect(),
         path: log.path.clone(),
+        kind: log.kind,
         notes: log.notes.clone(),
         ..UniformLog::default()
     }

@@ -148,7 +148,7 @@ impl<'a> Discriminability<'a> {
     fn starts(&self, id: EffectId) -> Vec<Term> {
         let (info, s) = (id.info(), self.dataset.scales);
         let period = match info.repeats {
-            Repeats::Never => return starts(id, self.shape, s),
+            Repeats::Never | Repeats::EveryTurn => return starts(id, self.shape, s),
             Repeats::InTime => 37.3 / s.duration_s,
             Repeats::AlongTheWay => s.travel_m / 7.3,
         };

@@ -126,7 +126,8 @@ pub fn plan(
     options: &Options,
 ) -> Result<Plan, Diagnostic> {
     model.rig()?;
-    let (catalogue, decide) = (&options.catalogue, &options.thresholds);
+    let catalogue = &options.catalogue_of(model.kind.unwrap_or_default());
+    let decide = &options.thresholds;
     let noise_n = noise_n.unwrap_or(model.sensors.force_noise_n);
     let sensor = Sensor {
         rate_hz: model.sensors.rate_hz,

@@ -1,6 +1,6 @@
 //! Where a candidate may start: its row says the numbers, in the sizes of the log.
 
-use estimator_core::physics::effect::{EffectId, Laws, MOST_PARAMETERS, Repeats};
+use estimator_core::physics::effect::{EffectId, Laws, MOST_PARAMETERS};
 use estimator_core::physics::effect::{StartValues, Starts};
 use estimator_core::physics::{fit_range::Scaled, law::LawId};
 
@@ -21,13 +21,23 @@ pub(in crate::gap) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: us
 /// second one of a kind means nothing but in a spectrum: relaxation, harmonics.
 pub(in crate::gap) fn is_possible(id: EffectId, shape: &Shape) -> bool {
     let touches = !shape.base.is_free();
-    let has = shape.terms.iter().any(|term| term.id == id);
+    let has = shape
+        .terms
+        .iter()
+        .any(|term| term.id == id || is_one(term.id, id));
     (touches || id.info().stage.acts_in_free_air()) && (id.info().several || !has)
+}
+
+/// Whether two effects are one thing of which a rig has one: Bouc and Wen's loop is a friction that sticks
+/// before it slides.
+fn is_one(one: EffectId, other: EffectId) -> bool {
+    let is_loop = |id| id == EffectId::BoucWen;
+    (is_loop(one) || is_loop(other)) && one.info().family == other.info().family
 }
 
 /// Whether it is a wave, in time or along the way.
 pub(in crate::gap) fn repeats(id: EffectId) -> bool {
-    id.info().repeats != Repeats::Never
+    id.info().repeats.has_spectrum()
 }
 
 /// Starts of an effect; there are none if it means nothing on this law.

@@ -1,6 +1,6 @@
 //! Fits whose numbers do not mean what the names of their effects say.
 
-use estimator_core::physics::effect::Repeats;
+use estimator_core::physics::effect::{EffectId, Repeats};
 
 use crate::gap::data::{repetition::repeats_with, scales::Scales};
 use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
@@ -16,8 +16,18 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
         term.id.info().repeats == Repeats::InTime
             && repeats_with(scales.motion_hz, term.row[1], scales.duration_s)
     };
-    let is_physical = |term: &Term| (term.id.info().is_physical)(&term.row) && !is_of_motion(term);
+    let is_physical = |term: &Term| {
+        (term.id.info().is_physical)(&term.row) && !is_of_motion(term) && is_open_loop(term, scales)
+    };
     terms.iter().all(|term| term.given || is_physical(term))
+}
+
+/// Whether a restoring loop is one: with βℓ^ν as small as this over the travel ℓ it is a spring that bends, which
+/// fitted a foot's curve with 0.2 to 0.5.
+fn is_open_loop(term: &Term, scales: &Scales) -> bool {
+    const LEAST: f64 = 0.75;
+    let [_, beta, _, exponent] = term.row;
+    term.id != EffectId::BoucWen || beta * scales.travel_m.powf(exponent) > LEAST
 }
 
 /// Whether a fit has `least` waves of a kind and none that is `prominent` times as large as the next: a Fourier
@@ -53,7 +63,7 @@ fn sizes(alike: &[&Term]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::gap::model::start::whole;
-    use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+    use estimator_core::physics::effect::MOST_PARAMETERS;
 
     #[test]
     fn a_harmonic_is_no_wave_of_its_own_and_others_are() {

@@ -76,6 +76,7 @@ impl Rows<'_> {
             };
             logs.push(Log {
                 path,
+                kind: self.log.kind,
                 extra: extra.collect(),
                 time_s: own(&mut self.log.time_s),
                 position_m: own(&mut self.log.position_m),

@@ -1,10 +1,10 @@
 //! How a file was understood, in one sentence.
 
 use super::problem::Table;
+use crate::kind::Kind;
 use crate::log::channel::{Channel, Origin};
 use crate::log::orientation::Orientation;
 use crate::log::record::{Log, ReadOptions};
-use crate::log::units::Quantity;
 
 /// The sentence; `None` for a log that is written as ours are.
 pub(super) fn understood(
@@ -30,11 +30,8 @@ pub(super) fn understood(
         facts.push(format!("sampled evenly at {rate_hz} Hz"));
     }
     facts.extend(signs(orientation).map(str::to_string));
-    if is_rotary(table) {
-        facts.push(
-            "a rig that turns: where positions in m and forces in N are said, they are angles in rad and torques in N m"
-                .into(),
-        );
+    if logs.iter().any(|log| log.kind == Some(Kind::Rotary)) {
+        facts.push("a machine that turns: angles in rad, torques in N m".into());
     }
     let preamble = table.preamble;
     if preamble.titles > 0 {
@@ -82,9 +79,4 @@ fn signs(orientation: Orientation) -> Option<&'static str> {
             Some("the sign of the force reversed, so that it pushes the probe out")
         }
     }
-}
-
-fn is_rotary(table: &Table) -> bool {
-    let unit = table.placed[Channel::Force as usize].and_then(|placed| placed.unit);
-    unit.is_some_and(|unit| unit.quantity == Quantity::Torque)
 }

@@ -7,6 +7,7 @@ use super::problem::{Problem, Table};
 use crate::diagnostic::Diagnostic;
 use crate::log::cell::{Cell, number};
 use crate::log::channel::Channel;
+use crate::log::columns::kind_of;
 use crate::log::fields::is_comment;
 use crate::log::record::{ExtraColumn, FEWEST_SAMPLES, Log};
 use crate::log::stamp;
@@ -98,6 +99,7 @@ impl<'a> Rows<'a> {
                 && stamps.clone().all(|cell| stamp::seconds(cell).is_some()),
             log: Log {
                 path: table.path.to_path_buf(),
+                kind: kind_of(&table.placed),
                 extra: extra.collect(),
                 ..Log::default()
             },

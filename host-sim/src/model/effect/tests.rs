@@ -7,6 +7,7 @@ use estimator_core::physics::rig::MOST_EFFECTS;
 
 use super::super::Model;
 use super::*;
+use crate::kind::Kind;
 use crate::toml_reader::TomlFile;
 
 const AIR: &str = "[environment]\nlaw = \"free\"\n";
@@ -20,7 +21,8 @@ fn parse(effects: &str) -> Result<Model, Diagnostic> {
 fn every_effect_of_the_catalogue_goes_from_the_core_to_a_file_and_back() {
     for id in EffectId::ALL {
         let core = effect::Effect::new(*id, &[0.5, 0.25, 0.125, 0.0625]);
-        let mut model = parse("").unwrap();
+        // A machine that turns has every effect.
+        let mut model = parse("").unwrap().of_kind(Kind::Rotary);
         model.effects.push(core.into());
         let path = Path::new("m.toml");
         let file = TomlFile::parse(model.to_toml(), path).unwrap();

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use estimator_core::estimate::Estimated;
 
 use super::run::{EstimateReport, FinalParameter, Run, label};
+use crate::kind::Kind;
 use crate::model::law_title;
-use crate::motion_kind::MotionKind;
 use crate::number::{column, fixed, setting};
 use crate::replay::{EventKind, Touch};
 use crate::report::{Cell, Section, Table};
@@ -49,8 +49,8 @@ pub(super) fn result(report: &EstimateReport) -> Section {
 }
 
 /// How the rig of these runs moves.
-fn kind_of(runs: &[Run]) -> MotionKind {
-    runs.first().map_or(MotionKind::default(), |run| run.kind)
+fn kind_of(runs: &[Run]) -> Kind {
+    runs.first().map_or(Kind::default(), |run| run.kind)
 }
 
 /// A row of the result. A run that has no such value gets a dash.
@@ -112,7 +112,7 @@ fn parameter_names<'a>(runs: &[Run<'a>]) -> Vec<&'a str> {
     names
 }
 
-fn value(parameter: &FinalParameter, kind: MotionKind) -> Cell {
+fn value(parameter: &FinalParameter, kind: Kind) -> Cell {
     match parameter.estimate {
         Some(Estimated { value, std_error }) => {
             Cell::measured(value, Some(std_error), kind.unit(parameter.unit))

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::bins::LogCurves;
-use crate::motion_kind::MotionKind;
+use crate::kind::Kind;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Span, StripTone, Stroke};
 use crate::stats::quantile;
@@ -67,7 +67,7 @@ const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green u
     held-out parts, on which the errors of the verdict were taken.";
 
 /// An axis that shows all but the worst thousandth of the residuals.
-fn axis(shown: &[&[f64]], kind: MotionKind) -> Axis {
+fn axis(shown: &[&[f64]], kind: Kind) -> Axis {
     let sizes = shown.iter().copied().flatten().map(|r| r.abs());
     let most = 1.3 * quantile(sizes.filter(|r| r.is_finite()), 0.999);
     Axis::new("Residual", kind.unit("N")).range(-most, most)

@@ -1,8 +1,8 @@
 //! The motion to record next: its curve, and how far and how fast it goes compared with the logs.
 
 use crate::gap::Finding;
+use crate::kind::Kind;
 use crate::motion::Limits;
-use crate::motion_kind::MotionKind;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 use crate::report::{Cell, Figure, Section, Table};
 
@@ -10,7 +10,7 @@ use crate::report::{Cell, Figure, Section, Table};
 const POINTS: u32 = 8_000;
 
 /// The section on the motion; empty where no motion is advised.
-pub(super) fn motion(finding: &Finding, kind: MotionKind) -> Section {
+pub(super) fn motion(finding: &Finding, kind: Kind) -> Section {
     let Some(advised) = &finding.advised else {
         return Section::new("");
     };

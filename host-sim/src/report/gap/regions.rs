@@ -1,12 +1,12 @@
 //! The regions in which the base model and the log disagree, and those that remain with the effects.
 
 use crate::gap::{Finding, Region, Verdict};
-use crate::motion_kind::MotionKind;
+use crate::kind::Kind;
 use crate::number::{column, fixed, quantity, spaced};
 use crate::report::{Cell, Section, Table};
 
 /// The section on where the models and the log disagree.
-pub(super) fn place(finding: &Finding, kind: MotionKind) -> Section {
+pub(super) fn place(finding: &Finding, kind: Kind) -> Section {
     let section = Section::new("Where the base model and the measurement disagree");
     if finding.disagreement.is_empty() {
         return section.text(
@@ -63,7 +63,7 @@ const ORDER: [&str; 15] = [
 ];
 
 /// A table of every region in which either model and the log disagree.
-fn table(finding: &Finding, kind: MotionKind) -> Table {
+fn table(finding: &Finding, kind: Kind) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);
     let of = |regions: &[Region], id: &str| regions.iter().find(|region| region.id == id).cloned();
@@ -126,7 +126,7 @@ fn columns(unit: &str, only_base: bool) -> Vec<String> {
     columns.chain(last).collect()
 }
 
-fn name(region: &Region, kind: MotionKind) -> String {
+fn name(region: &Region, kind: Kind) -> String {
     if let Some(hz) = region.hz {
         return format!("Line at {}", quantity(hz, 4, "Hz"));
     }

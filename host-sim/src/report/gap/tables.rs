@@ -3,7 +3,7 @@
 use super::label;
 use super::verdict::{heading, title};
 use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, times_larger};
-use crate::motion_kind::MotionKind;
+use crate::kind::Kind;
 use crate::number::{Measured, spaced};
 use crate::report::{Cell, Section, Table};
 
@@ -15,7 +15,7 @@ const INTERVAL: f64 = 1.96;
 const MOST_SETS: usize = 14;
 
 /// The errors before and after, the advice and the notes.
-pub(super) fn summary(finding: &Finding, kind: MotionKind) -> Section {
+pub(super) fn summary(finding: &Finding, kind: Kind) -> Section {
     let has_effects = !finding.effects.is_empty();
     let errors = super::verdict::errors(finding, kind);
     let times = |ratio: f64| format!("{ratio:.2} ×");
@@ -353,7 +353,7 @@ fn role(
 }
 
 /// How the noise floor of each log was found.
-pub(super) fn floors(finding: &Finding, names: &[String], kind: MotionKind) -> Section {
+pub(super) fn floors(finding: &Finding, names: &[String], kind: Kind) -> Section {
     let unit = kind.unit("N");
     let rows = finding.floors.iter().enumerate().map(|(at, floor)| {
         [

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
+use crate::kind;
 use crate::number::{fixed, prefix_for, superscript, unit_text};
 
 /// One axis of a [`Chart`](super::Chart).
@@ -106,7 +107,7 @@ impl Axis {
             high,
             ticks,
             minor,
-            name: self.name(&self.unit.replace(' ', "\u{a0}")),
+            name: self.name(&kind::unit(&self.unit).replace(' ', "\u{a0}")),
         }
     }
 

@@ -1,6 +1,7 @@
 //! A rig with its motion before anything is hidden in it, and the strength at which an effect shows.
 
 use super::case::Case;
+use super::draw::machine::{MACHINE, given_cable};
 use super::draw::{self, Hidden, Scale};
 use super::effect::{Effect, Stranger};
 use super::fit::Target;
@@ -25,6 +26,8 @@ pub(super) struct Bare {
     noise_n: f64,
     start: Vec<f64>,
     seed: u64,
+    /// A cable that the base model has: its stiffness (N/m), and what the model says of it.
+    pub(super) given: Option<(f64, f64)>,
 }
 
 impl Bare {
@@ -53,6 +56,7 @@ impl Bare {
             noise_n: random.log_between(4e-4, 3e-3),
             start: off(&material, random),
             seed: (random.unit() * 2f64.powi(52)) as u64,
+            given: None,
         };
         let bare = Plant::bare(material).samples(&rig.track, COARSE);
         scale.peak_n = bare.iter().copied().fold(0.0, f64::max);
@@ -61,10 +65,29 @@ impl Bare {
         rig
     }
 
+    /// The rig with the cable in its base model that an effect needs.
+    pub(super) fn with_given(mut self, ids: &[&str], random: &mut Random) -> Self {
+        if ids.iter().any(|id| MACHINE.contains(id)) {
+            let cable = given_cable(ids[0], &self.scale, random);
+            self.given = cable.map(|k| (k, k * (1.0 + random.sign() * random.between(0.1, 0.2))));
+        }
+        self
+    }
+
+    /// The columns that the base is fitted with beside its law: the cable's.
+    pub(super) fn columns(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        self.given.iter().map(|_| x.to_vec()).collect()
+    }
+
     /// The rig with these effects hidden in it.
     pub(super) fn plant(&self, hidden: Vec<Effect>, stranger: Option<(Stranger, f64)>) -> Plant {
+        let cable = self.given.map(|(stiffness, _)| Effect::Cable {
+            stiffness,
+            hardening: 0.0,
+            scale: 1.0,
+        });
         Plant {
-            hidden,
+            hidden: hidden.into_iter().chain(cable).collect(),
             stranger,
             peak_n: self.scale.peak_n,
             seed: self.seed,
@@ -75,8 +98,11 @@ impl Bare {
     /// What the best fit of the base leaves of a rig without noise (N).
     fn left_n(&self, plant: &Plant) -> f64 {
         let force = plant.samples(&self.track, COARSE);
-        let target = Target::base(self.material.law, &plant.readings(&self.track), &force, 4);
-        target.fit(&self.material.numbers(), &[]).rmse_n
+        let read = plant.readings(&self.track);
+        let thin: Vec<f64> = read.iter().copied().step_by(4).collect();
+        let target = Target::base(self.material.law, &read, &force, 4);
+        let columns = self.columns(&thin);
+        target.fit(&self.material.numbers(), &columns).rmse_n
     }
 
     /// The strength at which the base leaves what the wanted gap ratio needs; `None` where there is none.
@@ -109,7 +135,10 @@ impl Bare {
         let ratio = kind.wanted(random);
         let stream = Random::new((random.unit() * 2f64.powi(52)) as u64, 5);
         let built = |strength: f64| {
-            let other = matches!(kind, Kind::Mismatched | Kind::PairMismatched);
+            let other = matches!(
+                kind,
+                Kind::Mismatched | Kind::PairMismatched | Kind::MachineMismatched
+            );
             draw::build(id, other, strength, &self.scale, &mut stream.clone())
         };
         let strength = self.sought(1.0, ratio, |s| self.plant(vec![built(s).effect], None))?;
@@ -162,6 +191,7 @@ impl Bare {
             also: Vec::new(),
             base_rmse_n: 0.0,
             form_rmse_n: None,
+            given: self.given,
         }
     }
 }

@@ -6,7 +6,7 @@
 //! the same is drawn again.
 
 use super::bare::{Bare, COARSE};
-use super::draw::{self, CATALOGUE, Hidden};
+use super::draw::{self, Hidden, every_id};
 use super::effect::{Effect, Stranger};
 use super::fit::{Fit, Target, speed};
 use super::form;
@@ -68,6 +68,8 @@ pub struct Case {
     /// a workflow that names it rightly can reach that. Measured over 52 logs of one effect in that very
     /// form: 0.993 to 1.003 floors.
     pub form_rmse_n: Option<f64>,
+    /// A cable in the base model: its true stiffness (N/m), and what the model says.
+    pub(crate) given: Option<(f64, f64)>,
 }
 
 impl Case {
@@ -97,9 +99,10 @@ impl Case {
     /// physics, not judgements.
     pub fn sketch(seed: u64, index: usize) -> Case {
         let mut random = Random::new(seed, index as u64);
-        let ids = [CATALOGUE[index]];
+        let ids = [every_id()[index]];
         let law = law(&ids, None, &mut random);
         let rig = Bare::draw(law, Kind::Single.profile(&mut random), &mut random);
+        let rig = rig.with_given(&ids, &mut random);
         let hidden = draw::build(ids[0], false, 1.0, &rig.scale, &mut random);
         let plant = rig.plant(vec![hidden.effect.clone()], None);
         let case = rig.record(&plant, Noise::White, &mut random);
@@ -121,7 +124,7 @@ impl Case {
             (Profile::Slow, true) => (Profile::Slow, 10),
             (_, true) => (Profile::Brief, 4),
         };
-        let mut rig = Bare::draw(law, profile, &mut random);
+        let mut rig = Bare::draw(law, profile, &mut random).with_given(&ids, &mut random);
         let coloured = if kind == Kind::None {
             index % 2 == 1
         } else {
@@ -157,7 +160,13 @@ impl Case {
             let richer = case.sensor.record(&plant, &rig.track, &mut random);
             case.richer = Some(richer.rows);
         }
-        if matches!(kind, Kind::Single | Kind::Mismatched) {
+        if let Some(radian) = case.radian_m() {
+            case.units = Units::turning(radian);
+        }
+        if matches!(
+            kind,
+            Kind::Single | Kind::Mismatched | Kind::Machine | Kind::MachineMismatched
+        ) {
             let form_rmse_n = form::best_rmse_n(&case, &case.hidden[0]);
             case.form_rmse_n = Some(form_rmse_n);
             if !case.deserves_its_name() {
@@ -182,12 +191,27 @@ impl Case {
         self.sensor.record(&self.plant, &track, &mut random)
     }
 
+    /// The stiffness of the cable in the base model (N/m).
+    pub fn cable_n_per_m(&self) -> Option<f64> {
+        self.given.map(|(stiffness, _)| stiffness)
+    }
+
+    /// How many metres are a radian, on a rig that turns.
+    pub fn radian_m(&self) -> Option<f64> {
+        let first = self
+            .hidden
+            .first()
+            .filter(|own| own.id == "gravity_torque")?;
+        let radian = first.params.iter().find(|(name, _)| *name == "radian_m");
+        radian.map(|(_, radian)| *radian)
+    }
+
     /// Whether the base leaves enough, and no effect hides behind the base and the other effects.
     fn shown(&mut self, rig: &Bare, plant: &Plant) -> bool {
         let x = plant.readings(&rig.track);
         let f: Vec<f64> = self.rows.iter().map(|row| row[2]).collect();
         let target = Target::base(self.material.law, &x, &f, 1);
-        let fit = target.fit(&self.material.numbers(), &[]);
+        let fit = target.fit(&self.material.numbers(), &rig.columns(&x));
         self.base_rmse_n = fit.rmse_n;
         let ratio = self.gap_ratio();
         match self.kind {

@@ -22,6 +22,8 @@ pub(super) struct Drive<'a> {
     loose: [f64; 2],
     lag: [f64; 2],
     slips: [f64; MOST],
+    /// z of a loop and of the one inside it (m).
+    loops: [f64; 2],
     /// Force and its rate behind a load cell that resonates.
     cell: [f64; 2],
     last: f64,
@@ -53,6 +55,7 @@ impl<'a> Drive<'a> {
             loose: [0.0; 2],
             lag: [0.0; 2],
             slips: [0.0; MOST],
+            loops: [0.0; 2],
             cell: [0.0; 2],
             last: 0.0,
             before_x: x,
@@ -73,7 +76,7 @@ impl<'a> Drive<'a> {
             }
             Some(spring) => self.sprung(driven.0, moved, spring, dt),
         };
-        let force = contact + self.load(t, x, v, a, dt);
+        let force = contact + self.load(t, x, v, a, dt) + self.rubbing(contact, x, v);
         self.before_x = x;
         let read = self.lagged(force, dt);
         self.started = true;
@@ -200,11 +203,50 @@ impl<'a> Drive<'a> {
                     })
                     .sum()
                 }
+                Effect::Loop {
+                    stiffness,
+                    beta,
+                    gamma,
+                    exponent,
+                    inner,
+                } => {
+                    let way = x - self.before_x;
+                    let [z, small] = &mut self.loops;
+                    *z = looped(*z, way, *beta, *gamma, *exponent);
+                    *small = looped(*small, way, 10.0 * beta.abs(), 10.0 * beta.abs(), 1.0);
+                    stiffness * (*z + 10.0 * inner * *small)
+                }
+                Effect::Cable { .. } => {
+                    let pulled = self.plant.flanks(x);
+                    let each = pulled.iter();
+                    each.map(|(x, share)| share * plain_load(effect, t, *x, v))
+                        .sum()
+                }
                 effect => plain_load(effect, t, x, v),
             };
         }
         let depth = self.memory.depth;
         sum + self.stranger.as_mut().map_or(0.0, |s| s.load(v, depth, dt))
+    }
+
+    /// Friction that grows with the load (N).
+    fn rubbing(&self, contact: f64, x: f64, v: f64) -> f64 {
+        let all = &self.plant.hidden;
+        let cables = all.iter().filter(|own| matches!(own, Effect::Cable { .. }));
+        let load = contact + cables.map(|own| plain_load(own, 0.0, x, v)).sum::<f64>();
+        let each = all.iter().map(|effect| match effect {
+            Effect::LoadFriction {
+                coefficient,
+                smooth,
+                rises,
+                speed,
+            } => {
+                let more = 1.0 + rises * (-(v / speed).powi(2)).exp();
+                coefficient * more * load.abs() * (v / smooth).tanh()
+            }
+            _ => 0.0,
+        });
+        each.sum()
     }
 
     /// The low-pass, exact for a force that is linear within the step.
@@ -233,6 +275,16 @@ impl<'a> Drive<'a> {
         }
         read
     }
+}
+
+/// z (m) after a way (m) of dz = (1 − β·sgn·|z|^{ν−1}z − γ|z|^ν) ds, by Heun's method.
+fn looped(z: f64, way: f64, beta: f64, gamma: f64, exponent: f64) -> f64 {
+    let slope = |z: f64| {
+        let size = z.abs().powf(exponent);
+        1.0 - size * (beta * way.signum() * z.signum() + gamma)
+    };
+    let tried = z + way * slope(z);
+    z + 0.5 * way * (slope(z) + slope(tried))
 }
 
 fn spring_force(stretch: f64, (stiffness, progressive, scale): (f64, f64, f64)) -> f64 {

@@ -129,6 +129,40 @@ pub enum Effect {
     Attraction { force: f64, range: f64 },
     /// A load cell that resonates.
     Resonance { hz: f64, damping: f64 },
+    /// A play in front of the cable with flanks of different widths (m) and shares [one]; between them there is no
+    /// force.
+    Flanks(Vec<(f64, f64)>),
+    /// stiffness·z after Bouc and Wen, in steps along the way; beside it a share of the force is in a loop that
+    /// yields ten times as soon [inner 0].
+    Loop {
+        stiffness: f64,
+        beta: f64,
+        gamma: f64,
+        exponent: f64,
+        inner: f64,
+    },
+    /// coefficient·(1 + rises·e^{−(v/speed)²})·|contact + cable|·tanh(v/smooth) [rises 0].
+    LoadFriction {
+        coefficient: f64,
+        smooth: f64,
+        rises: f64,
+        speed: f64,
+    },
+    /// The elastic force times 1 + fraction·(1 + parts·(δ − half the depth))·tanh(δ̇/smooth); with `lasting` (m) the change
+    /// takes that way and stays in a hold [parts 0, lasting 0].
+    Curves {
+        fraction: f64,
+        smooth: f64,
+        lasting: f64,
+        parts: f64,
+    },
+    /// A step of −force about a depth, tanh(·/width), beyond the depth wider by a share [skewed 0].
+    Snap {
+        force: f64,
+        depth: f64,
+        width: f64,
+        skewed: f64,
+    },
     /// x_read = x + amplitude·sin(2πx/pitch + phase) with a second harmonic [second 0].
     Encoder {
         amplitude: f64,

@@ -6,7 +6,8 @@
 
 use super::case::Case;
 use super::draw::Hidden;
-use super::effect::{Effect, Friction};
+use super::draw::machine::MACHINE;
+use super::effect::{Effect, Formula, Friction};
 use super::fit::{Limit, Target, base_limits, speed};
 use super::material::{Law, Material};
 use super::motion::Track;
@@ -74,8 +75,13 @@ pub fn best_rmse_n(case: &Case, hidden: &Hidden) -> f64 {
         if matches!(effect, Effect::Encoder { .. }) {
             return behind_encoder(material, effect, &read);
         }
+        let cable = case.given.map(|(stiffness, _)| Effect::Cable {
+            stiffness,
+            hardening: 0.0,
+            scale: 1.0,
+        });
         let plant = Plant {
-            hidden: vec![effect],
+            hidden: [effect].into_iter().chain(cable).collect(),
             ..Plant::bare(material)
         };
         plant.samples(&case.track, EVERY)
@@ -112,6 +118,18 @@ fn behind_encoder(material: Material, encoder: Effect, read: &[f64]) -> Vec<f64>
 fn start(hidden: &Hidden) -> (Vec<f64>, Vec<Limit>) {
     let p: Vec<f64> = hidden.params.iter().map(|(_, value)| *value).collect();
     let relative = |share: f64, of: f64| Limit::free(share * of.abs());
+    if hidden.id == "gravity_torque" {
+        let limits = vec![Limit::Scaled, Limit::free(0.3)];
+        return (p[..2].to_vec(), limits);
+    }
+    if hidden.id == "bouc_wen" && hidden.form != "catalogue" {
+        // The exponent stays what it is, and γ keeps its sign.
+        return (p[..2].to_vec(), vec![Limit::Scaled; 2]);
+    }
+    if MACHINE.contains(&hidden.id) {
+        let count = if hidden.id == "bouc_wen" { 2 } else { p.len() };
+        return (p[..count].to_vec(), vec![Limit::Scaled; count]);
+    }
     if matches!(hidden.effect, Effect::Load { .. }) {
         let limits = vec![Limit::Scaled; p.len()];
         return (p, limits);
@@ -163,8 +181,54 @@ fn elastic(hidden: &Hidden) -> bool {
     matches!(hidden.effect, Effect::Friction(friction) if friction.width > 0.0)
 }
 
+/// The same of the effects that measured machines asked for.
+fn of_machine(hidden: &Hidden, p: &[f64]) -> Option<Effect> {
+    let own = |name: &str| hidden.params.iter().find(|(own, _)| *own == name);
+    let value = |name: &str| own(name).map_or(0.0, |(_, value)| *value);
+    Some(match hidden.id {
+        "drive_backlash" => Effect::Flanks(vec![(p[0], 1.0)]),
+        "bouc_wen" => Effect::Loop {
+            stiffness: p[0],
+            beta: p[1],
+            gamma: value("gamma") * p[1] / value("beta"),
+            exponent: value("exponent"),
+            inner: 0.0,
+        },
+        "load_friction" => Effect::LoadFriction {
+            coefficient: p[0],
+            smooth: p[1],
+            rises: 0.0,
+            speed: 1.0,
+        },
+        "quadratic_drag" => Effect::Drag {
+            linear: 0.0,
+            quadratic: p[0],
+        },
+        "gravity_torque" => Effect::Load {
+            formula: Formula(|p, _, x, _| p[0] * (x / p[1] + p[2]).sin()),
+            params: vec![p[0], value("radian_m"), p[1]],
+        },
+        "loading_curve" => Effect::Curves {
+            fraction: p[0],
+            smooth: p[1],
+            lasting: 0.0,
+            parts: 0.0,
+        },
+        "snap_through" => Effect::Snap {
+            force: p[0],
+            depth: p[1],
+            width: p[2],
+            skewed: 0.0,
+        },
+        _ => return None,
+    })
+}
+
 /// The effect in the catalogue's form with these parameters.
 fn catalogue_form(hidden: &Hidden, p: &[f64]) -> Effect {
+    if let Some(effect) = of_machine(hidden, p) {
+        return effect;
+    }
     if let Effect::Load { formula, .. } = hidden.effect {
         let params = p.to_vec();
         return Effect::Load { formula, params };

@@ -179,6 +179,7 @@ impl Rig {
             length,
             force,
             time,
+            ..
         } = self.case.units;
         let mut text = String::from("t_s,x_m,f_n\n");
         for [t, x, f] in &self.rows {
@@ -222,6 +223,7 @@ fn world(case: &mut Case, sampling: Sampling, random: &mut Random) -> World {
                 length,
                 force,
                 time: 1.0,
+                turns: false,
             };
             let mut world = World::draw(sensor, 5000.0, random);
             world.hum_n = 0.0;

@@ -2,6 +2,7 @@
 
 use super::draw::CATALOGUE;
 use super::draw::foreign::FORMS;
+use super::draw::machine::MACHINE;
 use super::motion::Profile;
 use super::random::Random;
 
@@ -41,11 +42,15 @@ pub enum Kind {
     PairMismatched,
     /// One effect in a form that is foreign to the catalogue.
     Foreign,
+    /// One of the effects that measured machines asked for, in the catalogue's form.
+    Machine,
+    /// One of those in another form.
+    MachineMismatched,
 }
 
 impl Kind {
     /// Every kind with its name in truth.json.
-    pub const ALL: [(Kind, &'static str); 10] = [
+    pub const ALL: [(Kind, &'static str); 12] = [
         (Kind::Single, "single"),
         (Kind::Mismatched, "mismatched"),
         (Kind::Pair, "pair"),
@@ -56,6 +61,8 @@ impl Kind {
         (Kind::Weak, "weak"),
         (Kind::PairMismatched, "pair_mismatched"),
         (Kind::Foreign, "foreign"),
+        (Kind::Machine, "machine"),
+        (Kind::MachineMismatched, "machine_mismatched"),
     ];
 
     /// The name in truth.json.
@@ -81,8 +88,10 @@ impl Kind {
     /// Draws the gap ratio that each effect is to make by itself.
     pub(super) fn wanted(self, random: &mut Random) -> f64 {
         match self {
-            Kind::Single => random.log_between(1.7, 20.0),
-            Kind::Mismatched | Kind::PairMismatched | Kind::Poor => random.log_between(1.7, 6.0),
+            Kind::Single | Kind::Machine => random.log_between(1.7, 20.0),
+            Kind::Mismatched | Kind::PairMismatched | Kind::MachineMismatched | Kind::Poor => {
+                random.log_between(1.7, 6.0)
+            }
             Kind::Foreign => random.log_between(2.0, 12.0),
             Kind::Weak => random.between(1.15, 1.45),
             _ => random.log_between(2.0, 8.0),
@@ -100,6 +109,7 @@ pub(super) fn ids(kind: Kind, index: u64, random: &mut Random) -> Vec<&'static s
     let index = index as usize;
     match kind {
         Kind::Single | Kind::Mismatched | Kind::Weak => vec![CATALOGUE[index % CATALOGUE.len()]],
+        Kind::Machine | Kind::MachineMismatched => vec![MACHINE[index % MACHINE.len()]],
         Kind::Foreign => vec![FORMS[index % FORMS.len()].0],
         Kind::Poor => vec![POOR[index % POOR.len()]],
         Kind::None | Kind::Unknown => Vec::new(),

@@ -39,6 +39,8 @@ pub(super) struct Memory {
     deepest: f64,
     set: f64,
     pub(super) depth: f64,
+    /// From the unloading curve, −1, to the loading curve, 1.
+    curve: f64,
     necked: bool,
 }
 
@@ -153,12 +155,12 @@ impl Plant {
     }
 
     /// Elastic force (N), before it relaxes.
-    fn elastic(&self, depth: f64, deepest: f64) -> f64 {
+    fn elastic(&self, depth: f64, deepest: f64, speed: f64, curve: f64) -> f64 {
         if depth <= 0.0 {
             return 0.0;
         }
         let mut force = self.material.elastic(depth);
-        let mut layer = 0.0;
+        let (mut layer, mut factor) = (0.0, 1.0);
         for effect in &self.hidden {
             match effect {
                 Effect::Curve { terms, blunt } => {
@@ -185,10 +187,70 @@ impl Plant {
                 } => {
                     layer += stiffness * hinge(depth - from, *rounding);
                 }
+                Effect::Curves {
+                    fraction,
+                    smooth,
+                    lasting,
+                    parts,
+                } => {
+                    let middle = 0.5 / parts.max(1e-9);
+                    let side = match *lasting > 0.0 {
+                        true => curve,
+                        false => (speed / smooth).tanh(),
+                    };
+                    let more = match *parts > 0.0 {
+                        true => 1.0 + parts * (depth - middle).clamp(-middle, middle),
+                        false => 1.0,
+                    };
+                    factor *= 1.0 + fraction * more * side;
+                }
+                Effect::Snap {
+                    force,
+                    depth: at,
+                    width,
+                    skewed,
+                } => {
+                    let width = if depth > *at {
+                        width * (1.0 + skewed)
+                    } else {
+                        *width
+                    };
+                    layer -= 0.5 * force * (1.0 + ((depth - at) / width).tanh());
+                }
                 _ => {}
             }
         }
-        force + layer
+        force * factor + layer
+    }
+
+    /// Positions (m) behind each flank of a play in front of the cable, and their shares.
+    pub(super) fn flanks(&self, x: f64) -> Vec<(f64, f64)> {
+        let all = self.hidden.iter().find_map(|effect| match effect {
+            Effect::Flanks(flanks) => Some(flanks),
+            _ => None,
+        });
+        match all {
+            Some(flanks) => {
+                let beyond = |width: f64| x - x.clamp(-0.5 * width, 0.5 * width);
+                flanks
+                    .iter()
+                    .map(|(width, share)| (beyond(*width), *share))
+                    .collect()
+            }
+            None => vec![(x, 1.0)],
+        }
+    }
+
+    /// Where between two curves a material is that takes a way to change them.
+    fn curve(&self, before: &Memory, way: f64) -> f64 {
+        let lasting = self.hidden.iter().find_map(|effect| match effect {
+            Effect::Curves { lasting, .. } if *lasting > 0.0 => Some(*lasting),
+            _ => None,
+        });
+        match lasting {
+            Some(lasting) => (before.curve + 2.0 * way / lasting).clamp(-1.0, 1.0),
+            None => 0.0,
+        }
     }
 
     fn damping(&self, depth: f64) -> f64 {
@@ -225,7 +287,8 @@ impl Plant {
         }
         let depth = from_surface - moved - now.set;
         let factor = stranger.as_mut().map_or(1.0, |s| s.stiffness(depth));
-        now.elastic = factor * self.elastic(depth, now.deepest);
+        now.curve = self.curve(before, depth.max(0.0) - before.depth.max(0.0));
+        now.elastic = factor * self.elastic(depth, now.deepest, depth_speed, now.curve);
         let mut force = now.elastic;
         for (unrelaxed, (fraction, rate)) in now.unrelaxed.iter_mut().zip(self.modes()) {
             // Exact for an elastic force that is linear within the step.

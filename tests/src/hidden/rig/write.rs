@@ -17,6 +17,8 @@ pub struct Units {
     pub force: f64,
     /// What a second of the case becomes.
     pub time: f64,
+    /// Whether the rig turns: lengths are radians and forces newton metres.
+    pub turns: bool,
 }
 
 impl Units {
@@ -24,7 +26,18 @@ impl Units {
         length: 1.0,
         force: 1.0,
         time: 1.0,
+        turns: false,
     };
+
+    /// A rig that turns, on which so many metres are a radian and 20 N a newton metre.
+    pub(crate) fn turning(radian_m: f64) -> Units {
+        Units {
+            length: 1.0 / radian_m,
+            force: 0.05,
+            time: 1.0,
+            turns: true,
+        }
+    }
 
     /// The factor on a parameter of the base.
     fn of(self, parameter: &str) -> f64 {
@@ -39,7 +52,11 @@ impl Units {
 
     fn csv(self, rows: &[[f64; 3]], every: usize) -> String {
         let mut text = String::with_capacity(26 * rows.len() / every);
-        text.push_str("t_s,x_m,f_n\n");
+        text.push_str(if self.turns {
+            "t_s,x_rad,f_nm\n"
+        } else {
+            "t_s,x_m,f_n\n"
+        });
         for [t, x, f] in rows.iter().step_by(every) {
             // Writing to a String cannot fail.
             let _ = if self == Units::SI {
@@ -61,7 +78,11 @@ impl Units {
 impl Case {
     /// The text of base.toml: the model that the simulation knows.
     pub fn base_toml(&self) -> String {
-        let mut text = format!("[environment]\nlaw = \"{}\"\n", self.material.law.name());
+        let mut text = String::new();
+        if self.units.turns {
+            text += "kind = \"rotary\"\n\n";
+        }
+        text += &format!("[environment]\nlaw = \"{}\"\n", self.material.law.name());
         let mut mode = (0.0, 0.0);
         for (name, value) in self.material.law.parameters().iter().zip(&self.start) {
             let value = value * self.units.of(name);
@@ -79,7 +100,12 @@ impl Case {
         if self.units.length != 1.0 {
             text += &format!("reference_depth = {:e}\n", REFERENCE_M * self.units.length);
         }
-        text + "surface = 0.0\n"
+        text += "surface = 0.0\n";
+        if let Some((_, stiffness)) = self.given {
+            let stiffness = digits(stiffness * self.units.of("stiffness"));
+            text += &format!("\n[[effect]]\nid = \"cable_stiffness\"\nstiffness = {stiffness}\n");
+        }
+        text
     }
 
     /// The text of measured.csv: the log of the rig.
@@ -164,6 +190,7 @@ impl Case {
             length: unit(0)?,
             force: unit(1)?,
             time: unit(2)?,
+            turns: case.units.turns,
         };
         Some(Case { units, ..case })
     }

@@ -30,7 +30,7 @@ fn every_parameter_of_every_effect_of_the_rig_has_its_place_and_no_other() {
             let key = Key::Compensation(parameter);
             let name = std::format!("compensation.{}.{}", id.name(), info.name);
             assert_eq!(key.info().name, name);
-            assert_eq!(key.info().unit, info.unit.symbol());
+            assert_eq!(key.info().unit, info.unit.ascii());
             assert_eq!(key.info().default, 0.0);
             named.push(key);
         }
@@ -56,19 +56,32 @@ fn the_numbers_are_stable() {
 }
 
 #[test]
-fn a_record_holds_all_settings() {
-    // Those of the eight effects with the most parameters: more cannot be on at once.
+fn a_record_holds_all_settings_and_more_numbers_of_effects_than_it_holds_are_refused() {
     let places = EffectId::ALL.iter().filter(|id| id.is_for_boards());
-    let mut sizes: Vec<_> = places.map(|id| id.info().parameters.len()).collect();
-    sizes.sort_unstable_by(|a, b| b.cmp(a));
-    let most: usize = sizes.iter().take(8).sum();
-    assert_eq!(most, MOST_AT_ONCE);
-    let own = Key::ALL.len() - sizes.iter().sum::<usize>();
+    let all: usize = places.map(|id| id.info().parameters.len()).sum();
+    let own = Key::ALL.len() - all;
     let count = |key: &&Key| matches!(key.info().bounds, Bounds::Whole(low, high) if low >= 0.0 && high < 65_536.0);
     let counts = Key::ALL.iter().filter(count).count();
     // Eight bytes of head, five for each value, one and three for each count, four of check sum.
-    let bytes = 8 + 5 * (own + most - counts) + 1 + 3 * counts + 4;
-    assert!(bytes <= SLOT, "{own} and {most}: {bytes}");
+    let bytes = 8 + 5 * (own + MOST_AT_ONCE - counts) + 1 + 3 * counts + 4;
+    assert!(bytes <= SLOT, "{own}: {bytes}");
+    // GIVEN six effects with 20 numbers other than 0, THEN they can be taken off, and one more cannot.
+    let mut settings = Settings::default();
+    for (id, row) in [
+        (EffectId::StribeckFriction, [0.3, 0.6, 2e-3, 1e-4]),
+        (EffectId::BoucWen, [4e3, 3e3, 3e3, 1.0]),
+        (EffectId::Cogging, [0.1, 1e-3, 0.3, 0.0]),
+        (EffectId::EncoderPeriodicError, [1e-5, 1e-3, 0.2, 0.0]),
+        (EffectId::CoulombFriction, [0.4, 0.0, 1e-4, 0.0]),
+        (EffectId::SeriesCompliance, [1e4, 10.0, 0.0, 0.0]),
+        (EffectId::GravityTorque, [0.5, 0.2, 0.0, 0.0]),
+    ] {
+        settings.put_effect(&Effect::new(id, &row));
+    }
+    assert_eq!(settings.check(), Ok(()));
+    settings.put_effect(&Effect::new(EffectId::ViscousDrag, &[1.0, 0.0, 0.0, 0.0]));
+    let error = settings.check().unwrap_err();
+    assert!(error.to_string().contains("no more than 20"), "{error}");
 }
 
 #[test]

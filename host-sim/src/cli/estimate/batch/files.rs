@@ -14,6 +14,7 @@ use crate::batch::{Batch, Modulus, Parameter};
 use crate::cli::estimate::json::{events, measured, touches};
 use crate::estimate::Reason;
 use crate::json::{number, seconds, write_json};
+use crate::kind;
 use crate::log::UniformLog;
 use crate::output::write_atomically;
 
@@ -47,7 +48,7 @@ fn estimated(estimate: Option<Estimated<f64>>, unit: &str) -> Value {
         json!({
             "value": number(estimate.value),
             "std_error": number(estimate.std_error),
-            "unit": unit,
+            "unit": kind::unit(unit),
         })
     })
 }

@@ -6,6 +6,7 @@
 mod contact;
 pub(crate) mod foreign;
 mod guide;
+pub(crate) mod machine;
 mod sensing;
 mod soft;
 mod world;
@@ -46,6 +47,11 @@ pub const CATALOGUE: &[&str] = &[
     "tip_magnet",
 ];
 
+/// All ids: the catalogue's, and those that measured machines asked for.
+pub fn every_id() -> Vec<&'static str> {
+    CATALOGUE.iter().chain(&machine::MACHINE).copied().collect()
+}
+
 /// The scales that make a strength comparable between rigs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
@@ -83,6 +89,8 @@ pub(crate) fn accepted(id: &str, form: &str) -> &'static [&'static str] {
         ("coulomb_friction", "stribeck" | "lugre" | "bristles" | "iwan" | "by_position") => {
             &["stribeck_friction"]
         }
+        // With γ near 0 or a sharp knee it is nearly Dahl's friction.
+        ("bouc_wen", "catalogue" | "sharper") => &["coulomb_friction"],
         ("force_lag", "resonant_cell") => &["time_delay"],
         _ => &[],
     }
@@ -115,6 +123,7 @@ pub(crate) fn build(
         guide::draw,
         world::draw,
         sensing::draw,
+        machine::draw,
         #[cfg(feature = "example-effect")]
         tip_magnet,
     ];

@@ -27,9 +27,11 @@ mod unknown;
 pub const WIDE: usize = 100;
 
 /// The kinds of rigs in the order of the rows.
-const KINDS: [&str; 10] = [
+const KINDS: [&str; 12] = [
     "single",
     "mismatched",
+    "machine",
+    "machine_mismatched",
     "foreign",
     "pair",
     "pair_mismatched",

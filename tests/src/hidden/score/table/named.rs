@@ -6,9 +6,11 @@ use crate::hidden::score::truth::CRUDE;
 use std::fmt::Write as _;
 
 /// The kinds whose hidden effects are in the catalogue.
-const NAMED: [&str; 7] = [
+const NAMED: [&str; 9] = [
     "single",
     "mismatched",
+    "machine",
+    "machine_mismatched",
     "foreign",
     "pair",
     "pair_mismatched",

@@ -1,0 +1,43 @@
+//! A material that loads along one curve and unloads along another.
+
+use super::{row::effect, shapes::direction, shapes::slid};
+use crate::maths::scalar::Scalar;
+
+effect! {
+    /// The elastic force Fᵉ·(1 + a·tanh(δ̇/v_t)), or with a width the change from one curve to the other takes a
+    /// way, and stays in a hold.
+    LoadingCurve = "loading_curve" {
+        /// a
+        fraction = "fraction", One, Fraction, SizeUpTo(0.6), FitRange::up_to(Number(0.95));
+        /// v_t (m/s); 0: the sign of the speed.
+        transition_mps = "transition_speed", MetrePerSecond, NotNegative = 0.0,
+            Form("it changes curves at once", OfTheStart), Logarithmic(Times(1e-3, Speed), Times(0.5, Speed));
+        /// The way (m) from one curve to the other; 0: the speed decides.
+        width_m = "width", Metre, NotNegative = 0.0,
+            Form("the speed decides", OfTheStart), Logarithmic(Times(2.0, PositionNoise), Times(1.0, Travel));
+    }
+    stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    example: [0.1, 2e-4, 0.0, 0.0], starts: &[
+        Starts::at(&[At(Number(0.05)), Each(&[
+            Largest([(1.0, SpeedNoise), (2e-3, Speed)]), Largest([(4.0, SpeedNoise), (5e-2, Speed)]),
+        ])]),
+        Starts::at(&[At(Number(0.05)), Held(0.0), Each(&[Times(0.01, Travel), Times(0.05, Travel), Times(0.2, Travel)])]),
+    ],
+    law: "Fᵉ·(1 + a·tanh(δ̇/v_t)); with a width: along the way, and kept in a hold",
+    signature: "a loop whose width is a share of the force at that depth, whatever the rate; no friction closes it",
+    motion: "strokes between several depths, slow and fast",
+}
+
+impl<S: Scalar> LoadingCurve<S> {
+    /// The factor on the elastic force; `z` is its memory, and `change_m` how far the depth has changed.
+    pub(crate) fn factor(&self, z: &mut S, speed_mps: S, change_m: S) -> S {
+        let towards = if self.width_m > S::zero() {
+            *z = slid(*z, change_m, self.width_m);
+            *z
+        } else {
+            direction(speed_mps, self.transition_mps)
+        };
+        S::one() + self.fraction * towards
+    }
+}

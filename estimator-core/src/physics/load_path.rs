@@ -1,0 +1,47 @@
+//! What the effects of a load path share: a play, and a load.
+
+use super::effect::{Effect, beyond_play};
+use crate::maths::scalar::Scalar;
+
+/// The play in front of whatever restores in the load path (m); 0 without one.
+pub(crate) fn play_m<'a, S: Scalar>(effects: impl Iterator<Item = &'a Effect<S>>) -> S {
+    effects.fold(S::zero(), |sum, effect| match effect {
+        Effect::DriveBacklash(play) => sum + play.width_m,
+        _ => sum,
+    })
+}
+
+/// The force of the cables (N) behind a play of `play_m`.
+pub(crate) fn cables_n<'a, S: Scalar>(
+    effects: impl Iterator<Item = &'a Effect<S>>,
+    position_m: S,
+    play_m: S,
+) -> S {
+    let pulled_m = beyond_play(position_m, play_m);
+    effects.fold(S::zero(), |sum, effect| match effect {
+        Effect::CableStiffness(cable) => sum + cable.force_n(pulled_m),
+        _ => sum,
+    })
+}
+
+/// What friction adds for each newton of load at a speed; `None` where none grows with the load.
+pub(crate) fn share_of_load<'a, S: Scalar>(
+    effects: impl Iterator<Item = &'a Effect<S>>,
+    speed_mps: S,
+) -> Option<S> {
+    effects.fold(None, |sum, effect| match effect {
+        Effect::LoadFriction(friction) => {
+            Some(sum.unwrap_or(S::zero()) + friction.share_of_load(speed_mps))
+        }
+        _ => sum,
+    })
+}
+
+/// The contact force F (N), of which F + share·|F + C| is known, with the force C of the cables (N).
+pub(crate) fn without_load_friction_n<S: Scalar>(known_n: S, cables_n: S, share: S) -> S {
+    const LEAST: f64 = 0.05;
+    let load_n = known_n + cables_n;
+    let share = if load_n < S::zero() { -share } else { share };
+    // Beyond 1 a drive locks itself, and nothing can be said of the contact.
+    load_n / S::from_f64(LEAST).max_of(S::one() + share) - cables_n
+}
