@@ -187,7 +187,7 @@ impl Shown {
         let run = report::Run {
             name,
             law: outcome.law.name(),
-            kind: log.kind,
+            kind: log.kind.unwrap_or_default(),
             time_s: rows.column(|at, _| replay.time_s(at)),
             depth_m: rows.column(|_, record| record.depth_m.into()),
             speed_mps: rows.column(|_, record| record.speed_mps.into()),
