@@ -23,6 +23,7 @@ mod sampling;
 mod source;
 mod stamp;
 mod timing;
+mod uniform;
 mod units;
 mod write;
 
@@ -31,7 +32,7 @@ pub use channel::Channel;
 pub use columns::ColumnMap;
 pub use mcap::{McapTopics, write_mcap};
 pub use record::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
-pub use resample::{Compensated, Taken, UniformLog};
 pub use sampling::{Drops, Sampling, Stamps};
 pub use source::STANDARD_INPUT;
 pub use timing::{Gap, Timing};
+pub use uniform::{Compensated, Taken, UniformLog};

@@ -1,6 +1,6 @@
 //! The kind of machine that a model and its logs are of.
 
-use super::resample::UniformLog;
+use super::uniform::UniformLog;
 use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
 

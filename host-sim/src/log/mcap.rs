@@ -16,7 +16,7 @@ use ::mcap::{Compression, McapError, MessageStream, WriteOptions, Writer};
 use serde_json::{Map, Value, json};
 
 use super::record::Log;
-use super::resample::UniformLog;
+use super::uniform::UniformLog;
 use crate::output::write_atomically;
 
 /// The first bytes of a file.

@@ -3,6 +3,7 @@
 use crate::common::Folder;
 use crate::{device, world};
 use estimator_core::board::link::BYTES_PER_MS;
+use estimator_core::board::settings::COUNT;
 use palpate::link::port::Files;
 use palpate::link::world::Hand;
 use palpate::link::{Device, record};
@@ -20,8 +21,9 @@ fn a_recording_is_a_log_and_replays_to_the_boards_own_estimates() {
     let said = record::convert(&out).unwrap();
     assert!(said.contains("0 samples missing"), "{said}");
     let log = Log::read(&out.join("log.csv"), &ReadOptions::default()).unwrap();
-    // 4 s, and before them the 52 questions for the settings, 10 ms each.
-    assert!((4000..4630).contains(&log.len()), "{}", log.len());
+    // 4 s, and before them a question for each setting and for what board it is, 10 ms each.
+    let asked = 10 * (COUNT + 2);
+    assert!((4000..4000 + asked).contains(&log.len()), "{}", log.len());
     assert!(log.extra("force_code").is_some());
     // The settings that it was taken with are beside it.
     assert!(

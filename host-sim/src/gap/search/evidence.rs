@@ -85,19 +85,28 @@ impl Search<'_> {
                 share: share(plain.cost, without.cost),
             }),
         };
-        let is_sound = support.share >= decide.share
-            && blocks >= decide.blocks
-            && halves.agree(best, id, decide)
-            && !(repeats(id) && is_series(best, id, self.decide()));
         let is_ahead = |fit: &Fit| fit.cost >= decide.lead * with.cost;
         let mut alternatives = alternatives(all, &ids, id, is_ahead);
         if let (Some(list), Some(other)) = (&mut alternatives, as_late(all, id)) {
             list.extend(Some(other.0).filter(|_| !is_ahead(other.1)));
         }
+        let agrees =
+            halves.agree(best, id, decide) && !(repeats(id) && is_series(best, id, self.decide()));
+        let is_sound = |without: &Fit, blocks: f64| {
+            agrees && share(without.cost, with.cost) >= decide.share && blocks >= decide.blocks
+        };
+        let is_sound_group = alternatives.as_ref().is_some_and(|others| {
+            is_sound(without, blocks)
+                || others.iter().all(|other| is_as_placed(*other, id)) && {
+                    let group: Vec<EffectId> = [&[id], others.as_slice()].concat();
+                    let without = best_without(all, &group);
+                    is_sound(without, self.blocks(without, with))
+                }
+        });
         Evidence {
-            is_strong: is_sound && is_ahead(without),
+            is_strong: is_sound(without, blocks) && is_ahead(without),
             is_needed: without.cost >= decide.needed * with.cost,
-            is_strong_group: is_sound && alternatives.is_some(),
+            is_strong_group: is_sound_group,
             alternatives: alternatives.unwrap_or_default(),
             id,
             support,
@@ -174,6 +183,12 @@ fn as_late(all: &[Fit], id: EffectId) -> Option<(EffectId, &Fit)> {
         .filter(|fit| !added_effects(fit).contains(&id))
         .filter_map(|fit| Some((other(fit)?, fit)));
     others.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))
+}
+
+/// Whether one effect is at the same place of the machine as another: a curve that bends one way or another, a
+/// pull of the load path. A group without a place says nothing.
+fn is_as_placed(one: EffectId, other: EffectId) -> bool {
+    one.info().stage == other.info().stage || stands_for(one, other)
 }
 
 /// The effects that leave nearly as little in the place of one, if the best set without all of these is

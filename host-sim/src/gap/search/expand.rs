@@ -9,7 +9,7 @@ use crate::gap::model::start::starts_from_file;
 use crate::gap::search::physical::is_physical;
 use crate::gap::search::proposals::{LinearizedModel, Proposal};
 use crate::gap::search::run::Search;
-use crate::gap::search::sets::{added_effects, is_last_repeated, truncate};
+use crate::gap::search::sets::{added_effects, is_last_repeated, keep_kinds, truncate};
 
 /// Effects that are refitted jointly in a forward step.
 const REFITTED: usize = 8;
@@ -34,9 +34,11 @@ impl Search<'_> {
             .collect();
         let mut fits = best_of_each_set(begun);
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        truncate(&mut fits, FOLLOWED[0], is_last_repeated);
+        keep_kinds(&mut fits, FOLLOWED[0], is_last_repeated);
         let mut fits = self.continued(fits, FIRST_STEPS[1]);
-        truncate(&mut fits, FOLLOWED[1], is_last_repeated);
+        // What means nothing yet may still come to, and takes no place of what does.
+        fits.sort_by_key(|fit| !is_physical(fit, self.dataset.scales));
+        keep_kinds(&mut fits, FOLLOWED[1], is_last_repeated);
         let mut done = self.continued(fits, MOST_STEPS);
         done.retain(|fit| is_physical(fit, self.dataset.scales));
         done

@@ -9,7 +9,10 @@ use crate::gap::model::{
     dataset::Dataset, fit::Fit, problem::Problem, shape::Owner, shape::Shape, shape::Term,
 };
 use crate::gap::progress::Progress;
-use crate::gap::search::{physical::is_fourier_series, sets::added_effects, sets::keep_first};
+use crate::gap::search::{
+    physical::is_fourier_series, sets::added_effects, sets::keep_first,
+    sets::keep_simplest_of_each_kind,
+};
 use crate::gap::thresholds;
 use crate::model;
 
@@ -72,30 +75,7 @@ struct Forward {
 impl Search<'_> {
     /// Finds the effects that are missing in the base.
     pub(crate) fn run(&mut self, base: Fit) -> SearchResult {
-        let mut state = Forward {
-            best: base.clone(),
-            base_cost: base.cost,
-            beam: vec![base.clone()],
-        };
-        // Effects that only work together take little off one by one.
-        let mut idle = 0;
-        for level in 0..MOST_ADDED {
-            if self.is_adequate(&state.best) {
-                break;
-            }
-            let before = state.best.cost;
-            if !self.forward_step(&mut state, &base, level) {
-                break;
-            }
-            idle = if self.is_idle(before, &state.best) {
-                idle + 1
-            } else {
-                0
-            };
-            if idle == 2 || self.is_series(&state.best) {
-                break;
-            }
-        }
+        let state = self.forward(&base);
         self.progress.at(0.6, "leaving out, swapping");
         let (best, base_cost) = (state.best, state.base_cost);
         let best = self.without_insignificant(best, base_cost);
@@ -114,6 +94,35 @@ impl Search<'_> {
             best,
             ..result
         }
+    }
+
+    /// Adds one effect after the other to the base, until that ends.
+    fn forward(&mut self, base: &Fit) -> Forward {
+        let mut state = Forward {
+            best: base.clone(),
+            base_cost: base.cost,
+            beam: vec![base.clone()],
+        };
+        // Effects that only work together take little off one by one.
+        let mut idle = 0;
+        for level in 0..MOST_ADDED {
+            if self.is_adequate(&state.best) {
+                break;
+            }
+            let before = state.best.cost;
+            if !self.forward_step(&mut state, base, level) {
+                break;
+            }
+            idle = if self.is_idle(before, &state.best) {
+                idle + 1
+            } else {
+                0
+            };
+            if idle == 2 || self.is_series(&state.best) {
+                break;
+            }
+        }
+        state
     }
 
     /// Whether a fit is far from the noise.
@@ -164,6 +173,10 @@ impl Search<'_> {
         let least = excess.max(decide.least_excess * self.noise_cost);
         if least < decide.ran_away * self.noise_cost {
             children.retain(|fit| fit.cost - self.noise_cost <= decide.behind * least);
+        }
+        if self.is_far(&state.best) {
+            keep_simplest_of_each_kind(&mut children);
+            with_another_newcomer(&mut children, BEAM);
         }
         children.truncate(BEAM);
         state.beam = children
@@ -272,5 +285,18 @@ impl Search<'_> {
     /// Whether a fit leaves hardly more than the noise.
     pub(crate) fn is_adequate(&self, fit: &Fit) -> bool {
         fit.cost <= self.dataset.thresholds.explained.nothing_more * self.noise_cost
+    }
+}
+
+/// Moves the first fit with another newcomer into the beam, where all of that have the same: what stands for
+/// many effects a little, as a friction with a spring did, would leave no way to what is there. It must come
+/// within twice the cost of the best.
+fn with_another_newcomer(fits: &mut [Fit], beam: usize) {
+    let newcomer = |fit: &Fit| fit.shape.terms.last().map(|term| term.id);
+    let Some(first) = fits.first() else { return };
+    let (id, most) = (newcomer(first), 2.0 * first.cost);
+    let other = fits.iter().position(|fit| newcomer(fit) != id);
+    if let Some(at) = other.filter(|at| *at >= beam && fits[*at].cost < most) {
+        fits[beam - 1..=at].rotate_right(1);
     }
 }

@@ -3,6 +3,7 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::model::fit::Fit;
+use crate::gap::search::relatives::related;
 
 /// The effects that a fit adds to the base model, in the order of the catalogue.
 pub(crate) fn added_effects(fit: &Fit) -> Vec<EffectId> {
@@ -41,4 +42,45 @@ pub(crate) fn truncate<T>(list: &mut Vec<T>, most: usize, stays: impl Fn(&T) -> 
         rank += 1;
         rank <= most || stays(item)
     });
+}
+
+/// The first relative in the catalogue of each effect that a fit adds: sets that differ by a special case only
+/// are one.
+fn kinds(fit: &Fit) -> Vec<EffectId> {
+    let first = |id: &EffectId| EffectId::ALL.iter().find(|other| related(**other, *id));
+    let added = added_effects(fit);
+    let mut kinds: Vec<EffectId> = added.iter().filter_map(first).copied().collect();
+    kinds.sort();
+    kinds
+}
+
+/// Keeps the first `most` kinds of sets with the relatives of each, and of the others those that are to stay.
+pub(crate) fn keep_kinds(fits: &mut Vec<Fit>, most: usize, stays: impl Fn(&Fit) -> bool) {
+    let mut seen: Vec<Vec<EffectId>> = Vec::new();
+    fits.retain(|fit| {
+        let kinds = kinds(fit);
+        if !seen.contains(&kinds) {
+            seen.push(kinds);
+        }
+        seen.len() <= most || stays(fit)
+    });
+}
+
+/// Keeps one fit of each kind of set, the simplest of those that leave hardly more than the best of the kind, in
+/// its place.
+pub(crate) fn keep_simplest_of_each_kind(fits: &mut Vec<Fit>) {
+    const HARDLY_MORE: f64 = 1.03;
+    let all = std::mem::take(fits);
+    for fit in all {
+        let alike = fits.iter_mut().find(|kept| kinds(kept) == kinds(&fit));
+        match alike {
+            None => fits.push(fit),
+            Some(kept) => {
+                let is_simpler = fit.numbers.len() < kept.numbers.len();
+                if is_simpler && fit.cost < HARDLY_MORE * kept.cost {
+                    *kept = fit;
+                }
+            }
+        }
+    }
 }

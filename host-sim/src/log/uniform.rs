@@ -1,0 +1,151 @@
+//! A log with even spacing in time, as everything behind the reading takes it.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+use estimator_core::Faults;
+
+use crate::kind::Kind;
+use crate::signal;
+
+/// What was taken off a log, see [`crate::compensate`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Compensated {
+    /// Ids of the effects.
+    pub effects: Vec<String>,
+    /// Noise of the force (N) before a window made it smoother than it is.
+    pub noise_n: Option<f64>,
+    /// Samples that the load cell's limit has touched; empty if none can.
+    pub saturated: Vec<bool>,
+}
+
+/// The samples of an uneven log as they were taken, which interpolation has made smoother than they are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Taken {
+    /// Time stamps (s).
+    pub time_s: Vec<f64>,
+    /// Position (m).
+    pub position_m: Vec<f64>,
+    /// Force (N).
+    pub force_n: Vec<f64>,
+}
+
+impl Taken {
+    /// The samples up to an instant (s).
+    pub(super) fn until(&self, end_s: f64) -> Taken {
+        let end = self.time_s.partition_point(|stamp| *stamp <= end_s);
+        Taken {
+            time_s: self.time_s[..end].to_vec(),
+            position_m: self.position_m[..end].to_vec(),
+            force_n: self.force_n[..end].to_vec(),
+        }
+    }
+}
+
+/// A log with even spacing in time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UniformLog {
+    /// Where it came from; empty for a log that is in memory only.
+    pub path: PathBuf,
+    /// Whether the machine turns, where the log says so.
+    pub kind: Option<Kind>,
+    /// Samples per second (Hz).
+    pub rate_hz: f64,
+    /// Time (s): the log's own stamps if nothing was interpolated.
+    pub time_s: Vec<f64>,
+    /// Position (m).
+    pub position_m: Vec<f64>,
+    /// Force (N).
+    pub force_n: Vec<f64>,
+    /// Whether the sample was invented between samples more than 1.5 median periods apart.
+    pub in_gap: Vec<bool>,
+    /// From when to when (s) the log was sampled more slowly on purpose, and nothing is missing.
+    pub slower: Vec<(f64, f64)>,
+    /// Whether the channels are the log's own, bit for bit.
+    pub untouched: bool,
+    /// What was interpolated, where the sampling itself was uneven.
+    pub taken: Option<Taken>,
+    /// The faults of each sample, where they were recognised before its samples were averaged; else empty.
+    pub recognised: Vec<Faults>,
+    /// What was taken off its channels.
+    pub compensated: Compensated,
+    /// The log's notes, and what was done to its samples.
+    pub notes: Vec<String>,
+}
+
+impl UniformLog {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample at all.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Standard deviation of the force noise (N), from the samples that were not invented.
+    pub fn force_noise_n(&self) -> f64 {
+        if let Some(noise_n) = self.compensated.noise_n {
+            return noise_n;
+        }
+        match &self.taken {
+            Some(taken) => signal::noise(&taken.force_n),
+            None => signal::noise_of_measured(&self.force_n, &self.in_gap),
+        }
+    }
+
+    /// The log with the samples as they were taken, at their own stamps.
+    pub(crate) fn as_taken(&self) -> Cow<'_, UniformLog> {
+        let Some(taken) = &self.taken else {
+            return Cow::Borrowed(self);
+        };
+        Cow::Owned(UniformLog {
+            rate_hz: self.rate_hz,
+            kind: self.kind,
+            in_gap: vec![false; taken.time_s.len()],
+            time_s: taken.time_s.clone(),
+            position_m: taken.position_m.clone(),
+            force_n: taken.force_n.clone(),
+            ..UniformLog::default()
+        })
+    }
+
+    /// The first so many samples as a log of their own.
+    pub(crate) fn first(&self, count: usize) -> UniformLog {
+        let end = count.min(self.len());
+        let end_s = end.checked_sub(1).map_or(0.0, |last| self.time_s[last]);
+        let upto = |channel: &[f64]| channel[..end].to_vec();
+        let marks = |all: &[bool]| all[..end.min(all.len())].to_vec();
+        UniformLog {
+            path: self.path.clone(),
+            rate_hz: self.rate_hz,
+            kind: self.kind,
+            time_s: upto(&self.time_s),
+            position_m: upto(&self.position_m),
+            force_n: upto(&self.force_n),
+            in_gap: marks(&self.in_gap),
+            slower: self.slower.clone(),
+            untouched: self.untouched,
+            taken: self.taken.as_ref().map(|taken| taken.until(end_s)),
+            recognised: self.recognised[..end.min(self.recognised.len())].to_vec(),
+            compensated: Compensated {
+                saturated: marks(&self.compensated.saturated),
+                ..self.compensated.clone()
+            },
+            notes: self.notes.clone(),
+        }
+    }
+
+    pub(super) fn push(&mut self, time_s: f64, position_m: f64, force_n: f64, in_gap: bool) {
+        self.time_s.push(time_s);
+        self.position_m.push(position_m);
+        self.force_n.push(force_n);
+        self.in_gap.push(in_gap);
+    }
+
+    /// Time between samples (s).
+    pub fn period_s(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+}
