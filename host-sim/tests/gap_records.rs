@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{Folder, complained, named, record};
 use estimator_core::physics::effect::EffectId;
-use palpate::gap::{Options, gap};
+use palpate::gap::{Grade, Options, Verdict, gap};
 use palpate::log::{Log, ReadOptions, UniformLog};
 use palpate::model::Model;
 use serde_json::Value;
@@ -120,6 +120,40 @@ fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
     // THEN it does so within the 2.45 N that the published structure leaves there.
     let left = second.rmse_before_n;
     assert!((1.0..2.45).contains(&left), "{left} N");
+}
+
+#[test]
+fn a_force_that_is_late_is_found_beside_what_a_drive_keeps_to_itself() {
+    // GIVEN a base that is complete but for what no catalogue explains in this drive, and forces 3 ms late
+    let toml = "[environment]\nlaw = \"free\"\n\
+        [[effect]]\nid = \"tool_inertia\"\nmass = 95.1\n\
+        [[effect]]\nid = \"viscous_drag\"\ncoefficient = 203.5\n\
+        [[effect]]\nid = \"coulomb_friction\"\nforce = 20.4\n\
+        [[effect]]\nid = \"asymmetric_drag\"\ncoefficient = -38.0\n";
+    let folder = Folder::new();
+    folder.write("base.toml", toml);
+    let base = Model::read(&folder.path("base.toml")).unwrap();
+    let mut log = read("emps/data.csv.gz");
+    let late = (3e-3 * log.rate_hz).round() as usize;
+    log.force_n.rotate_right(late);
+    let first = log.force_n[late];
+    log.force_n[..late].fill(first);
+    let finding = gap(&base, &[log], &Options::default()).unwrap();
+    // THEN lateness is named, though most of the disagreement stays: as a lag of as much, or as a delay,
+    // which differ by less than this drive errs.
+    assert_eq!(finding.verdict, Verdict::PartlyExplained);
+    let names: Vec<EffectId> = finding.effects.iter().map(|effect| effect.id).collect();
+    let late = [EffectId::ForceLag, EffectId::TimeDelay];
+    assert!(names.iter().all(|id| late.contains(id)), "{names:?}");
+    let effect = &finding.effects[0];
+    assert_eq!(effect.grade, Grade::Strong, "{names:?}");
+    assert!(
+        effect.alternatives.iter().all(|id| late.contains(id)),
+        "{:?}",
+        effect.alternatives
+    );
+    let by_s = effect.parameters[0].value;
+    assert!((2.4e-3..3.3e-3).contains(&by_s), "{by_s} s");
 }
 
 /// A model with every number fixed.
