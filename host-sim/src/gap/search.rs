@@ -9,6 +9,7 @@ pub(crate) mod periodic;
 pub(crate) mod physical;
 pub(crate) mod proposals;
 pub(crate) mod relatives;
+mod remainder;
 pub(crate) mod run;
 pub(crate) mod sets;
 pub(crate) mod significance;

@@ -3,8 +3,8 @@
 //! A measured record keeps a remainder that no catalogue explains, and against the noise floor nothing could
 //! ever be named there. Each effect is therefore weighed by itself, over all sets that were fitted: the best
 //! set with it against the best set of any size without it and without whatever stands for it. That must
-//! leave several times as many squares, in nearly every part of the log where the effect acts, and either
-//! half of the log must give the effect the same size. A form that is not the true one fails here even if it
+//! leave several times as many squares, in nearly every part of the log where the effect acts and beside what
+//! the remainder predicts of itself, and either half of the log must give the effect the same size. A form that is not the true one fails here even if it
 //! takes off more than any other of the catalogue.
 
 use estimator_core::physics::effect::EffectId;
@@ -14,6 +14,7 @@ use crate::gap::model::dataset::Dataset;
 use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner, start::repeats};
 use crate::gap::search::physical::is_fourier_series;
 use crate::gap::search::relatives::{are_late, stands_for};
+use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::{Search, SearchResult};
 use crate::gap::search::sets::{added_effects, is_repeated};
 use crate::gap::thresholds;
@@ -54,35 +55,33 @@ impl Search<'_> {
             .collect();
         let plain: Vec<Fit> = ids.iter().map(|id| self.without_kind(best, *id)).collect();
         all.extend_from_slice(&plain);
-        let halves = Halves::of(&self.dataset, &self.weights, best);
+        let weighing = Weighing {
+            best,
+            all: &all,
+            halves: Halves::of(&self.dataset, &self.weights, best),
+            remainder: Remainder::of(&self.weighted_residuals(best)),
+        };
         let each = ids.iter().zip(&plain);
-        each.map(|(id, plain)| self.evidence_for(*id, best, plain, &all, &halves))
+        each.map(|(id, plain)| self.evidence_for(*id, plain, &weighing))
             .collect()
     }
 
-    fn evidence_for(
-        &self,
-        id: EffectId,
-        best: &Fit,
-        plain: &Fit,
-        all: &[Fit],
-        halves: &Halves,
-    ) -> Evidence {
+    fn evidence_for(&self, id: EffectId, plain: &Fit, weighing: &Weighing<'_>) -> Evidence {
         let decide = &self.dataset.thresholds.evidence;
+        let Weighing {
+            best, all, halves, ..
+        } = weighing;
         let ids = added_effects(best);
-        let share = |more: f64, less: f64| {
-            ((more - less) / (more - self.noise_cost).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
-        };
         let with = best_with(all, best, id);
         let without = best_without(all, &[id]);
-        let blocks = self.blocks(without, with);
+        let gain = self.gain(without, with, weighing);
         let rival = newcomer(without, &ids, &[id]);
         let support = Support {
-            share: share(without.cost, with.cost),
-            blocks,
+            share: gain.share,
+            blocks: gain.blocks,
             next: rival.map(|id| Next {
                 id,
-                share: share(plain.cost, without.cost),
+                share: self.share(plain, without),
             }),
         };
         let is_ahead = |fit: &Fit| fit.cost >= decide.lead * with.cost;
@@ -92,19 +91,17 @@ impl Search<'_> {
         }
         let agrees =
             halves.agree(best, id, decide) && !(repeats(id) && is_series(best, id, self.decide()));
-        let is_sound = |without: &Fit, blocks: f64| {
-            agrees && share(without.cost, with.cost) >= decide.share && blocks >= decide.blocks
-        };
+        let is_sound = agrees && gain.is_sound(decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
-            is_sound(without, blocks)
-                || others.iter().all(|other| is_as_placed(*other, id)) && {
+            is_sound
+                || agrees && others.iter().all(|other| is_as_placed(*other, id)) && {
                     let group: Vec<EffectId> = [&[id], others.as_slice()].concat();
                     let without = best_without(all, &group);
-                    is_sound(without, self.blocks(without, with))
+                    self.gain(without, with, weighing).is_sound(decide)
                 }
         });
         Evidence {
-            is_strong: is_sound(without, blocks) && is_ahead(without),
+            is_strong: is_sound && is_ahead(without),
             is_needed: without.cost >= decide.needed * with.cost,
             is_strong_group: is_sound_group,
             alternatives: alternatives.unwrap_or_default(),
@@ -120,28 +117,84 @@ impl Search<'_> {
         self.fitted_from_both(best.with_terms(terms, self.dataset.scales))
     }
 
-    /// The fraction of blocks in which one fit leaves more than the other, of those in which they differ.
-    fn blocks(&self, without: &Fit, with: &Fit) -> f64 {
-        let residuals = |fit: &Fit| self.problem().residuals(&fit.shape, &fit.numbers);
-        let (more, less) = (residuals(without), residuals(with));
-        let each = more.iter().zip(&less).zip(&self.weights);
-        let rows: Vec<[f64; 2]> = each
-            .map(|((a, b), w)| [w * (a * a - b * b), w * (a - b).powi(2)])
-            .collect();
-        let sum = |block: &[[f64; 2]]| {
-            block
-                .iter()
-                .fold([0.0; 2], |sum, row| [sum[0] + row[0], sum[1] + row[1]])
-        };
-        let blocks: Vec<[f64; 2]> = rows
-            .chunks(rows.len().div_ceil(BLOCKS).max(1))
-            .map(sum)
-            .collect();
-        let mean = blocks.iter().map(|block| block[1]).sum::<f64>() / blocks.len().max(1) as f64;
-        let acting = blocks.iter().filter(|block| block[1] > ACTS * mean);
-        let better = acting.clone().filter(|block| block[0] > 0.0).count();
-        better as f64 / acting.count().max(1) as f64
+    /// √w r of a fit.
+    fn weighted_residuals(&self, fit: &Fit) -> Vec<f64> {
+        let residuals = self.problem().residuals(&fit.shape, &fit.numbers);
+        let each = residuals.iter().zip(&self.weights);
+        each.map(|(residual, weight)| residual * weight.sqrt())
+            .collect()
     }
+
+    /// The share that a fit takes off what stands above the noise with another.
+    fn share(&self, more: &Fit, less: &Fit) -> f64 {
+        let excess = (more.cost - self.noise_cost).max(f64::MIN_POSITIVE);
+        ((more.cost - less.cost) / excess).clamp(0.0, 1.0)
+    }
+
+    /// What a fit takes off that another leaves.
+    fn gain(&self, more: &Fit, less: &Fit, weighing: &Weighing<'_>) -> Gain {
+        let residuals = [more, less].map(|fit| self.weighted_residuals(fit));
+        let beside = weighing
+            .remainder
+            .gain(&residuals[0], &residuals[1], BLOCKS);
+        Gain {
+            share: self.share(more, less),
+            blocks: blocks(&residuals[0], &residuals[1]),
+            beside,
+        }
+    }
+}
+
+/// What the evidence for each effect of a set is weighed with.
+struct Weighing<'a> {
+    best: &'a Fit,
+    /// All fits, of any set.
+    all: &'a [Fit],
+    halves: Halves,
+    remainder: Remainder,
+}
+
+/// What an effect takes off.
+struct Gain {
+    /// Of what stands above the noise.
+    share: f64,
+    /// The fraction of blocks in which it takes something off.
+    blocks: f64,
+    /// How many times as many squares stay without it beside the remainder as a process, and its standard errors
+    /// from once.
+    beside: (f64, f64),
+}
+
+impl Gain {
+    fn is_sound(&self, decide: &thresholds::Evidence) -> bool {
+        let (times, sigmas) = self.beside;
+        self.share >= decide.share
+            && self.blocks >= decide.blocks
+            && times >= decide.beside
+            && sigmas >= decide.beside_sigmas
+    }
+}
+
+/// The fraction of blocks in which one fit leaves more than the other, of those in which they differ.
+fn blocks(more: &[f64], less: &[f64]) -> f64 {
+    let rows: Vec<[f64; 2]> = more
+        .iter()
+        .zip(less)
+        .map(|(a, b)| [a * a - b * b, (a - b).powi(2)])
+        .collect();
+    let sum = |block: &[[f64; 2]]| {
+        block
+            .iter()
+            .fold([0.0; 2], |sum, row| [sum[0] + row[0], sum[1] + row[1]])
+    };
+    let blocks: Vec<[f64; 2]> = rows
+        .chunks(rows.len().div_ceil(BLOCKS).max(1))
+        .map(sum)
+        .collect();
+    let mean = blocks.iter().map(|block| block[1]).sum::<f64>() / blocks.len().max(1) as f64;
+    let acting = blocks.iter().filter(|block| block[1] > ACTS * mean);
+    let better = acting.clone().filter(|block| block[0] > 0.0).count();
+    better as f64 / acting.count().max(1) as f64
 }
 
 /// The best fit with an effect, of any size as those without it.
