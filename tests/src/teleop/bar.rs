@@ -1,5 +1,6 @@
 //! The bar: each row is something that impedance reflection has to reach, with what it reached.
 
+use palpate::motion::{Motion, Segment};
 use palpate::teleop::environment::{Environment, Material};
 use palpate::teleop::hand::Excitation;
 use palpate::teleop::operator::{Grip, HAND};
@@ -269,7 +270,78 @@ pub fn hand(seeds: u64) -> Vec<Row> {
     rows.push(grip_change(seeds, |grips, seed| {
         run(excitation, grips, seed)
     }));
+    rows.push(starts_and_stops(seeds));
     rows
+}
+
+/// Ramps with holds between them: an intention that starts and stops at once, seven times.
+fn ramps() -> Motion {
+    let mut segments = vec![Segment::Hold { seconds: 0.6 }];
+    for (to_m, seconds) in [(8e-3, 3.0), (-4e-3, 2.0), (6e-3, 1.5), (-2e-3, 0.7)] {
+        let speed_mps = 0.05;
+        segments.extend([Segment::Ramp { to_m, speed_mps }, Segment::Hold { seconds }]);
+    }
+    Motion::new(-6e-3, segments).expect("a motion")
+}
+
+/// The share of a run's time, from 2 s on, in which stiffness or damping are more than 15 % and three claimed errors off.
+fn standing_wrong(trace: &Trace, grip: &Grip) -> f64 {
+    let rows = trace.between(2.0, f64::INFINITY);
+    let wrong = |row: &&palpate::teleop::Row| {
+        let Some([stiffness, damping, _]) = row.hand else {
+            return false;
+        };
+        let pairs = [
+            (stiffness, grip.stiffness_n_per_m),
+            (damping, grip.damping_ns_per_m),
+        ];
+        pairs.into_iter().any(|(found, exact)| {
+            found.is_some_and(|(value, error)| {
+                let off = (value - exact).abs();
+                off > tolerance::HAND.0 * exact && off > 3.0 * error
+            })
+        })
+    };
+    rows.iter().filter(wrong).count() as f64 / rows.len() as f64
+}
+
+/// An intention that starts or stops at once is in the band of the identification: the press at the end of the built-in
+/// task, and ramps. What it makes of the hand is doubted and not believed.
+fn starts_and_stops(seeds: u64) -> Row {
+    let (mut most, mut ends) = (0.0_f64, Vec::new());
+    for intention in [None, Some(ramps())] {
+        for excites in [true, false] {
+            for seed in 1..=seeds {
+                let mut options = Options::default().with_scheme(SchemeId::ReflectionBoth);
+                options.environment = Environment::throughout(Material::gel());
+                options.reflection.excitation = excites.then_some(Excitation { force_n: 0.3 });
+                options.reflection.excites = true;
+                let mut options = options.with_channel(0.02, 0.0, 0.0).with_task_for_delay();
+                if let Some(intention) = &intention {
+                    options.task = None;
+                    options.operator.intention = intention.clone();
+                }
+                let trace = System::new(&options, seed).run();
+                most = most.max(standing_wrong(&trace, &HAND));
+                if intention.is_none() {
+                    ends.extend(hand_errors(&trace, f64::INFINITY, &HAND)[..1].to_vec());
+                }
+            }
+        }
+    }
+    let end = ends.iter().map(|error| error.abs()).fold(0.0, f64::max);
+    Row {
+        asked: "an intention that starts or stops at once: no hand 15 % and three errors off for more than 1 % of the \
+                time"
+            .into(),
+        measured: format!(
+            "{:.2} % of the time at most; after the last press k is {:.1} % off at most",
+            100.0 * most,
+            100.0 * end
+        ),
+        // What it takes until residuals show it: 20 ms of each start.
+        reached: most <= 0.01 && end <= tolerance::HAND.1,
+    }
 }
 
 /// A change of the grip in the midst of a palpation.
