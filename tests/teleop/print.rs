@@ -3,7 +3,7 @@
 
 use palpate::cli::teleop::print;
 use std::time::Instant;
-use tests::teleop::bar;
+use tests::teleop::{bar, hand};
 
 fn main() {
     let argument = std::env::args().nth(1);
@@ -19,7 +19,7 @@ fn main() {
     println!("{}", print::table(&cells));
     let runs: usize = cells.iter().map(|cell| cell.runs.len()).sum();
     println!("{runs} runs in {seconds:.0} s\n");
-    for row in bar::rows(&cells).into_iter().chain(bar::hand(seeds)) {
+    for row in bar::rows(&cells).into_iter().chain(hand::hand(seeds)) {
         let reached = if row.reached { "reached" } else { "MISSED " };
         println!("{reached}  {}\n         {}", row.asked, row.measured);
     }

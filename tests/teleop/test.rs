@@ -6,6 +6,7 @@ mod theory;
 use palpate::teleop::{Cell, SchemeId};
 use std::sync::LazyLock;
 use tests::teleop::bar::{self, Row};
+use tests::teleop::hand;
 
 /// Gel and plastic, without delay and with 0.3 s round trip, 30 % of jitter and 20 % loss.
 static CELLS: LazyLock<Vec<Cell>> = LazyLock::new(|| bar::cells(&bar::grid(1, true), &|_, _| {}));
@@ -34,7 +35,7 @@ fn a_link_that_is_cut_fades_the_force_out() {
 
 #[test]
 fn the_hand_is_identified_with_and_without_a_known_force() {
-    reached(bar::hand(2));
+    reached(hand::hand(2));
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! The bar: each row is something that impedance reflection has to reach, with what it reached.
 
 use palpate::teleop::environment::{Environment, Material};
-use palpate::teleop::hand::Excitation;
-use palpate::teleop::operator::{Grip, HAND};
-use palpate::teleop::{Cell, Grid, Measures, Options, SchemeId, System, Trace, compare, measure};
+use palpate::teleop::{Cell, Grid, Measures, Options, SchemeId, System, compare, measure};
 
 use crate::tolerance;
 
@@ -25,7 +23,7 @@ const MATERIALS: [(&str, f64); 3] = [
     ("foam", tolerance::FELT_RELAXING),
 ];
 
-fn quantile(values: &[f64], share: f64) -> f64 {
+pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let at = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
@@ -187,120 +185,6 @@ pub fn ahead(cells: &[Cell]) -> Vec<Row> {
         }
     });
     parts.into()
-}
-
-/// When the hand is looked at (s): after eight seconds of palpation.
-const AFTER_S: f64 = 9.0;
-
-/// The relative errors of a hand's stiffness, damping and mass at a time (s).
-fn hand_errors(trace: &Trace, at_s: f64, grip: &Grip) -> [f64; 3] {
-    let row = trace.rows.iter().rfind(|row| row.time_s <= at_s);
-    let exact = [grip.stiffness_n_per_m, grip.damping_ns_per_m, grip.mass_kg];
-    let found = row.and_then(|row| row.hand).unwrap_or([None; 3]);
-    let mut errors = [f64::INFINITY; 3];
-    for ((error, found), exact) in errors.iter_mut().zip(found).zip(exact) {
-        *error = found.map_or(f64::INFINITY, |(value, _)| value / exact - 1.0);
-    }
-    errors
-}
-
-/// The operator's impedance: with and without a known force, and a change of the grip.
-pub fn hand(seeds: u64) -> Vec<Row> {
-    let bounds = tolerance::HAND;
-    let grips = [
-        HAND,
-        Grip {
-            mass_kg: 0.6,
-            damping_ns_per_m: 15.0,
-            stiffness_n_per_m: 400.0,
-            ..HAND
-        },
-        Grip {
-            mass_kg: 0.5,
-            damping_ns_per_m: 25.0,
-            stiffness_n_per_m: 1200.0,
-            ..HAND
-        },
-    ];
-    let run = |excitation: Option<Excitation>, grips: Vec<Grip>, seed: u64| {
-        let mut options = Options::default().with_scheme(SchemeId::ReflectionBoth);
-        options.environment = Environment::throughout(Material::gel());
-        options.operator.grips = grips;
-        (options.reflection.excitation, options.reflection.excites) = (excitation, true);
-        let options = options.with_channel(0.05, 0.0, 0.0).with_task_for_delay();
-        System::new(&options, seed).run()
-    };
-    let excitation = Some(Excitation { force_n: 0.3 });
-    let mut rows: Vec<Row> = [
-        (None, bounds.0, "from what the hand does anyway"),
-        (excitation, bounds.1, "with a known force of 0.3 N"),
-    ]
-    .into_iter()
-    .map(|(excitation, bound, how)| {
-        let mut errors: [Vec<f64>; 3] = Default::default();
-        for grip in grips {
-            for seed in 1..=seeds {
-                let trace = run(excitation, vec![grip], seed);
-                for (all, error) in errors.iter_mut().zip(hand_errors(&trace, AFTER_S, &grip)) {
-                    all.push(error.abs());
-                }
-            }
-        }
-        let worst = errors.clone().map(|own| quantile(&own, 1.0));
-        let median = errors.map(|own| quantile(&own, 0.5));
-        Row {
-            asked: format!(
-                "hand's k, b, m within {:.0} % {how} (3–20 Hz)",
-                100.0 * bound
-            ),
-            measured: format!(
-                "median {:.1}, {:.1}, {:.1} %; worst {:.1}, {:.1}, {:.1} %",
-                100.0 * median[0],
-                100.0 * median[1],
-                100.0 * median[2],
-                100.0 * worst[0],
-                100.0 * worst[1],
-                100.0 * worst[2]
-            ),
-            reached: worst.iter().all(|error| *error <= bound),
-        }
-    })
-    .collect();
-    rows.push(grip_change(seeds, |grips, seed| {
-        run(excitation, grips, seed)
-    }));
-    rows
-}
-
-/// A change of the grip in the midst of a palpation.
-fn grip_change(seeds: u64, run: impl Fn(Vec<Grip>, u64) -> Trace) -> Row {
-    let changed = Grip {
-        from_s: 6.0,
-        stiffness_n_per_m: 1200.0,
-        damping_ns_per_m: 20.0,
-        ..HAND
-    };
-    let times = (1..=seeds).map(|seed| {
-        let trace = run(vec![HAND, changed], seed);
-        let off = |at_s: f64| hand_errors(&trace, at_s, &changed)[0].abs() > tolerance::HAND.0;
-        let last = (0..300)
-            .rev()
-            .find(|step| off(6.0 + 0.01 * f64::from(*step)));
-        last.map_or(0.0, |step| 0.01 * f64::from(step + 1))
-    });
-    let times: Vec<f64> = times.collect();
-    let slowest = quantile(&times, 1.0);
-    Row {
-        asked: format!(
-            "a change of the grip (k 700 to 1200 N/m) followed within 15 % in {} s",
-            tolerance::GRIP_S
-        ),
-        measured: format!(
-            "{:.2} s in the median, at most {slowest:.2} s",
-            quantile(&times, 0.5)
-        ),
-        reached: slowest <= tolerance::GRIP_S,
-    }
 }
 
 /// Whether reflecting the operator's impedance as well helps.

@@ -94,7 +94,7 @@ impl Reflection {
             options,
             master: Master {
                 board: Board::master(&rendering),
-                hand: HandIdentifier::new(1e-3, FORCE_LATE),
+                hand: HandIdentifier::new(1e-3, FORCE_LATE, options.rendering.device_ns_per_m),
                 heard: None,
                 rendered: Rendered::default(),
                 ledger: Ledger::default(),
