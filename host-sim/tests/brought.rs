@@ -167,7 +167,7 @@ fn machines() -> Vec<Brought> {
             |_, [t, x, f]| {
                 let french = |value| grouped(value).replace('.', "\u{202f}");
                 format!("{};{};{}", french(t * 1e3), french(x * 1e6), french(f * 1e3))
-            }).into(), &[], "separated thousands"),
+            }).into(), &[], "force from `Force (mN)` in mN"),
         ("minus signs of typesetting", written("Time (s);Travel (mm);Load (N)\n",
             |_, [t, x, f]| format!("{t:.3};{:.4};{f:.4}", x * 1e3).replace('-', "−")).into(), &[], "position from `Travel (mm)` in mm"),
         ("stamps of a second", written("Date and time;Travel (mm);Load (N)\n",
