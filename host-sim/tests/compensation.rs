@@ -132,7 +132,7 @@ impl Bench {
         let out = self.folder.path("run");
         let us = (self.length_ms - 1000) * 1000;
         record(&mut self.device, &out, Some(us)).unwrap();
-        palpate::link::record::convert(&out).unwrap();
+        palpate::link::record::convert(&out, palpate::kind::Kind::Linear).unwrap();
         let done = self
             .folder
             .palpate("gap --model base.toml --log run/log.csv --out gap");
