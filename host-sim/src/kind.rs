@@ -74,6 +74,14 @@ impl Kind {
     }
 }
 
+/// The kind of a flag on the command line.
+///
+/// # Errors
+/// The names that there are.
+pub fn kind_named(text: &str) -> Result<Kind, String> {
+    Kind::from_name(text).ok_or_else(|| format!("one of {}", Kind::ALL.map(Kind::name).join(", ")))
+}
+
 thread_local! {
     static WORDED: Cell<Kind> = const { Cell::new(Kind::Linear) };
 }

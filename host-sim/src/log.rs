@@ -16,6 +16,7 @@ mod mcap;
 mod names;
 mod orientation;
 mod preamble;
+mod question;
 mod read;
 mod record;
 mod resample;

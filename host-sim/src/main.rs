@@ -24,10 +24,10 @@ use palpate::{interrupt, output};
     arg_required_else_help = false
 )]
 struct Command {
-    /// Write the result alone to standard output, as JSON.
+    /// Write only the result to standard output, as JSON.
     #[arg(long, global = true)]
     json: bool,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(long, short, global = true)]
     quiet: bool,
     #[command(subcommand)]

@@ -94,7 +94,7 @@ fn read_kind(root: &Table<'_>) -> Result<Option<Kind>, Diagnostic> {
     match Kind::from_name(name) {
         Some(kind) => Ok(Some(kind)),
         None => Err(root
-            .wrong("kind", "neither a machine along a line nor one that turns")
+            .wrong("kind", "neither a linear machine nor a rotary one")
             .remedy("write kind = \"linear\" (m, N) or kind = \"rotary\" (rad, N m)")),
     }
 }

@@ -72,6 +72,27 @@ fn utf_16(text: &str) -> Vec<u8> {
     units.flat_map(u16::to_le_bytes).collect()
 }
 
+/// Minutes and seconds (s) of an hour in which a recording begins after 59.9 s.
+fn minutes(t: f64) -> String {
+    let t = 59.9 + t;
+    format!("{:02.0}:{:06.3}", (t / 60.0).floor(), t % 60.0)
+}
+
+/// What an AFM's software writes: approach, pause and retraction, each below its own header.
+fn segments_of_an_afm() -> String {
+    let mut text = String::from("# springConstant: 0.04\n");
+    for (number, part) in gel().chunks(3000).enumerate() {
+        text += &format!(
+            "\n# segmentIndex: {number}\n#\n# columns: vDeflection measuredHeight seriesTime\n\
+             # fancyNames: \"Vertical deflection\" \"Height (measured)\" \"Series Time\"\n# units: N m s\n"
+        );
+        for [t, x, f] in part {
+            text += &format!("{f:.5e} {:.6e} {t:.6e}\n", 0.01 - x);
+        }
+    }
+    text
+}
+
 /// A machine's file: what it is, its content, the flags, and what the sentence about it says.
 type Brought = (&'static str, Vec<u8>, &'static [&'static str], &'static str);
 
@@ -97,6 +118,21 @@ fn machines() -> Vec<Brought> {
         ("Bruker Hysitron", latin_1(&written(
             "TriboScan\r\n\r\nNumber of Points = 8566\r\n\r\nDepth (nm)\tLoad (µN)\tTime (s)\tDepth (V)\tLoad (V)\r\n",
             |_, [t, x, f]| format!("{:.1}\t{:.1}\t{t:.3}\t{:.6}\t{:.6}\r", x * 1e9, f * 1e6, x * 10.0, f * 0.1))), &[], "force from `Load (µN)` in µN"),
+        ("Bruker NanoScope", written("Calc_Ramp_Ex_nm\tDefl_nN\tTime_s\n",
+            |_, [t, x, f]| format!("{:.1}\t{:.1}\t{t:.4}", x * 1e9, f * 1e9)).into(), &[], "position from `Calc_Ramp_Ex_nm` in nm"),
+        ("Bruker JPK, each segment with its header", segments_of_an_afm().into(), &[], "the sign of the position reversed"),
+        ("Zwick with results and statistics above", written(
+            "Ergebnisse:\nNr;Fmax;dL bei Fmax\n;N;mm\n1;12,6;4,3\n\nStatistik:\nx;12,6;4,3\n\nProbe 1\nPrüfzeit;Standardweg;Standardkraft\ns;mm;N\n",
+            |_, [t, x, f]| comma(format!("{t:.3};{:.4};{f:.4}", x * 1e3))).into(), &[], "force from `Standardkraft` in N"),
+        ("Anton Paar, a row of blanks above the units", utf_16(&written(
+            "Name:\tgel\nInterval data:\tPoint No.\tTime\tGap\tNormal Force\n\t\t\t\t\n\t\t[s]\t[mm]\t[N]\n",
+            |n, [t, x, f]| format!("\t{n}\t{t:.3}\t{:.4}\t{f:.4}", 20.0 - x * 1e3))), &[], "units in line 4"),
+        ("titles in angle brackets", (written("<INFO>\nDate:\t2026-03-01\n<END INFO>\n<DATA>\nTime, s\tPosition (z), mm\tFz, gf\n",
+            |_, [t, x, f]| format!("{t:.3}\t{:.4}\t{:.3}", x * 1e3, f / 9.80665e-3)) + "<END DATA>\n").into(), &[], "1 row below the table left out"),
+        ("a texture analyser in grams", written("Force,Distance,Time\ng,mm,sec\n",
+            |_, [t, x, f]| format!("{:.3},{:.4},{t:.3}", f / 9.80665e-3, x * 1e3)).into(), &[], "position from `Distance` in mm"),
+        ("LabVIEW with a comment that is never made", written("LabVIEW Measurement\t\n***End_of_Header***\t\n\nX_Value\tPosition (mm)\tForce (N)\tComment\n",
+            |_, [t, x, f]| format!("{t:.3}\t{:.4}\t{f:.4}", x * 1e3)).into(), &["--columns", "t=X_Value"], "time from `X_Value`"),
         ("UTF-16 of a spreadsheet", utf_16(&written("Zeit [s];Weg [µm];Kraft [mN]\r\n",
             |_, [t, x, f]| comma(format!("{t:.3};{:.1};{:.1}\r", x * 1e6, f * 1e3)))), &[], "text in UTF-16"),
         ("French", written("Temps (s);Déplacement (mm);Effort (N)\n",
@@ -127,6 +163,19 @@ fn machines() -> Vec<Brought> {
             |_, [t, x, f]| format!("{:.7}\t{:.2}\t{f:.4}", t / 60.0, x * 1e6)).into(), &["--columns", "t=1*60,x=2*1e-6,f=3"], "time from `1` × 60"),
         ("an empty row below the units", written("Time;Position;Force\n[s];[mm];[N]\n;;\n",
             |_, [t, x, f]| format!("{t:.3};{:.4};{f:.4}", x * 1e3)).into(), &[], "units in line 2"),
+        ("thousands with thin blanks", written("Temps (ms);Déplacement (µm);Force (mN)\n",
+            |_, [t, x, f]| {
+                let french = |value| grouped(value).replace('.', "\u{202f}");
+                format!("{};{};{}", french(t * 1e3), french(x * 1e6), french(f * 1e3))
+            }).into(), &[], "force from `Force (mN)` in mN"),
+        ("minus signs of typesetting", written("Time (s);Travel (mm);Load (N)\n",
+            |_, [t, x, f]| format!("{t:.3};{:.4};{f:.4}", x * 1e3).replace('-', "−")).into(), &[], "position from `Travel (mm)` in mm"),
+        ("stamps of a second", written("Date and time;Travel (mm);Load (N)\n",
+            |_, [t, x, f]| format!("01.03.2026 {};{:.4};{f:.4}", &clock(t)[..8], x * 1e3)).into(), &[], "taken as even, 1000 a second"),
+        ("times of day in the afternoon", written("Date/Time,Position (mm),Force (N)\n",
+            |_, [t, x, f]| format!("03/01/2026 01:{} PM,{:.4},{f:.4}", minutes(t), x * 1e3)).into(), &[], "time from `Date/Time` in s"),
+        ("recordings side by side, by their numbers", written("Specimen 1,,,Specimen 2,,\nTime,Extension,Load,Time,Extension,Load\n(s),(mm),(N),(s),(mm),(N)\n",
+            |_, [t, x, f]| format!("{t:.3},{:.4},{f:.4},{t:.3},{:.4},{f:.4}", x * 2e3, x * 1e3)).into(), &["--columns", "t=4,x=5,f=6"], "position from `Extension` in mm"),
         ("dates of ISO 8601", written("time,position_mm,force_N\n",
             |_, [t, x, f]| format!("2026-03-01T{}Z,{:.4},{f:.4}", clock(t), x * 1e3)).into(), &[], "time from `time` in s"),
         ("German dates", written("Zeitstempel;Weg / mm;Kraft / N\n",
@@ -225,6 +274,12 @@ fn open_questions() -> Vec<(&'static str, String, &'static [&'static str])> {
         ("which sign",     rows("Time (s),Extension (mm),Load (N)", |[t, x, _]| format!("{t},{},{}", x * 1e3, -x * 1e3)), &["the force falls on the way in", "--columns 'x=-Extension (mm)' or --columns 'f=-Load (N)'"]),
         ("half a rotary rig", rows("Time (s),Angle (deg),Force (N)", |[t, x, f]| format!("{t},{},{f}", x * 1e3)), &["a position in ° and a force in N do not belong to one machine", "log.csv:1"]),
         ("a column that is not there", rows("Time (s),Temperature (°C),Load (N)", |[t, x, f]| format!("{t},{},{f}", x * 1e3)), &["no column `x_m` for the position", "`Temperature (°C)`", "name the columns"]),
+        ("no time but numbers of samples", rows("Sample,Travel (mm),Load (N)", |[t, x, f]| format!("{},{},{f}", (t * 1e3).round(), x * 1e3)), &["no column `t_s`", "--rate HZ"]),
+        ("recordings side by side", rows("Time (s),Travel (mm),Load (N),Time (s),Travel (mm),Load (N)", |[t, x, f]| format!("{t},{0},{f},{t},{0},{f}", x * 1e3)), &["more than one column may hold the time", "recordings side by side?", "--columns 't=1,x=2*1e-3,f=3'"]),
+        ("volts",          rows("Time (s),Position (V),Force (V)", |[t, x, f]| format!("{t},{x},{f}")), &["`Position (V)` is not in a unit of position", "--columns 'x=Position (V)*FACTOR'"]),
+        ("strain and stress", rows("Time (s),Strain (%),Stress (MPa)", |[t, x, f]| format!("{t},{x},{f}")), &["`Strain (%)` is not in a unit of position", "the height of the sample in m, divided by 100"]),
+        ("units in the cells", rows("Time;Travel;Load", |[t, x, f]| format!("{t} s;{x} m;{f} N")), &["`Time` holds text, such as `0 s`", "the unit must stand in the header"]),
+        ("the header again and time from 0", csv(press()) + &csv(press()), &["time runs backward", "--trace-column 't_s'"]),
         ("numbers only",   rows("0,0,0", |[t, x, f]| format!("{t},{x},{f}")), &["not the names of the columns", "log.csv:1", "--columns 't=1,x=2*1e-3,f=3'"]),
     ]
 }

@@ -132,7 +132,7 @@ impl Bench {
         let out = self.folder.path("run");
         let us = (self.length_ms - 1000) * 1000;
         record(&mut self.device, &out, Some(us)).unwrap();
-        palpate::link::record::convert(&out).unwrap();
+        palpate::link::record::convert(&out, palpate::kind::Kind::Linear).unwrap();
         let done = self
             .folder
             .palpate("gap --model base.toml --log run/log.csv --out gap");
@@ -175,7 +175,7 @@ fn what_gap_finds_in_a_recording_of_the_board_takes_the_bias_off_the_board() {
         assert_ne!(bench.palpated().status, Status::ModelSuspect);
         // AND without the compensation it is as before
         let said = bench.compensate(None);
-        assert!(said.contains("nothing is taken off any more"), "{said}");
+        assert!(said.contains("nothing is compensated any more"), "{said}");
         let (again, _) = bench.errors();
         assert!((again - before).abs() < 1.0, "{id}: {again} % again");
     }
@@ -295,7 +295,7 @@ fn effects_of_the_material_and_of_time_stay_and_are_named_as_such() {
         assert!(text.contains(words), "no `{words}` in {text}");
     }
     let done = folder.palpate("config --port simulated compensate --off");
-    assert!(said(&done).contains("nothing was taken off"));
+    assert!(said(&done).contains("nothing was compensated"));
 }
 
 #[test]

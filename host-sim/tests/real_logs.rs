@@ -149,7 +149,7 @@ fn a_foam_is_as_stiff_as_its_record_says_and_its_relaxation_has_a_name() {
             "relaxes by 26 %",
             "does not explain this force",
             "interpolated to 50 Hz",
-            "samples are invented",
+            "samples are interpolated",
         ],
     );
 }

@@ -252,7 +252,7 @@ fn the_monitor_shows_both_sides_and_a_recording_has_its_log() {
     let out = folder.path("run");
     let statistics = palpate::link::record::record(&mut slave, &out, Some(2_000_000)).unwrap();
     assert_eq!((statistics.lost, statistics.garbled), (0, 0));
-    let said = palpate::link::record::convert(&out).unwrap();
+    let said = palpate::link::record::convert(&out, palpate::kind::Kind::Linear).unwrap();
     assert!(
         said.contains("0 samples missing") && said.contains("0 frames garbled"),
         "{said}"

@@ -123,3 +123,41 @@ fn check_suspects_degrees_and_not_a_swing_of_a_radian() {
     let text = said(&folder.palpate("check run/log.csv --columns x=x_rad*57.2958"));
     assert!(text.contains("degrees given as radians?"), "{text}");
 }
+
+#[test]
+fn monitor_and_effects_speak_of_radians_where_a_machine_turns() {
+    let folder = recorded();
+    // A log says by its columns that its machine turns.
+    let said_of = |call: &str| {
+        let done = folder.palpate(call);
+        assert_eq!(done.status.code(), Some(0), "{call}: {}", complained(&done));
+        said(&done)
+    };
+    let watched = said_of("monitor --log run/log.csv --speed 1000 --looks 5");
+    assert!(
+        watched.contains("N\u{a0}m") && watched.contains("rad"),
+        "{watched}"
+    );
+    // A board has no name for its units: the flag says the kind, for monitor and for record.
+    let board = said_of("monitor --port simulated --kind rotary --looks 3");
+    assert!(board.contains("N\u{a0}m"), "{board}");
+    said_of("record --port simulated --kind rotary --seconds 0.2 --out board");
+    let header = folder.read("board/log.csv");
+    assert!(header.starts_with("t_s,x_rad,f_nm"), "{header}");
+    let linear = said_of("effects coulomb_friction");
+    assert!(linear.contains("force (N, more than zero)"), "{linear}");
+    let rotary = said_of("effects --kind rotary");
+    assert!(rotary.contains("force (N m, more than zero)"), "{rotary}");
+    // An effect that a machine along a line cannot have is shown on one that turns.
+    let weight = said_of("effects gravity_torque");
+    for word in ["amplitude (N m", "torsion spring", "N m/rad", "N m s/rad"] {
+        assert!(
+            weight.replace('\u{a0}', " ").contains(word),
+            "no {word}: {weight}"
+        );
+    }
+    assert!(!weight.contains("1350"), "{weight}");
+    let json: Value = serde_json::from_str(&said_of("effects gravity_torque --json")).unwrap();
+    assert_eq!(json["effects"][0]["kinds"], serde_json::json!(["rotary"]));
+    assert_eq!(json["effects"][0]["parameters"][0]["unit"], "N m");
+}

@@ -128,7 +128,7 @@ fn the_hosts_verbs_reach_the_emulator_while_it_runs() {
     );
     let statistics = record(&mut device, &out, Some(2_000_000)).expect("a recording");
     assert_eq!((statistics.lost, statistics.garbled), (0, 0));
-    let said = convert(&out).expect("a log");
+    let said = convert(&out, palpate::kind::Kind::Linear).expect("a log");
     assert!(said.contains("0 samples missing"), "{said}");
     let run = running.join().expect("no panic").expect("run");
     every_frame_is_numbered(&run.frames);

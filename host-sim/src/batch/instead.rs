@@ -46,7 +46,7 @@ pub fn batch_instead(
             quantity(left, 3, "N"),
             times(left / estimation.replay.noise_n)
         ),
-        None => "none gets all its parameters".into(),
+        None => "none determines all its parameters".into(),
     };
     let note = format!(
         "no recursive method explains this force ({left}): these are the numbers of a fit of the whole log \

@@ -41,7 +41,7 @@ impl FromStr for Indenter {
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || {
             format!(
-                "`{text}` is no indenter: sphere:RADIUS in metres, cone:HALF_ANGLE in degrees or \
+                "`{text}` is not an indenter: sphere:RADIUS in metres, cone:HALF_ANGLE in degrees or \
                  flat:RADIUS in metres, such as sphere:0.003"
             )
         };

@@ -19,7 +19,7 @@ pub(super) fn is_material_change(event: &EventMark) -> bool {
 pub(super) fn nothing(log: &UniformLog, batch: &Batch) -> Vec<String> {
     let mut notes = suspicions(log);
     notes.push(format!(
-        "no contact: the force never rose out of what it does in free air (its noise is {} rms)",
+        "no contact: the force never rose above its noise in free air ({} rms)",
         quantity(batch.noise_n, 2, "N")
     ));
     notes
@@ -45,7 +45,7 @@ pub(super) fn notes(
     notes.extend(modulus(batch));
     if let Some(limit) = batch.inspection.saturated_n {
         notes.push(format!(
-            "the force stands still at its largest value, {}: the channel saturates there",
+            "the force stays at its largest value, {}: the channel saturates there",
             quantity(limit, 4, "N")
         ));
     }
@@ -78,8 +78,7 @@ fn misfit(batch: &Batch, decide: &Report) -> Option<String> {
     let multiple = rmse / batch.noise_n;
     (multiple > decide.explained).then(|| {
         format!(
-            "{} leaves {} rms, {multiple:.1} times the noise: it does not explain this force within \
-             its noise, and its parameters describe it on average",
+            "{} leaves {} rms, {multiple:.1} × the noise: it does not explain this force, and its parameters describe it only on average",
             law_title(batch.family.name()),
             quantity(rmse, 3, "N"),
         )
@@ -140,8 +139,7 @@ fn surface(batch: &Batch, options: &Options) -> Option<String> {
     let surface = batch.value("surface")?;
     (options.surface_m.is_none()).then(|| {
         format!(
-            "the surface was fitted, at {}: the standard errors of the other parameters include what \
-             that leaves open",
+            "the surface was fitted, at {}: the standard errors of the other parameters include its uncertainty",
             Measured::new(surface.value, Some(surface.std_error), "m")
         )
     })

@@ -81,7 +81,7 @@ impl Given<'_> {
         let rmse_n = self.rmse(fit);
         if rmse_n > EXPLAINED * self.course.scales.noise_n {
             return Some(format!(
-                "with the indenter's exponent {own} the law leaves {}, {:.1} times the noise",
+                "with the indenter's exponent {own} the law leaves {}, {:.1} × the noise",
                 quantity(rmse_n, 3, "N"),
                 rmse_n / self.course.scales.noise_n
             ));

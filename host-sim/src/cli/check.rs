@@ -176,7 +176,10 @@ fn channels(text: &mut String, raw: &Log, inspection: &Inspection) -> std::fmt::
     }
     for extra in &raw.extra {
         let (low, high) = extent(&extra.values);
-        writeln!(text, "  further   {}: {low} … {high}", extra.name)?;
+        match low <= high {
+            true => writeln!(text, "  further   {}: {low} … {high}", extra.name)?,
+            false => writeln!(text, "  further   {}: no numbers", extra.name)?,
+        }
     }
     Ok(())
 }

@@ -24,7 +24,7 @@ use compensate::CompensateArgs;
     A change is in force at once; `save` keeps it through a power cut. Nothing that restarts the\n\
     estimator is taken while the probe is in contact.")]
 pub struct ConfigArgs {
-    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
+    /// Serial port, the emulator's working directory, or `simulated`: a simulated board, new at every start.
     #[arg(long, value_name = "PORT")]
     pub port: String,
     #[command(subcommand)]
@@ -48,17 +48,17 @@ enum Verb {
         #[arg(allow_negative_numbers = true)]
         value: f32,
     },
-    /// Keep the settings through a power cut
+    /// Store the settings in the board, so that they survive a power cut
     Save,
-    /// Back to what was saved
+    /// Go back to the saved settings
     Reload,
     /// Back to the defaults (not saved)
     Defaults,
-    /// Forget the estimates and settle anew; the probe must be in free air
+    /// Forget the estimates and start again; the probe must be in free air
     Restart,
-    /// Let the board put forces out; a reset, a save, a restart and a fault disarm it
+    /// Allow the force output; a reset, a save, a restart and a fault disarm it
     Arm,
-    /// Put the force output to rest
+    /// Set the force output to 0 N and disable it
     Disarm,
     /// Write all settings into a file
     Backup {
@@ -72,7 +72,7 @@ enum Verb {
     },
     /// Find scale and zero of the load cell with known weights, and the encoder's scale and sign
     Calibrate(CalibrateArgs),
-    /// Take what `palpate gap` found off on the board: friction, inertia, compliance, lag …
+    /// Compensate on the board what `palpate gap` found: friction, inertia, compliance, lag …
     Compensate(CompensateArgs),
 }
 
@@ -200,7 +200,7 @@ pub fn show<P: Port>(device: &mut Device<P>) -> Result<String, Box<dyn Error>> {
         .into_iter()
         .any(|key| of_an_effect(&key) && shown(&key))
     {
-        text.push_str("compensation: none; `config compensate` takes effects of the rig off\n");
+        text.push_str("compensation: none; `config compensate` sets it\n");
     }
     text.push_str(&not_known(&unknown));
     for (setting, value) in device.newer_settings()? {

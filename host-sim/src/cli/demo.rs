@@ -207,7 +207,7 @@ fn hidden(args: &DemoArgs) -> Result<Finding, Box<dyn Error>> {
 }
 
 fn told(finding: &Finding) -> std::io::Result<()> {
-    say("Then the guide rubs, and the model does not know it (gel to a tenth, no friction):\n")?;
+    say("Then the guide has friction; the model has none, and its gel is off by a tenth:\n")?;
     say(format!("{}\n", summary(finding)))?;
     say(format!(
         "  true        coulomb_friction force {HIDDEN_FRICTION_N} N\n\n"

@@ -17,6 +17,7 @@ pub use ignored::{Ignored, ignored};
 
 use crate::cli::progress::Spinner;
 use crate::diagnostic::{Diagnostic, listed, nearest};
+use crate::kind::{self, Kind, kind_named};
 use crate::output::{result, say, try_folder};
 use crate::report::Provenance;
 
@@ -37,6 +38,9 @@ pub struct EffectsArgs {
     /// Folder for report.html: hysteresis loops, residuals and biased parameters, with pictures.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Units of a linear machine (m, N) or of a rotary one (rad, N m).
+    #[arg(long, value_name = "KIND", default_value = "linear", value_parser = kind_named)]
+    pub kind: Kind,
     /// Seed of the sensors' noise in the simulated palpations.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -47,6 +51,10 @@ pub struct EffectsArgs {
 /// # Errors
 /// A [`Diagnostic`] for an unknown effect; else what the file system says.
 pub fn run(args: &EffectsArgs) -> Result<(), Box<dyn Error>> {
+    kind::worded(args.kind, || show(args))
+}
+
+fn show(args: &EffectsArgs) -> Result<(), Box<dyn Error>> {
     let chosen = match &args.id {
         None => EffectId::ALL.to_vec(),
         Some(name) => vec![EffectId::from_name(name).ok_or_else(|| unknown(name))?],

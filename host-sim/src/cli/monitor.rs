@@ -17,6 +17,7 @@ pub use args::MonitorArgs;
 
 use crate::diagnostic::Diagnostic;
 use crate::interrupt;
+use crate::kind;
 use crate::link::{Device, Port, port};
 use crate::output::say;
 use source::{Board, Replayed, SILENCE, Source, silence};
@@ -28,7 +29,10 @@ use view::View;
 /// A port that is not there or falls silent, or a log that cannot be read.
 pub fn run(args: &MonitorArgs) -> Result<(), Box<dyn Error>> {
     let source: Box<dyn Source> = match (&args.port, &args.log) {
-        (Some(name), _) => Box::new(Board::new(name, Device::new(port::open(name)?))),
+        (Some(name), _) => {
+            let kind = args.kind.unwrap_or_default();
+            Box::new(Board::new(name, kind, Device::new(port::open(name)?)))
+        }
         (None, Some(log)) => Box::new(Replayed::read(log, args.speed)?),
         (None, None) => {
             return Err(Diagnostic::new("nothing to watch")
@@ -42,10 +46,12 @@ pub fn run(args: &MonitorArgs) -> Result<(), Box<dyn Error>> {
         Some(address) => Box::new(foxglove::Served::new(source, address)?),
         None => source,
     };
-    match io::stdout().is_terminal() && !args.plain {
-        true => terminal::watch(source, args),
-        false => lines(source, args, say),
-    }
+    kind::worded(source.kind(), || {
+        match io::stdout().is_terminal() && !args.plain {
+            true => terminal::watch(source, args),
+            false => lines(source, args, say),
+        }
+    })
 }
 
 /// Looks as often as asked, by the board's own time, and says what it sees, a line each.
@@ -57,7 +63,9 @@ pub fn watch<P: Port>(
     args: &MonitorArgs,
     show: impl FnMut(String) -> io::Result<()>,
 ) -> Result<(), Box<dyn Error>> {
-    lines(Box::new(Board::new("board", device)), args, show)
+    let kind = args.kind.unwrap_or_default();
+    let board = Box::new(Board::new("board", kind, device));
+    kind::worded(kind, || lines(board, args, show))
 }
 
 fn lines(

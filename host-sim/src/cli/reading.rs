@@ -13,7 +13,7 @@ pub struct ReadingArgs {
     /// Other column names, signs and units: `t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz`.
     #[arg(long, value_name = "MAP", value_parser = column_map)]
     pub columns: Option<ColumnMap>,
-    /// Samples per second, evenly, of a file whose time cannot be used or is not there (Hz).
+    /// Sampling rate (Hz) of a file without a usable time column.
     #[arg(long, value_name = "HZ", value_parser = rate)]
     pub rate: Option<f64>,
     /// The column whose changes separate the parts of one touch; the column of time: where it begins again.

@@ -8,6 +8,7 @@ use clap::Args;
 use crate::cli::progress::Spinner;
 use crate::diagnostic::Diagnostic;
 use crate::interrupt;
+use crate::kind::{Kind, kind_named};
 use crate::link::{Device, device::Statistics, port, record::convert, record::record};
 use crate::number::counted;
 use crate::output::say;
@@ -20,7 +21,7 @@ use crate::output::say;
     Without --seconds it records until Ctrl-C, and then writes the log as well. After a crash --convert makes it."
 )]
 pub struct RecordArgs {
-    /// Serial port, the emulator's working directory, or `simulated`: a new board every time.
+    /// Serial port, the emulator's working directory, or `simulated`: a simulated board, new at every start.
     #[arg(long, value_name = "PORT", required_unless_present = "convert")]
     pub port: Option<String>,
     /// How long (s); a port that falls silent for 3 s ends a recording as well.
@@ -29,6 +30,9 @@ pub struct RecordArgs {
     /// Where recording.frames, settings.toml and log.csv go; made if missing.
     #[arg(long, value_name = "DIR", required_unless_present = "convert")]
     pub out: Option<PathBuf>,
+    /// Whether the board's machine is linear (log in m and N) or rotary (rad and N m).
+    #[arg(long, value_name = "KIND", default_value = "linear", value_parser = kind_named)]
+    pub kind: Kind,
     /// Make the log of a recording that was not ended: the folder with its recording.frames.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "out"])]
     pub convert: Option<PathBuf>,
@@ -41,7 +45,7 @@ pub struct RecordArgs {
 /// error if the disk is full or nothing comes.
 pub fn run(args: &RecordArgs) -> Result<(), Box<dyn Error>> {
     if let Some(folder) = &args.convert {
-        say(convert(folder)?)?;
+        say(convert(folder, args.kind)?)?;
         return Ok(());
     }
     let (Some(name), Some(folder)) = (&args.port, &args.out) else {
@@ -50,7 +54,8 @@ pub fn run(args: &RecordArgs) -> Result<(), Box<dyn Error>> {
             .into());
     };
     if let Some(seconds) = args.seconds.filter(|s| !s.is_finite() || *s <= 0.0) {
-        let diagnostic = Diagnostic::new("a recording of no length").value(seconds);
+        let diagnostic =
+            Diagnostic::new("the length of a recording must be positive").value(seconds);
         return Err(diagnostic.remedy("give --seconds greater than 0").into());
     }
     // Ctrl-C ends the recording as its length would: the log is written.
@@ -61,7 +66,7 @@ pub fn run(args: &RecordArgs) -> Result<(), Box<dyn Error>> {
     let statistics = record(&mut device, folder, end)?;
     drop(spinner);
     say(said(&statistics))?;
-    say(convert(folder)?)?;
+    say(convert(folder, args.kind)?)?;
     Ok(())
 }
 

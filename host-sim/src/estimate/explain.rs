@@ -31,7 +31,7 @@ pub fn explain(
     notes.extend(surface(replay, outcome));
     if let Some(limit) = inspection.saturated_n {
         notes.push(format!(
-            "the force stands still at its largest value, {}: the channel saturates there",
+            "the force stays at its largest value, {}: the channel saturates there",
             quantity(limit, 4, "N")
         ));
     }
@@ -57,7 +57,7 @@ fn contact(
             )
         }
         Surface::AtImpact => format!(
-            "no contact: the force never rose out of what it does in free air (its noise is {} rms)",
+            "no contact: the force never rose above its noise in free air ({} rms)",
             quantity(inspection.noise_n, 2, "N")
         ),
     })
@@ -91,9 +91,9 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
 /// "4.5 times", "220 times", within a sentence.
 pub(crate) fn times(ratio: f64) -> String {
     match ratio {
-        ratio if ratio.is_infinite() => "any number of times".into(),
-        ratio if ratio < 10.0 => format!("{ratio:.1} times"),
-        ratio => format!("{ratio:.0} times"),
+        ratio if ratio.is_infinite() => "∞ ×".into(),
+        ratio if ratio < 10.0 => format!("{ratio:.1} ×"),
+        ratio => format!("{ratio:.0} ×"),
     }
 }
 

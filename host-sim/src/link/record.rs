@@ -17,6 +17,7 @@ use super::device::Statistics;
 use super::{Device, Port, backup};
 use crate::diagnostic::Diagnostic;
 use crate::interrupt;
+use crate::kind::Kind;
 use crate::log::{ExtraColumn, FEWEST_SAMPLES, Log};
 use crate::number::counted;
 use crate::output::say;
@@ -193,11 +194,12 @@ impl Content {
     }
 }
 
-/// Makes `log.csv` from `recording.frames` in a folder, and further logs if the board was reset.
+/// Makes `log.csv` from `recording.frames` in a folder, and further logs if the board was reset; a machine that
+/// turns has columns in rad and N m.
 ///
 /// # Errors
 /// There is no recording, or it has too few samples for a log.
-pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
+pub fn convert(folder: &Path, kind: Kind) -> Result<String, Box<dyn Error>> {
     let path = folder.join(RECORDING);
     let file = File::open(&path).map_err(|error| {
         Diagnostic::new(format!("cannot read the recording: {error}"))
@@ -216,7 +218,11 @@ pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
             index => format!("log-{}.csv", index + 1),
         };
         let log = folder.join(name);
-        as_log(run).write_csv(&log)?;
+        let recorded = Log {
+            kind: Some(kind),
+            ..as_log(run)
+        };
+        recorded.write_csv(&log)?;
         text.push_str(&format!(
             "{}: {}\n",
             log.display(),

@@ -57,7 +57,7 @@ impl Log {
         );
         Some(format!(
             "the time stamps come in steps of {step}, coarser than the sampling: the samples between them are \
-             taken as even, {rate_hz:.6} a second"
+             taken as even, {rate_hz} a second"
         ))
     }
 }

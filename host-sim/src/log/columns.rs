@@ -4,9 +4,10 @@ use std::str::FromStr;
 
 use super::channel::Channel;
 use super::channel::{Header, Origin, Placed};
-use super::guess::{self, Unclear};
+use super::guess;
+use super::question;
 use super::units::{self, Quantity};
-use crate::diagnostic::{Diagnostic, listed, nearest};
+use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
 
 /// A column that was named, and what turns its numbers into SI.
@@ -18,10 +19,27 @@ struct Mapped {
     factor: Option<f64>,
 }
 
+impl Mapped {
+    fn placed(&self, channel: Channel, header: Header, index: usize) -> Placed {
+        let unit = match self.factor {
+            Some(_) => None,
+            None => guess::unit(channel, header, index),
+        };
+        let factor = self.factor.or(unit.map(|unit| unit.factor)).unwrap_or(1.0);
+        Placed {
+            index,
+            factor: if self.is_reversed { -factor } else { factor },
+            unit,
+            origin: Origin::Named,
+        }
+    }
+}
+
 /// The columns of the three channels, where they are named; the others are found by their names and units.
 ///
 /// Written as `t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz`: a letter, a column's name as it stands in the
-/// header, a sign before it, a factor after it. Without a factor the unit in the header counts.
+/// header (or its number, from 1), a sign before it, a factor after it. Without a factor the unit in the header
+/// counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
     channels: [Option<Mapped>; 3],
@@ -162,7 +180,7 @@ impl ColumnMap {
                 Some(named) => Some(named),
                 None => {
                     let guess = guess::guess(channel, header, &taken);
-                    Some(guess.map_err(|why| self.question(channel, header, &why))?)
+                    Some(guess.map_err(|why| question::of(channel, header, &why))?)
                 }
             };
             taken.extend(placed[slot].map(|placed| placed.index));
@@ -183,14 +201,14 @@ impl ColumnMap {
         let mut hits = (0..header.names.len()).filter(|index| header.names[*index] == name);
         let Some(index) = hits.next() else {
             return match mapped {
-                Some(_) => Err(self.missing(channel, header)),
+                Some(mapped) => question::number(&mapped.name, header)
+                    .map(|index| Some(mapped.placed(channel, header, index)))
+                    .ok_or_else(|| question::missing(channel, header, Some(&mapped.name))),
                 None => Ok(None),
             };
         };
         if hits.next().is_some() {
-            return Err(Diagnostic::new("two columns have the same name")
-                .in_column(name)
-                .remedy("rename one of them in the header"));
+            return Err(question::same_name(channel, name, index));
         }
         let Some(mapped) = mapped else {
             return Ok(Some(Placed {
@@ -200,89 +218,8 @@ impl ColumnMap {
                 origin: Origin::Own,
             }));
         };
-        let unit = match mapped.factor {
-            Some(_) => None,
-            None => guess::unit(channel, header, index),
-        };
-        let factor = mapped
-            .factor
-            .or(unit.map(|unit| unit.factor))
-            .unwrap_or(1.0);
-        Ok(Some(Placed {
-            index,
-            factor: if mapped.is_reversed { -factor } else { factor },
-            unit,
-            origin: Origin::Named,
-        }))
+        Ok(Some(mapped.placed(channel, header, index)))
     }
-
-    fn question(&self, channel: Channel, header: Header, why: &Unclear) -> Diagnostic {
-        match why {
-            Unclear::Nothing => self.missing(channel, header),
-            Unclear::Unit(index) => self.unit_missing(channel, header, *index),
-            Unclear::Several(indices) => several(channel, header, indices),
-        }
-    }
-
-    fn unit_missing(&self, channel: Channel, header: Header, index: usize) -> Diagnostic {
-        let name = &header.names[index];
-        let examples = match channel {
-            Channel::Time => "*1e-3 if it is in ms, nothing if in s",
-            Channel::Position => "*1e-3 if it is in mm, *1e-6 if in µm, nothing if in m",
-            Channel::Force => "*1e3 if it is in kN, *1e-3 if in mN, nothing if in N",
-        };
-        self.missing(channel, header)
-            .note(format!(
-                "`{name}` may hold the {}, but its unit is not said",
-                channel.noun()
-            ))
-            .note(format!("in --columns, {examples}"))
-    }
-
-    fn missing(&self, channel: Channel, header: Header) -> Diagnostic {
-        let mapped = self.channels[channel as usize].as_ref();
-        let wanted = mapped.map_or(channel.column(), |mapped| mapped.name.as_str());
-        let names = || {
-            let names = header.names.iter().map(String::as_str);
-            names.filter(|name| !name.is_empty())
-        };
-        let mut diagnostic = Diagnostic::new(format!(
-            "no column `{wanted}` for the {}",
-            channel.quantity()
-        ))
-        .in_column(wanted)
-        .note(format!("the columns are {}", listed(names())));
-        if let Some(near) = nearest(wanted, names()) {
-            diagnostic = diagnostic.note(format!("the nearest name is `{near}`"));
-        }
-        if channel == Channel::Time && mapped.is_none() {
-            diagnostic =
-                diagnostic.note("if the file has no time: --rate HZ, with its samples per second");
-        }
-        diagnostic.remedy(match guess::suggestion(header) {
-            Some(columns) => format!("name the columns, perhaps --columns '{columns}'"),
-            None => "name the columns: --columns 't=NAME*FACTOR,x=NAME*FACTOR,f=NAME*FACTOR', \
-                     the factors into s, m and N"
-                .to_string(),
-        })
-    }
-}
-
-/// Several columns may be the channel.
-fn several(channel: Channel, header: Header, indices: &[usize]) -> Diagnostic {
-    let names = || indices.iter().map(|index| header.names[*index].as_str());
-    let letter = channel.letter();
-    let flags: Vec<String> = names()
-        .map(|name| format!("--columns '{letter}={name}'"))
-        .collect();
-    let flags: Vec<String> = flags.into_iter().take(3).collect();
-    Diagnostic::new(format!(
-        "more than one column may hold the {}",
-        channel.noun()
-    ))
-    .in_column(names().next().unwrap_or_default())
-    .note(format!("they are {}", listed(names())))
-    .remedy(format!("say which: {}", flags.join(" or ")))
 }
 
 /// Whether the machine turns, as the units of position and force say; `None` if neither is known.

@@ -169,6 +169,37 @@ fn holds_values(channel: Channel, header: Header, index: usize) -> bool {
     cells().filter(|cell| !cell.is_empty()).count() <= 2 * cells().filter(is_value).count()
 }
 
+/// A column as `--columns` names it: by its number where others have its name.
+pub(super) fn called(header: Header, index: usize) -> String {
+    let name = &header.names[index];
+    match header.names.iter().filter(|other| *other == name).count() {
+        1 => name.clone(),
+        _ => (index + 1).to_string(),
+    }
+}
+
+/// A column that is called as the channel is, but holds text, and the first of its cells.
+pub(super) fn text_in(channel: Channel, header: Header<'_>) -> Option<(usize, &str)> {
+    let named =
+        (0..header.names.len()).filter(|index| words(channel).fit(name(header, *index)).is_some());
+    let mut texts = named.filter(|index| !holds_values(channel, header, *index));
+    let index = texts.next()?;
+    let cells = header.sample.iter().filter_map(|row| row.get(index));
+    let first = cells.map(String::as_str).find(|cell| !cell.is_empty())?;
+    Some((index, first))
+}
+
+/// A column that is called as the channel is, or a strain or a stress, but whose unit is of something else.
+pub(super) fn in_other_units(channel: Channel, header: Header) -> Option<usize> {
+    let is_called = |index: &usize| {
+        let own = name(header, *index);
+        words(channel).fit(own).is_some() || names::is_relative(channel, own)
+    };
+    (0..header.names.len()).filter(is_called).find(|index| {
+        stated_unit(channel, header, *index).is_some() && unit(channel, header, *index).is_none()
+    })
+}
+
 /// What `--columns` probably should be, units that are not said left as SI.
 pub(super) fn suggestion(header: Header) -> Option<String> {
     let mut taken = Vec::new();
@@ -179,10 +210,7 @@ pub(super) fn suggestion(header: Header) -> Option<String> {
             Ok(index) | Err(Unclear::Unit(index)) => index,
             Err(Unclear::Several(indices)) => *indices.first()?,
             // Without a column of time there is --rate.
-            Err(Unclear::Nothing) if channel == Channel::Time => {
-                parts.push("t=NAME".to_string());
-                continue;
-            }
+            Err(Unclear::Nothing) if channel == Channel::Time => continue,
             Err(Unclear::Nothing) => return None,
         };
         taken.push(index);
@@ -191,7 +219,7 @@ pub(super) fn suggestion(header: Header) -> Option<String> {
         parts.push(format!(
             "{}={}{factor}",
             channel.letter(),
-            header.names[index]
+            called(header, index)
         ));
     }
     Some(parts.join(","))

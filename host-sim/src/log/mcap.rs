@@ -15,8 +15,10 @@ use ::mcap::write::NoSeek;
 use ::mcap::{Compression, McapError, MessageStream, WriteOptions, Writer};
 use serde_json::{Map, Value, json};
 
+use super::channel::Channel;
 use super::record::Log;
 use super::uniform::UniformLog;
+use crate::kind::Kind;
 use crate::output::write_atomically;
 
 /// The first bytes of a file.
@@ -311,10 +313,11 @@ pub fn write_mcap(
 /// Puts samples into a topic of their own.
 fn put_samples(
     topics: &mut McapTopics,
+    kind: Option<Kind>,
     channels: [&[f64]; 3],
     further: &[(Cow<str>, &[f64])],
 ) -> io::Result<()> {
-    let own = ["t_s", "x_m", "f_n"];
+    let own = Channel::ALL.map(|channel| channel.column_of(kind.unwrap_or_default()));
     let names: Vec<&str> = own
         .into_iter()
         .chain(further.iter().map(|(name, _)| name.as_ref()))
@@ -345,6 +348,7 @@ impl Log {
         let further: Vec<_> = further.collect();
         put_samples(
             topics,
+            self.kind,
             [&self.time_s, &self.position_m, &self.force_n],
             &further,
         )
@@ -357,7 +361,12 @@ impl UniformLog {
     /// # Errors
     /// What the file system says.
     pub fn put_into(&self, topics: &mut McapTopics) -> io::Result<()> {
-        put_samples(topics, [&self.time_s, &self.position_m, &self.force_n], &[])
+        put_samples(
+            topics,
+            self.kind,
+            [&self.time_s, &self.position_m, &self.force_n],
+            &[],
+        )
     }
 }
 
@@ -385,6 +394,21 @@ mod tests {
         assert_eq!(back.time_s, log.time_s);
         assert_eq!(back.position_m, log.position_m);
         assert_eq!(back.extra, log.extra);
+        fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn a_machine_that_turns_is_read_back_as_one() {
+        let ramp: Vec<f64> = (0..50).map(|i| f64::from(i) * 1e-3).collect();
+        let log = Log {
+            kind: Some(Kind::Rotary),
+            ..Log::from_channels(ramp.clone(), ramp.clone(), ramp)
+        };
+        let path = file("rotary");
+        write_mcap(&path, |topics| log.put_into(topics)).unwrap();
+        let back = Log::read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(back.kind, Some(Kind::Rotary));
+        assert_eq!(back.position_m, log.position_m);
         fs::remove_file(path).unwrap();
     }
 

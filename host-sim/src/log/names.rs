@@ -1,5 +1,7 @@
 //! The names that machines give to time, position and force, in English, German, French and Spanish.
 
+use super::channel::Channel;
+
 /// How well a name fits, the best first. Two columns that fit equally well are a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Fit {
@@ -59,6 +61,7 @@ pub(super) const POSITION: Words = Words {
     ],
     secondary: &[
         "crosshead", "traverse", "stroke", "kolben", "actuator", "piezo", "course", "carrera", "motor", "lvdt",
+        "ramp",
     ],
     letters: &[
         "x", "z", "y", "h", "d", "s", "q", "dz", "zpos", "xpos",
@@ -75,7 +78,7 @@ pub(super) const FORCE: Words = Words {
     general: &[
         "force", "load", "kraft", "fuerza", "carga", "charge", "effort", "last", "weight", "gewicht",
         "kraftmessdose", "wägezelle", "vdeflection", "thrust", "drehmoment", "torque", "moment", "couple",
-        "momento", "par", "fz", "fn",
+        "momento", "par", "fz", "fn", "defl", "deflection",
     ],
     secondary: &[
         "axial", "cell",
@@ -123,6 +126,17 @@ impl Words {
         };
         hit.map(|(_, fit)| fit).or_else(letter)
     }
+}
+
+/// Whether a column holds a position by the sample's height (a strain) or a force by its area (a stress).
+pub(super) fn is_relative(channel: Channel, name: &str) -> bool {
+    let words: &[&str] = match channel {
+        Channel::Time => &[],
+        Channel::Position => &["strain", "dehnung", "déformation", "deformación"],
+        Channel::Force => &["stress", "spannung", "contrainte", "esfuerzo", "tensión"],
+    };
+    let name = Name::new(name);
+    words.iter().any(|word| name.has(word))
 }
 
 /// Names of columns whose changes separate the parts of one touch,

@@ -84,7 +84,7 @@ pub(super) fn parse(head: &[u8], path: &Path, wanted: &ColumnMap) -> Result<Prea
 
 fn preamble(lines: &[Line], at: usize, delimiter: u8) -> Preamble {
     let header = &lines[at];
-    let names = split(&header.text, delimiter);
+    let mut names = split(&header.text, delimiter);
     let mut last = at;
     let mut units = Vec::new();
     // A row of units, and what comments stand around it.
@@ -94,12 +94,17 @@ fn preamble(lines: &[Line], at: usize, delimiter: u8) -> Preamble {
             (last, units) = (index, cells);
             break;
         }
-        if !line.is_comment {
+        let is_blank = cells.iter().all(String::is_empty);
+        if !(line.is_comment || is_blank) {
             break;
         }
     }
     let titles = lines[..at].iter().filter(|line| !line.is_comment).count();
     let sample = rows(&lines[last + 1..], delimiter);
+    let widest = sample.iter().map(Vec::len).max().unwrap_or(0);
+    if names.len() > widest && widest > 0 && are_remarks(&names[widest..]) {
+        names.truncate(widest);
+    }
     Preamble {
         delimiter,
         format: NumberFormat::of(&sample, delimiter),
@@ -255,13 +260,28 @@ fn header_above(lines: &[Line], table: &Table, delimiter: u8) -> Option<usize> {
             .iter()
             .filter(|cell| !cell.is_empty() && !is_value(cell))
             .count();
-        // A delimiter that ends every row makes an empty cell more.
-        let fits =
-            cells.len() == table.columns || (table.is_closed && cells.len() + 1 == table.columns);
+        // A delimiter that ends every row makes an empty cell more, a remark that is never made one less.
+        let fits = cells.len() == table.columns
+            || (table.is_closed && cells.len() + 1 == table.columns)
+            || cells.get(table.columns..).is_some_and(are_remarks);
         fits && 2 * texts > cells.len() && !are_units(&cells)
     };
     // Without a mistake in its first rows, the header is near.
     (from..table.start).rev().find(|at| names(*at))
+}
+
+/// Whether names are of remarks, whose cells may be left out at the end of a row (as LabVIEW does).
+fn are_remarks(names: &[String]) -> bool {
+    const REMARKS: [&str; 6] = [
+        "comment",
+        "comments",
+        "kommentar",
+        "remark",
+        "remarks",
+        "note",
+    ];
+    let is_remark = |name: &String| REMARKS.contains(&name.to_lowercase().as_str());
+    names.iter().all(is_remark)
 }
 
 /// Whether every cell is a unit or empty, and one is a unit of the three channels.

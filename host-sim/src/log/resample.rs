@@ -175,7 +175,7 @@ impl Log {
         let missing = last + 1 - self.len();
         if missing > 0 {
             notes.push(format!(
-                "{missing} of {} samples are missing and invented between their neighbours",
+                "{missing} of {} samples are missing and interpolated between their neighbours",
                 last + 1
             ));
         }
@@ -243,7 +243,7 @@ impl Log {
         let invented = grid.in_gap.iter().filter(|in_gap| **in_gap).count();
         if invented > 0 {
             notes.push(format!(
-                "{}: {invented} of {} samples are invented between their ends",
+                "{}: {invented} of {} samples are interpolated between their ends",
                 counted(timing.gaps.len(), "gap"),
                 grid.len()
             ));

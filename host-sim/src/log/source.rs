@@ -106,7 +106,7 @@ fn beginning(source: &mut dyn Read) -> io::Result<Vec<u8>> {
 pub(super) fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
     let remedy = match error.kind() {
         io::ErrorKind::NotFound => "check the path",
-        io::ErrorKind::PermissionDenied => "ask for the right to read it",
+        io::ErrorKind::PermissionDenied => "check the file's permissions",
         io::ErrorKind::IsADirectory => "give the log in the folder, not the folder",
         io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData | io::ErrorKind::InvalidInput => {
             "the compressed file is damaged or cut off: copy it again"
@@ -170,10 +170,17 @@ fn wrong_text(text: &[u8]) -> Option<&'static str> {
             Some("a TOML file (a model or a motion?)")
         }
         b'[' => Some("a JSON file"),
-        b'<' => Some("an HTML or XML page"),
+        b'<' if is_page(line) => Some("an HTML or XML page"),
         _ if line.starts_with(b"version https://git-lfs") => Some("a pointer of git-lfs"),
         _ => None,
     }
+}
+
+/// Whether a line begins a page; `<INFO>` alone is a title of some testing machines.
+fn is_page(line: &[u8]) -> bool {
+    const BEGINNINGS: [&[u8]; 6] = [b"<!", b"<?", b"<html", b"<head", b"<body", b"<table"];
+    let line = line.to_ascii_lowercase();
+    BEGINNINGS.iter().any(|own| line.starts_with(own))
 }
 
 fn is_table_name(byte: &u8) -> bool {
@@ -223,6 +230,7 @@ mod tests {
             (b"{\"a\": 1}", "JSON"),
             (b"[1, 2]", "JSON"),
             (b"<!DOCTYPE html>", "HTML"),
+            (b"<?xml version=\"1.0\"?>", "XML"),
             (b"[environment]\nlaw = 1", "TOML"),
             (b"[[segment]]\n", "TOML"),
             (b"PK\x03\x04....", "xlsx"),
@@ -232,5 +240,6 @@ mod tests {
             assert!(what.contains(name), "{what}");
         }
         assert_eq!(not_a_table(b"t_s,x_m,f_n\n"), None);
+        assert_eq!(not_a_table(b"<INFO>\nDate:\t1\n<DATA>\n"), None);
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn unknown_parameter(
     known: &[String],
 ) -> Diagnostic {
     let names = || known.iter().map(String::as_str);
-    diagnostic.what = format!("`{name}` is no parameter here");
+    diagnostic.what = format!("`{name}` is not a parameter here");
     diagnostic = diagnostic
         .value(name)
         .note(format!("the parameters are {}", listed(names())));

@@ -231,10 +231,11 @@ impl Records {
         };
         let mut said = self.said.partition_point(|(from, _)| *from <= start) - 1;
         let mut record = block.first;
+        let mut last = words(&record);
         let mut out = Vec::with_capacity(BLOCK);
         out.push(record);
         for index in start + 1..end {
-            take_words(&mut bytes, &mut record, self.force_n[index]);
+            take_words(&mut bytes, &mut last, &mut record, self.force_n[index]);
             record.depth_m = self.depth_m[index];
             record.speed_mps = self.speed_mps[index];
             while self
@@ -307,9 +308,9 @@ fn push_words(bytes: &mut Vec<u8>, before: &Record, record: &Record) {
     }
 }
 
-/// Makes a record of the one before it.
-fn take_words(bytes: &mut &[u8], record: &mut Record, force_n: f32) {
-    let old = words(record);
+/// Makes a record of the one before it, and its words of the words of that one.
+fn take_words(bytes: &mut &[u8], last: &mut [u32; WORDS], record: &mut Record, force_n: f32) {
+    let old = *last;
     let forces = (record.force_n.to_bits(), force_n.to_bits());
     let (mask, mut rest) = bytes.split_at(MASK);
     let mut own = [0; WORDS];
@@ -323,6 +324,7 @@ fn take_words(bytes: &mut &[u8], record: &mut Record, force_n: f32) {
         };
     }
     *bytes = rest;
+    *last = own;
     record.force_n = force_n;
     record.time_us = u64::from(own[TIME]) | u64::from(own[TIME + 1]) << 32;
     let number = |at: usize| f32::from_bits(own[at]);

@@ -78,6 +78,9 @@ pub struct Table {
     most_rows: usize,
 }
 
+/// Rows beyond the most that a table shows, up to which it shows them all: 16 touches where 14 are the most.
+const SHOWN_BEYOND: usize = 5;
+
 impl Table {
     /// A table with these columns and no rows.
     pub fn new<T: Into<String>>(columns: impl IntoIterator<Item = T>) -> Table {
@@ -159,8 +162,8 @@ impl Table {
     /// The number of rows before the gap, and the number of rows that are left out in it.
     fn split(&self) -> (usize, usize) {
         match self.rows.len().checked_sub(self.most_rows) {
-            // The gap takes a line as well, so one row alone is not left out.
-            Some(surplus) if surplus > 1 => (self.most_rows.div_ceil(2), surplus),
+            // A gap is worth its line only if it saves a few.
+            Some(surplus) if surplus > SHOWN_BEYOND => (self.most_rows.div_ceil(2), surplus),
             _ => (self.rows.len(), 0),
         }
     }

@@ -97,7 +97,7 @@ pub fn verdict(options: &Options, measures: &Measures) -> (Tone, &'static str, S
             "The felt force is {:.1} % of its peak off the true one",
             100.0 * share
         ),
-        None => "The scheme never had what it needs to put a force out".into(),
+        None => "The scheme never became ready: it put out no force".into(),
     };
     let shaped = match options.shaping() {
         1.0 => String::new(),

@@ -12,7 +12,7 @@
 //! stiffness = 700.0       # N/m
 //! [task]
 //! outside = -0.006        # m, where the hand rests
-//! inside = 0.014          # m, how deep it means to go
+//! inside = 0.014          # m, intended depth
 //! frequency = 0.8         # Hz
 //! palpates = [8.75, 6.25] # s, before and after it slides off
 //! presses = 3.4           # s
@@ -24,7 +24,7 @@
 //! jitter = 0.3            # share of the delay
 //! distribution = "gamma"  # or "uniform"
 //! loss = 0.05             # share of the messages
-//! burst = 1.0             # messages lost in a row, in the mean
+//! burst = 1.0             # messages messages lost in a row, on average
 //! rate = 12000            # bytes/s
 //! outage = [8.0, 10.0]    # s, from and until when nothing arrives
 //! ```

@@ -20,7 +20,7 @@ pub struct Measures {
     /// RMS of felt minus true force over the peak of the true one, once the scheme has what it needs: an
     /// impedance that has converged and arrived, or the first forces of a touch. `None`: it never had.
     pub felt_force_rmse_share: Option<f64>,
-    /// The same over every contact from the first touch on.
+    /// Felt minus true force over every contact, rms over peak from the first touch on.
     pub felt_force_rmse_share_whole: f64,
     /// The first of these of the second material.
     pub felt_force_rmse_share_after: Option<f64>,

@@ -35,7 +35,7 @@ pub const FORCE: Threshold = Threshold {
     what: "error of the felt force",
     from: 0.07,
     unit: "1",
-    source: "Weber's fraction of force is about 7 %; 5 % is below what anybody feels",
+    source: "Weber's fraction of force is about 7 %; 5 % is below what people feel",
 };
 
 /// A measure against its threshold.

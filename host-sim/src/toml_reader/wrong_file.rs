@@ -13,13 +13,13 @@ pub(super) const FORM: &str =
 pub(super) fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
     let remedy = match error.kind() {
         io::ErrorKind::NotFound => "check the path",
-        io::ErrorKind::PermissionDenied => "ask for the right to read it",
+        io::ErrorKind::PermissionDenied => "check the file's permissions",
         io::ErrorKind::IsADirectory => "give the file in the folder, not the folder",
         io::ErrorKind::InvalidData => FORM,
         _ => "make sure that it is a file that can be read to its end",
     };
     let what = match error.kind() {
-        io::ErrorKind::InvalidData => "this is no text in UTF-8, and so not TOML".into(),
+        io::ErrorKind::InvalidData => "this is not UTF-8 text, so it cannot be TOML".into(),
         _ => format!("cannot read the file: {error}"),
     };
     Diagnostic::new(what).in_file(path).remedy(remedy)

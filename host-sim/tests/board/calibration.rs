@@ -170,7 +170,7 @@ fn two_weights_are_said_to_be_unchecked_and_no_weights_are_refused() {
         (&[][..], "nothing to calibrate"),
         (&[1.0][..], "too few"),
         (&[1.0, 1.0][..], "the same"),
-        (&[0.0, -1.0][..], "weight that is none"),
+        (&[0.0, -1.0][..], "this is not a weight"),
     ] {
         let error = calibrate::run(&mut device, &arguments(weights), &mut helper).unwrap_err();
         assert!(error.to_string().contains(expected), "{error}");

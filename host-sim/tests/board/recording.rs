@@ -4,6 +4,7 @@ use crate::common::Folder;
 use crate::{device, world};
 use estimator_core::board::link::BYTES_PER_MS;
 use estimator_core::board::settings::COUNT;
+use palpate::kind::Kind;
 use palpate::link::port::Files;
 use palpate::link::world::Hand;
 use palpate::link::{Device, record};
@@ -18,7 +19,7 @@ fn a_recording_is_a_log_and_replays_to_the_boards_own_estimates() {
     let out = folder.path("run");
     let statistics = record::record(&mut device, &out, Some(4_000_000)).unwrap();
     assert_eq!((statistics.lost, statistics.garbled), (0, 0));
-    let said = record::convert(&out).unwrap();
+    let said = record::convert(&out, Kind::Linear).unwrap();
     assert!(said.contains("0 samples missing"), "{said}");
     let log = Log::read(&out.join("log.csv"), &ReadOptions::default()).unwrap();
     // 4 s, and before them a question for each setting and for what board it is, 10 ms each.
@@ -67,7 +68,7 @@ fn a_recording_that_was_cut_anywhere_still_makes_a_log() {
         let pieces = [&whole[..whole.len() - cut], &whole[cut..]];
         for piece in pieces {
             fs::write(out.join("recording.frames"), piece).unwrap();
-            let said = record::convert(&out).unwrap();
+            let said = record::convert(&out, Kind::Linear).unwrap();
             // What was cut off in the middle of a frame is no garbled frame.
             assert!(said.contains("0 frames garbled"), "{said}");
             let log = Log::read(&out.join("log.csv"), &ReadOptions::default()).unwrap();
@@ -75,7 +76,7 @@ fn a_recording_that_was_cut_anywhere_still_makes_a_log() {
         }
     }
     fs::write(out.join("recording.frames"), b"nothing of it").unwrap();
-    assert!(record::convert(&out).is_err());
+    assert!(record::convert(&out, Kind::Linear).is_err());
 }
 
 #[test]
@@ -91,7 +92,7 @@ fn a_board_that_was_reset_makes_a_log_for_each_of_its_lives() {
         file.write_all(&fs::read(life.join("recording.frames")).unwrap())
             .unwrap();
     }
-    record::convert(&out).unwrap();
+    record::convert(&out, Kind::Linear).unwrap();
     let length = |name: &str| {
         let log = Log::read(&out.join(name), &ReadOptions::default()).unwrap();
         log.len()

@@ -8,6 +8,7 @@ use crate::world;
 use estimator_core::board::link::BYTES_PER_MS;
 use estimator_core::board::settings::{Key, Settings};
 use palpate::cli::config::compensate::{self, CompensateArgs};
+use palpate::kind::Kind;
 use palpate::link::port::Serial;
 use palpate::link::world::Hand;
 use palpate::link::{Device, SimulatedBoard, record};
@@ -52,7 +53,7 @@ fn settings_telemetry_and_a_recording_go_over_a_pseudo_terminal() {
     let out = folder.path("run");
     let statistics = record::record(&mut device, &out, Some(500_000)).unwrap();
     assert_eq!((statistics.lost, statistics.garbled), (0, 0));
-    record::convert(&out).unwrap();
+    record::convert(&out, Kind::Linear).unwrap();
     let log = Log::read(&out.join("log.csv"), &ReadOptions::default()).unwrap();
     // Every second sample of half a second, and what came while the settings were asked for.
     assert!((240..2000).contains(&log.len()), "{}", log.len());

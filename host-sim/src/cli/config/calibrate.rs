@@ -20,7 +20,7 @@ use crate::output::say;
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Example:\n  palpate config --port /dev/ttyUSB0 calibrate --weights 0,0.5,1,2 --travel 10\n\n\
-    Three weights or more, 0 among them, tell a bent cell from a straight one; two cannot."
+    Three weights or more, 0 among them, show whether the load cell is linear; two cannot."
 )]
 pub struct CalibrateArgs {
     /// Weights (kg) in the order in which they will be laid on, 0 for none.
@@ -152,7 +152,7 @@ fn check(args: &CalibrateArgs) -> Result<(), Diagnostic> {
     }
     if args.weights.iter().any(|kg| !kg.is_finite() || *kg < 0.0) {
         return wrong(
-            "a weight that is none",
+            "this is not a weight",
             list,
             "give weights in kg; --pulling turns their direction",
         );
@@ -160,14 +160,14 @@ fn check(args: &CalibrateArgs) -> Result<(), Diagnostic> {
     if !(9.0..=10.0).contains(&args.gravity) {
         let gravity = args.gravity.to_string();
         return wrong(
-            "gravity is elsewhere",
+            "this is not the acceleration of gravity on the Earth",
             gravity,
             "give it in m/s², such as 9.80665",
         );
     }
     match args.travel {
         Some(mm) if !mm.is_finite() || mm <= 0.0 => wrong(
-            "a way that is none",
+            "this is not a distance",
             mm.to_string(),
             "give it in mm, into the material",
         ),
@@ -245,14 +245,14 @@ fn judgement(points: &[Point], fit: &Calibration, drift_n: f64) -> String {
             quantity(points[worst].force_n, 4, "N")
         ),
         Quality::Unchecked => {
-            "unchecked: two weights fit any line; a third would show whether it is one\n".into()
+            "unchecked: a line through two weights always fits; a third weight shows whether the cell is linear\n".into()
         }
     });
     let drift = 100.0 * drift_n.abs() / fit.span_n;
     let stays = if drift <= 0.5 {
         "stays"
     } else {
-        "does not stay: warm up, check the mounting"
+        "drifts: let the cell warm up, check its mounting"
     };
     text.push_str(&format!(
         "zero {stays}: {} after the weights, {drift:.2} % of the largest\n",

@@ -23,7 +23,7 @@ use crate::number::quantity;
     after_help = "Example:\n  palpate gap --model base.toml --log run1/log.csv --out gap\n  \
     palpate config --port /dev/ttyUSB0 compensate gap/model.toml\n  \
     palpate config --port /dev/ttyUSB0 compensate --off\n\n\
-    The effects of the rig in the model take the place of those that the board takes off now; it saves\n\
+    The effects of the rig in the model replace those that the board compensates now, and are saved.\n\
     them. Effects of the material stay in the force. Lift the probe off first: the estimator restarts.\n\
     Friction, drag, inertia and lag need speeds, and make the estimates 6 ms later; a positive delay\n\
     adds itself. The stamp of an estimate says so: it is that of the instant it belongs to."
@@ -32,7 +32,7 @@ pub struct CompensateArgs {
     /// The model of `palpate gap`, or one of your own (TOML).
     #[arg(required_unless_present = "off")]
     pub model: Option<PathBuf>,
-    /// Take nothing off any more.
+    /// Compensate nothing any more.
     #[arg(long, conflicts_with = "model")]
     pub off: bool,
 }
@@ -104,7 +104,7 @@ impl Plan {
     fn unusable(&self, invalid: &Invalid) -> Diagnostic {
         let name = invalid.key.info().name;
         let key = name.strip_prefix("compensation.").unwrap_or(name);
-        Diagnostic::new("the board cannot take this off")
+        Diagnostic::new("the board cannot compensate this")
             .in_file(&self.of)
             .at_key(&format!("effect.{key}"))
             .value(invalid.value)
@@ -115,7 +115,7 @@ impl Plan {
     fn said(&self, wanted: &Settings) -> String {
         let mut text = String::new();
         if !self.effects.is_empty() {
-            text.push_str("taken off on the board:\n");
+            text.push_str("compensated on the board:\n");
         }
         for effect in &self.effects {
             let values = effect.id().info().parameters.iter().zip(effect.row());
@@ -172,15 +172,15 @@ pub fn run<P: Port>(device: &mut Device<P>, plan: Option<&Plan>) -> Result<Strin
         let now = device.settings()?;
         let changed = restore(device, &now, &now.without_compensation())?;
         return Ok(match changed {
-            0 => "nothing was taken off\n".to_string(),
-            _ => "nothing is taken off any more; saved\n".to_string(),
+            0 => "nothing was compensated\n".to_string(),
+            _ => "nothing is compensated any more; saved\n".to_string(),
         });
     };
     if plan.effects.is_empty() {
         let said = plan.said(&Settings::default());
         let of = plan.of.display();
         return Ok(format!(
-            "{said}{of} has no effect of the rig that a board can take off: nothing sent\n"
+            "{said}{of} has no effect of the rig that a board can compensate: nothing sent\n"
         ));
     }
     let now = device.settings()?;

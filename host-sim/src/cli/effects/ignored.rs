@@ -11,6 +11,7 @@ use estimator_core::physics::rig::MOST_EFFECTS;
 
 use crate::batch::{Family, Options, batch};
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::log::UniformLog;
 use crate::motion::Motion;
 use crate::plant::{Contact, GEL, Rig, Stage};
@@ -22,6 +23,8 @@ pub struct Ignored {
     pub id: EffectId,
     /// Its parameters, in the order of the catalogue.
     pub row: [f64; 4],
+    /// What was touched, and by which kind of machine.
+    pub touched: Touched,
     /// The law that was fitted.
     pub family: Family,
     /// The palpation without the effect.
@@ -40,27 +43,76 @@ pub struct Ignored {
     pub misfit: Option<f64>,
 }
 
-/// The law under an effect: one of a linear law has a linear contact, any other the gel.
-fn base(id: EffectId) -> (Contact, Family) {
-    if !id.info().laws.are_linear() {
-        return (GEL.at(0.0), Family::HUNT_CROSSLEY);
-    }
-    let law = KelvinVoigt {
-        stiffness_n_per_m: GEL.law.stiffness_n_per_m,
-        damping_ns_per_m: GEL.law.damping_ns_per_m,
-    };
-    let contact = Contact {
+/// What is touched under an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Touched {
+    /// Its name in sentences.
+    pub name: &'static str,
+    /// Whether the machine that touches it turns.
+    pub kind: Kind,
+    contact: Contact,
+    family: Family,
+    peak_m: f64,
+}
+
+/// A torsion spring for effects of machines that turn: 9.6 N m at its deepest, as the gel has 9.4 N, over an
+/// angle in which a turn shows.
+const TORSION_SPRING: KelvinVoigt<f64> = KelvinVoigt {
+    stiffness_n_per_m: 8.0,
+    damping_ns_per_m: 0.2,
+};
+const TORSION_PEAK_RAD: f64 = 1.2;
+
+/// What is touched: for an effect of machines that turn a torsion spring, for one of a linear law a linear
+/// contact, for any other the gel.
+fn touched(id: EffectId) -> Touched {
+    let linear = |law| Contact {
         law: Law::KelvinVoigt(law),
         surface_m: 0.0,
     };
-    (contact, Family::KELVIN_VOIGT)
+    if !Kind::Linear.can_have(id) {
+        return Touched {
+            name: "a torsion spring (8 N m/rad, 0.2 N m s/rad, pressed by 1.2 rad)",
+            kind: Kind::Rotary,
+            contact: linear(TORSION_SPRING),
+            family: Family::KELVIN_VOIGT,
+            peak_m: TORSION_PEAK_RAD,
+        };
+    }
+    let is_linear = id.info().laws.are_linear();
+    let spring = KelvinVoigt {
+        stiffness_n_per_m: GEL.law.stiffness_n_per_m,
+        damping_ns_per_m: GEL.law.damping_ns_per_m,
+    };
+    let (contact, family) = match is_linear {
+        true => (linear(spring), Family::KELVIN_VOIGT),
+        false => (GEL.at(0.0), Family::HUNT_CROSSLEY),
+    };
+    Touched {
+        name: match is_linear {
+            true => "a linear contact (1350 N/m, 36 N s/m)",
+            false => "the gel of the chapter",
+        },
+        kind: Kind::Linear,
+        contact,
+        family,
+        peak_m: GEL.peak_depth_m,
+    }
 }
 
-fn truth(name: &str) -> f64 {
+fn truth(contact: &Contact, name: &str) -> f64 {
+    let (stiffness, damping, exponent) = match contact.law {
+        Law::KelvinVoigt(own) => (own.stiffness_n_per_m, own.damping_ns_per_m, 1.0),
+        _ => (
+            GEL.law.stiffness_n_per_m,
+            GEL.law.damping_ns_per_m,
+            GEL.law.exponent,
+        ),
+    };
     match name {
-        "stiffness" => GEL.law.stiffness_n_per_m,
-        "damping" => GEL.law.damping_ns_per_m,
-        "exponent" => GEL.law.exponent,
+        "stiffness" => stiffness,
+        "damping" => damping,
+        "exponent" => exponent,
         _ => 0.0,
     }
 }
@@ -71,7 +123,8 @@ fn truth(name: &str) -> f64 {
 /// A simulation or a fit that fails; none of the catalogue does.
 pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
     let row = id.info().example;
-    let (contact, family) = base(id);
+    let touched = touched(id);
+    let (contact, family) = (touched.contact, touched.family);
     let palpated = |effect: Option<Effect<f64>>| -> Result<UniformLog, Diagnostic> {
         let mut effects = [None; MOST_EFFECTS];
         effects[0] = effect;
@@ -81,9 +134,13 @@ pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
             effects,
             ..Rig::default()
         };
-        let motion = Motion::palpation(GEL.peak_depth_m);
+        let motion = Motion::palpation(touched.peak_m);
         let run = rig.run(&Stage::throughout(contact), &motion, seed)?;
-        run.log.uniform()
+        let log = run.log.uniform()?;
+        Ok(UniformLog {
+            kind: Some(touched.kind),
+            ..log
+        })
     };
     let (without, with) = (palpated(None)?, palpated(Some(Effect::new(id, &row)))?);
     let options = Options {
@@ -101,11 +158,12 @@ pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
     Ok(Ignored {
         id,
         row,
+        touched,
         family,
         base: found
             .parameters
             .iter()
-            .map(|own| (own.name, own.unit, truth(own.name), own.estimate))
+            .map(|own| (own.name, own.unit, truth(&contact, own.name), own.estimate))
             .collect(),
         residual_n: forces.map(residual).collect(),
         depth_m: columns.depth_m.clone(),

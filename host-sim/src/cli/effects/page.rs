@@ -2,6 +2,7 @@
 
 use super::Ignored;
 use super::text::{percent, settings, taken_off};
+use crate::kind;
 use crate::number::quantity;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 use crate::report::{Cell, Document, Figure, Provenance, Section, Table, Tone};
@@ -34,7 +35,7 @@ pub(super) fn document(shown: &[Ignored], provenance: Provenance) -> Document {
     let mut document = Document::new(title).verdict(Tone::Neutral, "catalogue", sentence);
     document = document.section(overview(shown));
     for own in shown {
-        document = document.section(section(own));
+        document = document.section(kind::worded(own.touched.kind, || section(own)));
     }
     document.provenance(provenance)
 }
@@ -61,7 +62,7 @@ fn overview(shown: &[Ignored]) -> Section {
     );
     Section::new("Ignored").text(
         "The simulated rig palpates the gel of the chapter (K 1350 N/m, λ 36 N s/m, n 1.35; a linear contact \
-         for the effects of one) for 8.6 s with one hidden effect; load cell 20 mN, encoder 1 µm, 1 kHz. \
+         where an effect belongs to one, a torsion spring where a machine turns) for 8.6 s with one hidden effect; load cell 20 mN, encoder 1 µm, 1 kHz. \
          The law without the effect is fitted to the whole log, with a constant force and, for \
          Hunt–Crossley, a small time skew beside it.",
     ).table(table)
@@ -78,7 +79,11 @@ fn section(own: &Ignored) -> Section {
         format!("Law: {} (in the {})", info.law, info.stage.name()),
         format!("Shows as: {}", info.signature),
         format!("Shown by: {}", info.motion),
-        format!("Here: {}", settings(own)),
+        format!(
+            "Here: {}, in a palpation of {}",
+            settings(own),
+            own.touched.name
+        ),
         format!("Compensated: {}", taken_off(own.id)),
     ];
     Section::new(own.id.name())

@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
+use estimator_core::estimate::Estimated;
 use estimator_core::physics::effect::{EffectId, ParameterInfo};
 
 use super::Ignored;
+use crate::kind::{self, Kind};
 use crate::number::{Measured, quantity};
 use crate::wrap::wrapped;
 
@@ -22,11 +24,20 @@ pub(super) fn catalogue() -> String {
             let _ = writeln!(text, "\n{}", info.stage.name());
         }
         let _ = writeln!(text, "{}", wrapped(&format!("  {}: ", id.name()), info.law));
-        let names: Vec<String> = info.parameters.iter().map(parameter).collect();
+        let parameters = || info.parameters.iter().map(parameter).collect();
+        let names: Vec<String> = kind::worded(of(id), parameters);
         let _ = writeln!(text, "{}", wrapped("      ", &names.join(", ")));
         let _ = writeln!(text, "{}", wrapped("      signature: ", info.signature));
     }
-    text + "\n`palpate effects ID` says more of one; --out DIR draws them.\n"
+    text + "\n`palpate effects ID` shows one in detail; --out DIR draws figures of all.\n"
+}
+
+/// The kind of machine that an effect is worded for: the one that is asked for, unless only the other can have it.
+pub(super) fn of(id: EffectId) -> Kind {
+    match kind::of_words().can_have(id) {
+        true => kind::of_words(),
+        false => Kind::Rotary,
+    }
 }
 
 /// Name, unit and bounds.
@@ -43,7 +54,7 @@ fn parameter(info: &ParameterInfo) -> String {
         _ => format!(
             "{} ({}, {}{usual})",
             info.name,
-            info.unit,
+            kind::unit(info.unit.symbol()),
             info.bounds.name()
         ),
     }
@@ -51,8 +62,13 @@ fn parameter(info: &ParameterInfo) -> String {
 
 /// One effect, with what it does to the base.
 pub(super) fn one(shown: &Ignored) -> String {
-    let info = shown.id.info();
-    let mut text = format!("{}, in the {}\n", shown.id.name(), info.stage.name());
+    let facts = kind::worded(of(shown.id), || facts(shown.id));
+    facts + &kind::worded(shown.touched.kind, || when_ignored(shown))
+}
+
+fn facts(id: EffectId) -> String {
+    let info = id.info();
+    let mut text = format!("{}, in the {}\n", id.name(), info.stage.name());
     let mut line = |lead: &str, what: &str| {
         text.push_str(&wrapped(&format!("  {lead:<12}"), what));
         text.push('\n');
@@ -63,37 +79,59 @@ pub(super) fn one(shown: &Ignored) -> String {
     }
     line("shows as", info.signature);
     line("shown by", info.motion);
-    line("compensated", taken_off(shown.id));
-    text.push_str(&format!(
-        "\nIgnored, on the simulated gel, {}:\n",
-        settings(shown)
-    ));
-    for (name, unit, truth, found) in &shown.base {
-        let truth = Measured::new(*truth, None, unit).to_string();
-        let found = match found {
-            Some(own) => Measured::new(own.value, Some(own.std_error), unit).to_string(),
-            None => "not observable".into(),
-        };
-        let off = shown.bias(name).map_or(String::new(), percent);
-        text.push_str(&format!(
-            "  {name:<10} true {truth:<12} fitted {found:<24} {off}\n"
-        ));
+    line("compensated", taken_off(id));
+    text
+}
+
+/// What a fit that does not know the effect makes of the base.
+fn when_ignored(shown: &Ignored) -> String {
+    let mut text = format!(
+        "\n{}\n",
+        wrapped(
+            "",
+            &format!(
+                "When it is ignored: simulated palpation of {}, with {}",
+                shown.touched.name,
+                settings(shown)
+            )
+        )
+    );
+    let rows: Vec<[String; 3]> = shown.base.iter().map(|own| row(shown, own)).collect();
+    let width = |at: usize| rows.iter().map(|row| row[at].chars().count()).max();
+    let (truths, fits) = (width(0).unwrap_or(0), width(1).unwrap_or(0));
+    for ((name, ..), [truth, found, off]) in shown.base.iter().zip(&rows) {
+        let line = format!("  {name:<10} true {truth:<truths$}  fitted {found:<fits$}  {off}");
+        text.push_str(line.trim_end());
+        text.push('\n');
     }
     if let Some(misfit) = shown.misfit {
         let times = quantity(misfit, 3, "1");
-        text.push_str(&format!(
-            "  residual   {} times the noise\n",
-            times.trim_end()
-        ));
+        text.push_str(&format!("  residual   {} × the noise\n", times.trim_end()));
     }
     text
+}
+
+/// A parameter of the base: its true value, the fitted one, and how far that is off.
+fn row(
+    shown: &Ignored,
+    (name, unit, truth, found): &(&'static str, &'static str, f64, Option<Estimated<f64>>),
+) -> [String; 3] {
+    let found = match found {
+        Some(own) => Measured::new(own.value, Some(own.std_error), unit).to_string(),
+        None => "not observable".into(),
+    };
+    [
+        Measured::new(*truth, None, unit).to_string(),
+        found,
+        shown.bias(name).map_or(String::new(), percent),
+    ]
 }
 
 /// Whether `estimate --compensate` takes it off.
 pub(super) fn taken_off(id: EffectId) -> &'static str {
     match id.belongs_to_rig() {
-        true => "yes: it is the rig's (estimate --compensate)",
-        false => "no: it is a property of what is touched",
+        true => "yes, it belongs to the rig (estimate --compensate)",
+        false => "no, it belongs to what is touched",
     }
 }
 

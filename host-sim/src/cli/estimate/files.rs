@@ -122,20 +122,52 @@ fn header(replay: &Replay) -> Vec<String> {
 
 fn rows(replay: &Replay, part: Range<usize>, every: usize) -> String {
     let mut text = String::with_capacity(200 * part.len() / every);
-    let slots = replay.law().parameters().len();
+    let mut cells = Cells::of(replay.law().parameters().len());
     for (index, record) in part.clone().zip(replay.records.range(part)) {
         if index % every == 0 {
             // Writing into a String cannot fail.
-            let _ = push_row(&mut text, replay, slots, index, &record);
+            let _ = push_row(&mut text, &mut cells, replay, index, &record);
         }
     }
     text
 }
 
+/// The numbers of a row, each with its text in the row before: most of them stay the same in free air, and to put
+/// them into words is half of what an hour's table costs.
+struct Cells {
+    slots: usize,
+    last: Vec<(u32, String)>,
+}
+
+impl Cells {
+    fn of(slots: usize) -> Cells {
+        Cells {
+            slots,
+            last: vec![(0.0_f32.to_bits(), "0".into()); SIGNALS + 2 * slots],
+        }
+    }
+
+    /// Appends a comma and the number of a column.
+    fn push(&mut self, text: &mut String, column: usize, value: f32) -> std::fmt::Result {
+        let (bits, own) = &mut self.last[column];
+        if *bits != value.to_bits() {
+            *bits = value.to_bits();
+            own.clear();
+            write!(own, "{value}")?;
+        }
+        text.push(',');
+        text.push_str(own);
+        Ok(())
+    }
+}
+
+/// Numbers of a row beside its time and the parameters.
+const SIGNALS: usize = 6;
+
 fn push_row(
     text: &mut String,
+    cells: &mut Cells,
     replay: &Replay,
-    slots: usize,
     index: usize,
     record: &Estimate<f32>,
 ) -> std::fmt::Result {
@@ -146,23 +178,31 @@ fn push_row(
     };
     write!(
         text,
-        "{:.6},{phase},{},{},{},{},{},{},{}",
+        "{:.6},{phase},{}",
         replay.time_s(index),
         record.status.name(),
+    )?;
+    let signals: [f32; SIGNALS] = [
         record.depth_m,
         record.speed_mps,
         record.force_n,
         record.innovation.prediction_n,
         record.innovation.test_ratio,
         record.forgetting,
-    )?;
+    ];
+    for (column, value) in signals.into_iter().enumerate() {
+        cells.push(text, column, value)?;
+    }
     // Parameters of a law that was given up later stand in no column.
     let own = record.law == replay.law();
-    for parameter in &record.parameters[..slots] {
-        match parameter.filter(|_| own) {
-            Some(p) => write!(text, ",{},{}", p.value, p.std_error)?,
-            None => text.push_str(",,"),
-        }
+    for (slot, parameter) in record.parameters[..cells.slots].iter().enumerate() {
+        let Some(p) = parameter.filter(|_| own) else {
+            text.push_str(",,");
+            continue;
+        };
+        let column = SIGNALS + 2 * slot;
+        cells.push(text, column, p.value)?;
+        cells.push(text, column + 1, p.std_error)?;
     }
     let event = record.event.map_or("", |event| event.name());
     writeln!(text, ",{event},{}", record.faults.bits())

@@ -69,7 +69,7 @@ fn write_summary(
         let noise = estimation.inspection.noise_n;
         writeln!(
             text,
-            "force RMSE in contact {}, {} the noise of {}",
+            "residual in contact {} rms, {} the noise of {}",
             quantity(rmse, 3, "N"),
             times(rmse / noise),
             quantity(noise, 3, "N")
@@ -85,11 +85,19 @@ fn write_summary(
     Ok(())
 }
 
-/// The laws that were compared, and what each leaves.
+/// The laws that were compared, and what each leaves; of a law with several methods the best of them.
 fn tried(selection: &[(&'static str, Option<f64>)]) -> String {
-    let laws = selection.iter().map(|(law, rmse)| match rmse {
+    let mut best: Vec<(&'static str, Option<f64>)> = Vec::new();
+    for (law, rmse) in selection {
+        match best.iter_mut().find(|(own, _)| own == law) {
+            None => best.push((law, *rmse)),
+            Some((_, Some(least))) => *least = least.min(rmse.unwrap_or(f64::INFINITY)),
+            Some((_, none)) => *none = *rmse,
+        }
+    }
+    let laws = best.iter().map(|(law, rmse)| match rmse {
         Some(rmse) => format!("{law} leaves {}", quantity(*rmse, 3, "N")),
-        None => format!("{law} does not get all its parameters"),
+        None => format!("{law} cannot be determined"),
     });
     format!("laws tried: {}", laws.collect::<Vec<_>>().join("; "))
 }

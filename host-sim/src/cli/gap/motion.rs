@@ -82,7 +82,7 @@ pub(super) fn put(folder: &Path, text: Option<&str>) -> io::Result<()> {
         Some(_) if path.exists() && !is_replaceable() => Err(io::Error::new(
             io::ErrorKind::AlreadyExists,
             format!(
-                "{} is not gap's own, and a motion is to be written there: move it, or give another --out",
+                "{} was not written by gap, and the advised motion would replace it: move it, or give another --out",
                 path.display()
             ),
         )),

@@ -26,8 +26,9 @@ pub(super) fn summary(plan: &Plan) -> String {
     }
     further_motions(&mut text, plan);
     let change = format!(
-        "is the root mean square of what an effect does to the force; seen and rival are standard \
-         deviations of what no refit takes back, at least {:.1} to count",
+        "is the root mean square of what an effect does to the force; seen is how clearly it remains after the model \
+         is refitted without it, rival after the nearest other effect is refitted in its place, both in standard \
+         deviations; at least {:.1} counts",
         plan.least_sigma
     );
     line(&mut text, "change", &change);

@@ -64,7 +64,7 @@ pub(super) fn verdict(finding: &Finding) -> String {
         Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
         Verdict::PartlyExplained => partly_explained(finding, &names),
         Verdict::Unexplained => {
-            "unexplained: something is missing that the catalogue does not hold".into()
+            "unexplained: something is missing that is not in the catalogue".into()
         }
     }
 }
@@ -168,11 +168,7 @@ fn effect(text: &mut String, missing: &MissingEffect) {
     line(text, "", &said);
     if !missing.alternatives.is_empty() {
         let others: Vec<&str> = missing.alternatives.iter().map(|id| id.name()).collect();
-        line(
-            text,
-            "",
-            &format!("could as well be {}", others.join(" or ")),
-        );
+        line(text, "", &format!("may instead be {}", others.join(" or ")));
     }
 }
 

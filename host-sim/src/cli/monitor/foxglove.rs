@@ -23,7 +23,9 @@ use tungstenite::{Message, WebSocket};
 use super::source::Source;
 use super::view::phase;
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::link::device::Statistics;
+use crate::log::Channel;
 use crate::output::say;
 
 /// What clients ask for: the present name of the protocol, and the one before it.
@@ -43,9 +45,10 @@ enum Topic {
 impl Topic {
     const ALL: [Topic; 2] = [Topic::Sample, Topic::Estimate];
 
-    fn advertised(self) -> Value {
+    fn advertised(self, kind: Kind) -> Value {
+        let channels = Channel::ALL.map(|channel| channel.column_of(kind));
         let (topic, name, numbers): (_, _, &[&str]) = match self {
-            Topic::Sample => ("/palpate/sample", "palpate.Sample", &["t_s", "x_m", "f_n"]),
+            Topic::Sample => ("/palpate/sample", "palpate.Sample", &channels),
             Topic::Estimate => (
                 "/palpate/estimate",
                 "palpate.Estimate",
@@ -102,7 +105,8 @@ impl Served {
             listener.local_addr()?
         ))?;
         let listeners = Listeners::default();
-        let (name, all) = (source.name().to_string(), Arc::clone(&listeners));
+        let (name, kind) = (source.name().to_string(), source.kind());
+        let all = Arc::clone(&listeners);
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let (sender, receiver) = channel();
@@ -111,25 +115,28 @@ impl Served {
                 }
                 let name = name.clone();
                 // A client that goes away ends its thread, and with the next message its place in the list.
-                thread::spawn(move || serve(stream, &name, &receiver));
+                thread::spawn(move || serve(stream, &name, kind, &receiver));
             }
         });
         Ok(Served { source, listeners })
     }
 
     fn tell(&self, frame: &Frame) {
-        let Some(news) = news(frame) else { return };
+        let Some(news) = news(frame, self.source.kind()) else {
+            return;
+        };
         if let Ok(mut all) = self.listeners.lock() {
             all.retain(|listener| listener.send(news.clone()).is_ok());
         }
     }
 }
 
-fn news(frame: &Frame) -> Option<News> {
+fn news(frame: &Frame, kind: Kind) -> Option<News> {
     let (topic, time_us, json) = match frame {
         Frame::Sample(sample) => {
+            let [time, position, force] = Channel::ALL.map(|channel| channel.column_of(kind));
             let json = json!({
-                "t_s": sample.time_us as f64 * 1e-6, "x_m": sample.position_m, "f_n": sample.force_n,
+                time: sample.time_us as f64 * 1e-6, position: sample.position_m, force: sample.force_n,
             });
             (Topic::Sample, sample.time_us, json)
         }
@@ -156,14 +163,14 @@ fn news(frame: &Frame) -> Option<News> {
 }
 
 /// Speaks with one client until it goes away.
-fn serve(stream: TcpStream, name: &str, news: &Receiver<News>) {
+fn serve(stream: TcpStream, name: &str, kind: Kind, news: &Receiver<News>) {
     // Whatever goes wrong with one client is the end of that client.
     let _ = stream.set_nodelay(true);
     let Ok(mut socket) = tungstenite::accept_hdr(stream, agreed) else {
         return;
     };
     let _ = socket.get_mut().set_read_timeout(Some(WAIT));
-    let _ = converse(&mut socket, name, news);
+    let _ = converse(&mut socket, name, kind, news);
 }
 
 /// Takes the protocol that the client offers and we speak.
@@ -194,9 +201,10 @@ fn agreed(request: &Request, mut response: Response) -> Result<Response, ErrorRe
 fn converse(
     socket: &mut WebSocket<TcpStream>,
     name: &str,
+    kind: Kind,
     news: &Receiver<News>,
 ) -> tungstenite::Result<()> {
-    let channels = Topic::ALL.map(Topic::advertised);
+    let channels = Topic::ALL.map(|topic| topic.advertised(kind));
     let info = json!({
         "op": "serverInfo", "name": format!("palpate: {name}"), "capabilities": [], "supportedEncodings": ["json"],
     });
@@ -275,6 +283,10 @@ fn put(
 impl Source for Served {
     fn name(&self) -> &str {
         self.source.name()
+    }
+
+    fn kind(&self) -> Kind {
+        self.source.kind()
     }
 
     fn next_frame(&mut self) -> io::Result<Option<Frame>> {

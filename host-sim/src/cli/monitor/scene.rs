@@ -139,7 +139,7 @@ impl Scene {
         if time_s < self.time_s {
             (self.force, self.depth) = (Strip::default(), Strip::default());
             self.trends.clear();
-            self.happened(time_s, "the board began anew".into(), false);
+            self.happened(time_s, "the board restarted".into(), false);
         }
         self.time_s = time_s;
         let (force_n, depth_m) = (f64::from(estimate.force_n), f64::from(estimate.depth_m));

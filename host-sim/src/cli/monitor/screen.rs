@@ -67,7 +67,7 @@ pub(super) fn draw(frame: &mut Frame, scene: &Scene, statistics: &Statistics) {
             false => frame.render_widget(force_and_depth(estimate), strips),
         }
     } else {
-        frame.render_widget("nothing has come yet", strips);
+        frame.render_widget("no data yet", strips);
     }
     if has_trends {
         draw_trends(frame, scene, trends);

@@ -12,6 +12,7 @@ use estimator_core::estimate::method::Method;
 use estimator_core::{Config, Sample, State, estimate::params::Params, step};
 
 use crate::estimate::{Choices, setup};
+use crate::kind::Kind;
 use crate::link::record::{self, Recording};
 use crate::link::{Device, Port, device::Statistics};
 use crate::log::{Log, ReadOptions};
@@ -26,7 +27,7 @@ pub(super) fn silence(statistics: &Statistics) -> io::Error {
     io::Error::new(
         io::ErrorKind::TimedOut,
         format!(
-            "nothing comes any more ({} frames so far, {} garbled)",
+            "the port has fallen silent ({} frames so far, {} garbled)",
             statistics.frames, statistics.garbled
         ),
     )
@@ -36,6 +37,9 @@ pub(super) fn silence(statistics: &Statistics) -> io::Error {
 pub(super) trait Source {
     /// What is watched.
     fn name(&self) -> &str;
+
+    /// Whether the machine that is watched moves along a line or turns.
+    fn kind(&self) -> Kind;
 
     /// The next frame, if one has come; it waits a little.
     ///
@@ -65,14 +69,16 @@ pub(super) trait Source {
 /// A board behind a port.
 pub(super) struct Board<P> {
     name: String,
+    kind: Kind,
     device: Device<P>,
     recording: Option<(PathBuf, Recording)>,
 }
 
 impl<P: Port> Board<P> {
-    pub(super) fn new(name: &str, device: Device<P>) -> Self {
+    pub(super) fn new(name: &str, kind: Kind, device: Device<P>) -> Self {
         Board {
             name: name.into(),
+            kind,
             device,
             recording: None,
         }
@@ -82,6 +88,10 @@ impl<P: Port> Board<P> {
 impl<P: Port> Source for Board<P> {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn kind(&self) -> Kind {
+        self.kind
     }
 
     fn next_frame(&mut self) -> io::Result<Option<Frame>> {
@@ -108,13 +118,14 @@ impl<P: Port> Source for Board<P> {
             return Ok(String::new());
         };
         recording.end(&mut self.device)?;
-        record::convert(&folder)
+        record::convert(&folder, self.kind)
     }
 }
 
 /// A log, and the board's step over it at the log's own pace.
 pub(super) struct Replayed {
     name: String,
+    kind: Kind,
     params: Params<f32>,
     state: State<f32>,
     samples: VecDeque<Sample<f32>>,
@@ -142,6 +153,7 @@ impl Replayed {
         })?;
         Ok(Replayed {
             name: called(path),
+            kind: log.kind.unwrap_or_default(),
             state: State::new(&params),
             params,
             samples: samples(&log).collect(),
@@ -163,6 +175,10 @@ impl Replayed {
 impl Source for Replayed {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn kind(&self) -> Kind {
+        self.kind
     }
 
     fn next_frame(&mut self) -> io::Result<Option<Frame>> {
@@ -197,7 +213,7 @@ impl Source for Replayed {
     }
 
     fn begin_recording(&mut self, _folder: &Path) -> Result<Option<String>, Box<dyn Error>> {
-        Err("this is a recording already".into())
+        Err("a log is being replayed: there is no board to record".into())
     }
 
     fn end_recording(&mut self) -> Result<String, Box<dyn Error>> {

@@ -20,10 +20,10 @@ use crate::teleop::SchemeId;
                   --connect 192.0.2.7:4700 --key bridge.key\n\n\
                   An operator, in SI units (all keys optional):\n  [[grip]]              # the hand, from a time on\n  \
                   from = 0.0            # s\n  mass = 0.35           # kg\n  damping = 9.0         # N s/m\n  \
-                  stiffness = 700.0     # N/m\n  [task]\n  inside = 0.014        # m, how deep it means to go\n\n\
+                  stiffness = 700.0     # N/m\n  [task]\n  inside = 0.014        # m, intended depth\n\n\
                   A channel (all keys optional; [there] master to slave, [back] slave to master):\n  [there]\n  \
                   delay = 0.05          # s, one way\n  jitter = 0.3          # share of the delay\n  loss = 0.05           \
-                  # share of the messages\n  burst = 4             # lost in a row, in the mean"
+                  # share of the messages\n  burst = 4             # messages lost in a row, on average"
 )]
 pub struct TeleopArgs {
     /// How master and slave are coupled: position_position, position_force, four_channel,
@@ -43,16 +43,16 @@ pub struct TeleopArgs {
     /// chapter's gel, and from halfway its plastic.
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// Who moves the master (TOML).
+    /// Hand and task of the operator who moves the master (TOML).
     #[arg(long, value_name = "FILE")]
     pub operator: Option<PathBuf>,
-    /// The channel (TOML); the flags above go before it.
+    /// The channel (TOML); the flags above override it.
     #[arg(long, value_name = "FILE")]
     pub channel: Option<PathBuf>,
     /// All schemes over round trips of 0 to 5 s, jitter and loss, on four materials (or on --model).
     #[arg(long)]
     pub compare: bool,
-    /// Seeds of each cell of the comparison.
+    /// Seeds per cell of the comparison.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: u64,
     /// Seed of noise and channel; one seed is one run.
@@ -79,7 +79,7 @@ pub struct TeleopArgs {
     /// its owner can read.
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
-    /// Bridge: end after so long (s).
+    /// Bridge: end after this time (s).
     #[arg(long, value_name = "S")]
     pub seconds: Option<f64>,
     /// Where teleop.json and report.html go.

@@ -102,7 +102,7 @@ pub fn speed(runs: usize, simulated_s: f64, took_s: f64) -> String {
 /// The comparison: a block per environment and channel, schemes over round trips.
 pub fn table(cells: &[Cell]) -> String {
     let mut text = String::from(
-        "felt minus true force, rms over peak, % (once the scheme has what it needs); * does not come to rest\n",
+        "felt minus true force, rms over peak, % (from when the scheme is ready); * does not come to rest\n",
     );
     let mut blocks: Vec<(&str, f64, f64)> = Vec::new();
     for cell in cells {

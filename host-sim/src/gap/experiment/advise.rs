@@ -52,18 +52,18 @@ fn without_ambiguity(finding: &Finding) -> String {
             "Nothing is missing: the base model explains this log to its noise.".into()
         }
         Verdict::Unexplained if finding.remaining.is_empty() => {
-            "Something is there that the catalogue does not explain, in no part of the log more than in \
+            "Something remains that the catalogue does not explain, in no part of the log more than in \
              others. Look at the residuals before trusting the parameters."
                 .into()
         }
         Verdict::Unexplained => format!(
-            "Something is there that the catalogue does not explain: {}. Look at the residuals there \
+            "Something remains that the catalogue does not explain: {}. Look at the residuals there \
              before trusting the parameters.",
             regions_in_words(&finding.remaining)
         ),
         Verdict::PartlyExplained => {
-            let better = "model.toml is better than the base, and no more than that: look at what remains \
-                          before trusting its parameters.";
+            let better = "model.toml is better than the base, but it does not explain everything: look at \
+                          what remains before trusting its parameters.";
             match regions_in_words(&finding.remaining) {
                 words if words.is_empty() => better.into(),
                 words => format!("{better} Of it {}.", words.replace("of the excess ", "")),
@@ -85,7 +85,7 @@ fn advised(further: FurtherMotion, gap: &str, gain: &str) -> AdvisedMotion {
 fn record(advised: &AdvisedMotion, finding: &Finding, faster: f64) -> String {
     let times = advised.motion.limits().fastest_mps / finding.limits().fastest_mps;
     let caution = match times > faster {
-        true => format!(" It goes {times:.0} times as fast as the log: check that the rig may."),
+        true => format!(" It goes {times:.0} times as fast as the log: check that the rig can."),
         false => String::new(),
     };
     format!(

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::rows::Rows;
 use crate::diagnostic::Diagnostic;
 use crate::log::record::{ExtraColumn, FEWEST_SAMPLES, Log};
+use crate::number::counted;
 
 /// Largest share of rows that may be left out, or of stamps that may repeat: beyond it the rest no
 /// longer stands for the measurement.
@@ -129,7 +130,7 @@ impl Rows<'_> {
             "{} of {rows} rows are unusable, more than 20 %; the first: {}",
             self.skipped, diagnostic.what
         );
-        diagnostic.remedy("repair the recording: what is left would not stand for it")
+        diagnostic.remedy("repair the recording: too little of it is left")
     }
 
     fn too_coarse_clock(&self, repeats: usize, rows: usize) -> Diagnostic {
@@ -170,7 +171,8 @@ impl Rows<'_> {
                 )
             });
             notes.push(format!(
-                "{count} rows below the table left out{text}: a summary"
+                "{} below the table left out{text}: a summary",
+                counted(*count, "row")
             ));
         }
         if self.segments > 1 {

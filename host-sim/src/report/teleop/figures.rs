@@ -33,8 +33,7 @@ pub(super) fn by_depth(report: &TeleopReport<'_>) -> Vec<Figure> {
             .series(Series::measured("true", depth, column(&|row| row.true_n)));
         (!chosen.is_empty()).then(|| {
             Figure::new(format!("Force over depth: {}", name.unwrap_or_default()), &chart).caption(
-                "What the operator feels, and what the material does at the same depth and speed, once the \
-                 scheme has what it needs.",
+                "What the operator feels, and what the material does at the same depth and speed, from when the scheme is ready (reflection: from its first estimate on).",
             )
         })
     });
@@ -90,7 +89,7 @@ fn forces(report: &TeleopReport<'_>) -> Figure {
             real,
         ));
     Figure::new("Forces", &chart).caption(
-        "Strip: green where the scheme has what it needs and is compared. Where the true force at the master's \
+        "Strip: green where the scheme is ready and is compared. Where the true force at the master's \
          depth leaves the figure, the operator feels too little and goes in too deep.",
     )
 }
@@ -200,7 +199,7 @@ pub(super) fn transparency(schemes: &[(SchemeId, Vec<Line>)]) -> Figure {
         });
     Figure::new("Transparency", &chart).caption(
         "|Ẑ/Z|: the felt over the true force at the lines of a motion within the material; what is above 2 is drawn \
-         at the upper edge. Band: what nobody tells apart by its stiffness (15 %).",
+         at the upper edge. Band: differences in stiffness that people do not feel (15 %).",
     )
 }
 

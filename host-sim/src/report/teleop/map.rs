@@ -34,8 +34,7 @@ pub(super) fn maps(cells: &[Cell]) -> Vec<HeatMap> {
             .filter(|cell| (cell.jitter, cell.loss) == (jitter, loss))
             .collect();
         one(&own).caption(format!(
-            "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, once the \
-             scheme has what it needs.",
+            "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, from when the scheme is ready.",
             100.0 * loss,
             100.0 * jitter
         ))

@@ -11,7 +11,7 @@ pub(super) fn summary(report: &TeleopReport<'_>) -> Section {
     let rows = rows.map(|(name, cell)| [Cell::from(name), cell]);
     let table = Table::new(["Measure", "Value"]).rows(rows);
     let packets = &report.measures.packets;
-    Section::new("What it was like")
+    Section::new("Conditions")
         .table(table)
         .text(limits(report.measures))
         .text(format!(
@@ -38,15 +38,15 @@ fn time(value: Option<f64>) -> Cell {
 fn felt(measures: &Measures) -> [(&'static str, Cell); 7] {
     [
         (
-            "Felt minus true force, rms over peak, once it has what it needs",
+            "Felt minus true force, rms over peak, from when it is ready",
             share(measures.felt_force_rmse_share),
         ),
         (
-            "The same over every contact",
+            "Felt minus true force over every contact, rms over peak",
             share(Some(measures.felt_force_rmse_share_whole)),
         ),
         (
-            "The same of the second material",
+            "Felt minus true force on the second material, rms over peak",
             share(measures.felt_force_rmse_share_after),
         ),
         (
@@ -76,7 +76,7 @@ fn rest(report: &TeleopReport<'_>) -> [(&'static str, Cell); 5] {
     let quantity = |value, unit| Cell::quantity(value, 2, unit);
     [
         (
-            "Slave off master one delay ago, rms",
+            "Slave's distance from the master's position one delay earlier, rms",
             quantity(measures.position_rmse_m, "m"),
         ),
         (

@@ -54,7 +54,7 @@ fn write_summary(
     if let Some(rmse) = batch.force_rmse_n {
         writeln!(
             text,
-            "force RMSE in contact {}, {} times the noise of {}",
+            "residual in contact {} rms, {} × the noise of {}",
             quantity(rmse, 3, "N"),
             quantity(rmse / batch.noise_n, 3, "1").trim_end(),
             quantity(batch.noise_n, 3, "N")
