@@ -216,6 +216,39 @@ fn irradiated_foam_relaxes_and_is_bonded_to_the_plate() {
 }
 
 #[test]
+fn a_servo_that_holds_a_pendulum_is_not_explained_and_friction_is_at_most_open() {
+    // GIVEN a torque from a voltage, by a constant that may be 10 to 20 % wrong, less the pendulum's weight
+    let folder = Folder::new();
+    let (log, model) = (
+        record("bam_xl330_pendulum/kp400_sin_sin.csv.gz"),
+        record("bam_xl330_pendulum/base.toml"),
+    );
+    let done = folder.palpate(&format!(
+        "gap --model {model} --log {log} --columns f=f_nm_net_of_gravity --out out"
+    ));
+    assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
+    let json: Value = serde_json::from_str(&folder.read("out/gap.json")).unwrap();
+    // THEN nothing is certain, since by least squares no effect takes more than 22 % off the squares.
+    let verdict = json["verdict"].as_str().unwrap();
+    assert!(
+        ["unexplained", "partly_explained"].contains(&verdict),
+        "{verdict}"
+    );
+    let friction = [
+        "coulomb_friction",
+        "stribeck_friction",
+        "load_friction",
+        "bouc_wen",
+    ];
+    for effect in json["effects"].as_array().unwrap() {
+        let is_friction = friction.contains(&effect["id"].as_str().unwrap());
+        assert!(!is_friction || effect["grade"] == "open", "{effect}");
+    }
+    // AND it is said where the rest is.
+    assert!(!json["remaining"].as_array().unwrap().is_empty());
+}
+
+#[test]
 fn a_cell_layer_under_a_cantilever_relaxes_and_sticks() {
     // GIVEN micronewtons over micrometres at 5 kHz, and the whole catalogue
     let base = Model::read(Path::new(&record("afm_relaxation_rheos/base.toml"))).unwrap();

@@ -36,7 +36,12 @@ pub(crate) struct Scales {
     pub(crate) reach_m: f64,
     /// Frequency (Hz) at which the motion repeats, if it does.
     pub(crate) motion_hz: Option<f64>,
+    /// Quantiles of the position (m), evenly spaced from the lowest to the deepest one.
+    pub(crate) positions_m: [f64; QUANTILES],
 }
+
+/// Quantiles of the position that are kept.
+const QUANTILES: usize = 33;
 
 impl Scales {
     /// A size in which the catalogue's rows say starts and ranges.
@@ -59,6 +64,12 @@ impl Scales {
             // Of a motion that is all in contact, with a margin.
             Scale::PitchInContact => 0.5 * self.travel_m,
         }
+    }
+
+    /// The time (s) that the longest log may be beyond a position: no more than the share of all samples there.
+    pub(crate) fn time_beyond_s(&self, position_m: f64) -> f64 {
+        let beyond = self.positions_m.iter().filter(|x| **x > position_m);
+        self.duration_s * beyond.count() as f64 / QUANTILES as f64
     }
 
     /// Measures the scales of logs.
@@ -90,8 +101,17 @@ impl Scales {
             deepest_m,
             reach_m: deepest_m.abs().max(lowest_m.abs()),
             motion_hz: repetition::of(first),
+            positions_m: evenly_spaced_quantiles(position()),
         }
     }
+}
+
+/// Quantiles of numbers, evenly spaced from the lowest to the highest.
+fn evenly_spaced_quantiles(numbers: impl Iterator<Item = f64>) -> [f64; QUANTILES] {
+    let mut sorted: Vec<f64> = numbers.collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1);
+    std::array::from_fn(|at| sorted.get(at * last / (QUANTILES - 1)).map_or(0.0, |x| *x))
 }
 
 fn duration_s(log: &FitData) -> f64 {

@@ -124,6 +124,19 @@ impl Shape {
         }
     }
 
+    /// The position (m) of the surface with the values of free numbers.
+    pub(in crate::gap) fn surface_at(&self, numbers: &[f64]) -> f64 {
+        let parameters = self.base.parameters();
+        let Some(own) = parameters.iter().position(|own| own.name == "surface") else {
+            return f64::NEG_INFINITY;
+        };
+        let free = self
+            .free
+            .iter()
+            .position(|free| free.owner == Owner::Environment(own));
+        free.map_or(parameters[own].value, |at| self.natural(at, numbers[at]))
+    }
+
     /// The terms with the values of free numbers.
     pub(in crate::gap) fn terms_at(&self, numbers: &[f64]) -> Vec<Term> {
         let mut terms = self.terms.clone();

@@ -19,7 +19,33 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     let is_physical = |term: &Term| {
         (term.id.info().is_physical)(&term.row) && !is_of_motion(term) && is_open_loop(term, scales)
     };
-    terms.iter().all(|term| term.given || is_physical(term))
+    let is_shown =
+        |term: &Term| term.id != EffectId::SurfaceMotion || is_shown_in_contact(term, fit, scales);
+    let mut each = terms.iter().enumerate().filter(|(_, term)| !term.given);
+    each.all(|(at, term)| {
+        is_physical(term) && is_shown(term) && is_resolved(term, &terms[..at], scales)
+    })
+}
+
+/// Whether a surface moves to and fro often enough while it is touched: as with an encoder's error, two cycles
+/// and a half, or it is any law's form. A surface that moved 1.7 times in the one touch of a foot, and one with
+/// another frequency beside it, fitted the curve of its spring.
+fn is_shown_in_contact(wave: &Term, fit: &Fit, scales: &Scales) -> bool {
+    const FEWEST_CYCLES: f64 = 2.5;
+    let surface_m = fit.shape.surface_at(&fit.numbers);
+    wave.row[1] * scales.time_beyond_s(surface_m) >= FEWEST_CYCLES
+}
+
+/// Whether a log of this length tells a wave from the others of its kind: two that are nearer to each other than
+/// a cycle over the log are one that swells.
+fn is_resolved(wave: &Term, others: &[Term], scales: &Scales) -> bool {
+    let cycles = |term: &Term| match term.id.info().repeats {
+        Repeats::InTime => term.row[1] * scales.duration_s,
+        Repeats::AlongTheWay => scales.travel_m / term.row[1],
+        Repeats::Never | Repeats::EveryTurn => f64::INFINITY,
+    };
+    let mut alike = others.iter().filter(|other| other.id == wave.id);
+    !repeats(wave.id) || !alike.any(|other| (cycles(other) - cycles(wave)).abs() < 1.0)
 }
 
 /// Whether a restoring loop is one: with βℓ^ν as small as this over the travel ℓ it is a spring that bends, which
@@ -62,7 +88,9 @@ fn sizes(alike: &[&Term]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::data::fit_data::FitData;
     use crate::gap::model::start::whole;
+    use crate::log::Log;
     use estimator_core::physics::effect::MOST_PARAMETERS;
 
     #[test]
@@ -81,5 +109,49 @@ mod tests {
         let all: Vec<&Term> = own.iter().collect();
         // THEN the largest is 6.6 times as large as the next that is not of it.
         assert_eq!(sizes(&all), [53.2, 8.1]);
+    }
+
+    /// A ramp to 0.1 m and back over 10 s.
+    fn scales() -> Scales {
+        let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 5e-3).collect();
+        let position = time
+            .iter()
+            .map(|t| 0.02 * (5.0 - (t - 5.0).abs()))
+            .collect();
+        let force = time.iter().map(|t| t.sin()).collect();
+        let log = Log::from_channels(time, position, force).uniform().unwrap();
+        Scales::of(&[FitData::of(&log)])
+    }
+
+    #[test]
+    fn a_log_resolves_two_waves_of_a_kind_that_are_a_cycle_apart() {
+        let wave = |id, second: f64| whole(id, [1.0, second, 0.0, 0.0], 3);
+        let disturbance = |hz| wave(EffectId::PeriodicDisturbance, hz);
+        let (scales, first) = (scales(), [disturbance(0.40)]);
+        // GIVEN 10 s THEN 0.40 and 0.41 Hz are one that swells, 0.40 and 0.52 Hz are two.
+        assert!(!is_resolved(&disturbance(0.41), &first, &scales));
+        assert!(is_resolved(&disturbance(0.52), &first, &scales));
+        // AND 0.1 m tells a pitch of 20 mm from one of 12 mm and not from one of 18 mm.
+        let first = [wave(EffectId::Cogging, 20e-3)];
+        assert!(!is_resolved(
+            &wave(EffectId::Cogging, 18e-3),
+            &first,
+            &scales
+        ));
+        assert!(is_resolved(
+            &wave(EffectId::Cogging, 12e-3),
+            &first,
+            &scales
+        ));
+        // AND what is no wave may stand twice.
+        let mode = wave(EffectId::StressRelaxation, 0.4);
+        assert!(is_resolved(&mode, &[mode.clone()], &scales));
+    }
+
+    #[test]
+    fn the_time_beyond_a_position_is_that_of_the_samples_there() {
+        // A quarter of the way is taken in a quarter of the time; one of 33 quantiles is 0.3 s.
+        let beyond_s = scales().time_beyond_s(0.075);
+        assert!((beyond_s - 2.5).abs() < 0.31, "{beyond_s}");
     }
 }
