@@ -97,7 +97,7 @@ fn mistakes_are_named_with_line_and_remedy() {
         (
             format!("{kelvin_voigt}damping = 2\nfixed = [\"mass\"]\n"),
             Some(5),
-            "no parameter",
+            "not a parameter",
         ),
         (
             "[environment]\nlaw = \"kelvin_voight\"\n".into(),

@@ -110,7 +110,7 @@ fn an_effect_made_by_a_program_is_checked_as_one_that_was_read() {
     for (effect, what) in [
         (made("mass", -1.0), "outside its bounds"),
         (made("mass", f64::NAN), "outside its bounds"),
-        (made("force", 1.0), "no parameter"),
+        (made("force", 1.0), "not a parameter"),
         (
             Effect {
                 parameters: Vec::new(),
