@@ -56,7 +56,7 @@ fn wrong_logs() -> Vec<Case<'static>> {
         ("two columns only",   "t_s,x_m\n0,0\n".into(),          &["no column `f_n`", "log.csv:1", "`t_s`, `x_m`", "remedy:"]),
         ("400 other columns",  many,                             &["no column `t_s`", "log.csv:1", "more", "remedy:"]),
         ("one name twice",     columns("t_s,f_n,f_n"),           &["no column `x_m`", "log.csv:1"]),
-        ("duplicated column",  "t_s,x_m,f_n,x_m\n0,0,0,0\n".into(), &["two columns have the same name", "log.csv:1, column x_m", "remedy: rename one"]),
+        ("duplicated column",  "t_s,x_m,f_n,x_m\n0,0,0,0\n".into(), &["two columns have the same name", "log.csv:1, column x_m", "remedy: give the number", "or rename one"]),
         ("text in a number",   with_line_17("0.015,-0.001,abc"), &["text where a number should be", "log.csv:17, column f_n", "value: `abc`", "remedy: write the force in newtons"]),
         ("NaN",                with_line_17("0.015,nan,0"),      &["not finite", "log.csv:17, column x_m", "value: `nan`", "remedy: --skip-bad-rows"]),
         ("infinity",           with_line_17("0.015,0,-inf"),     &["not finite", "log.csv:17, column f_n", "value: `-inf`", "remedy: --skip-bad-rows"]),

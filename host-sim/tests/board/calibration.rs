@@ -124,7 +124,7 @@ fn a_bent_cell_and_a_creeping_zero_are_told() {
     for (bend_codes, creep_n, expected) in [
         (1500.0, 0.0, "usable: "),
         (9000.0, 0.0, "poor: "),
-        (0.0, 0.3, "does not stay"),
+        (0.0, 0.3, "zero drifts"),
     ] {
         let world = world(HELD);
         world.lock().unwrap().bend_codes = bend_codes;
