@@ -52,11 +52,14 @@ pub fn step(channel: &[f64]) -> Option<f64> {
         changes.filter(|change| *change > 1e-9 * span)
     };
     let smallest = lowest(changes());
-    let is_whole = |change: &f64| {
+    let is_whole = |change: f64| {
         let codes = change / smallest;
-        codes < 1e4 && (codes - codes.round()).abs() < 0.02
+        // Both are positive: to an integer and back is the nearest one, at a tenth of what a call of `round` costs.
+        codes < 1e4 && (codes - (codes + 0.5) as u32 as f64).abs() < 0.02
     };
-    let (count, whole) = (changes().count(), changes().filter(is_whole).count());
+    let (count, whole) = changes().fold((0, 0), |(count, whole), change| {
+        (count + 1, whole + usize::from(is_whole(change)))
+    });
     (count >= 10 && 10 * whole >= 9 * count).then_some(smallest)
 }
 
@@ -64,7 +67,10 @@ pub fn step(channel: &[f64]) -> Option<f64> {
 /// against the one before. A turning motion reverses once; an encoder that stands on the edge between
 /// two counts, with a little noise, toggles.
 pub fn toggles(channel: &[f64]) -> usize {
-    let Some(step) = step(channel) else { return 0 };
+    step(channel).map_or(0, |step| toggles_of(channel, step))
+}
+
+fn toggles_of(channel: &[f64], step: f64) -> usize {
     let changes = channel.windows(2).map(|pair| (pair[1] - pair[0]) / step);
     let (mut alternating, mut before, mut toggles) = (0, 0.0, 0);
     for change in changes.map(f64::round).filter(|change| *change != 0.0) {
@@ -81,7 +87,7 @@ pub fn toggles(channel: &[f64]) -> usize {
 /// does not toggle stays as it is.
 pub fn without_toggling(channel: &[f64]) -> Cow<'_, [f64]> {
     let fewest = FEWEST_TOGGLES.max(channel.len() / SAMPLES_A_TOGGLE);
-    let step = step(channel).filter(|_| toggles(channel) >= fewest);
+    let step = step(channel).filter(|step| toggles_of(channel, *step) >= fewest);
     // With more noise than a step, the noise and not the edge between two counts makes the changes.
     let Some(step) = step.filter(|step| noise(channel) < TOGGLING_NOISE * step) else {
         return Cow::Borrowed(channel);

@@ -25,6 +25,7 @@ const INNOVATION: usize = 4;
 const VARIANCE: usize = 5;
 const TEST_RATIO: usize = 6;
 const FORGETTING: usize = 7;
+/// The words from here on have bytes of the mask to themselves.
 const FIRST_PARAMETER: usize = 8;
 /// Bytes of a mask of so many words.
 const MASK: usize = WORDS.div_ceil(8);
@@ -313,15 +314,23 @@ fn take_words(bytes: &mut &[u8], last: &mut [u32; WORDS], record: &mut Record, f
     let old = *last;
     let forces = (record.force_n.to_bits(), force_n.to_bits());
     let (mask, mut rest) = bytes.split_at(MASK);
-    let mut own = [0; WORDS];
-    for at in 0..WORDS {
-        own[at] = match (mask[at / 8] >> (at % 8) & 1, rest.split_first_chunk::<4>()) {
-            (1, Some((word, after))) => {
-                rest = after;
-                u32::from_le_bytes(*word)
-            }
-            _ => expected(at, &old, &own, forces),
-        };
+    let mut own = old;
+    let mut take = |at: usize, own: &mut [u32; WORDS]| {
+        if mask[at / 8] >> (at % 8) & 1 == 1
+            && let Some((word, after)) = rest.split_first_chunk::<4>()
+        {
+            rest = after;
+            own[at] = u32::from_le_bytes(*word);
+        }
+    };
+    // What hangs on the words before it, in their order; the parameters are as in the record before or stored.
+    for at in 0..FIRST_PARAMETER {
+        own[at] = expected(at, &old, &own, forces);
+        take(at, &mut own);
+    }
+    let are_new = mask[FIRST_PARAMETER / 8..].iter().any(|byte| *byte != 0);
+    if are_new {
+        (FIRST_PARAMETER..WORDS).for_each(|at| take(at, &mut own));
     }
     *bytes = rest;
     *last = own;
@@ -335,6 +344,9 @@ fn take_words(bytes: &mut &[u8], last: &mut [u32; WORDS], record: &mut Record, f
     innovation.variance_n2 = number(VARIANCE);
     innovation.test_ratio = number(TEST_RATIO);
     record.forgetting = number(FORGETTING);
+    if !are_new {
+        return;
+    }
     let pairs = own[FIRST_PARAMETER..].chunks_exact(2);
     for (parameter, pair) in record.parameters.iter_mut().zip(pairs) {
         *parameter = (pair[0] != NONE).then(|| Estimated {

@@ -153,12 +153,23 @@ impl Cells {
         if *bits != value.to_bits() {
             *bits = value.to_bits();
             own.clear();
-            write!(own, "{value}")?;
+            put_in_words(own, value)?;
         }
         text.push(',');
         text.push_str(own);
         Ok(())
     }
+}
+
+/// Appends the shortest decimal that reads as the number again, without an exponent.
+fn put_in_words(text: &mut String, value: f32) -> std::fmt::Result {
+    let mut buffer = ryu::Buffer::new();
+    let shortest = value.is_finite().then(|| buffer.format_finite(value));
+    match shortest.filter(|digits| !digits.contains('e')) {
+        Some(digits) => text.push_str(digits.strip_suffix(".0").unwrap_or(digits)),
+        None => write!(text, "{value}")?,
+    }
+    Ok(())
 }
 
 /// Numbers of a row beside its time and the parameters.
@@ -206,4 +217,44 @@ fn push_row(
     }
     let event = record.event.map_or("", |event| event.name());
     writeln!(text, ",{event},{}", record.faults.bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_in_words_reads_as_itself_in_no_more_digits_than_it_needs() {
+        let numbers = [
+            0.0,
+            -0.0,
+            1.0,
+            -2.5,
+            0.1,
+            0.005_098_039_3,
+            1350.0,
+            1e-5,
+            3.2e-9,
+            1e7,
+            2.5e16,
+            3.4e38,
+        ];
+        let halved = (0..1000).map(|at| 1234.567 * 0.97_f32.powi(at));
+        for value in numbers
+            .into_iter()
+            .chain(halved)
+            .chain([f32::NAN, f32::INFINITY])
+        {
+            let mut text = String::new();
+            put_in_words(&mut text, value).unwrap();
+            // Of two decimals that are as short and as near it may take the other one.
+            let known = format!("{value}");
+            assert_eq!(text.len(), known.len(), "{text} {known}");
+            let read: f32 = text.parse().unwrap();
+            assert!(
+                read.to_bits() == value.to_bits() || value.is_nan(),
+                "{text} {known}"
+            );
+        }
+    }
 }

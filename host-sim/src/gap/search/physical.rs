@@ -145,7 +145,7 @@ mod tests {
         ));
         // AND what is no wave may stand twice.
         let mode = wave(EffectId::StressRelaxation, 0.4);
-        assert!(is_resolved(&mode, &[mode.clone()], &scales));
+        assert!(is_resolved(&mode, std::slice::from_ref(&mode), &scales));
     }
 
     #[test]
