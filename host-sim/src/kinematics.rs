@@ -19,8 +19,8 @@ use misfit::within;
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
 /// 14 µm/s of noise in the speed.
 const HALF_WIDTHS: [usize; 7] = [15, 10, 7, 5, 3, 2, 1];
-/// Above this rate (Hz) the widest windows of a position in counts last as long as they do at it, so that more samples of the same
-/// motion make less noise.
+/// Above this rate (Hz) the widest windows of a position in counts last as long as they do at it, so that
+/// more samples of the same motion make less noise.
 const WIDEST_AT_HZ: f64 = 1000.0;
 /// Most samples of a half-width: 10 ms at 20 kHz.
 const WIDEST: f64 = 200.0;

@@ -15,8 +15,12 @@ const TOGGLING_NOISE: f64 = 0.7;
 /// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
 /// out; a channel whose noise is below its step reads step/√12, the quantisation's own.
 pub fn noise(channel: &[f64]) -> f64 {
+    noise_beside(step(channel), channel)
+}
+
+fn noise_beside(step: Option<f64>, channel: &[f64]) -> f64 {
     let sigma = sigma(channel.windows(3).map(second_difference));
-    sigma.max(step(channel).unwrap_or(0.0) / 12.0_f64.sqrt())
+    sigma.max(step.unwrap_or(0.0) / 12.0_f64.sqrt())
 }
 
 /// The same of a channel in which some samples are invented: differences across one mean nothing.
@@ -89,7 +93,7 @@ pub fn without_toggling(channel: &[f64]) -> Cow<'_, [f64]> {
     let fewest = FEWEST_TOGGLES.max(channel.len() / SAMPLES_A_TOGGLE);
     let step = step(channel).filter(|step| toggles_of(channel, *step) >= fewest);
     // With more noise than a step, the noise and not the edge between two counts makes the changes.
-    let Some(step) = step.filter(|step| noise(channel) < TOGGLING_NOISE * step) else {
+    let Some(step) = step.filter(|own| noise_beside(step, channel) < TOGGLING_NOISE * own) else {
         return Cow::Borrowed(channel);
     };
     let (mut held, mut direction) = (channel[0], 0.0);

@@ -106,7 +106,6 @@ fn write(folder: &Path, name: &str, logs: &[(&str, &Log, f64)]) -> Result<(), Bo
                 measured_n: (&log.measured_n).into(),
                 estimated_n: (&log.estimated_n).into(),
                 innovation_n: (&log.innovation_n).into(),
-                kind: Default::default(),
                 mean_residual: None,
                 forgetting: (&log.forgetting).into(),
                 status: (&log.status).into(),

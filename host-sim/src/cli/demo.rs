@@ -13,7 +13,6 @@ use crate::cli::{estimate::Shown, estimate::document, gap::print::summary};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Choices, Estimation, estimate};
 use crate::gap::{Finding, Options, Progress, gap};
-use crate::kind::Kind;
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::motion::Motion;
@@ -158,7 +157,6 @@ fn page(shown: Vec<Shown>, finding: &Finding) -> std::io::Result<Document> {
     };
     let page = GapReport {
         title: "",
-        kind: Kind::Linear,
         finding,
         names: &[],
         provenance: Provenance::new(""),

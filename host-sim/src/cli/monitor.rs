@@ -18,9 +18,9 @@ pub use args::MonitorArgs;
 use crate::diagnostic::Diagnostic;
 use crate::interrupt;
 use crate::kind;
-use crate::link::{Device, Port, port};
+use crate::link::{Device, Port, device::SILENCE, port};
 use crate::output::say;
-use source::{Board, Replayed, SILENCE, Source, silence};
+use source::{Board, Replayed, Source, silence};
 use view::View;
 
 /// Runs the verb.

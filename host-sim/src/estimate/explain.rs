@@ -88,7 +88,7 @@ fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option
     })
 }
 
-/// "4.5 times", "220 times", within a sentence.
+/// "4.5 ×", "220 ×": more digits mean nothing.
 pub(crate) fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio.is_infinite() => "∞ ×".into(),
@@ -97,13 +97,12 @@ pub(crate) fn times(ratio: f64) -> String {
     }
 }
 
-/// "4.5 ×", "220 ×": more digits mean nothing.
+/// The same where a noise follows: "4.5 × the noise", "any multiple of the noise" where that is zero.
 pub(crate) fn multiple(ratio: f64) -> String {
-    match ratio {
-        ratio if ratio.is_infinite() => "any multiple of".into(),
-        ratio if ratio < 10.0 => format!("{ratio:.1} ×"),
-        ratio => format!("{ratio:.0} ×"),
+    if ratio.is_infinite() {
+        return "any multiple of".into();
     }
+    times(ratio)
 }
 
 fn relaxation(outcome: &Outcome, inspection: &Inspection) -> Option<String> {

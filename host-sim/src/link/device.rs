@@ -12,6 +12,8 @@ use estimator_core::board::settings::{Key, Settings};
 use super::port::Port;
 use crate::diagnostic::Diagnostic;
 
+/// A board that says nothing for so long is not there any more.
+pub const SILENCE: Duration = Duration::from_secs(3);
 /// How long the host waits for an answer. An answer comes within milliseconds; the answer to a save may wait
 /// 4 s until the flash is erased.
 const PATIENCE: Duration = Duration::from_millis(500);

@@ -13,7 +13,7 @@ use estimator_core::board::{frame::Decoder, frame::Frame, link::Health, sensing:
 use estimator_core::estimate::Phase;
 use estimator_core::{Estimate, Sample};
 
-use super::device::Statistics;
+use super::device::{SILENCE, Statistics};
 use super::{Device, Port, backup};
 use crate::diagnostic::Diagnostic;
 use crate::interrupt;
@@ -23,7 +23,6 @@ use crate::number::counted;
 use crate::output::say;
 
 const RECORDING: &str = "recording.frames";
-const SILENCE: Duration = Duration::from_secs(3);
 const TO_DISK: Duration = Duration::from_secs(1);
 
 /// Records until the board's own time has advanced by `length_us`, until it falls silent, or until the process is

@@ -17,7 +17,6 @@ mod verdict;
 use super::estimate::label;
 use super::{Document, Provenance, Section};
 use crate::gap::{Curves, Finding};
-use crate::kind::Kind;
 
 /// The most logs that are drawn. The tables hold for all logs.
 const MOST_LOGS: usize = 4;
@@ -30,7 +29,6 @@ pub struct GapReport<'a> {
     /// What was found.
     pub finding: &'a Finding,
     /// How the rig moves: it decides the units of axes and tables.
-    pub kind: Kind,
     /// Names of the logs, in the order of [`Finding::curves`].
     pub names: &'a [String],
     /// What the report was made from.
@@ -43,12 +41,12 @@ impl GapReport<'_> {
     pub fn short(&self, heading: &str, truths: &[(&str, f64)]) -> Section {
         let finding = self.finding;
         let section = Section::new(heading)
-            .text(verdict::sentence(finding, self.kind))
+            .text(verdict::sentence(finding))
             .table(tables::against(finding, truths));
         let Some(curves) = finding.curves.first() else {
             return section;
         };
-        let log = bins::LogCurves::of(curves, !finding.effects.is_empty(), self.kind);
+        let log = bins::LogCurves::of(curves, !finding.effects.is_empty());
         let residuals = figures::residuals_over_time(&log).into_iter().take(1);
         let by = figures::by_depth_and_speed(&log).into_iter().take(2);
         residuals.chain(by).fold(section, Section::figure)
@@ -59,14 +57,13 @@ impl GapReport<'_> {
         let finding = self.finding;
         let (tone, badge) = verdict::badge(finding);
         let sections = [
-            tables::summary(finding, self.kind),
-            next::motion(finding, self.kind),
+            tables::summary(finding),
+            next::motion(finding),
             tables::effects(finding),
-            regions::place(finding, self.kind),
+            regions::place(finding),
             tables::base(finding),
         ];
-        let document =
-            Document::new(self.title).verdict(tone, badge, verdict::sentence(finding, self.kind));
+        let document = Document::new(self.title).verdict(tone, badge, verdict::sentence(finding));
         let logs = finding.curves.iter().enumerate().take(MOST_LOGS);
         let logs = logs.flat_map(|(at, curves)| {
             let name = match finding.curves.len() {
@@ -78,10 +75,7 @@ impl GapReport<'_> {
         sections
             .into_iter()
             .chain(logs)
-            .chain([
-                tables::ladder(finding),
-                tables::floors(finding, self.names, self.kind),
-            ])
+            .chain([tables::ladder(finding), tables::floors(finding, self.names)])
             .filter(|section| !section.is_empty())
             .fold(document, Document::section)
             .provenance(self.provenance.clone())
@@ -89,7 +83,7 @@ impl GapReport<'_> {
 
     fn log(&self, name: &str, curves: &Curves) -> [Section; 2] {
         let finding = self.finding;
-        let log = bins::LogCurves::of(curves, !finding.effects.is_empty(), self.kind);
+        let log = bins::LogCurves::of(curves, !finding.effects.is_empty());
         let heading = |what: &str| match name {
             "" => what.to_string(),
             name => format!("{what}: {name}"),

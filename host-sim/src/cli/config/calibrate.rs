@@ -3,7 +3,7 @@
 
 use std::error::Error;
 use std::io::{self, BufRead, Write};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Args;
 use estimator_core::board::{
@@ -12,7 +12,7 @@ use estimator_core::board::{
 };
 
 use crate::diagnostic::Diagnostic;
-use crate::link::{Device, Port, backup::restore};
+use crate::link::{Device, Port, backup::restore, device::SILENCE};
 use crate::number::quantity;
 use crate::output::say;
 
@@ -84,8 +84,6 @@ const SAMPLES: usize = 1000;
 const STILL: f64 = 6.0;
 const STILL_CODES: f64 = 2.0;
 const ATTEMPTS: usize = 20;
-/// Longest silence of the board.
-const SILENCE: Duration = Duration::from_secs(3);
 
 /// Guides through the calibration and writes it to the board.
 ///

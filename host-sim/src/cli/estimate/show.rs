@@ -178,8 +178,8 @@ fn segments(estimation: &Estimation) -> Vec<report::Segment<'static>> {
 }
 
 impl Shown {
-    /// Collects the columns; of a long log those samples that the figures need. Force and depth are the raw force and the smoothed depth of the same
-    /// instant.
+    /// Collects the columns; of a long log those samples that the figures need. Force and depth are the raw
+    /// force and the smoothed depth of the same instant.
     pub fn new(name: &'static str, log: &UniformLog, estimation: &Estimation) -> Shown {
         let (replay, outcome) = (&estimation.replay, &estimation.outcome);
         let rows = Rows::of(estimation.log(log), estimation);
@@ -187,7 +187,6 @@ impl Shown {
         let run = report::Run {
             name,
             law: outcome.law.name(),
-            kind: log.kind.unwrap_or_default(),
             time_s: rows.column(|at, _| replay.time_s(at)),
             depth_m: rows.column(|_, record| record.depth_m.into()),
             speed_mps: rows.column(|_, record| record.speed_mps.into()),

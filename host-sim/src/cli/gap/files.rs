@@ -81,7 +81,6 @@ fn report(finding: &Finding, inputs: &Inputs<'_>) -> io::Result<Document> {
     );
     let report = GapReport {
         title: &title,
-        kind: kind::of_words(),
         finding,
         names: &names,
         provenance,

@@ -161,17 +161,10 @@ impl Scene {
             };
             self.happened(time_s, what.into(), false);
         }
-        for fault in estimate
-            .faults
-            .iter()
-            .filter(|fault| !self.faults.has(*fault))
-        {
+        let known = self.faults;
+        for fault in estimate.faults.iter().filter(|fault| !known.has(*fault)) {
             let what = format!("fault {}: {}", fault.code(), fault.describe());
-            self.events.push_back(Happened {
-                time_s,
-                what,
-                is_fault: true,
-            });
+            self.happened(time_s, what, true);
         }
         self.faults = estimate.faults;
         while self.events.len() > EVENTS {

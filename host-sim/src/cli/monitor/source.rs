@@ -19,9 +19,6 @@ use crate::log::{Log, ReadOptions};
 use crate::replay::samples;
 use crate::report::called;
 
-/// A port that says nothing for so long is not there any more.
-pub(super) const SILENCE: Duration = Duration::from_secs(3);
-
 /// What is said of a port that has fallen silent.
 pub(super) fn silence(statistics: &Statistics) -> io::Error {
     io::Error::new(

@@ -12,8 +12,9 @@ use ratatui::crossterm::event::{self, Event as Input, KeyCode, KeyEventKind, Key
 use super::args::MonitorArgs;
 use super::scene::Scene;
 use super::screen;
-use super::source::{SILENCE, Source, silence};
+use super::source::{Source, silence};
 use crate::interrupt;
+use crate::link::device::SILENCE;
 
 /// The longest time between two pictures: a silent board is seen as one.
 const STILL: Duration = Duration::from_millis(300);

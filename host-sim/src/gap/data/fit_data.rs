@@ -18,7 +18,7 @@ pub(crate) enum Spacing {
 /// The data of one log that a fit uses, one value for each sample.
 #[derive(Clone, Debug)]
 pub(crate) struct FitData {
-    /// Time between samples (s); where `even` is false, between samples of a motion.
+    /// Time between samples (s); where the spacing is not even, between samples of a motion.
     pub(crate) period_s: f64,
     pub(crate) spacing: Spacing,
     /// Time (s) on the clock of the log.

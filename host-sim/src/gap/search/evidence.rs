@@ -4,8 +4,8 @@
 //! ever be named there. Each effect is therefore weighed by itself, over all sets that were fitted: the best
 //! set with it against the best set of any size without it and without whatever stands for it. That must
 //! leave several times as many squares, in nearly every part of the log where the effect acts and beside what
-//! the remainder predicts of itself, and either half of the log must give the effect the same size. A form that is not the true one fails here even if it
-//! takes off more than any other of the catalogue.
+//! the remainder predicts of itself, and either half of the log must give the effect the same size. A form
+//! that is not the true one fails here even if it takes off more than any other of the catalogue.
 
 use estimator_core::physics::effect::EffectId;
 
@@ -94,11 +94,14 @@ impl Search<'_> {
         let is_sound = agrees && gain.is_sound(decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
-                || agrees && others.iter().all(|other| is_as_placed(*other, id)) && {
-                    let group: Vec<EffectId> = [&[id], others.as_slice()].concat();
-                    let without = best_without(all, &group);
-                    self.gain(without, with, weighing).is_sound(decide)
-                }
+                || agrees
+                    && !others.is_empty()
+                    && others.iter().all(|other| is_as_placed(*other, id))
+                    && {
+                        let group: Vec<EffectId> = [&[id], others.as_slice()].concat();
+                        let without = best_without(all, &group);
+                        self.gain(without, with, weighing).is_sound(decide)
+                    }
         });
         Evidence {
             is_strong: is_sound && is_ahead(without),

@@ -10,11 +10,8 @@ pub(super) const HOW_TO_READ: &str = "Estimated: the replay with the final param
 
 /// The force over time, and the displacement below it.
 pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
-    let force = Chart::new(
-        Axis::time(),
-        Axis::new("Force F", run.kind.unit("N")).with_zero(),
-    )
-    .size(layout.over_time);
+    let force =
+        Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero()).size(layout.over_time);
     let force = compare(
         force,
         run,
@@ -22,18 +19,15 @@ pub(super) fn forces(run: &Run, layout: &Layout) -> Vec<Figure> {
         &run.measured_n[..],
         &run.estimated_n[..],
     );
-    let depth = Chart::new(
-        Axis::time(),
-        Axis::new("Depth δ", run.kind.unit("m")).with_zero(),
-    )
-    .size(layout.slim)
-    .series(Series::new(
-        "",
-        Ink::Measured,
-        Stroke::Solid,
-        &run.time_s[..],
-        &run.depth_m[..],
-    ));
+    let depth = Chart::new(Axis::time(), Axis::new("Depth δ", "m").with_zero())
+        .size(layout.slim)
+        .series(Series::new(
+            "",
+            Ink::Measured,
+            Stroke::Solid,
+            &run.time_s[..],
+            &run.depth_m[..],
+        ));
     vec![
         Figure::new(layout.title(run, "Force", ""), &annotate(force, run))
             .caption("Measured and estimated force."),
@@ -55,7 +49,7 @@ pub(super) fn residual(run: &Run, layout: &Layout) -> Vec<Figure> {
             running_mean(&residual, residual.len() / MEANS),
         ),
     };
-    let axis = Axis::new("Measured − estimated", run.kind.unit("N")).with_zero();
+    let axis = Axis::new("Measured − estimated", "N").with_zero();
     let mut chart = Chart::new(Axis::time(), axis)
         .size(layout.over_time)
         .series(Series::new(

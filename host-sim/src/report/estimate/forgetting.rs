@@ -48,7 +48,7 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
     let curve_x: Vec<f64> = (0..=300).map(|i| end * f64::from(i) / 300.0).collect();
     let curve_y: Vec<f64> = curve_x.iter().map(|e| law.beta(*e)).collect();
     let chart = Chart::new(
-        Axis::new("Force error |F − F̂|", run.kind.unit("N")).range(0.0, end),
+        Axis::new("Force error |F − F̂|", "N").range(0.0, end),
         Axis::new("β", "1"),
     )
     .series(Series::new(
@@ -70,8 +70,8 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
          estimator did not learn from.",
         setting(law.alpha_1, "1"),
         setting(law.alpha_2_per_n, "1"),
-        run.kind.unit("N"),
-        setting(law.alpha_3_n, run.kind.unit("N")),
+        "N",
+        setting(law.alpha_3_n, "N"),
     );
     let title = layout.title(run, "β over the force error", "");
     Some(Figure::new(title, &chart).caption(caption))

@@ -35,8 +35,8 @@ fn hysteresis(run: &Run, layout: &Layout, window: &Window) -> Figure {
     let measured = in_contact(part(&run.measured_n, &range));
     let estimated = in_contact(part(&run.estimated_n, &range));
     let chart = Chart::new(
-        Axis::new("Depth δ", run.kind.unit("m")),
-        Axis::new("Force F", run.kind.unit("N")).with_zero(),
+        Axis::new("Depth δ", "m"),
+        Axis::new("Force F", "N").with_zero(),
     );
     let chart = compare(chart, run, depth, measured, estimated);
     Figure::new(layout.title(run, "Hysteresis loop", &window.name), &chart).caption(format!(
@@ -56,8 +56,8 @@ fn shown(run: &Run, window: &Window) -> String {
 fn elastic(run: &Run, layout: &Layout) -> Option<Figure> {
     let elastic = run.elastic.as_ref()?;
     let mut chart = Chart::new(
-        Axis::new("Depth δ", run.kind.unit("m")),
-        Axis::new("Elastic force", run.kind.unit("N")).with_zero(),
+        Axis::new("Depth δ", "m"),
+        Axis::new("Elastic force", "N").with_zero(),
     )
     .series(Series::estimated(
         "estimated",

@@ -24,7 +24,7 @@ fn parameter(run: &Run, layout: &Layout, trajectory: &Trajectory) -> Figure {
         trajectory.values.iter().map(value).collect()
     };
     let (values, errors) = (column(|e| e.value), column(|e| e.std_error));
-    let mut axis = Axis::new(label(trajectory.name), run.kind.unit(trajectory.unit));
+    let mut axis = Axis::new(label(trajectory.name), trajectory.unit);
     let mut caption = format!("{} ± one standard error.", label(trajectory.name));
     if let Some((low, high)) = range_that_matters(&values, &errors) {
         axis = axis.range(low, high);

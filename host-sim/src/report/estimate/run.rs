@@ -4,7 +4,6 @@ use std::borrow::Cow;
 
 use estimator_core::estimate::{Estimated, status::Status};
 
-use crate::kind::Kind;
 use crate::replay::{EventMark, Touch};
 use crate::report::{Provenance, Tone};
 
@@ -40,7 +39,6 @@ pub struct Run<'a> {
     pub law: &'a str,
     /// How the rig moves: it decides the units of axes and tables. The fields below name those of a rig that moves
     /// along a line.
-    pub kind: Kind,
     /// Time (s).
     pub time_s: Column<'a>,
     /// Penetration (m).

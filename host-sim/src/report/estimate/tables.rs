@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use estimator_core::estimate::Estimated;
 
 use super::run::{EstimateReport, FinalParameter, Run, label};
-use crate::kind::Kind;
 use crate::model::law_title;
 use crate::number::{column, fixed, setting};
 use crate::replay::{EventKind, Touch};
@@ -25,7 +24,7 @@ pub(super) fn result(report: &EstimateReport) -> Section {
     let at = depth.map_or(String::new(), |depth| {
         format!(
             "; stiffness and damping at a depth of {}",
-            setting(depth, kind_of(runs).unit("m"))
+            setting(depth, "m")
         )
     });
     let table = Table::new(std::iter::once("Parameter").chain(names))
@@ -36,7 +35,7 @@ pub(super) fn result(report: &EstimateReport) -> Section {
         .rows(parameter_names(runs).into_iter().flat_map(|name| {
             let found = row(runs, &label(name), &|run| {
                 let own = run.finals.iter().find(|p| p.name == name);
-                own.map(|own| value(own, run.kind))
+                own.map(|own| value(own))
             });
             [Some(found), truth(runs, name)].into_iter().flatten()
         }))
@@ -46,11 +45,6 @@ pub(super) fn result(report: &EstimateReport) -> Section {
         .flat_map(|run| [segments(run), touches(run), faults(run)]);
     more.flatten()
         .fold(Section::new("Result").table(table), Section::table)
-}
-
-/// How the rig of these runs moves.
-fn kind_of(runs: &[Run]) -> Kind {
-    runs.first().map_or(Kind::default(), |run| run.kind)
 }
 
 /// A row of the result. A run that has no such value gets a dash.
@@ -65,7 +59,7 @@ fn row(runs: &[Run], name: &str, cell: &dyn Fn(&Run) -> Option<Cell>) -> Vec<Cel
 fn truth(runs: &[Run], name: &str) -> Option<Vec<Cell>> {
     let of = |run: &Run| {
         let own = run.finals.iter().find(|p| p.name == name)?;
-        Some(Cell::measured(own.truth?, None, run.kind.unit(own.unit)))
+        Some(Cell::measured(own.truth?, None, own.unit))
     };
     let any = runs.iter().any(|run| of(run).is_some());
     any.then(|| row(runs, "\u{2003}true", &of))
@@ -75,14 +69,8 @@ fn truth(runs: &[Run], name: &str) -> Option<Vec<Cell>> {
 fn merits(runs: &[Run]) -> Vec<Vec<Cell>> {
     type Merit = fn(&Run) -> Option<Cell>;
     let settled: Merit = |run| run.settled_at_s.map(|t| Cell::quantity(t, 2, "s"));
-    let error: Merit = |run| {
-        run.force_rmse_n
-            .map(|f| Cell::quantity(f, 2, run.kind.unit("N")))
-    };
-    let noise: Merit = |run| {
-        run.noise_n
-            .map(|f| Cell::quantity(f, 2, run.kind.unit("N")))
-    };
+    let error: Merit = |run| run.force_rmse_n.map(|f| Cell::quantity(f, 2, "N"));
+    let noise: Merit = |run| run.noise_n.map(|f| Cell::quantity(f, 2, "N"));
     let touches: Merit = |run| Some(Cell::count(run.touches.len()));
     let length: Merit = |run| {
         let ends = run.time_s.first().zip(run.time_s.last());
@@ -112,10 +100,10 @@ fn parameter_names<'a>(runs: &[Run<'a>]) -> Vec<&'a str> {
     names
 }
 
-fn value(parameter: &FinalParameter, kind: Kind) -> Cell {
+fn value(parameter: &FinalParameter) -> Cell {
     match parameter.estimate {
         Some(Estimated { value, std_error }) => {
-            Cell::measured(value, Some(std_error), kind.unit(parameter.unit))
+            Cell::measured(value, Some(std_error), parameter.unit)
         }
         None => Cell::Missing("not observable".into()),
     }
@@ -149,7 +137,7 @@ fn segments(run: &Run) -> Option<Table> {
     let rows = run.segments.iter().map(|segment| {
         let cell = |name: &&str| {
             let of_segment = segment.parameters.iter().find(|p| p.name == *name);
-            of_segment.map_or(Cell::Missing("–".into()), |own| value(own, run.kind))
+            of_segment.map_or(Cell::Missing("–".into()), |own| value(own))
         };
         let ends = [time(segment.from_s), time(segment.to_s)];
         ends.into_iter()
@@ -161,8 +149,8 @@ fn segments(run: &Run) -> Option<Table> {
 
 fn touches(run: &Run) -> Option<Table> {
     let of = |value: fn(&Touch) -> f64| run.touches.iter().map(value).collect::<Vec<f64>>();
-    let (force_unit, forces) = column(&of(|touch| touch.peak_force_n), 4, run.kind.unit("N"));
-    let (depth_unit, depths) = column(&of(|touch| touch.peak_depth_m), 4, run.kind.unit("m"));
+    let (force_unit, forces) = column(&of(|touch| touch.peak_force_n), 4, "N");
+    let (depth_unit, depths) = column(&of(|touch| touch.peak_depth_m), 4, "m");
     let table = Table::new(["Touch", "From [s]", "To [s]"])
         .column(format!("Peak force [{force_unit}]"))
         .column(format!("Peak depth [{depth_unit}]"))

@@ -1,7 +1,6 @@
 //! The residuals of a log, and their means over depth or speed, which a scatter plot would hide.
 
 use crate::gap::{Curves, phase};
-use crate::kind::Kind;
 use crate::stats::{median, quantile};
 
 /// A mean is taken over at least this many samples.
@@ -14,7 +13,6 @@ const STILL: f64 = 0.02;
 pub(super) struct LogCurves<'a> {
     pub(super) curves: &'a Curves,
     /// How the rig moves.
-    pub(super) kind: Kind,
     /// Measured force minus that of the base model (N); NaN where the sample has no weight.
     pub(super) before_n: Vec<f64>,
     /// Measured force minus that of the model with the effects (N).
@@ -30,7 +28,7 @@ pub(super) struct LogCurves<'a> {
 }
 
 impl<'a> LogCurves<'a> {
-    pub(super) fn of(curves: &'a Curves, has_effects: bool, kind: Kind) -> LogCurves<'a> {
+    pub(super) fn of(curves: &'a Curves, has_effects: bool) -> LogCurves<'a> {
         let residuals = |modelled_n: &[f64]| -> Vec<f64> {
             let pairs = curves.measured_n.iter().zip(modelled_n);
             let each = pairs.zip(&curves.allowed_n);
@@ -43,7 +41,6 @@ impl<'a> LogCurves<'a> {
         let moving = speeds.filter(|v| *v > STILL * fast_mps);
         LogCurves {
             curves,
-            kind,
             before_n: residuals(&curves.before_n),
             after_n: residuals(&curves.after_n),
             changed: has_effects && curves.before_n != curves.after_n,

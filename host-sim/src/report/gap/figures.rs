@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use super::bins::LogCurves;
-use crate::kind::Kind;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Span, StripTone, Stroke};
 use crate::stats::quantile;
@@ -18,7 +17,7 @@ const AFTER: Ink = Ink::First;
 pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     let time = &log.curves.time_s;
     let drawn = |shown: &[&'a [f64]]| {
-        Chart::new(Axis::time(), axis(shown, log.kind).with_zero())
+        Chart::new(Axis::time(), axis(shown).with_zero())
             .strip(log.phases().into_iter().map(span))
             .touches(log.held_out())
     };
@@ -67,10 +66,10 @@ const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green u
     held-out parts, on which the errors of the verdict were taken.";
 
 /// An axis that shows all but the worst thousandth of the residuals.
-fn axis(shown: &[&[f64]], kind: Kind) -> Axis {
+fn axis(shown: &[&[f64]]) -> Axis {
     let sizes = shown.iter().copied().flatten().map(|r| r.abs());
     let most = 1.3 * quantile(sizes.filter(|r| r.is_finite()), 0.999);
-    Axis::new("Residual", kind.unit("N")).range(-most, most)
+    Axis::new("Residual", "N").range(-most, most)
 }
 
 fn span((phase, from, to): (&str, f64, f64)) -> Span {
@@ -92,12 +91,9 @@ fn span((phase, from, to): (&str, f64, f64)) -> Span {
 pub(super) fn force_over_time<'a>(log: &'a LogCurves<'a>) -> Figure {
     let curves = log.curves;
     let time = &curves.time_s;
-    let chart = Chart::new(
-        Axis::time(),
-        Axis::new("Force F", log.kind.unit("N")).with_zero(),
-    )
-    .size(Size::Wide)
-    .touches(log.held_out());
+    let chart = Chart::new(Axis::time(), Axis::new("Force F", "N").with_zero())
+        .size(Size::Wide)
+        .touches(log.held_out());
     let chart = models(log, chart, 0..time.len(), time);
     Figure::new("Force over time", &chart)
         .caption("Measured and modelled force. Shaded: the held-out parts.")
@@ -152,19 +148,19 @@ fn hysteresis<'a>(log: &'a LogCurves<'a>) -> Figure {
         Some(range) => (
             range.clone(),
             &curves.depth_m,
-            Axis::new("Depth δ", log.kind.unit("m")),
+            Axis::new("Depth δ", "m"),
             "Hysteresis loop",
         ),
         None => (
             0..curves.time_s.len(),
             &curves.speed_mps,
-            Axis::new("Speed", log.kind.unit("m/s")),
+            Axis::new("Speed", "m/s"),
             "Force over speed",
         ),
     };
     let part = |channel: &'a [f64]| &channel[range.clone()];
     let x = part(x);
-    let chart = Chart::new(axis, Axis::new("Force F", log.kind.unit("N")).with_zero());
+    let chart = Chart::new(axis, Axis::new("Force F", "N").with_zero());
     let chart = models(log, chart, range.clone(), x);
     let caption = match (worst, part(&curves.time_s)) {
         (Some(_), [from, .., to]) => format!(
@@ -204,8 +200,8 @@ fn worst_touch(log: &LogCurves<'_>) -> Option<Range<usize>> {
 fn over_depth<'a>(log: &'a LogCurves<'a>) -> Figure {
     let range = (-0.1 * log.deepest_m, log.deepest_m);
     let mut chart = Chart::new(
-        Axis::new("Depth δ", log.kind.unit("m")),
-        Axis::new("Mean residual", log.kind.unit("N")).with_zero(),
+        Axis::new("Depth δ", "m"),
+        Axis::new("Mean residual", "N").with_zero(),
     );
     for (name, ink, residuals) in both(log) {
         for (way, direction, stroke) in [("in", 1, Stroke::Solid), ("out", -1, Stroke::Dashed)] {
@@ -223,8 +219,8 @@ fn over_depth<'a>(log: &'a LogCurves<'a>) -> Figure {
 fn over_speed<'a>(log: &'a LogCurves<'a>) -> Figure {
     let most = log.fast_mps * 1.2;
     let mut chart = Chart::new(
-        Axis::new("Speed", log.kind.unit("m/s")),
-        Axis::new("Mean residual", log.kind.unit("N")).with_zero(),
+        Axis::new("Speed", "m/s"),
+        Axis::new("Mean residual", "N").with_zero(),
     );
     let contact = log.deepest_m > 0.0;
     let depth = &log.curves.depth_m;

@@ -32,7 +32,7 @@ pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
         .sum();
     let what = format!(
         "residual (rms) over what is allowed; small: share of the excess. Fast: above {}",
-        quantity(log.typical_mps, 2, log.kind.unit("m/s"))
+        quantity(log.typical_mps, 2, "m/s")
     );
     let first = if log.changed { "Before" } else { "Base model" };
     let mut maps = vec![map(log, &before, all).caption(format!("{first}: {what}"))];
@@ -97,12 +97,11 @@ fn scale() -> HeatScale {
 
 /// The name of a row: free air, or the depth at its lower end.
 fn depth(row: usize, log: &LogCurves<'_>) -> String {
-    let unit = log.kind.unit("m");
     let end = |at: usize| at as f64 / DEPTHS as f64 * log.deepest_m;
     match row {
         0 => "free air".into(),
-        1 => format!("to {}", quantity(end(1), 2, unit)),
-        row => format!("to {}", quantity(end(row), 3, unit)),
+        1 => format!("to {}", quantity(end(1), 2, "m")),
+        row => format!("to {}", quantity(end(row), 3, "m")),
     }
 }
 

@@ -1,7 +1,6 @@
 //! The motion to record next: its curve, and how far and how fast it goes compared with the logs.
 
 use crate::gap::Finding;
-use crate::kind::Kind;
 use crate::motion::Limits;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
 use crate::report::{Cell, Figure, Section, Table};
@@ -10,7 +9,7 @@ use crate::report::{Cell, Figure, Section, Table};
 const POINTS: u32 = 8_000;
 
 /// The section on the motion; empty where no motion is advised.
-pub(super) fn motion(finding: &Finding, kind: Kind) -> Section {
+pub(super) fn motion(finding: &Finding) -> Section {
     let Some(advised) = &finding.advised else {
         return Section::new("");
     };
@@ -19,11 +18,11 @@ pub(super) fn motion(finding: &Finding, kind: Kind) -> Section {
     let time: Vec<f64> = (0..=POINTS).map(|at| f64::from(at) * step_s).collect();
     let position: Vec<f64> = time.iter().map(|t| motion.position(*t).0).collect();
     let series = Series::new("motion.toml", Ink::First, Stroke::Thin, time, position);
-    let chart = Chart::new(Axis::time(), Axis::new("Position", kind.unit("m")))
+    let chart = Chart::new(Axis::time(), Axis::new("Position", "m"))
         .size(Size::Slim)
         .series(series);
     let row = |name: &str, of: fn(&Limits) -> f64, unit: &str| {
-        let cell = |limits: &Limits| Cell::quantity(of(limits), 3, kind.unit(unit));
+        let cell = |limits: &Limits| Cell::quantity(of(limits), 3, unit);
         vec![
             Cell::from(name),
             cell(&finding.limits()),

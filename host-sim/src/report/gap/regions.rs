@@ -1,12 +1,11 @@
 //! The regions in which the base model and the log disagree, and those that remain with the effects.
 
 use crate::gap::{Finding, Region, Verdict};
-use crate::kind::Kind;
 use crate::number::{column, fixed, quantity, spaced};
 use crate::report::{Cell, Section, Table};
 
 /// The section on where the models and the log disagree.
-pub(super) fn place(finding: &Finding, kind: Kind) -> Section {
+pub(super) fn place(finding: &Finding) -> Section {
     let section = Section::new("Where the base model and the measurement disagree");
     if finding.disagreement.is_empty() {
         return section.text(
@@ -29,7 +28,7 @@ pub(super) fn place(finding: &Finding, kind: Kind) -> Section {
             remaining_share(finding)
         ))),
     };
-    section.table(table(finding, kind))
+    section.table(table(finding))
 }
 
 /// The share of the excess on held-out parts that remains.
@@ -63,7 +62,7 @@ const ORDER: [&str; 15] = [
 ];
 
 /// A table of every region in which either model and the log disagree.
-fn table(finding: &Finding, kind: Kind) -> Table {
+fn table(finding: &Finding) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);
     let of = |regions: &[Region], id: &str| regions.iter().find(|region| region.id == id).cloned();
@@ -77,13 +76,13 @@ fn table(finding: &Finding, kind: Kind) -> Table {
         .flat_map(|(before, after)| [before, after])
         .flatten();
     let rms_n: Vec<f64> = all.map(|region| region.rms_n).collect();
-    let (unit, errors) = column(&rms_n, 3, kind.unit("N"));
+    let (unit, errors) = column(&rms_n, 3, "N");
     let mut errors = errors.into_iter().map(Cell::Number);
     let percent = |share: f64| Cell::Number(format!("{} %", fixed(100.0 * share, 0)));
     let none = || Cell::Missing("–".into());
     let cells = rows.iter().map(|(before, after)| {
         let named = before.as_ref().or(after.as_ref());
-        let name = |region: &Region| name(region, kind);
+        let name = |region: &Region| name(region);
         let is_line = named.is_some_and(|region| region.hz.is_some() || region.pitch_m.is_some());
         let mut rms = |region: &Option<Region>| {
             region
@@ -126,15 +125,12 @@ fn columns(unit: &str, only_base: bool) -> Vec<String> {
     columns.chain(last).collect()
 }
 
-fn name(region: &Region, kind: Kind) -> String {
+fn name(region: &Region) -> String {
     if let Some(hz) = region.hz {
         return format!("Line at {}", quantity(hz, 4, "Hz"));
     }
     if let Some(pitch_m) = region.pitch_m {
-        return format!(
-            "Repeats every {} of travel",
-            quantity(pitch_m, 4, kind.unit("m"))
-        );
+        return format!("Repeats every {} of travel", quantity(pitch_m, 4, "m"));
     }
     match region.id {
         "free" => "Free air",

@@ -38,7 +38,7 @@ pub(super) fn figure(log: &LogCurves<'_>, finding: &Finding) -> Figure {
     ];
     let chart = Chart::new(
         Axis::new("Frequency", "Hz").log(),
-        Axis::new("Density of the residual", log.kind.unit("N/√Hz")).log(),
+        Axis::new("Density of the residual", "N/√Hz").log(),
     )
     .series(Series::new(
         "floor",

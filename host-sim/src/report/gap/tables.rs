@@ -3,7 +3,6 @@
 use super::label;
 use super::verdict::{heading, title};
 use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, times_larger};
-use crate::kind::Kind;
 use crate::number::{Measured, spaced};
 use crate::report::{Cell, Section, Table};
 
@@ -15,9 +14,9 @@ const INTERVAL: f64 = 1.96;
 const MOST_SETS: usize = 14;
 
 /// The errors before and after, the advice and the notes.
-pub(super) fn summary(finding: &Finding, kind: Kind) -> Section {
+pub(super) fn summary(finding: &Finding) -> Section {
     let has_effects = !finding.effects.is_empty();
-    let errors = super::verdict::errors(finding, kind);
+    let errors = super::verdict::errors(finding);
     let times = |ratio: f64| format!("{ratio:.2} ×");
     let multiple = |rmse_n: f64| times(rmse_n / finding.noise_floor_n);
     let row = |name: &str, before: String, after: String| {
@@ -353,17 +352,16 @@ fn role(
 }
 
 /// How the noise floor of each log was found.
-pub(super) fn floors(finding: &Finding, names: &[String], kind: Kind) -> Section {
-    let unit = kind.unit("N");
+pub(super) fn floors(finding: &Finding, names: &[String]) -> Section {
     let rows = finding.floors.iter().enumerate().map(|(at, floor)| {
         [
             Cell::from(names.get(at).map_or("the log", String::as_str)),
-            Cell::quantity(floor.high_pass_n, 3, unit),
+            Cell::quantity(floor.high_pass_n, 3, "N"),
             match floor.rest_n {
-                Some(rest) => Cell::quantity(rest, 3, unit),
+                Some(rest) => Cell::quantity(rest, 3, "N"),
                 None => Cell::Missing("never at rest".into()),
             },
-            Cell::quantity(floor.used_n, 3, unit),
+            Cell::quantity(floor.used_n, 3, "N"),
             Cell::from(floor.why.as_str()),
         ]
     });

@@ -139,7 +139,6 @@ fn model() -> crate::model::Model {
 
 fn html(finding: &Finding) -> String {
     let report = GapReport {
-        kind: Kind::Linear,
         title: "Gap",
         finding,
         names: &["measured.csv".into()],
@@ -216,7 +215,7 @@ fn the_page_shows_what_moved_what_was_tried_and_every_picture() {
 #[test]
 fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() {
     let curves = curves();
-    let log = bins::LogCurves::of(&curves, true, Kind::Linear);
+    let log = bins::LogCurves::of(&curves, true);
     let maps: Vec<String> = map::maps(&log)
         .iter()
         .map(|map| format!("{map:?}"))

@@ -3,7 +3,6 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{Finding, MissingEffect, Verdict, share_in_words};
-use crate::kind::Kind;
 use crate::number::{Measured, column, spaced};
 use crate::report::Tone;
 
@@ -20,8 +19,8 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
 }
 
 /// The verdict with its numbers.
-pub(super) fn sentence(finding: &Finding, kind: Kind) -> String {
-    let (before, after) = errors(finding, kind);
+pub(super) fn sentence(finding: &Finding) -> String {
+    let (before, after) = errors(finding);
     let times =
         |ratio: f64| format!("{ratio:.2} times what noise and the errors of the motion allow");
     let names: Vec<String> = finding.effects.iter().map(named).collect();
@@ -60,9 +59,9 @@ pub(super) fn sentence(finding: &Finding, kind: Kind) -> String {
 }
 
 /// The errors before and after, with the same unit prefix and decimals.
-pub(super) fn errors(finding: &Finding, kind: Kind) -> (String, String) {
+pub(super) fn errors(finding: &Finding) -> (String, String) {
     let errors_n = [finding.rmse_before_n, finding.rmse_after_n];
-    let (unit, values) = column(&errors_n, 4, kind.unit("N"));
+    let (unit, values) = column(&errors_n, 4, "N");
     let text = |at: usize| format!("{}\u{a0}{unit}", values.get(at).map_or("–", String::as_str));
     (text(0), text(1))
 }

@@ -81,11 +81,7 @@ impl Bare {
 
     /// The rig with these effects hidden in it.
     pub(super) fn plant(&self, hidden: Vec<Effect>, stranger: Option<(Stranger, f64)>) -> Plant {
-        let cable = self.given.map(|(stiffness, _)| Effect::Cable {
-            stiffness,
-            hardening: 0.0,
-            scale: 1.0,
-        });
+        let cable = self.given.map(|(stiffness, _)| Effect::cable(stiffness));
         Plant {
             hidden: hidden.into_iter().chain(cable).collect(),
             stranger,

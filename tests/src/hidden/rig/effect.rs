@@ -172,6 +172,17 @@ pub enum Effect {
     },
 }
 
+impl Effect {
+    /// A cable of this stiffness (N/m), as straight as the catalogue's.
+    pub(crate) fn cable(stiffness: f64) -> Effect {
+        Effect::Cable {
+            stiffness,
+            hardening: 0.0,
+            scale: 1.0,
+        }
+    }
+}
+
 /// A force (N) from the parameters of an effect, the time (s), the position (m) and the speed (m/s).
 #[derive(Clone, Copy, Debug)]
 pub struct Formula(pub(crate) fn(&[f64], f64, f64, f64) -> f64);

@@ -75,11 +75,7 @@ pub fn best_rmse_n(case: &Case, hidden: &Hidden) -> f64 {
         if matches!(effect, Effect::Encoder { .. }) {
             return behind_encoder(material, effect, &read);
         }
-        let cable = case.given.map(|(stiffness, _)| Effect::Cable {
-            stiffness,
-            hardening: 0.0,
-            scale: 1.0,
-        });
+        let cable = case.given.map(|(stiffness, _)| Effect::cable(stiffness));
         let plant = Plant {
             hidden: [effect].into_iter().chain(cable).collect(),
             ..Plant::bare(material)
@@ -122,11 +118,8 @@ fn start(hidden: &Hidden) -> (Vec<f64>, Vec<Limit>) {
         let limits = vec![Limit::Scaled, Limit::free(0.3)];
         return (p[..2].to_vec(), limits);
     }
-    if hidden.id == "bouc_wen" && hidden.form != "catalogue" {
-        // The exponent stays what it is, and γ keeps its sign.
-        return (p[..2].to_vec(), vec![Limit::Scaled; 2]);
-    }
     if MACHINE.contains(&hidden.id) {
+        // The exponent of a loop stays what it is, and γ keeps its sign.
         let count = if hidden.id == "bouc_wen" { 2 } else { p.len() };
         return (p[..count].to_vec(), vec![Limit::Scaled; count]);
     }
@@ -181,7 +174,7 @@ fn elastic(hidden: &Hidden) -> bool {
     matches!(hidden.effect, Effect::Friction(friction) if friction.width > 0.0)
 }
 
-/// The same of the effects that measured machines asked for.
+/// An effect that measured machines asked for, in the catalogue's form; `None` for any other.
 fn of_machine(hidden: &Hidden, p: &[f64]) -> Option<Effect> {
     let own = |name: &str| hidden.params.iter().find(|(own, _)| *own == name);
     let value = |name: &str| own(name).map_or(0.0, |(_, value)| *value);
@@ -323,11 +316,7 @@ fn catalogue_form(hidden: &Hidden, p: &[f64]) -> Effect {
             bend: 0.0,
             scale: 1.0,
         },
-        "cable_stiffness" => Effect::Cable {
-            stiffness: p[0],
-            hardening: 0.0,
-            scale: 1.0,
-        },
+        "cable_stiffness" => Effect::cable(p[0]),
         "cogging" => Effect::Cogging {
             amplitude: p[0],
             pitch: p[1],

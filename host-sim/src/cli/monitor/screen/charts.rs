@@ -12,6 +12,7 @@ use estimator_core::Estimate;
 use crate::cli::monitor::scene::{SHOWN_S, Scene, Trend};
 use crate::number::{Measured, prefix_for, quantity, unit_text};
 use crate::report::estimate::label;
+use crate::stats::{highest, lowest};
 
 /// A trend needs so many columns.
 const TREND_COLUMNS: u16 = 22;
@@ -33,7 +34,7 @@ pub(super) fn draw_strips(frame: &mut Frame, scene: &Scene, area: Rect, with_loo
         let points = strip.points();
         let now = strip_now(scene, unit);
         let title = format!("{name} {now}, last {SHOWN_S:.0} s");
-        plot(frame, place, &title, &[(&points, color)], Some(times), unit);
+        plot(frame, place, &title, &[(&points, color)], times, unit);
     }
     if with_loop {
         draw_loop(frame, scene, right);
@@ -59,7 +60,7 @@ fn draw_loop(frame: &mut Frame, scene: &Scene, area: Rect) {
         area,
         &title,
         &[(&scaled, Color::Cyan)],
-        Some((depth.low, depth.high)),
+        (depth.low, depth.high),
         "N",
     );
 }
@@ -74,8 +75,7 @@ struct Scaled {
 
 impl Scaled {
     fn of(values: impl Iterator<Item = f64> + Clone, unit: &str) -> Scaled {
-        let low = values.clone().fold(f64::INFINITY, f64::min);
-        let high = values.fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = (lowest(values.clone()), highest(values));
         let (low, high) = match low <= high {
             true => (low.min(0.0), high.max(0.0)),
             false => (0.0, 1.0),
@@ -97,7 +97,7 @@ fn plot(
     area: Rect,
     title: &str,
     lines: &[(&[(f64, f64)], Color)],
-    across: Option<(f64, f64)>,
+    across: (f64, f64),
     unit: &str,
 ) {
     let values = lines
@@ -111,13 +111,12 @@ fn plot(
             (points.collect(), *color)
         })
         .collect();
-    let (from, to) = across.unwrap_or((0.0, 1.0));
     chart(
         frame,
         area,
         &format!("{title} "),
         &scaled,
-        (from, to),
+        across,
         (scale.low, scale.high),
         &scale.unit,
     );
@@ -198,11 +197,8 @@ fn draw_trend(frame: &mut Frame, scene: &Scene, trend: &Trend, area: Rect) {
     let (middle, low, high) = (line(|p| p.1), line(|p| p.1 - p.2), line(|p| p.1 + p.2));
     // The first estimates may be wrong by orders of magnitude: the axis shows the second half.
     let late: Vec<_> = trend.points.iter().skip(trend.points.len() / 2).collect();
-    let least = late.iter().map(|p| p.1 - p.2).fold(f64::INFINITY, f64::min);
-    let most = late
-        .iter()
-        .map(|p| p.1 + p.2)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let least = lowest(late.iter().map(|p| p.1 - p.2));
+    let most = highest(late.iter().map(|p| p.1 + p.2));
     let margin = (0.1 * (most - least)).max(1e-3 * value.abs()).max(1e-12);
     let prefix = prefix_for(most.abs().max(least.abs()), unit);
     let scaled = |points: Vec<(f64, f64)>, color| {
