@@ -93,6 +93,21 @@ impl FitData {
         self.spacing != Spacing::Thinned
     }
 
+    /// A channel with each sample in the slot of its instant, for a spectrum: between scattered instants the
+    /// count of samples runs away from the time by several periods, and a line of 26.8 Hz was read as 27.0 Hz.
+    pub(crate) fn in_slots(&self, channel: impl Iterator<Item = f64>) -> Vec<f64> {
+        if self.spacing == Spacing::Even {
+            return channel.collect();
+        }
+        let first_s = self.time_s.first().copied().unwrap_or(0.0);
+        let slot = |time_s: &f64| ((time_s - first_s) / self.period_s).round().max(0.0) as usize;
+        let mut slots = vec![0.0; self.time_s.last().map_or(0, slot) + 1];
+        let each = self.time_s.iter().map(slot).zip(channel);
+        let last = slots.len() - 1;
+        each.for_each(|(slot, value)| slots[slot.min(last)] += value);
+        slots
+    }
+
     /// Keeps every `step`-th sample. Means over blocks would be wrong where a force jumps (at a reversal
     /// under friction, at a touch): the mean force is not the force of the mean motion.
     pub(crate) fn thinned(&self, step: usize) -> FitData {
@@ -178,5 +193,25 @@ mod tests {
         assert!(error_m < 1e-7, "{error_m:e} m, delayed");
         // Interpolated forces are smoother than measured ones.
         assert!(rms(grid.force_n.iter().copied()) < 0.95 * rms(force));
+    }
+
+    #[test]
+    fn a_sample_is_in_the_slot_of_its_instant() {
+        // GIVEN every millisecond, a fifth of a period later from the second half on, and one missing
+        let time: Vec<f64> = [0.0, 1.0, 2.2, 3.2, 5.2, 6.2, 7.2]
+            .map(|ms| 1e-3 * ms)
+            .into();
+        let log = Log::from_channels(
+            (0..40).map(|at| 1e-3 * f64::from(at)).collect(),
+            vec![0.0; 40],
+            vec![0.0; 40],
+        );
+        let mut data = FitData::of(&log.uniform().unwrap()).picked(0..time.len());
+        let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+        // THEN even samples are their own slots, and scattered ones are where their time is.
+        assert_eq!(data.in_slots(values.into_iter()), values);
+        (data.spacing, data.time_s) = (Spacing::Scattered, time);
+        let slots = [1.0, 2.0, 3.0, 4.0, 0.0, 5.0, 6.0, 7.0];
+        assert_eq!(data.in_slots(values.into_iter()), slots);
     }
 }

@@ -121,7 +121,9 @@ fn with_strong_effects(dataset: &Dataset<'_>, best: &Fit, evidence: &[Evidence])
     let before = terms.len();
     terms.retain(|term| {
         term.given
-            || (is_any_strong && of(term.id).is_some_and(|evidence| evidence.is_strong_group))
+            || (is_any_strong
+                && of(term.id)
+                    .is_some_and(|evidence| evidence.is_strong_group && !evidence.is_faint(term)))
     });
     let dropped = terms.len() < before;
     let (shape, numbers) = best.with_terms(terms, dataset.scales);

@@ -41,7 +41,8 @@ impl Line {
             .map(|step| bin * (peak as f64 + f64::from(step) / f64::from(REFINEMENT)))
             .filter_map(|frequency| Line::fitted(&deviation, &used, frequency));
         let (line, _) = candidates.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        used.iter().for_each(|at| deviation[*at] -= line.at(*at));
+        used.iter()
+            .for_each(|at| deviation[*at] -= line.at(*at as f64));
         let remainder = padded_power(&deviation);
         let around = (SURROUNDINGS[0] * PADDING..SURROUNDINGS[1] * PADDING)
             .flat_map(|offset| [peak.checked_sub(offset), Some(peak + offset)])
@@ -72,9 +73,24 @@ impl Line {
         (determinant > 1e-6 * ss * cc).then_some((line, sine_n * s + cosine_n * c))
     }
 
-    /// The force (N) of the line at a sample.
-    pub(crate) fn at(&self, at: usize) -> f64 {
-        let (sin, cos) = (TAU * self.frequency * at as f64).sin_cos();
+    /// The line that has this one as its second differences.
+    pub(crate) fn undifferenced(self) -> Line {
+        let factor = 2.0 * (TAU * self.frequency).cos() - 2.0;
+        Line {
+            sine_n: self.sine_n / factor,
+            cosine_n: self.cosine_n / factor,
+            ..self
+        }
+    }
+
+    /// Its root mean square (N).
+    pub(crate) fn rms_n(&self) -> f64 {
+        self.sine_n.hypot(self.cosine_n) / 2.0_f64.sqrt()
+    }
+
+    /// The force (N) of the line at a place (samples).
+    pub(crate) fn at(&self, at: f64) -> f64 {
+        let (sin, cos) = (TAU * self.frequency * at).sin_cos();
         self.sine_n * sin + self.cosine_n * cos
     }
 }

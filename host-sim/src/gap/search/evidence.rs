@@ -11,7 +11,7 @@ use estimator_core::physics::effect::EffectId;
 
 use crate::gap::finding::{Next, Support};
 use crate::gap::model::dataset::Dataset;
-use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner, start::repeats};
+use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner, shape::Term, start::repeats};
 use crate::gap::search::physical::is_fourier_series;
 use crate::gap::search::relatives::{are_late, stands_for};
 use crate::gap::search::remainder::Remainder;
@@ -39,6 +39,17 @@ pub(crate) struct Evidence {
     pub(crate) is_strong_group: bool,
     /// Whether the best set without it is worse at all.
     pub(crate) is_needed: bool,
+    /// Of several waves of this kind the frequencies (Hz) or pitches (m) of those that take little off alone.
+    pub(crate) faint_waves: Vec<f64>,
+}
+
+impl Evidence {
+    /// Whether this is one of several waves, and takes little off alone.
+    pub(crate) fn is_faint(&self, term: &Term) -> bool {
+        let mut faint = self.faint_waves.iter();
+        // A refit moves it by less than it is apart from the next.
+        faint.any(|wave| (term.row[1] / wave - 1.0).abs() < 0.01)
+    }
 }
 
 impl Search<'_> {
@@ -89,8 +100,11 @@ impl Search<'_> {
         if let (Some(list), Some(other)) = (&mut alternatives, as_late(all, id)) {
             list.extend(Some(other.0).filter(|_| !is_ahead(other.1)));
         }
-        let agrees =
-            halves.agree(best, id, decide) && !(repeats(id) && is_series(best, id, self.decide()));
+        // Several waves of about one size fit any curve that wanders, and take little off beside what the
+        // remainder predicts of itself; one that is sharp is a wave whatever stands beside it.
+        let is_curve =
+            repeats(id) && gain.beside.0 < decide.sharp && is_series(best, id, self.decide());
+        let agrees = halves.agree(best, id, decide) && !is_curve;
         let is_sound = agrees && gain.is_sound(decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
@@ -107,10 +121,30 @@ impl Search<'_> {
             is_strong: is_sound && is_ahead(without),
             is_needed: without.cost >= decide.needed * with.cost,
             is_strong_group: is_sound_group,
+            faint_waves: self.faint_waves(id, weighing),
             alternatives: alternatives.unwrap_or_default(),
             id,
             support,
         }
+    }
+
+    /// Of several waves of a kind those without which the best set leaves hardly more.
+    fn faint_waves(&self, id: EffectId, weighing: &Weighing<'_>) -> Vec<f64> {
+        let best = weighing.best;
+        let terms = best.shape.terms_at(&best.numbers);
+        let own = |at: &usize| !terms[*at].given && terms[*at].id == id;
+        let waves: Vec<usize> = (0..terms.len()).filter(own).collect();
+        if !repeats(id) || waves.len() < 2 {
+            return Vec::new();
+        }
+        let decide = &self.dataset.thresholds.evidence;
+        let is_faint = |at: &usize| {
+            let (shape, start) = best.without(*at, self.dataset.scales);
+            let without = self.problem().fit(&shape, start);
+            !self.gain(&without, best, weighing).is_sound(decide)
+        };
+        let faint = waves.into_iter().filter(is_faint);
+        faint.map(|at| terms[at].row[1]).collect()
     }
 
     /// The best fit without an effect and whatever stands for it.

@@ -10,9 +10,16 @@ use crate::gap::model::simulate::{forces, forces_of_changed};
 use crate::gap::model::start::{is_possible, repeats, whole};
 use crate::gap::search::proposals::LinearizedModel;
 use crate::spectral;
+use crate::stats::median;
 
 /// Peaks of a spectrum that become starts.
 const PEAKS: usize = 3;
+/// The largest maxima among which the sharpest one is looked for.
+const SHARP: usize = 64;
+/// Bins of the log on either side of a maximum that are its surroundings.
+const SURROUNDINGS: usize = 16;
+/// A maximum is sharp with this many times the median power around it: noise alone reaches 11 times.
+const STANDS_OUT: f64 = 30.0;
 
 /// A wave that a carrier modulates. In time it is carrier·A sin(2πft + φ), and `frequency_or_pitch` is
 /// the frequency f (Hz); along the travel it is carrier·A sin(2πx/p + φ), and `frequency_or_pitch` is
@@ -76,9 +83,10 @@ impl LinearizedModel<'_> {
         if !log.is_nearly_even() {
             return Vec::new();
         }
-        let padded = (2 * n).next_power_of_two();
-        let series = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
-        let power = &spectral::power(series, padded)[..padded / 2];
+        let weighted = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
+        let series = log.in_slots(weighted);
+        let padded = (2 * series.len()).next_power_of_two();
+        let power = &spectral::power(series.into_iter(), padded)[..padded / 2];
         let bin_hz = 1.0 / (padded as f64 * log.period_s);
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
         let wave = |at: usize| {
@@ -160,20 +168,32 @@ impl LinearizedModel<'_> {
     }
 }
 
-/// The largest local maxima from bin `lowest` on, at least two times `width` bins from each other.
+/// The largest local maxima from bin `lowest` on, at least two times `width` bins from each other, and beside
+/// them the one that stands out most of its surroundings: what a measured record leaves is largest where it is
+/// slow, and a sharp line of 27 Hz, twice as large as all of it, was the fourth of its peaks.
 fn peaks(power: &[f64], lowest: usize, width: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (lowest..power.len().saturating_sub(1))
         .filter(|at| power[*at] >= power[at - 1] && power[*at] >= power[at + 1] && power[*at] > 0.0)
         .collect();
     order.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
     let mut chosen: Vec<usize> = Vec::new();
-    for at in order {
-        if chosen.iter().all(|other| other.abs_diff(at) >= 2 * width) {
+    let is_apart =
+        |chosen: &[usize], at: usize| chosen.iter().all(|other| other.abs_diff(at) >= 2 * width);
+    for at in order.iter().copied() {
+        if is_apart(&chosen, at) {
             chosen.push(at);
         }
         if chosen.len() == PEAKS {
             break;
         }
     }
+    let level = |at: usize| {
+        let near = at.saturating_sub(SURROUNDINGS * width)..(at + SURROUNDINGS * width);
+        median(power[near.start..near.end.min(power.len())].iter().copied())
+    };
+    let sharp = order.iter().take(SHARP).copied();
+    let sharp = sharp.filter(|at| is_apart(&chosen, *at) && power[*at] > STANDS_OUT * level(*at));
+    let sharpest = sharp.max_by(|a, b| (power[*a] / level(*a)).total_cmp(&(power[*b] / level(*b))));
+    chosen.extend(sharpest);
     chosen
 }
