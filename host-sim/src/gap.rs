@@ -34,8 +34,9 @@ pub mod thresholds;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
-    AdvisedMotion, Candidate, Curves, Finding, Grade, MOTION, MissingEffect, Next,
-    ParameterEstimate, Region, Support, Verdict, regions_in_words, share_in_words, times_larger,
+    AdvisedMotion, Candidate, Change, Curves, Finding, Grade, MOTION, MissingEffect, Next,
+    ParameterEstimate, Region, Support, Verdict, changes_in_words, regions_in_words,
+    share_in_words, times_larger,
 };
 pub use noise::floor::NoiseFloor;
 pub use options::Options;

@@ -156,6 +156,69 @@ fn a_force_that_is_late_is_found_beside_what_a_drive_keeps_to_itself() {
     assert!((2.4e-3..3.3e-3).contains(&by_s), "{by_s} s");
 }
 
+#[test]
+fn a_drive_that_rubs_more_than_when_it_was_identified_is_seen() {
+    // GIVEN what `gap` found on the first record of the drive, with its standard errors
+    let toml = "[environment]\nlaw = \"free\"\n\
+        [[effect]]\nid = \"tool_inertia\"\nmass = 94.785\nstd_error = { mass = 0.17 }\n\
+        [[effect]]\nid = \"viscous_drag\"\ncoefficient = 202.88\nstd_error = { coefficient = 1.6 }\n\
+        [[effect]]\nid = \"asymmetric_drag\"\ncoefficient = -38.87\nstd_error = { coefficient = 0.73 }\n\
+        [[effect]]\nid = \"coulomb_friction\"\nforce = 20.50\nstd_error = { force = 0.145 }\n";
+    let folder = Folder::new();
+    folder.write("base.toml", toml);
+    let base = Model::read(&folder.path("base.toml")).unwrap();
+    let options = Options {
+        bandwidth_hz: Some(20.0),
+        catalogue: Vec::new(),
+        ..Options::default()
+    };
+    let changed = |log: UniformLog| gap(&base, &[log], &options).unwrap().changed.unwrap();
+    let later = read("emps/data_pulses.csv.gz");
+    // THEN on another record of the same day nothing has changed
+    assert_eq!(changed(later.clone()), []);
+    // AND WHEN 5 N of dry friction are added to it
+    let mut worn = later;
+    for at in 1..worn.len() - 1 {
+        let forward = worn.position_m[at + 1] - worn.position_m[at - 1];
+        worn.force_n[at] += 5.0 * (forward / 1e-6).clamp(-1.0, 1.0);
+    }
+    // THEN that is what has changed, by as much, and nothing else.
+    let found = changed(worn);
+    let names: Vec<&str> = found.iter().map(|own| own.now.name.as_str()).collect();
+    assert_eq!(names, ["coulomb_friction.force"]);
+    let more_n = found[0].now.value - found[0].was.0;
+    assert!((4.5..5.7).contains(&more_n), "{more_n} N");
+    assert!(found[0].std_errors() > 20.0, "{}", found[0].std_errors());
+}
+
+#[test]
+fn a_line_in_a_pendulums_uneven_record_is_found_as_the_only_wave() {
+    // GIVEN a servo that follows two sines, 190 Hz with jitter, and 0.44 N m at 26.78 Hz: more than all that its
+    // base leaves, at a seventh of the rate
+    let base = Model::read(Path::new(&record("bam_xl330_pendulum/base.toml"))).unwrap();
+    let path = record("bam_xl330_pendulum/kp400_sin_sin.csv.gz");
+    let options = ReadOptions {
+        columns: "x=x_rad,f=f_nm_net_of_gravity".parse().unwrap(),
+        ..ReadOptions::default()
+    };
+    let mut log = Log::read(Path::new(&path), &options).unwrap();
+    let wave = |t: &f64| 0.44 * (std::f64::consts::TAU * 26.78 * t).sin();
+    let each = log.force_n.iter_mut().zip(&log.time_s);
+    each.for_each(|(force, time)| *force += wave(time));
+    let finding = gap(&base, &[log.uniform().unwrap()], &Options::default()).unwrap();
+    // THEN it is named alone, and the slow waves that fit a little of the rest are not.
+    assert_eq!(finding.verdict, Verdict::PartlyExplained);
+    let names: Vec<&str> = finding
+        .effects
+        .iter()
+        .map(|effect| effect.id.name())
+        .collect();
+    assert_eq!(names, ["periodic_disturbance"]);
+    let number = |at: usize| finding.effects[0].parameters[at].value;
+    assert!((number(0) / 0.44 - 1.0).abs() < 0.05, "{} N m", number(0));
+    assert!((number(1) - 26.78).abs() < 0.01, "{} Hz", number(1));
+}
+
 /// A model with every number fixed.
 fn fixed(mut model: Model) -> Model {
     for effect in &mut model.effects {

@@ -1,8 +1,11 @@
 //! The finding of the workflow: verdict, effects, regions, curves.
 
+mod change;
 mod region;
 mod result;
 
+pub(crate) use change::changes;
+pub use change::{Change, changes_in_words};
 pub use region::{Region, regions_in_words};
 pub use result::{
     AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, ParameterEstimate,

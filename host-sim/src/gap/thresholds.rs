@@ -189,6 +189,10 @@ thresholds! {
             beside: 1.2 over 1.0,
             /// That stands out of the scatter of the blocks by this many standard errors: 2.7 and more there.
             beside_sigmas: 2.5,
+            /// Of several waves of a kind without a prominent one it takes this many times as many squares beside
+            /// the remainder: waves in a pendulum's remainder reached 1.62, a line of a surgical tool's record,
+            /// beside a slow wave as large, 6.1.
+            sharp: 2.0 over 1.0,
             /// Effects are named together if they explain this share of the base's excess, and no other effect
             /// could stand in the place of one. Not measured.
             together: 0.95 over 1.0,
@@ -248,6 +252,15 @@ thresholds! {
             /// A fitted stiffness that is this many times larger or smaller than the model's is in another
             /// unit. Not measured.
             another_unit: 100.0 over 1.0,
+        }
+
+        /// Whether a rig is another than when its model was identified.
+        changes: Changes {
+            /// A number has changed if it is off by more than this share of what it was: between two records of
+            /// the EMPS drive the largest difference was 3.9 %.
+            share: 0.05,
+            /// And by more than this many standard errors of the difference; there it was 4.7.
+            sigmas: 5.0,
         }
 
         /// Which motion is advised.

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use super::motion as advised_motion;
-use crate::gap::{Candidate, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region};
+use crate::gap::{
+    Candidate, Change, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region,
+};
 use crate::json::{number, write_json};
 use crate::kind;
 use crate::output::write_atomically;
@@ -140,6 +142,7 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
             "before": parameters(&finding.base_before),
             "after": parameters(&finding.base_after),
         },
+        "changed": finding.changed.as_ref().map(|all| all.iter().map(change).collect::<Vec<_>>()),
         "disagreement": finding.disagreement.iter().map(region).collect::<Vec<_>>(),
         "remaining": finding.remaining.iter().map(region).collect::<Vec<_>>(),
         "candidates": finding.ladder.iter().map(candidate).collect::<Vec<_>>(),
@@ -180,6 +183,17 @@ fn parameters(estimates: &[ParameterEstimate]) -> Value {
         (estimate.name.clone(), value)
     });
     Value::Object(each.collect::<Map<_, _>>())
+}
+
+fn change(change: &Change) -> Value {
+    json!({
+        "name": change.now.name,
+        "was": { "value": number(change.was.0), "std_error": number(change.was.1) },
+        "now": { "value": number(change.now.value), "std_error": change.now.std_error.map(number) },
+        "unit": kind::unit(change.now.unit),
+        "share": number(change.share()),
+        "std_errors": number(change.std_errors()),
+    })
 }
 
 fn region(region: &Region) -> Value {

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{
-    Finding, MissingEffect, ParameterEstimate, Verdict, regions_in_words, share_in_words,
-    times_larger,
+    Finding, MissingEffect, ParameterEstimate, Verdict, changes_in_words, regions_in_words,
+    share_in_words, times_larger,
 };
 use crate::number::{Measured, column, quantity, spaced};
 use crate::wrap::wrapped;
@@ -29,16 +29,8 @@ pub fn summary(finding: &Finding) -> String {
         effect(&mut text, missing);
     }
     base(&mut text, finding);
-    for (id, parameters) in finding.given() {
-        let numbers = parameters
-            .iter()
-            .map(|parameter| format!("{} {}", parameter.name, measured(parameter)));
-        let numbers: Vec<String> = numbers.collect();
-        line(
-            &mut text,
-            "refitted",
-            &format!("{}: {}", id.name(), numbers.join(", ")),
-        );
+    for words in changes_in_words(finding) {
+        line(&mut text, "changed", &words);
     }
     // Without effects the remaining regions are those above.
     if !finding.remaining.is_empty() && !finding.effects.is_empty() {

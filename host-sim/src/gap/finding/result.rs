@@ -2,6 +2,7 @@
 
 use estimator_core::physics::effect::EffectId;
 
+use super::change::Change;
 use super::region::Region;
 use crate::gap::noise::floor::NoiseFloor;
 use crate::model::Model;
@@ -179,6 +180,8 @@ pub struct Finding {
     pub base_before: Vec<ParameterEstimate>,
     /// Parameters of the base, refitted with the effects.
     pub base_after: Vec<ParameterEstimate>,
+    /// What has changed since the base model was identified; `None` where its file has no standard errors.
+    pub changed: Option<Vec<Change>>,
     /// Where the base model and the log disagree.
     pub disagreement: Vec<Region>,
     /// Where the model with the effects and the log still disagree.

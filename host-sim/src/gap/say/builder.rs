@@ -8,7 +8,8 @@ use crate::gap::data::fit_data::FitData;
 use crate::gap::decide::decision::Decision;
 use crate::gap::experiment::advise::advice;
 use crate::gap::finding::{
-    Candidate, Curves, Finding, Grade, MissingEffect, Region, Support, Verdict, regions_in_words,
+    Candidate, Curves, Finding, Grade, MissingEffect, Region, Support, Verdict, changes,
+    regions_in_words,
 };
 use crate::gap::model::{
     dataset::Dataset, error::std_errors, problem::Problem, simulate::depths, weights::weights,
@@ -33,6 +34,7 @@ pub(crate) fn finding(
     let remaining = builder.remaining();
     let effects = builder.effects(&estimates);
     let noise_floor_n = builder.noise_floor_n();
+    let base_after = estimates.of_base();
     let mut finding = Finding {
         verdict: decision.verdict,
         rmse_before_n: decision.rmse_n.0,
@@ -45,7 +47,8 @@ pub(crate) fn finding(
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,
         base_before: Estimates::of(&decision.base, &base_errors).of_base(),
-        base_after: estimates.of_base(),
+        changed: changes(model, &base_after, &dataset.thresholds.changes),
+        base_after,
         disagreement: builder.regions(&builder.before_n),
         remaining,
         advice: String::new(),

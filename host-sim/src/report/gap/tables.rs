@@ -2,7 +2,9 @@
 
 use super::label;
 use super::verdict::{heading, title};
-use crate::gap::{Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, times_larger};
+use crate::gap::{
+    Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, changes_in_words, times_larger,
+};
 use crate::number::{Measured, spaced};
 use crate::report::{Cell, Section, Table};
 
@@ -178,7 +180,14 @@ pub(super) fn base(finding: &Finding) -> Section {
     let given = given
         .iter()
         .map(|(id, parameters)| table(&heading(*id), parameters));
-    given.fold(environment(finding), Section::table)
+    let section = given.fold(environment(finding), Section::table);
+    match changes_in_words(finding) {
+        words if words.is_empty() => section,
+        words => section.text(format!(
+            "Changed since the model was identified: {}.",
+            words.join("; ")
+        )),
+    }
 }
 
 fn environment(finding: &Finding) -> Section {

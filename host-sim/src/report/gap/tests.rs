@@ -104,6 +104,7 @@ fn finding(verdict: Verdict) -> Finding {
             known("stiffness", 1000.0, Some(2.0), "N/m"),
             known("exponent", 1.0, None, "1"),
         ],
+        changed: None,
         disagreement: vec![region],
         remaining: Vec::new(),
         advice: "Use model.toml <now>".into(),

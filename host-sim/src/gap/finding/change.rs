@@ -1,0 +1,161 @@
+//! What has changed on a rig since its model was identified.
+
+use super::{Finding, ParameterEstimate};
+use crate::gap::thresholds::Changes;
+use crate::model::Model;
+use crate::number::Measured;
+
+/// A parameter that another log gave another value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// Value and standard error in the model file.
+    pub was: (f64, f64),
+    /// The parameter as the present log has it.
+    pub now: ParameterEstimate,
+}
+
+impl Change {
+    /// How much larger its magnitude is, as a share of what it was.
+    pub fn share(&self) -> f64 {
+        (self.now.value - self.was.0) / self.was.0
+    }
+
+    /// By how many standard errors of the difference it is another.
+    pub fn std_errors(&self) -> f64 {
+        let now = self.now.std_error.unwrap_or(0.0);
+        (self.now.value - self.was.0).abs() / self.was.1.hypot(now)
+    }
+}
+
+/// The parameters that an identified model knows with a standard error and that a refit, `now`, gives another
+/// value; `None` where the model was never identified. A parameter that was fixed, or is at a bound, says
+/// nothing.
+pub(crate) fn changes(
+    model: &Model,
+    now: &[ParameterEstimate],
+    decide: &Changes,
+) -> Option<Vec<Change>> {
+    let known = known(model);
+    let changes = known.iter().filter_map(|(name, value, error)| {
+        let now = now.iter().find(|now| now.name == *name)?;
+        now.std_error?;
+        Some(Change {
+            was: (*value, *error),
+            now: now.clone(),
+        })
+    });
+    let is_other = |change: &Change| {
+        change.share().abs() > decide.share && change.std_errors() > decide.sigmas
+    };
+    (!known.is_empty()).then(|| changes.filter(is_other).collect())
+}
+
+/// What has changed since the base model was identified, a sentence each; nothing where it never was.
+pub fn changes_in_words(finding: &Finding) -> Vec<String> {
+    let Some(changed) = &finding.changed else {
+        return Vec::new();
+    };
+    if changed.is_empty() {
+        return vec!["nothing: its numbers are those of the model, within their errors".into()];
+    }
+    let each = changed.iter().map(|change| {
+        let Change { was, now } = change;
+        let more = match change.share() > 0.0 {
+            true => "larger",
+            false => "smaller",
+        };
+        format!(
+            "{} is {:.0} % {more} than in the model: {}, was {} ({:.0} standard errors)",
+            now.name,
+            100.0 * change.share().abs(),
+            Measured::new(now.value, now.std_error, now.unit),
+            Measured::new(was.0, Some(was.1), now.unit),
+            change.std_errors(),
+        )
+    });
+    each.collect()
+}
+
+/// Names, values and standard errors of the parameters that a model file has an error of, named as in
+/// [`Finding::base_after`](super::Finding::base_after).
+fn known(model: &Model) -> Vec<(String, f64, f64)> {
+    // Where the rig stands is no property of it.
+    let of_law = model.environment.parameters().into_iter();
+    let of_law = of_law
+        .filter(|own| own.name != "surface")
+        .filter_map(|own| {
+            let error = error_of(&model.environment.fit.std_error, &own.name)?;
+            Some((own.name, own.value, error))
+        });
+    let of_effects = model.effects.iter().flat_map(|effect| {
+        effect.parameters.iter().filter_map(|(name, value)| {
+            let error = error_of(&effect.fit.std_error, name)?;
+            Some((format!("{}.{name}", effect.id), *value, error))
+        })
+    });
+    of_law.chain(of_effects).collect()
+}
+
+fn error_of(errors: &[(String, f64)], name: &str) -> Option<f64> {
+    let own = errors.iter().find(|(own, _)| own == name);
+    own.map(|(_, error)| *error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::thresholds::Thresholds;
+    use crate::toml_reader::TomlFile;
+    use std::path::Path;
+
+    /// A drive that was identified: a friction of 20.5 ± 0.15 N, a drag of which no error is known.
+    fn identified() -> Model {
+        let toml = "[environment]\nlaw = \"free\"\n\
+            [[effect]]\nid = \"coulomb_friction\"\nforce = 20.5\nstd_error = { force = 0.15 }\n\
+            [[effect]]\nid = \"viscous_drag\"\ncoefficient = 203.0\n";
+        let path = Path::new("model.toml");
+        Model::from_toml(&TomlFile::parse(toml.into(), path).unwrap(), path).unwrap()
+    }
+
+    fn friction(value: f64, std_error: Option<f64>) -> ParameterEstimate {
+        ParameterEstimate {
+            name: "coulomb_friction.force".into(),
+            value,
+            std_error,
+            at_bound: false,
+            unit: "N",
+        }
+    }
+
+    fn changed(model: &Model, now: ParameterEstimate) -> Option<usize> {
+        let decide = Thresholds::default().changes;
+        changes(model, &[now], &decide).map(|changes| changes.len())
+    }
+
+    #[test]
+    fn a_number_has_changed_if_it_is_off_by_its_errors_and_by_more_than_a_record_differs() {
+        let model = identified();
+        assert_eq!(changed(&model, friction(26.0, Some(0.14))), Some(1));
+        // Half a newton is three standard errors and 2.4 %, as another record of the same drive has it.
+        assert_eq!(changed(&model, friction(21.0, Some(0.1))), Some(0));
+        // As much more with an error of 3 N, or where it is not free, is nothing.
+        assert_eq!(changed(&model, friction(26.0, Some(3.0))), Some(0));
+        assert_eq!(changed(&model, friction(26.0, None)), Some(0));
+    }
+
+    #[test]
+    fn a_model_that_was_never_identified_has_not_changed() {
+        let mut model = identified();
+        model.effects[0].fit.std_error.clear();
+        assert_eq!(changed(&model, friction(26.0, Some(0.14))), None);
+    }
+
+    #[test]
+    fn a_change_is_a_share_of_what_it_was_in_errors_of_the_difference() {
+        let change = Change {
+            was: (-40.0, 0.3),
+            now: friction(-50.0, Some(0.4)),
+        };
+        assert_eq!((change.share(), change.std_errors()), (0.25, 20.0));
+    }
+}
