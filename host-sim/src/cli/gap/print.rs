@@ -197,15 +197,31 @@ fn base(text: &mut String, finding: &Finding) {
 
 fn measured(estimate: &ParameterEstimate) -> String {
     let value = Measured::new(estimate.value, estimate.std_error, estimate.unit);
-    match estimate.at_bound {
-        true => format!("{value} (at its bound)"),
-        false => value.to_string(),
+    match (estimate.at_bound, estimate.remark()) {
+        (true, _) => format!("{value} (at its bound)"),
+        (_, Some(remark)) => format!("{value} ({remark})"),
+        _ => value.to_string(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rate_that_may_as_well_be_nothing_is_said_to_be_slower_than_the_log() {
+        let rate = |value: f64, std_error: f64| {
+            measured(&ParameterEstimate {
+                name: "rate".into(),
+                value,
+                std_error: Some(std_error),
+                at_bound: false,
+                unit: "1/s",
+            })
+        };
+        assert_eq!(rate(1.0, 19.0), "1 ± 19\u{a0}1/s (slower than this log shows)");
+        assert_eq!(rate(0.50, 0.02), "0.500 ± 0.020\u{a0}1/s");
+    }
 
     #[test]
     fn names_stand_once_and_in_a_row() {

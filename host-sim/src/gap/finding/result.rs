@@ -93,6 +93,16 @@ pub struct ParameterEstimate {
     pub unit: &'static str,
 }
 
+impl ParameterEstimate {
+    /// What a value means that the log does not show, in words: a rate of relaxation whose error is as large
+    /// as itself may as well be 0.
+    pub fn remark(&self) -> Option<&'static str> {
+        let error = self.std_error?;
+        let is_slow = self.unit == "1/s" && error >= self.value.abs();
+        is_slow.then_some("slower than this log shows")
+    }
+}
+
 /// An effect that is missing in the base model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissingEffect {

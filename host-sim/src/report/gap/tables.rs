@@ -144,6 +144,9 @@ fn measured(estimate: &ParameterEstimate) -> Cell {
 
 /// The 95 % interval of a parameter, with both ends in the digits and the unit of the value.
 fn interval(estimate: &ParameterEstimate) -> Cell {
+    if let Some(remark) = estimate.remark() {
+        return Cell::Missing(remark.into());
+    }
     let Some(error) = estimate
         .std_error
         .filter(|error| *error > 0.0 && error.is_finite())
