@@ -14,6 +14,7 @@ use palpate::teleop::bridge::run::{
 };
 use palpate::teleop::bridge::{Endpoint, Key, Role};
 use palpate::teleop::channel::{Channel, ChannelConfig};
+use palpate::teleop::held::Held;
 
 const TIMEOUT_S: f64 = 0.2;
 const FADE_S: f64 = 0.05;
@@ -99,14 +100,14 @@ fn on_one_host_the_master_renders_what_the_slave_touches_and_fades_out_without_t
         loss: 0.2,
         ..ChannelConfig::default()
     };
-    let mut channel = Channel::new(config, 7);
+    let (mut channel, mut held) = (Channel::new(config, 7), Held::default());
     let mut view = MasterView::default();
     for step in 0..800 {
         local(
             &mut slave,
             &mut master,
             &mut channel,
-            &mut view,
+            (&mut held, &mut view),
             f64::from(step) * LOOK_S,
         )
         .unwrap();
@@ -143,6 +144,7 @@ struct Network {
     master: Device<Simulated>,
     wires: [Wire; 2],
     ends: [Endpoint; 2],
+    held: Held,
     view: MasterView,
     now_us: u64,
 }
@@ -161,6 +163,7 @@ impl Network {
                 Endpoint::new(Role::Listen, here),
                 Endpoint::new(Role::Connect, there),
             ],
+            held: Held::default(),
             view: MasterView::default(),
             now_us: 0,
         }
@@ -169,7 +172,7 @@ impl Network {
     fn run(&mut self, seconds: f64) {
         for _ in 0..(seconds / LOOK_S) as u32 {
             self.now_us += 10_000;
-            for packet in packets(&mut self.slave).unwrap() {
+            for packet in packets(&mut self.slave, &mut self.held).unwrap() {
                 self.ends[0].send(self.now_us, &framed(&packet));
             }
             assert!(

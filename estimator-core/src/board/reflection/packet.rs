@@ -88,11 +88,28 @@ impl Packet {
     /// A parameter that no material has: a negative stiffness, an exponent beyond 0.3…5.
     #[inline(never)]
     pub fn reflected(&self) -> Result<Option<Reflected>, NotRenderable> {
-        let slots = self.slots();
-        if self.known & slots != slots {
+        if !self.is_complete() {
             return Ok(None);
         }
         Reflected::of(self.law, &self.values, self.reference_depth_m).map(Some)
+    }
+
+    /// Whether every parameter of the law is observable.
+    pub fn is_complete(&self) -> bool {
+        self.known & self.slots() == self.slots()
+    }
+
+    /// The same report with the law and the parameters of another one, such as the last complete one.
+    #[must_use]
+    pub fn with_parameters_of(&self, other: &Packet) -> Packet {
+        Packet {
+            time_us: self.time_us,
+            sequence: self.sequence,
+            phase: self.phase,
+            status: self.status,
+            faults: self.faults,
+            ..*other
+        }
     }
 
     /// A bit for each slot of the law.

@@ -19,6 +19,7 @@ use crate::teleop::bridge::run::{
 };
 use crate::teleop::bridge::{Endpoint, Key as Secret, Role};
 use crate::teleop::channel::Channel;
+use crate::teleop::held::Held;
 
 /// How often a line is printed.
 const TELLS: Duration = Duration::from_secs(1);
@@ -128,13 +129,13 @@ fn on_one_host(args: &TeleopArgs, slave: &str, master: &str) -> Result<(), Box<d
     let (mut slave, mut master) = (slave_at(slave)?, master_at(master)?);
     let config = super::setup::options(args)?.channels[1];
     let (mut channel, mut view) = (Channel::new(config, args.seed), MasterView::default());
-    let mut clock = Clock::new(args);
+    let (mut clock, mut held) = (Clock::new(args), Held::default());
     while clock.goes_on() {
         local(
             &mut slave,
             &mut master,
             &mut channel,
-            &mut view,
+            (&mut held, &mut view),
             clock.now_s(),
         )?;
         clock.tell(|| {
@@ -203,10 +204,10 @@ fn resolve(name: &str) -> Result<SocketAddr, Diagnostic> {
 
 fn slave_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
     let (mut wire, mut end) = end(args)?;
-    let mut slave = slave_at(name)?;
+    let (mut slave, mut held) = (slave_at(name)?, Held::default());
     let mut clock = Clock::new(args);
     while clock.goes_on() {
-        let packets = packets(&mut slave)?;
+        let packets = packets(&mut slave, &mut held)?;
         let now_us = (1e6 * clock.now_s()) as u64;
         for packet in &packets {
             end.send(now_us, &framed(packet));
