@@ -34,9 +34,6 @@ pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
         return bridge::run(args);
     }
     let options = setup::options(args)?;
-    if let Some(folder) = &args.out {
-        try_folder(folder)?;
-    }
     match args.compare {
         true => run_all(args, &options),
         false => run_one(args, &options),
@@ -90,7 +87,7 @@ const LONGEST_TRIED_S: f64 = 5.0;
 
 fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
     let mut grid = Grid::table(options.clone(), args.seeds);
-    if args.model.is_some() {
+    if !args.model.is_empty() {
         grid.environments = vec![options.environment.clone()];
     }
     let bar = Bar::new();
@@ -131,9 +128,9 @@ fn finish(
 }
 
 fn provenance(args: &TeleopArgs) -> std::io::Result<Provenance> {
-    let files = [&args.model, &args.operator, &args.channel];
+    let files = args.model.iter().chain(&args.operator).chain(&args.channel);
     let mut provenance = Provenance::of_this_process().setting("Seed", args.seed.to_string());
-    for file in files.into_iter().flatten() {
+    for file in files {
         provenance = provenance.input(Input::of_file(file)?);
     }
     Ok(provenance)

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::bridge::{Clock, Summary};
 use super::compare::Cell;
 use super::measure::{Measures, Packets};
 use super::operator::Grip;
@@ -20,7 +21,7 @@ pub fn run(options: &Options, measures: &Measures) -> Value {
         measures,
     );
     value["round_trip_s"] = number(there.delay_s + back.delay_s);
-    value["shaping"] = number(options.shaping());
+    value["shaping"] = number(options.shaping()[0]);
     let grip = options.operator.grips.last().copied();
     value["operator"] = operator(grip, measures.hand);
     value
@@ -54,6 +55,35 @@ pub fn cell(cell: &Cell) -> Value {
     value["round_trip_s"] = number(cell.round_trip_s);
     value["seeds"] = json!(cell.runs.len());
     value
+}
+
+/// A bridge that has ended.
+pub fn bridge(summary: &Summary) -> Value {
+    let of_clock = |of: fn(&Clock) -> f64| {
+        let clock = summary.clock.as_ref();
+        clock.map_or(Value::Null, |clock| number(1e-6 * of(clock)))
+    };
+    let counts = &summary.counts;
+    let rejected = counts.overtaken + counts.late + counts.replayed + counts.strangers;
+    let rendered = summary.master.and_then(|master| master.rendered);
+    json!({
+        "bridge": summary.role,
+        "duration_s": number(summary.duration_s),
+        "round_trip_s": of_clock(|clock| clock.round_trip_us),
+        "clock_offset_s": of_clock(|clock| clock.offset_us),
+        "packets": {
+            "sent": counts.sent,
+            "passed": counts.passed,
+            "lost": counts.lost,
+            "rejected": rejected,
+            "overtaken": counts.overtaken,
+            "late": counts.late,
+            "replayed": counts.replayed,
+            "strangers": counts.strangers,
+        },
+        "force_n": rendered.map_or(Value::Null, |rendered| number(f64::from(rendered.force_n))),
+        "faded_out": summary.master.map_or(Value::Null, |master| json!(master.has_stopped())),
+    })
 }
 
 fn object(
