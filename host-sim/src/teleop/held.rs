@@ -40,6 +40,8 @@ pub struct Held {
     /// Whether it is of a material that is no longer there.
     is_of_before: bool,
     touches: VecDeque<Touch>,
+    /// How deep the material was touched from which what is known was learned (m).
+    learned_to_m: f32,
 }
 
 impl Held {
@@ -50,6 +52,9 @@ impl Held {
                 self.touches.pop_front();
             }
             self.touches.push_back(touch);
+            if !self.is_of_before {
+                self.learned_to_m = self.learned_to_m.max(touch.position_m);
+            }
         }
     }
 
@@ -68,6 +73,10 @@ impl Held {
         }
         if self.is_better(&packet) {
             self.known = Some(packet);
+            if self.is_of_before {
+                let depths = self.touches.iter().map(|touch| touch.position_m);
+                self.learned_to_m = depths.fold(0.0, f32::max);
+            }
             // What a change begins with may still be the old one.
             self.is_of_before = packet.status == Status::Changed;
         }
@@ -100,13 +109,19 @@ impl Held {
     }
 
     /// How many times as large the forces of a material that has just taken the place of another one are as what is
-    /// known of that one predicts, rms over rms; `None` without a change, or without a touch since.
+    /// known of that one predicts, rms over rms; `None` without a change, or without a touch since. What lies deeper than
+    /// was ever touched is not compared: a stiffer layer is met there, and no other material.
     pub fn stiffer_since_change(&self) -> Option<f64> {
         let known = self.known.filter(|_| self.is_of_before)?;
         let of = known.reflected().ok().flatten()?;
         let sum = |force_n: fn(&Reflected, &Touch) -> f32| {
-            let squares = self.touches.iter().map(|touch| force_n(&of, touch).powi(2));
-            f64::from(squares.sum::<f32>())
+            let known = |touch: &&Touch| touch.position_m <= self.learned_to_m;
+            let squares = self.touches.iter().filter(known);
+            f64::from(
+                squares
+                    .map(|touch| force_n(&of, touch).powi(2))
+                    .sum::<f32>(),
+            )
         };
         let (felt, predicted) = (sum(|_, touch| touch.force_n), sum(predicted_n));
         (felt > 0.0).then(|| (felt / predicted.max(1e-9)).sqrt())
@@ -203,5 +218,28 @@ mod tests {
         // Of another material the old touches say nothing.
         assert_eq!(sent(held, 6, None, Status::Changed).0, Some(900.0));
         assert_eq!(sent(held, 7, Some(7000.0), suspect).0, Some(7000.0));
+    }
+
+    fn touch(position_m: f32, force_n: f32) -> Touch {
+        Touch {
+            position_m,
+            speed_mps: 0.0,
+            force_n,
+        }
+    }
+
+    #[test]
+    fn another_material_is_stiffer_where_the_one_before_was_touched_and_a_layer_is_where_it_was_not()
+     {
+        for (position_m, stiffer) in [(1e-3, Some(6.0)), (3e-3, None)] {
+            let held = &mut Held::default();
+            held.observe(touch(2e-3, 2.0));
+            sent(held, 1, Some(1000.0), Status::Converged);
+            assert_eq!(held.stiffer_since_change(), None);
+            sent(held, 2, None, Status::Changed);
+            held.observe(touch(position_m, 6e3 * position_m));
+            let found = held.stiffer_since_change();
+            assert_eq!(found.map(|found| found.round()), stiffer, "{position_m}");
+        }
     }
 }
