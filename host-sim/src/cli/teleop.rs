@@ -45,7 +45,7 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
     let trace = System::new(options, args.seed).run();
     let took_s = started.elapsed().as_secs_f64();
     let measures = measure(&trace);
-    let value = json::run(options, &measures);
+    let mut value = json::run(options, &measures);
     result(&value)?;
     say(print::summary(options, &trace, &measures))?;
     say(print::speed(1, options.duration_s(), took_s))?;
@@ -79,6 +79,7 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
         limit_s: (limit_s, LONGEST_TRIED_S),
         provenance: provenance(args)?,
     };
+    json::add_sweeps(&mut value, &lines, limit_s);
     finish(folder, &value, &report.document())
 }
 

@@ -6,8 +6,9 @@
 //! something does: on a foam at 2 s of round trip 11 mm and 46 N deep, which taught the estimator another foam. So
 //!
 //! - an estimate that has converged is sent;
-//! - any other complete one is, if it explains the last touches at least as well as the one that was sent before;
-//! - otherwise that one is sent again. After a change of material it is sent as [`Status::Changed`], until something
+//! - any other complete one is, if it explains the last touches better than the one that was sent before (a board that has flagged a change goes
+//!   on to report the old one for a while);
+//! - otherwise that one is sent again, as large as the last touches say. After a change of material it is sent as [`Status::Changed`], until something
 //!   explains the new one better or nothing has: neither the guard nor anybody else takes it for an answer.
 //!
 //! The slave's host does this, in the simulated system and in the bridge.
@@ -32,6 +33,10 @@ pub struct Touch {
 const TOUCHED_N: f32 = 0.2;
 /// Touches that are remembered: at 100 a second a stroke of palpation at 0.8 Hz, in and out.
 const TOUCHES: usize = 64;
+/// Touches that say how large it is: 0.1 s of them, in which a hand has gone in by a millimetre. Not measured.
+const ENOUGH: usize = 10;
+/// A smaller difference is below what people feel.
+const FELT: f32 = 0.05;
 
 /// What is known, and the last touches.
 #[derive(Clone, Debug, Default)]
@@ -71,7 +76,9 @@ impl Held {
             self.is_of_before = true;
             self.touches.clear();
         }
-        if self.is_better(&packet) {
+        if !self.is_better(&packet) {
+            self.rescale();
+        } else {
             self.known = Some(packet);
             if self.is_of_before {
                 let depths = self.touches.iter().map(|touch| touch.position_m);
@@ -92,6 +99,26 @@ impl Held {
         held
     }
 
+    /// What is known, as large as the last touches say.
+    fn rescale(&mut self) {
+        let Some(known) = self.known.filter(|_| self.touches.len() >= ENOUGH) else {
+            return;
+        };
+        let Ok(Some(of)) = known.reflected() else {
+            return;
+        };
+        // The factor with the least squares of what is left.
+        let sums = self.touches.iter().map(|touch| {
+            let predicted_n = predicted_n(&of, touch);
+            (predicted_n * touch.force_n, predicted_n * predicted_n)
+        });
+        let (both, square) = sums.fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+        let factor = both / square;
+        if factor.is_finite() && (factor - 1.0).abs() > FELT {
+            self.known = Some(known.scaled(factor));
+        }
+    }
+
     /// Whether a packet says more than what is known.
     fn is_better(&self, packet: &Packet) -> bool {
         let Ok(Some(new)) = packet.reflected() else {
@@ -102,7 +129,7 @@ impl Held {
             .and_then(|known| known.reflected().ok().flatten());
         match known {
             Some(known) if packet.status != Status::Converged => {
-                self.square_error(&new) <= self.square_error(&known)
+                self.touches.is_empty() || self.square_error(&new) < self.square_error(&known)
             }
             _ => true,
         }

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::bridge::{Clock, Summary};
 use super::compare::Cell;
+use super::measure::transparency::Line;
 use super::measure::{Measures, Packets};
 use super::operator::Grip;
 use super::options::{Options, SchemeId};
@@ -25,6 +26,27 @@ pub fn run(options: &Options, measures: &Measures) -> Value {
     let grip = options.operator.grips.last().copied();
     value["operator"] = operator(grip, measures.hand);
     value
+}
+
+/// What only a report asks for: the transparency of some schemes, and the largest round trip at which the run's own comes
+/// to rest (s).
+pub fn add_sweeps(value: &mut Value, transparency: &[(SchemeId, Vec<Line>)], limit_s: Option<f64>) {
+    value["rests_to_round_trip_s"] = limit_s.map_or(Value::Null, number);
+    let lines = transparency.iter().map(|(scheme, lines)| {
+        let column = |of: fn(&Line) -> f64| {
+            lines
+                .iter()
+                .map(|line| number(of(line)))
+                .collect::<Vec<_>>()
+        };
+        json!({
+            "scheme": scheme.name(),
+            "frequency_hz": column(|line| line.frequency_hz),
+            "magnitude": column(|line| line.magnitude),
+            "phase_rad": column(|line| line.phase_rad),
+        })
+    });
+    value["transparency"] = lines.collect();
 }
 
 /// A cell of the comparison: the medians over its seeds.

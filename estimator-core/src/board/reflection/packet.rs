@@ -112,6 +112,21 @@ impl Packet {
         }
     }
 
+    /// The same report of a material of the same shape whose force is so many times as large: stiffnesses and damping
+    /// with their standard errors change by the factor, exponents, rates and the surface stay.
+    #[must_use]
+    pub fn scaled(&self, factor: f32) -> Packet {
+        let mut scaled = *self;
+        let places = scaled.values.iter_mut().zip(&mut scaled.std_errors);
+        for ((value, std_error), info) in places.zip(self.law.parameters()) {
+            if matches!(info.name, "stiffness" | "second_stiffness" | "damping") {
+                *value *= factor;
+                *std_error = upper(f32::from_bits(u32::from(*std_error) << 16) * factor);
+            }
+        }
+        scaled
+    }
+
     /// A bit for each slot of the law.
     fn slots(&self) -> u8 {
         ((1_u16 << self.law.parameters().len()) - 1) as u8

@@ -179,6 +179,16 @@ fn on_one_host(args: &TeleopArgs, slave: &str, master: &str) -> Result<Summary, 
     })
 }
 
+/// What the network has lost and rejected, and the channel that was put in between.
+fn with_channel(of: Counts, channel: &Channel<Vec<u8>>) -> Counts {
+    let own = channel.counts();
+    Counts {
+        lost: of.lost + own.lost,
+        overtaken: of.overtaken + own.overtaken,
+        ..of
+    }
+}
+
 /// The simulator's channel, which `--delay-ms`, `--jitter`, `--loss` and `--channel` put in between.
 fn between(args: &TeleopArgs) -> Result<Channel<Vec<u8>>, Diagnostic> {
     let [_, back] = super::setup::channels(args)?;
@@ -191,9 +201,10 @@ fn told(summary: &Summary) -> String {
         counts, duration_s, ..
     } = summary;
     let rejected = counts.overtaken + counts.late + counts.replayed + counts.strangers;
-    let force = summary.master.as_ref().map_or(String::new(), force);
+    let force = summary.master.as_ref().map(force);
+    let force = force.map_or(String::new(), |force| format!("  {force}"));
     format!(
-        "ended after {}: sent {}, passed on {}, lost {}, rejected {rejected}  {force}\n",
+        "ended after {}: sent {}, passed on {}, lost {}, rejected {rejected}{force}\n",
         quantity(*duration_s, 3, "s"),
         counts.sent,
         counts.passed,
@@ -232,7 +243,11 @@ fn end(args: &TeleopArgs) -> Result<(Wire, Endpoint), Box<dyn Error>> {
         Role::Connect
     };
     let wire = Wire::open(listen, connect)?;
-    say(format!("listening at {}\n", wire.address()?))?;
+    let at = wire.address()?;
+    say(match connect {
+        Some(other) => format!("connecting to {other} from {at}\n"),
+        None => format!("listening at {at}\n"),
+    })?;
     Ok((wire, Endpoint::new(role, key)))
 }
 
@@ -272,7 +287,7 @@ fn slave_end(args: &TeleopArgs, name: &str) -> Result<Summary, Box<dyn Error>> {
         role: "slave",
         duration_s: clock.now_s(),
         clock: end.clock(),
-        counts: end.counts(),
+        counts: with_channel(end.counts(), &channel),
         master: None,
     })
 }
@@ -299,7 +314,10 @@ fn master_end(args: &TeleopArgs, name: &str) -> Result<Summary, Box<dyn Error>> 
         role: "master",
         duration_s: clock.now_s(),
         clock: end.clock(),
-        counts: end.counts(),
+        counts: Counts {
+            passed: view.given,
+            ..with_channel(end.counts(), &channel)
+        },
         master: Some(view),
     })
 }
