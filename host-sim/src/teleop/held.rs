@@ -256,6 +256,28 @@ mod tests {
     }
 
     #[test]
+    fn what_is_held_is_as_large_as_the_last_touches_say() {
+        let held = &mut Held::default();
+        sent(held, 1, Some(1000.0), Status::Converged);
+        // The board goes on to report the old one.
+        sent(held, 2, Some(1000.0), Status::Changed);
+        let steps = 1..=ENOUGH as u16;
+        for position_m in steps.map(|step| 1e-4 * f32::from(step)) {
+            let known = sent(held, 3, Some(1000.0), Status::Changed);
+            assert_eq!(known, (Some(1000.0), Status::Changed));
+            held.observe(touch(position_m, 300.0 * position_m + 0.25));
+        }
+        let (found, status) = sent(held, 4, Some(1000.0), Status::Changed);
+        // Σ F·x/Σ x² of these touches.
+        let exact = 300.0 + 0.25 * 55.0 / (385.0 * 1e-4);
+        assert!(
+            (found.unwrap() / exact - 1.0).abs() < 1e-4,
+            "{found:?} for {exact}"
+        );
+        assert_eq!(status, Status::Changed);
+    }
+
+    #[test]
     fn another_material_is_stiffer_where_the_one_before_was_touched_and_a_layer_is_where_it_was_not()
      {
         for (position_m, stiffer) in [(1e-3, Some(6.0)), (3e-3, None)] {
