@@ -12,6 +12,7 @@ pub mod device;
 pub mod environment;
 pub mod file;
 pub mod hand;
+pub mod held;
 pub mod json;
 pub mod measure;
 pub mod notice;

@@ -14,6 +14,7 @@ use palpate::teleop::bridge::run::{
 };
 use palpate::teleop::bridge::{Endpoint, Key, Role};
 use palpate::teleop::channel::{Channel, ChannelConfig};
+use palpate::teleop::held::Held;
 
 const TIMEOUT_S: f64 = 0.2;
 const FADE_S: f64 = 0.05;
@@ -99,14 +100,14 @@ fn on_one_host_the_master_renders_what_the_slave_touches_and_fades_out_without_t
         loss: 0.2,
         ..ChannelConfig::default()
     };
-    let mut channel = Channel::new(config, 7);
+    let (mut channel, mut held) = (Channel::new(config, 7), Held::default());
     let mut view = MasterView::default();
     for step in 0..800 {
         local(
             &mut slave,
             &mut master,
             &mut channel,
-            &mut view,
+            (&mut held, &mut view),
             f64::from(step) * LOOK_S,
         )
         .unwrap();
@@ -143,6 +144,7 @@ struct Network {
     master: Device<Simulated>,
     wires: [Wire; 2],
     ends: [Endpoint; 2],
+    held: Held,
     view: MasterView,
     now_us: u64,
 }
@@ -161,6 +163,7 @@ impl Network {
                 Endpoint::new(Role::Listen, here),
                 Endpoint::new(Role::Connect, there),
             ],
+            held: Held::default(),
             view: MasterView::default(),
             now_us: 0,
         }
@@ -169,7 +172,7 @@ impl Network {
     fn run(&mut self, seconds: f64) {
         for _ in 0..(seconds / LOOK_S) as u32 {
             self.now_us += 10_000;
-            for packet in packets(&mut self.slave).unwrap() {
+            for packet in packets(&mut self.slave, &mut self.held).unwrap() {
                 self.ends[0].send(self.now_us, &framed(&packet));
             }
             assert!(
@@ -223,4 +226,152 @@ fn without_the_same_key_nothing_reaches_the_master() {
     assert_eq!((network.view.given, force_n(&network.view)), (0, 0.0));
     assert!(network.ends[0].counts().strangers > 5);
     assert!(!network.ends[1].is_alive(network.now_us));
+}
+
+/// What somebody on the way makes of the slave's datagrams: when each arrives (µs later), and what.
+type Tampers = fn(usize, &[u8]) -> Vec<(u64, Vec<u8>)>;
+
+fn flipped(datagram: &[u8], bit: usize) -> Vec<u8> {
+    let mut changed = datagram.to_vec();
+    let bit = bit % (8 * changed.len());
+    changed[bit / 8] ^= 1 << (bit % 8);
+    changed
+}
+
+/// What came of it: what the master's end counted, and the force at the end over the gel's.
+struct Outcome {
+    counts: palpate::teleop::bridge::Counts,
+    tampered: u64,
+    force_share: f64,
+    stopped: bool,
+}
+
+/// Three seconds as it should be, and three with somebody in between. Every frame that reaches the master must be one
+/// that the slave has sent, once, and in order.
+fn with_somebody_in_between(tampers: Tampers) -> Outcome {
+    let key = || Key::new([9; 32]);
+    let mut ends = [
+        Endpoint::new(Role::Listen, key()),
+        Endpoint::new(Role::Connect, key()),
+    ];
+    let (mut slave, mut master) = (slave(), master());
+    let (mut held, mut view) = (Held::default(), MasterView::default());
+    let mut underway: Vec<(u64, Vec<u8>)> = Vec::new();
+    let (mut sent, mut passed, mut tampered) = (Vec::new(), Vec::new(), 0);
+    let mut before = ends[1].counts();
+    for step in 1..=600_u64 {
+        let now_us = 10_000 * step;
+        for packet in packets(&mut slave, &mut held).unwrap() {
+            let frame = framed(&packet);
+            ends[0].send(now_us, &frame);
+            sent.push(frame);
+        }
+        for datagram in ends[1].poll(now_us) {
+            ends[0].receive(now_us, &datagram);
+        }
+        for datagram in ends[0].poll(now_us) {
+            let own = step > 300;
+            let arrive = match own {
+                true => tampers(tampered, &datagram),
+                false => vec![(0, datagram)],
+            };
+            tampered += usize::from(own);
+            underway.extend(
+                arrive
+                    .into_iter()
+                    .map(|(late_us, datagram)| (now_us + late_us, datagram)),
+            );
+        }
+        look(&mut master, &mut view).unwrap();
+        let (arrived, later): (Vec<_>, Vec<_>) = underway
+            .into_iter()
+            .partition(|(at_us, _)| *at_us <= now_us);
+        underway = later;
+        for (_, datagram) in arrived {
+            if let Some(frame) = ends[1].receive(now_us, &datagram) {
+                give(&mut master, &mut view, &frame).unwrap();
+                passed.push(frame);
+            }
+        }
+        if step == 300 {
+            before = ends[1].counts();
+        }
+    }
+    let mut rest = sent.iter();
+    assert!(passed.iter().all(|frame| rest.any(|own| own == frame)));
+    let after = ends[1].counts();
+    let counts = palpate::teleop::bridge::Counts {
+        passed: after.passed - before.passed,
+        strangers: after.strangers - before.strangers,
+        replayed: after.replayed - before.replayed,
+        overtaken: after.overtaken - before.overtaken,
+        late: after.late - before.late,
+        ..after
+    };
+    Outcome {
+        counts,
+        tampered: tampered as u64,
+        force_share: force_n(&view) / real_n(),
+        stopped: view.has_stopped(),
+    }
+}
+
+/// Conditions × outcome: what somebody does on the way, what of it is counted, and what the master renders.
+#[test]
+fn whatever_somebody_does_on_the_way_nothing_but_the_slaves_packets_is_rendered_and_all_is_counted()
+{
+    let rows: [(&str, Tampers); 8] = [
+        ("nothing", |_, datagram| vec![(0, datagram.to_vec())]),
+        ("a bit flipped", |at, datagram| {
+            vec![(0, flipped(datagram, at))]
+        }),
+        ("cut short", |at, datagram| {
+            vec![(0, datagram[..at % datagram.len()].to_vec())]
+        }),
+        ("replayed", |_, datagram| {
+            vec![(0, datagram.to_vec()), (30_000, datagram.to_vec())]
+        }),
+        // Every other one by two of the 100 a second.
+        ("reordered", |at, datagram| {
+            vec![(20_000 * (at as u64 % 2), datagram.to_vec())]
+        }),
+        ("held up by 1 s", |_, datagram| {
+            vec![(1_000_000, datagram.to_vec())]
+        }),
+        ("a stranger's beside", |at, datagram| {
+            vec![(0, vec![3; 1 + at % 200]), (0, datagram.to_vec())]
+        }),
+        ("kept", |_, _| Vec::new()),
+    ];
+    for (name, tampers) in rows {
+        let Outcome {
+            counts,
+            tampered,
+            force_share,
+            stopped,
+        } = with_somebody_in_between(tampers);
+        let renders = (force_share - 1.0).abs() < 0.05 && !stopped;
+        let faded = force_share == 0.0 && stopped;
+        let rejected = counts.strangers + counts.replayed + counts.overtaken + counts.late;
+        println!("{name:20} {tampered:4} {counts:?} {force_share:.3} {stopped}");
+        // Beside packets there are questions for the clock, and their answers.
+        let (all, none) = (10 * counts.passed > 9 * tampered, counts.passed == 0);
+        let as_expected = match name {
+            "nothing" => renders && all && rejected == 0,
+            "a bit flipped" | "cut short" => faded && none && counts.strangers == tampered,
+            "replayed" => {
+                renders && all && counts.replayed == rejected && 10 * counts.replayed > 9 * tampered
+            }
+            "reordered" => {
+                renders && counts.overtaken == rejected && 10 * counts.overtaken > 4 * tampered
+            }
+            "held up by 1 s" => counts.late > 0 && counts.late == rejected,
+            "a stranger's beside" => renders && all && counts.strangers == tampered,
+            _ => faded && none && rejected == 0,
+        };
+        assert!(
+            as_expected,
+            "{name}: {counts:?} of {tampered}, {force_share}, {stopped}"
+        );
+    }
 }

@@ -59,3 +59,94 @@ fn a_folder_that_cannot_be_written_into_is_refused_before_anything_is_computed()
         complained(&done)
     );
 }
+
+#[test]
+fn a_bridge_says_what_has_gone_over_it_and_writes_it_where_it_is_asked_to() {
+    let folder = Folder::new();
+    let bridge = "teleop --slave simulated --master simulated --seconds 2 --loss 0.3 --out bridge";
+    let text = folder.succeeds(bridge);
+    assert!(
+        text.contains("ended after 2.0") && text.contains("lost"),
+        "{text}"
+    );
+    let written: Value = serde_json::from_str(&folder.read("bridge/teleop.json")).unwrap();
+    assert_described(&written);
+    assert_eq!(written["bridge"], "one_host");
+    let (sent, lost) = (&written["packets"]["sent"], &written["packets"]["lost"]);
+    assert!(
+        sent.as_u64() > Some(50) && lost.as_u64() > Some(5),
+        "{written}"
+    );
+}
+
+#[test]
+fn ends_that_do_not_fit_together_and_flags_of_the_simulation_are_refused() {
+    let folder = Folder::with("a.key", "8f".repeat(32));
+    for arguments in [
+        "--listen 127.0.0.1:0 --key a.key",
+        "--key a.key",
+        "--seconds 3",
+        "--slave simulated",
+        "--slave simulated --master simulated --scheme passivity",
+        "--slave simulated --master simulated --seeds 3",
+    ] {
+        let done = folder.palpate(&format!("teleop {arguments}"));
+        assert_eq!(done.status.code(), Some(2), "{arguments}: {}", said(&done));
+        let words = ["--master", "cannot be used with"];
+        assert!(
+            words.iter().any(|word| complained(&done).contains(word)),
+            "{arguments}: {}",
+            complained(&done)
+        );
+    }
+}
+
+const SOFT: &str =
+    "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 900.0\ndamping = 20.0\nexponent = 1.3\n";
+const STIFF: &str =
+    "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 4000.0\ndamping = 40.0\nexponent = 1.2\n";
+
+#[test]
+fn a_second_model_takes_the_place_of_the_first_in_the_air_or_while_it_is_touched() {
+    let folder = Folder::with("soft.toml", SOFT);
+    folder.write("stiff.toml", STIFF);
+    folder.write("during.toml", "[task]\nchanges = 5.4\n");
+    let models = "teleop --model soft.toml --model stiff.toml --delay-ms 20 --json";
+    for operator in ["", " --operator during.toml"] {
+        let written = folder.succeeds(&format!("{models}{operator}"));
+        let written: Value = serde_json::from_str(&written).unwrap();
+        assert_described(&written);
+        assert_eq!(written["environment"], "soft");
+        let share = |key: &str| written[key].as_f64().unwrap_or(f64::INFINITY);
+        assert!(
+            share("felt_force_rmse_share") < 0.05,
+            "{operator}: {written}"
+        );
+        assert!(
+            share("felt_force_rmse_share_after") < 0.05,
+            "{operator}: {written}"
+        );
+        assert!(share("resettled_s") < 1.0, "{operator}: {written}");
+        assert!(share("created_energy_j") < 1e-4, "{operator}: {written}");
+    }
+}
+
+#[test]
+fn an_impedance_is_shaped_as_the_operators_file_says() {
+    let folder = Folder::with("soft.toml", SOFT);
+    // K' = 0.5·K·(K/3600)^(0.5 − 1): as stiff as it is.
+    folder.write(
+        "shape.toml",
+        "[shape]\ngain = 0.5\npower = 0.5\nreference = 3600.0\n",
+    );
+    let run = "teleop --scheme reflection_shaped --model soft.toml --operator shape.toml --json";
+    let written: Value = serde_json::from_str(&folder.succeeds(run)).unwrap();
+    assert!(
+        (written["shaping"].as_f64().unwrap() - 1.0).abs() < 1e-9,
+        "{written}"
+    );
+    assert!(
+        written["felt_force_rmse_share"].as_f64().unwrap() < 0.05,
+        "{written}"
+    );
+}

@@ -15,6 +15,7 @@ use palpate::link::Device;
 use palpate::link::port::{Files, Port};
 use palpate::teleop::bridge::run::{MasterView, Wire, framed, give, packets};
 use palpate::teleop::bridge::{Endpoint, Key as Secret, Role};
+use palpate::teleop::held::Held;
 use tests::emulator::{Emulator, Live, wait_until};
 use tests::signal::palpation;
 use tests::tolerance;
@@ -92,7 +93,7 @@ fn joined(touched: &[Sample<f32>]) -> (Vec<(u16, Frame)>, Vec<Packet>) {
         Endpoint::new(Role::Listen, key()),
         Endpoint::new(Role::Connect, key()),
     ];
-    let (mut view, mut given) = (MasterView::default(), Vec::new());
+    let (mut best, mut view, mut given) = (Held::default(), MasterView::default(), Vec::new());
     // The master's own cell touches nothing.
     let held = touched.iter().map(|sample| Sample {
         force_n: 0.0,
@@ -113,7 +114,7 @@ fn joined(touched: &[Sample<f32>]) -> (Vec<(u16, Frame)>, Vec<Packet>) {
         let come = |board: &mut Live| time_us(board) + BLOCK_US >= now_us;
         let both = || come(&mut at_slave) && come(&mut at_master);
         wait_until("both have come so far", both).expect("both run");
-        for packet in packets(&mut from_slave).expect("slave") {
+        for packet in packets(&mut from_slave, &mut best).expect("slave") {
             ends[0].send(now_us, &framed(&packet));
         }
         listens.exchange(&mut ends[0], now_us);

@@ -3,6 +3,7 @@
 
 mod theory;
 
+use palpate::teleop::environment::Environment;
 use palpate::teleop::{Cell, SchemeId};
 use std::sync::LazyLock;
 use tests::teleop::bar::{self, Row};
@@ -20,6 +21,25 @@ fn reached(rows: impl IntoIterator<Item = Row>) {
 fn the_felt_force_is_the_true_one_once_the_estimate_has_arrived() {
     let rows = bar::felt(&CELLS).into_iter();
     reached(rows.filter(|row| !row.asked.contains("foam")));
+}
+
+#[test]
+fn another_material_is_felt_again_in_time() {
+    reached(bar::resettled(&CELLS));
+}
+
+/// A round trip of 2 s, at which a change of material that was none once let the operator fall in: 45 % of the peak.
+#[test]
+fn a_foam_that_the_law_does_not_explain_is_felt_as_well_as_the_law_can() {
+    let mut grid = bar::grid(2, true);
+    grid.environments = Environment::compared();
+    grid.environments.retain(|own| own.first.name == "foam");
+    grid.schemes = vec![SchemeId::Reflection];
+    (grid.round_trips_s, grid.jitters) = (vec![2.0], vec![0.0, 0.3]);
+    let cells = bar::cells(&grid, &|_, _| {});
+    let rows = bar::felt(&cells).into_iter();
+    reached(rows.filter(|row| row.asked.contains("foam")));
+    assert_eq!(cells.len(), 2);
 }
 
 #[test]

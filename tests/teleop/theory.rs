@@ -2,9 +2,10 @@
 //! 50 µs, which adds two ticks to a round trip (a half for each held command, one for the message back).
 
 use estimator_core::board::reflection::RenderConfig;
+use estimator_core::physics::law::{ContactLaw, HuntCrossley};
 use num_complex::Complex64 as Complex;
 use palpate::motion::{Motion, Segment};
-use palpate::teleop::environment::{Environment, Material};
+use palpate::teleop::environment::{Environment, Material, Touching};
 use palpate::teleop::operator::{Grip, Operator};
 use palpate::teleop::scheme::Servo;
 use palpate::teleop::{Options, Row, SchemeId, System, Trace};
@@ -340,4 +341,55 @@ fn the_energy_of_every_part_balances() {
             scheme.name()
         );
     }
+}
+
+/// The work of the hand is what its intention puts in, less what its spring stores and its damper loses; the work on a
+/// material is what it stores and what its damping loses.
+#[test]
+fn the_energies_of_the_hand_and_of_the_material_balance() {
+    let options = Options {
+        environment: Environment::throughout(Material::gel()),
+        ..Options::default()
+    };
+    let options = options.with_channel(0.01, 0.0, 0.0).with_task_for_delay();
+    let trace = System::new(&options, 3).run();
+    let grip = options.operator.grips[0];
+    let (stored, gel) = (
+        Touching::at_rest(&Material::gel()),
+        HuntCrossley::new(1350.0, 36.0, 1.35, 1e-3),
+    );
+    let (mut intended_j, mut damper_j, mut heat_j) = (0.0, 0.0, 0.0);
+    let (mut moved_j, mut worst_j) = (0.0_f64, 0.0_f64);
+    let (mut last, mut first_j) = ([0.0; 3], None);
+    for row in &trace.rows {
+        let (x, v) = options.operator.intention.position(row.time_s);
+        let (stretch_m, slip_mps) = (x - row.master_m, v - row.master_mps);
+        let pull_n = grip.stiffness_n_per_m * stretch_m + grip.damping_ns_per_m * slip_mps;
+        let depth_m = row.slave_m.max(0.0);
+        let damping_n = gel.force_n(depth_m, row.slave_mps) - gel.force_n(depth_m, 0.0);
+        // Powers between ticks by the trapezium: 1e-4 of a motion that is over 20 Hz only in its starts.
+        let powers = [
+            pull_n * v,
+            grip.damping_ns_per_m * slip_mps.powi(2),
+            damping_n * row.slave_mps,
+        ];
+        let works = [0, 1, 2].map(|i| 0.5 * (powers[i] + last[i]) * trace.period_s);
+        (intended_j, damper_j, heat_j) = (
+            intended_j + works[0],
+            damper_j + works[1],
+            heat_j + works[2],
+        );
+        last = powers;
+        let spring_j = 0.5 * grip.stiffness_n_per_m * stretch_m.powi(2);
+        let at_first_j = *first_j.get_or_insert(spring_j);
+        let hand_j = intended_j - damper_j - (spring_j - at_first_j) - row.hand_j;
+        let material_j = row.material_j - stored.stored_j(row.slave_m) - heat_j;
+        moved_j = moved_j.max(intended_j.abs());
+        worst_j = worst_j.max(hand_j.abs()).max(material_j.abs());
+    }
+    let share = worst_j / moved_j;
+    assert!(
+        tolerance::ENERGY_BALANCE.contains(&share),
+        "{share} of {moved_j} J"
+    );
 }

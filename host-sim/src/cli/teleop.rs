@@ -34,9 +34,6 @@ pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
         return bridge::run(args);
     }
     let options = setup::options(args)?;
-    if let Some(folder) = &args.out {
-        try_folder(folder)?;
-    }
     match args.compare {
         true => run_all(args, &options),
         false => run_one(args, &options),
@@ -48,7 +45,7 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
     let trace = System::new(options, args.seed).run();
     let took_s = started.elapsed().as_secs_f64();
     let measures = measure(&trace);
-    let value = json::run(options, &measures);
+    let mut value = json::run(options, &measures);
     result(&value)?;
     say(print::summary(options, &trace, &measures))?;
     say(print::speed(1, options.duration_s(), took_s))?;
@@ -82,6 +79,7 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
         limit_s: (limit_s, LONGEST_TRIED_S),
         provenance: provenance(args)?,
     };
+    json::add_sweeps(&mut value, &lines, limit_s);
     finish(folder, &value, &report.document())
 }
 
@@ -90,7 +88,7 @@ const LONGEST_TRIED_S: f64 = 5.0;
 
 fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
     let mut grid = Grid::table(options.clone(), args.seeds);
-    if args.model.is_some() {
+    if !args.model.is_empty() {
         grid.environments = vec![options.environment.clone()];
     }
     let bar = Bar::new();
@@ -131,9 +129,9 @@ fn finish(
 }
 
 fn provenance(args: &TeleopArgs) -> std::io::Result<Provenance> {
-    let files = [&args.model, &args.operator, &args.channel];
+    let files = args.model.iter().chain(&args.operator).chain(&args.channel);
     let mut provenance = Provenance::of_this_process().setting("Seed", args.seed.to_string());
-    for file in files.into_iter().flatten() {
+    for file in files {
         provenance = provenance.input(Input::of_file(file)?);
     }
     Ok(provenance)

@@ -99,9 +99,9 @@ pub fn verdict(options: &Options, measures: &Measures) -> (Tone, &'static str, S
         ),
         None => "The scheme never became ready: it put out no force".into(),
     };
-    let shaped = match options.shaping() {
+    let shaped = match options.shaping()[0] {
         1.0 => String::new(),
-        gain => format!(", which is shaped by {gain} on purpose"),
+        gain => format!(", which is shaped by {gain:.2} on purpose"),
     };
     if !measures.stable {
         let sentence = format!("The system does not come to rest. {felt}{shaped}.");

@@ -11,6 +11,8 @@ pub mod payload;
 pub mod replay;
 pub mod run;
 pub mod session;
+pub mod summary;
 
-pub use endpoint::{Counts, Endpoint, Role};
+pub use endpoint::{Clock, Counts, Endpoint, Role};
 pub use key::Key;
+pub use summary::Summary;

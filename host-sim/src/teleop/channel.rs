@@ -30,7 +30,7 @@ pub struct ChannelConfig {
     pub distribution: Jitter,
     /// The share of the messages that is lost.
     pub loss: f64,
-    /// How many messages are messages lost in a row, on average; 1 for losses that know nothing of each other.
+    /// How many messages are lost in a row, on average; 1 for losses that know nothing of each other.
     pub burst: f64,
     /// The most that the channel carries (bytes/s); infinite without a limit.
     pub bytes_per_s: f64,

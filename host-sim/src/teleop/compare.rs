@@ -2,13 +2,14 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use estimator_core::board::reflection::Limit;
 use rayon::prelude::*;
 
 use super::environment::Environment;
 use super::measure::{Measures, measure};
 use super::options::{Options, SchemeId};
 use super::system::System;
-use crate::stats::median;
+use crate::stats::{highest, median};
 
 /// What is compared.
 #[derive(Clone, Debug)]
@@ -76,6 +77,10 @@ impl Grid {
     }
 }
 
+/// A limit of the renderer that is at work in a smaller share of the contact moves the felt force by less than what
+/// people feel. Not measured.
+const LIMITED: f64 = 0.05;
+
 /// One cell of the comparison.
 #[derive(Clone, Debug)]
 pub struct Cell {
@@ -98,6 +103,20 @@ impl Cell {
     pub fn median(&self, of: impl Fn(&Measures) -> Option<f64>) -> Option<f64> {
         let values: Vec<f64> = self.runs.iter().filter_map(of).collect();
         (2 * values.len() > self.runs.len()).then(|| median(values))
+    }
+
+    /// Whether a limit of the renderer kept the impedance from what it is in more than a twentieth of the contact, in
+    /// the median over the runs. That another impedance comes in is none.
+    pub fn is_limited(&self) -> bool {
+        let most = |run: &Measures| {
+            let limits = run
+                .limits
+                .iter()
+                .filter(|(name, _)| *name != Limit::Blending.name());
+            highest(limits.map(|(_, share)| *share))
+        };
+        self.median(|run| Some(most(run)))
+            .is_some_and(|share| share > LIMITED)
     }
 
     /// Whether every run came to rest.

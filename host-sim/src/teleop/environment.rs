@@ -111,6 +111,12 @@ impl Material {
         }
     }
 
+    /// The secant of the elastic force at 1 mm (N/m), which is the stiffness of a law that reports there; 0 without one.
+    pub fn secant_n_per_m(&self) -> f64 {
+        let elastic = self.rig.environment.elastic;
+        elastic.map_or(0.0, |elastic| elastic.force_n(1e-3) / 1e-3)
+    }
+
     /// The same with its surface at 0 m, where the operator expects it.
     #[must_use]
     pub fn at_zero(mut self) -> Material {

@@ -1,42 +1,53 @@
 //! Operator and channel from TOML files, with errors that name line, key, value and remedy.
 //!
-//! ```toml
-//! # operator.toml: all keys are optional
-//! force_limit = 30.0      # N
-//! excitation = 0.3        # N, known force at the master that shows the hand (reflection_both); 0: none
-//! motion = "motion.toml"  # the intended motion, as `palpate simulate` takes it; otherwise [task]
-//! [[grip]]                # one or more, in the order of time
-//! from = 0.0              # s
-//! mass = 0.35             # kg
-//! damping = 9.0           # N s/m
-//! stiffness = 700.0       # N/m
-//! [task]
-//! outside = -0.006        # m, where the hand rests
-//! inside = 0.014          # m, intended depth
-//! frequency = 0.8         # Hz
-//! palpates = [8.75, 6.25] # s, before and after it slides off
-//! presses = 3.4           # s
-//!
-//! # channel.toml: all keys are optional; [there] is from master to slave, [back] from slave to master
-//! clock_offset = 0.0      # s, how far the slave's clock is ahead
-//! [there]
-//! delay = 0.05            # s, one way
-//! jitter = 0.3            # share of the delay
-//! distribution = "gamma"  # or "uniform"
-//! loss = 0.05             # share of the messages
-//! burst = 1.0             # messages messages lost in a row, on average
-//! rate = 12000            # bytes/s
-//! outage = [8.0, 10.0]    # s, from and until when nothing arrives
-//! ```
+//! [`OPERATOR_KEYS`] and [`CHANNEL_KEYS`] say what can stand in them.
 
 use std::path::Path;
 
 use super::channel::{ChannelConfig, Jitter};
 use super::hand::Excitation;
 use super::operator::{Grip, HAND, Operator, Task};
+use super::scheme::shape::Shape;
+use super::scheme::wave_variables::Waves;
 use crate::diagnostic::Diagnostic;
 use crate::motion::Motion;
 use crate::toml_reader::{Bounds, Table, TomlFile};
+
+/// Every key of an operator's file, with its default; all are optional.
+pub const OPERATOR_KEYS: &str = r#"force_limit = 30.0      # N
+excitation = 0.3        # N, known force at the master that shows the hand (reflection_both); 0: none
+motion = "motion.toml"  # the intended motion, as `palpate simulate` takes it; otherwise [task]
+[[grip]]                # one or more, in the order of time
+from = 0.0              # s
+mass = 0.35             # kg
+damping = 9.0           # N s/m
+stiffness = 700.0       # N/m
+[task]
+outside = -0.006        # m, where the hand rests
+inside = 0.014          # m, intended depth
+frequency = 0.8         # Hz
+palpates = [8.75, 6.25] # s, before and after it slides off
+presses = 3.4           # s
+changes = 6.0           # s, when the second --model takes the place of the first, touched or not; otherwise it
+                        # does when the hand has slid off
+[shape]                 # what reflection_shaped makes of the material: K' = gain·K·(K/reference)^(power − 1)
+gain = 0.7
+power = 1.0             # below 1: materials come closer to each other
+reference = 3000.0      # N/m"#;
+
+/// Every key of a channel's file; all are optional. `[back]` has the keys of `[there]`.
+pub const CHANNEL_KEYS: &str = r#"clock_offset = 0.0      # s, how far the slave's clock is ahead
+[there]
+delay = 0.05            # s, one way
+jitter = 0.3            # share of the delay
+distribution = "gamma"  # or "uniform"
+loss = 0.05             # share of the messages
+burst = 1.0             # messages lost in a row, on average
+rate = 12000            # bytes/s
+outage = [8.0, 10.0]    # s, from and until when nothing arrives
+[waves]                 # of wave_variables
+impedance = 30.0        # N s/m
+servo = "stiff"         # of the slave; or "matched" to the waves"#;
 
 /// What an operator's file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +58,8 @@ pub struct OperatorFile {
     pub task: Option<Task>,
     /// The known force at the master; `Some(None)`: none is wanted.
     pub excitation: Option<Option<Excitation>>,
+    /// How the impedance is changed before it is rendered, if that was said.
+    pub shape: Option<Shape>,
 }
 
 /// What a channel's file says.
@@ -56,6 +69,8 @@ pub struct ChannelFile {
     pub channels: [ChannelConfig; 2],
     /// How far the slave's clock is ahead of the master's (µs).
     pub clock_offset_us: u64,
+    /// How waves are made, if that was said.
+    pub waves: Option<Waves>,
 }
 
 impl OperatorFile {
@@ -73,7 +88,14 @@ impl OperatorFile {
     /// As [`OperatorFile::read`].
     pub fn from_toml(file: &TomlFile, path: &Path) -> Result<OperatorFile, Diagnostic> {
         let root = file.root();
-        root.understand(&["force_limit", "excitation", "motion", "grip", "task"]);
+        root.understand(&[
+            "force_limit",
+            "excitation",
+            "motion",
+            "grip",
+            "task",
+            "shape",
+        ]);
         let force_limit = root.number("force_limit", Bounds::Within(0.1, 1e3))?;
         let excitation = root.number("excitation", Bounds::Within(0.0, 10.0))?;
         let grips = root.tables("grip")?;
@@ -91,6 +113,10 @@ impl OperatorFile {
         let task = root
             .table("task")?
             .map(|table| self::task(&table))
+            .transpose()?;
+        let shape = root
+            .table("shape")?
+            .map(|table| self::shape(&table))
             .transpose()?;
         let motion = match root.text("motion")? {
             Some(_) if task.is_some() => {
@@ -113,6 +139,7 @@ impl OperatorFile {
             },
             task,
             excitation: excitation.map(|force_n| (force_n > 0.0).then_some(Excitation { force_n })),
+            shape,
         })
     }
 }
@@ -137,7 +164,14 @@ fn grip(table: &Table<'_>) -> Result<Grip, Diagnostic> {
 }
 
 fn task(table: &Table<'_>) -> Result<Task, Diagnostic> {
-    table.understand(&["outside", "inside", "frequency", "palpates", "presses"]);
+    table.understand(&[
+        "outside",
+        "inside",
+        "frequency",
+        "palpates",
+        "presses",
+        "changes",
+    ]);
     let usual = Task::default();
     let or = |key: &str, bounds, usual: f64| -> Result<f64, Diagnostic> {
         Ok(table.number(key, bounds)?.unwrap_or(usual))
@@ -158,6 +192,7 @@ fn task(table: &Table<'_>) -> Result<Task, Diagnostic> {
         frequency_hz: or("frequency", Bounds::Within(0.01, 20.0), usual.frequency_hz)?,
         palpates_s,
         presses_s: or("presses", seconds, usual.presses_s)?,
+        changes_s: table.number("changes", seconds)?,
     };
     table.finish()?;
     Ok(task)
@@ -178,19 +213,64 @@ impl ChannelFile {
     /// As [`ChannelFile::read`].
     pub fn from_toml(file: &TomlFile) -> Result<ChannelFile, Diagnostic> {
         let root = file.root();
-        root.understand(&["clock_offset", "there", "back"]);
+        root.understand(&["clock_offset", "there", "back", "waves"]);
         let way = |key: &str| -> Result<ChannelConfig, Diagnostic> {
             root.table(key)?
                 .map_or(Ok(ChannelConfig::default()), |table| way(&table))
         };
         let offset_s = root.number("clock_offset", Bounds::Within(0.0, 1e6))?;
         let channels = [way("there")?, way("back")?];
+        let waves = root
+            .table("waves")?
+            .map(|table| self::waves(&table))
+            .transpose()?;
         root.finish()?;
         Ok(ChannelFile {
             channels,
             clock_offset_us: (offset_s.unwrap_or(0.0) * 1e6) as u64,
+            waves,
         })
     }
+}
+
+fn shape(table: &Table<'_>) -> Result<Shape, Diagnostic> {
+    table.understand(&["gain", "power", "reference"]);
+    let usual = Shape::default();
+    let or = |key: &str, bounds, usual: f64| -> Result<f64, Diagnostic> {
+        Ok(table.number(key, bounds)?.unwrap_or(usual))
+    };
+    let shape = Shape {
+        gain: or("gain", Bounds::Within(0.01, 10.0), usual.gain)?,
+        power: or("power", Bounds::Within(0.0, 3.0), usual.power)?,
+        reference_n_per_m: or(
+            "reference",
+            Bounds::Within(1.0, 1e6),
+            usual.reference_n_per_m,
+        )?,
+    };
+    table.finish()?;
+    Ok(shape)
+}
+
+fn waves(table: &Table<'_>) -> Result<Waves, Diagnostic> {
+    table.understand(&["impedance", "servo"]);
+    let usual = Waves::default();
+    let impedance = table.number("impedance", Bounds::Within(0.1, 1e4))?;
+    let matched = match table.text("servo")? {
+        None | Some("stiff") => false,
+        Some("matched") => true,
+        Some(_) => {
+            return Err(table
+                .wrong("servo", "an unknown servo of the slave")
+                .remedy("write \"stiff\" or \"matched\""));
+        }
+    };
+    table.finish()?;
+    Ok(Waves {
+        impedance_ns_per_m: impedance.unwrap_or(usual.impedance_ns_per_m),
+        matched,
+        ..usual
+    })
 }
 
 fn way(table: &Table<'_>) -> Result<ChannelConfig, Diagnostic> {
@@ -274,6 +354,22 @@ mod tests {
         assert_eq!(channel.channels[0].delay_s, 0.1);
         assert_eq!(channel.channels[1].loss, 0.2);
         assert_eq!(channel.clock_offset_us, 250_000);
+    }
+
+    #[test]
+    fn every_key_that_the_help_shows_is_read() {
+        let text = OPERATOR_KEYS.replace("motion = ", "# motion = ");
+        let read = operator(&text).unwrap();
+        assert_eq!(
+            read.operator.force_limit_n,
+            Operator::default().force_limit_n
+        );
+        assert_eq!(read.operator.grips, Operator::default().grips);
+        assert_eq!(read.task.unwrap().changes_s, Some(6.0));
+        assert_eq!(read.shape.unwrap().gain, 0.7);
+        let read = ChannelFile::from_toml(&file(CHANNEL_KEYS)).unwrap();
+        assert_eq!(read.channels[0].outage_s, Some((8.0, 10.0)));
+        assert_eq!(read.waves, Some(Waves::default()));
     }
 
     #[test]

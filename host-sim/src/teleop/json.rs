@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
+use super::bridge::{Clock, Summary};
 use super::compare::Cell;
+use super::measure::transparency::Line;
 use super::measure::{Measures, Packets};
 use super::operator::Grip;
 use super::options::{Options, SchemeId};
@@ -20,10 +22,31 @@ pub fn run(options: &Options, measures: &Measures) -> Value {
         measures,
     );
     value["round_trip_s"] = number(there.delay_s + back.delay_s);
-    value["shaping"] = number(options.shaping());
+    value["shaping"] = number(options.shaping()[0]);
     let grip = options.operator.grips.last().copied();
     value["operator"] = operator(grip, measures.hand);
     value
+}
+
+/// What only a report asks for: the transparency of some schemes, and the largest round trip at which the run's own comes
+/// to rest (s).
+pub fn add_sweeps(value: &mut Value, transparency: &[(SchemeId, Vec<Line>)], limit_s: Option<f64>) {
+    value["rests_to_round_trip_s"] = limit_s.map_or(Value::Null, number);
+    let lines = transparency.iter().map(|(scheme, lines)| {
+        let column = |of: fn(&Line) -> f64| {
+            lines
+                .iter()
+                .map(|line| number(of(line)))
+                .collect::<Vec<_>>()
+        };
+        json!({
+            "scheme": scheme.name(),
+            "frequency_hz": column(|line| line.frequency_hz),
+            "magnitude": column(|line| line.magnitude),
+            "phase_rad": column(|line| line.phase_rad),
+        })
+    });
+    value["transparency"] = lines.collect();
 }
 
 /// A cell of the comparison: the medians over its seeds.
@@ -54,6 +77,35 @@ pub fn cell(cell: &Cell) -> Value {
     value["round_trip_s"] = number(cell.round_trip_s);
     value["seeds"] = json!(cell.runs.len());
     value
+}
+
+/// A bridge that has ended.
+pub fn bridge(summary: &Summary) -> Value {
+    let of_clock = |of: fn(&Clock) -> f64| {
+        let clock = summary.clock.as_ref();
+        clock.map_or(Value::Null, |clock| number(1e-6 * of(clock)))
+    };
+    let counts = &summary.counts;
+    let rejected = counts.overtaken + counts.late + counts.replayed + counts.strangers;
+    let rendered = summary.master.and_then(|master| master.rendered);
+    json!({
+        "bridge": summary.role,
+        "duration_s": number(summary.duration_s),
+        "round_trip_s": of_clock(|clock| clock.round_trip_us),
+        "clock_offset_s": of_clock(|clock| clock.offset_us),
+        "packets": {
+            "sent": counts.sent,
+            "passed": counts.passed,
+            "lost": counts.lost,
+            "rejected": rejected,
+            "overtaken": counts.overtaken,
+            "late": counts.late,
+            "replayed": counts.replayed,
+            "strangers": counts.strangers,
+        },
+        "force_n": rendered.map_or(Value::Null, |rendered| number(f64::from(rendered.force_n))),
+        "faded_out": summary.master.map_or(Value::Null, |master| json!(master.has_stopped())),
+    })
 }
 
 fn object(

@@ -11,8 +11,8 @@ use estimator_core::board::reflection::Limit;
 use super::trace::{Parameters, Trace};
 use crate::stats::{highest, rms};
 
-/// The measures of a run; those of the felt force are of the first material. The true force is that of the material at the master's own position, times the
-/// factor of a scheme that shapes it on purpose.
+/// The measures of a run; those of the felt force are of the first material. The true force is that of the material at
+/// the master's own position, times the factor of a scheme that shapes it on purpose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measures {
     /// Length of the run (s).

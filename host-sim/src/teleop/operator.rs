@@ -51,6 +51,8 @@ pub struct Task {
     pub palpates_s: (f64, f64),
     /// How long it presses at the end (s).
     pub presses_s: f64,
+    /// When the second material takes the place of the first, touched or not (s); `None`: when the hand has slid off.
+    pub changes_s: Option<f64>,
 }
 
 /// How long the hand rests at first (s): the estimator's settling, three times over.
@@ -65,6 +67,7 @@ impl Default for Task {
             frequency_hz: 0.8,
             palpates_s: (8.75, 6.25),
             presses_s: 3.4,
+            changes_s: None,
         }
     }
 }

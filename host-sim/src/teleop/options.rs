@@ -171,13 +171,14 @@ impl Options {
     }
 
     /// The same with a task that is as much longer as the round trip asks for, and with the material
-    /// changing when its hand has slid off.
+    /// changing when it says, or when its hand has slid off.
     #[must_use]
     pub fn with_task_for_delay(mut self) -> Options {
         let round_trip_s = self.channels[0].delay_s + self.channels[1].delay_s;
         if let Some(task) = self.task {
             let task = task.with_round_trip(round_trip_s);
-            self.environment.change_s = task.slides_off_s();
+            self.environment.change_s = task.changes_s.unwrap_or(task.slides_off_s());
+            self.environment.while_touching = task.changes_s.is_some();
             self.operator.intention = task.motion();
         }
         self
@@ -193,9 +194,13 @@ impl Options {
         1.0 / self.rate_hz
     }
 
-    /// The factor that the shaped scheme puts on an impedance; 1 for the others.
-    pub fn shaping(&self) -> f64 {
-        self.reflection_options().shape.gain
+    /// The factors that the shaped scheme puts on the impedances of the first and the second material; 1 for the
+    /// others.
+    pub fn shaping(&self) -> [f64; 2] {
+        let shape = self.reflection_options().shape;
+        let Environment { first, second, .. } = &self.environment;
+        [first, second.as_ref().unwrap_or(first)]
+            .map(|material| shape.factor(material.secant_n_per_m()))
     }
 
     /// The scheme, at its start.

@@ -5,7 +5,6 @@
 
 pub mod four_channel;
 pub mod guard;
-pub mod held;
 pub mod ledger;
 pub mod passivity;
 pub mod position_force;

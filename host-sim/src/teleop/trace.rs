@@ -75,8 +75,8 @@ pub struct Trace {
     pub changed_s: Option<f64>,
     /// From master to slave, and back.
     pub counts: [Counts; 2],
-    /// The factor that the scheme puts on the impedance on purpose.
-    pub shaping: f64,
+    /// The factors that the scheme puts on the impedances of the first and the second material on purpose.
+    pub shaping: [f64; 2],
     /// Whether the run went to its end.
     pub ended: bool,
     expected: usize,

@@ -70,7 +70,9 @@ pub fn felt(cells: &[Cell]) -> Vec<Row> {
 
 /// The time after a change of the material, besides the way back.
 pub fn resettled(cells: &[Cell]) -> Vec<Row> {
-    let rows = ["gel", "plastic"].map(|name| {
+    let names = ["gel", "plastic"].into_iter();
+    let there = names.filter(|name| of(cells, SchemeId::Reflection, name).next().is_some());
+    let rows = there.map(|name| {
         let cells = of(cells, SchemeId::Reflection, name);
         let times: Vec<f64> = cells
             .flat_map(|cell| {
@@ -89,7 +91,7 @@ pub fn resettled(cells: &[Cell]) -> Vec<Row> {
             reached: median <= most && slow <= slowest,
         }
     });
-    rows.into()
+    rows.collect()
 }
 
 /// The energy that is created beyond what exchanges declare.

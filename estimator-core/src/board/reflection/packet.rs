@@ -88,11 +88,43 @@ impl Packet {
     /// A parameter that no material has: a negative stiffness, an exponent beyond 0.3…5.
     #[inline(never)]
     pub fn reflected(&self) -> Result<Option<Reflected>, NotRenderable> {
-        let slots = self.slots();
-        if self.known & slots != slots {
+        if !self.is_complete() {
             return Ok(None);
         }
         Reflected::of(self.law, &self.values, self.reference_depth_m).map(Some)
+    }
+
+    /// Whether every parameter of the law is observable.
+    pub fn is_complete(&self) -> bool {
+        self.known & self.slots() == self.slots()
+    }
+
+    /// The same report with the law and the parameters of another one, such as the last complete one.
+    #[must_use]
+    pub fn with_parameters_of(&self, other: &Packet) -> Packet {
+        Packet {
+            time_us: self.time_us,
+            sequence: self.sequence,
+            phase: self.phase,
+            status: self.status,
+            faults: self.faults,
+            ..*other
+        }
+    }
+
+    /// The same report of a material of the same shape whose force is so many times as large: stiffnesses and damping
+    /// with their standard errors change by the factor, exponents, rates and the surface stay.
+    #[must_use]
+    pub fn scaled(&self, factor: f32) -> Packet {
+        let mut scaled = *self;
+        let places = scaled.values.iter_mut().zip(&mut scaled.std_errors);
+        for ((value, std_error), info) in places.zip(self.law.parameters()) {
+            if matches!(info.name, "stiffness" | "second_stiffness" | "damping") {
+                *value *= factor;
+                *std_error = upper(f32::from_bits(u32::from(*std_error) << 16) * factor);
+            }
+        }
+        scaled
     }
 
     /// A bit for each slot of the law.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::teleop::SchemeId;
+use crate::teleop::file::{CHANNEL_KEYS, OPERATOR_KEYS};
 
 /// Arguments of `palpate teleop`.
 #[derive(Args, Clone, Debug)]
@@ -13,36 +14,27 @@ use crate::teleop::SchemeId;
     long_about = "Simulate a teleoperation: an operator moves a master, a slave touches a material, a channel \
                   with delay, jitter and loss lies in between. Measures what is felt against what there is to \
                   feel, and compares impedance reflection (the boards' own code) with seven other schemes.",
-    after_help = "Examples:\n  palpate teleop --delay-ms 150 --out run\n  palpate teleop --scheme \
-                  position_force --delay-ms 20 --out run\n  palpate teleop --compare --seeds 2 --out table\n  palpate \
-                  teleop --slave /dev/ttyUSB0 --master /dev/ttyUSB1 --delay-ms 100\n  palpate teleop --slave \
-                  /dev/ttyUSB0 --listen 0.0.0.0:4700 --key bridge.key\n  palpate teleop --master /dev/ttyUSB0 \
-                  --connect 192.0.2.7:4700 --key bridge.key\n\n\
-                  An operator, in SI units (all keys optional):\n  [[grip]]              # the hand, from a time on\n  \
-                  from = 0.0            # s\n  mass = 0.35           # kg\n  damping = 9.0         # N s/m\n  \
-                  stiffness = 700.0     # N/m\n  [task]\n  inside = 0.014        # m, intended depth\n\n\
-                  A channel (all keys optional; [there] master to slave, [back] slave to master):\n  [there]\n  \
-                  delay = 0.05          # s, one way\n  jitter = 0.3          # share of the delay\n  loss = 0.05           \
-                  # share of the messages\n  burst = 4             # messages lost in a row, on average"
+    after_help = help()
 )]
 pub struct TeleopArgs {
     /// How master and slave are coupled: position_position, position_force, four_channel,
     /// wave_variables, passivity, reflection, reflection_both, reflection_shaped.
-    #[arg(long, value_name = "SCHEME", default_value = "reflection", value_parser = scheme)]
+    #[arg(long, value_name = "SCHEME", default_value = "reflection", value_parser = scheme,
+          conflicts_with_all = ["slave", "master"])]
     pub scheme: SchemeId,
-    /// Mean delay, one way (ms).
+    /// Mean delay, one way (ms); of a bridge, what is put in between, on the way from slave to master.
     #[arg(long, value_name = "MS", value_parser = delay)]
     pub delay_ms: Option<f64>,
     /// How far the delay varies, as a share of it (0 to 1).
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = jitter)]
     pub jitter: Option<f64>,
     /// Share of the messages that is lost (0 to 0.99).
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub loss: Option<f64>,
-    /// What the slave touches (TOML, as simulate takes it); its surface is put to 0 m. Without one: the
-    /// chapter's gel, and from halfway its plastic.
+    /// What the slave touches (TOML, as simulate takes it); its surface is put to 0 m. A second one takes the
+    /// place of the first when the hand has slid off. Without any: the chapter's gel, and then its plastic.
     #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
+    pub model: Vec<PathBuf>,
     /// Hand and task of the operator who moves the master (TOML).
     #[arg(long, value_name = "FILE")]
     pub operator: Option<PathBuf>,
@@ -59,10 +51,10 @@ pub struct TeleopArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Bridge: the port of the slave's board (serial, emulator's directory, or `simulated`).
-    #[arg(long, value_name = "PORT", conflicts_with_all = ["compare", "model", "operator"])]
+    #[arg(long, value_name = "PORT", conflicts_with_all = ["compare", "model", "operator", "seeds"])]
     pub slave: Option<String>,
     /// Bridge: the port of the master's board.
-    #[arg(long, value_name = "PORT", conflicts_with_all = ["compare", "model", "operator"])]
+    #[arg(long, value_name = "PORT", conflicts_with_all = ["compare", "model", "operator", "seeds"])]
     pub master: Option<String>,
     /// Bridge over a network: wait for the other end at this address (HOST:PORT, UDP).
     #[arg(
@@ -82,9 +74,31 @@ pub struct TeleopArgs {
     /// Bridge: end after this time (s).
     #[arg(long, value_name = "S")]
     pub seconds: Option<f64>,
-    /// Where teleop.json and report.html go.
+    /// Where teleop.json and report.html go; of a bridge teleop.json, when it has ended.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  palpate teleop --delay-ms 150 --out run
+  palpate teleop --scheme position_force --delay-ms 20 --out run
+  palpate teleop --model gel.toml --model plastic.toml --out run
+  palpate teleop --compare --seeds 2 --out table
+  palpate teleop --slave simulated --master simulated --delay-ms 100
+  palpate teleop --slave /dev/ttyUSB0 --master /dev/ttyUSB1
+  palpate teleop --slave /dev/ttyUSB0 --listen 0.0.0.0:4700 --key bridge.key
+  palpate teleop --master /dev/ttyUSB0 --connect 192.0.2.7:4700 --key bridge.key";
+
+/// Examples, and every key of the two files.
+fn help() -> String {
+    let keys = |keys: &str| keys.replace('\n', "\n  ");
+    format!(
+        "{EXAMPLES}\n\nAn operator, in SI units (all keys optional, with what holds without them):\n  {}\n\nA \
+         channel, in SI units (all keys optional; without a file it is perfect):\n  {}",
+        keys(OPERATOR_KEYS),
+        keys(CHANNEL_KEYS)
+    )
 }
 
 fn scheme(text: &str) -> Result<SchemeId, String> {
@@ -98,6 +112,13 @@ fn delay(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=60_000.0).contains(&value) => Ok(value),
         _ => Err("must be a delay from 0 to 60000 ms, such as 50".into()),
+    }
+}
+
+fn jitter(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("must be a share from 0 to 1, such as 0.3".into()),
     }
 }
 

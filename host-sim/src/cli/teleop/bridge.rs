@@ -11,25 +11,40 @@ use estimator_core::board::settings::Key;
 
 use crate::diagnostic::Diagnostic;
 use crate::interrupt::{is_interrupted, watch};
+use crate::json::write_json;
 use crate::link::{Device, Port, port};
 use crate::number::quantity;
-use crate::output::say;
+use crate::output::{result, say};
 use crate::teleop::bridge::run::{
     MasterView, Wire, check_master, check_slave, framed, give, local, look, packets,
 };
-use crate::teleop::bridge::{Endpoint, Key as Secret, Role};
+use crate::teleop::bridge::{Counts, Endpoint, Key as Secret, Role, Summary};
 use crate::teleop::channel::Channel;
+use crate::teleop::held::Held;
+use crate::teleop::json;
 
 /// How often a line is printed.
 const TELLS: Duration = Duration::from_secs(1);
 
-/// Whether the arguments ask for a bridge.
+/// Whether the arguments ask for a bridge: with one of its own.
 pub(super) fn is_asked(args: &TeleopArgs) -> bool {
-    args.slave.is_some() || args.master.is_some()
+    let ends = [&args.slave, &args.master, &args.listen, &args.connect];
+    ends.into_iter().any(Option::is_some) || args.key.is_some() || args.seconds.is_some()
 }
 
-/// Runs the bridge until it is ended.
+/// Runs the bridge until it is ended, and says what has gone over it.
 pub(super) fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
+    let summary = ends(args)?;
+    let value = json::bridge(&summary);
+    result(&value)?;
+    say(told(&summary))?;
+    if let Some(folder) = &args.out {
+        write_json(&folder.join("teleop.json"), &value)?;
+    }
+    Ok(())
+}
+
+fn ends(args: &TeleopArgs) -> Result<Summary, Box<dyn Error>> {
     match (&args.slave, &args.master, &args.listen, &args.connect) {
         (Some(slave), Some(master), None, None) => on_one_host(args, slave, master),
         (Some(slave), None, Some(_), None) | (Some(slave), None, None, Some(_)) => {
@@ -124,17 +139,16 @@ fn master_at(name: &str) -> Result<Device<Box<dyn Port>>, Box<dyn Error>> {
     Ok(master)
 }
 
-fn on_one_host(args: &TeleopArgs, slave: &str, master: &str) -> Result<(), Box<dyn Error>> {
+fn on_one_host(args: &TeleopArgs, slave: &str, master: &str) -> Result<Summary, Box<dyn Error>> {
     let (mut slave, mut master) = (slave_at(slave)?, master_at(master)?);
-    let config = super::setup::options(args)?.channels[1];
-    let (mut channel, mut view) = (Channel::new(config, args.seed), MasterView::default());
-    let mut clock = Clock::new(args);
+    let (mut channel, mut view) = (between(args)?, MasterView::default());
+    let (mut clock, mut held) = (Clock::new(args), Held::default());
     while clock.goes_on() {
         local(
             &mut slave,
             &mut master,
             &mut channel,
-            &mut view,
+            (&mut held, &mut view),
             clock.now_s(),
         )?;
         clock.tell(|| {
@@ -149,7 +163,53 @@ fn on_one_host(args: &TeleopArgs, slave: &str, master: &str) -> Result<(), Box<d
             )
         })?;
     }
-    Ok(())
+    let counts = channel.counts();
+    Ok(Summary {
+        role: "one_host",
+        duration_s: clock.now_s(),
+        clock: None,
+        counts: Counts {
+            sent: counts.sent,
+            passed: view.given,
+            lost: counts.lost,
+            overtaken: counts.overtaken,
+            ..Counts::default()
+        },
+        master: Some(view),
+    })
+}
+
+/// What the network has lost and rejected, and the channel that was put in between.
+fn with_channel(of: Counts, channel: &Channel<Vec<u8>>) -> Counts {
+    let own = channel.counts();
+    Counts {
+        lost: of.lost + own.lost,
+        overtaken: of.overtaken + own.overtaken,
+        ..of
+    }
+}
+
+/// The simulator's channel, which `--delay-ms`, `--jitter`, `--loss` and `--channel` put in between.
+fn between(args: &TeleopArgs) -> Result<Channel<Vec<u8>>, Diagnostic> {
+    let [_, back] = super::setup::channels(args)?;
+    Ok(Channel::new(back, args.seed))
+}
+
+/// What has gone over the bridge, in a line.
+fn told(summary: &Summary) -> String {
+    let Summary {
+        counts, duration_s, ..
+    } = summary;
+    let rejected = counts.overtaken + counts.late + counts.replayed + counts.strangers;
+    let force = summary.master.as_ref().map(force);
+    let force = force.map_or(String::new(), |force| format!("  {force}"));
+    format!(
+        "ended after {}: sent {}, passed on {}, lost {}, rejected {rejected}{force}\n",
+        quantity(*duration_s, 3, "s"),
+        counts.sent,
+        counts.passed,
+        counts.lost
+    )
 }
 
 fn force(view: &MasterView) -> String {
@@ -183,7 +243,11 @@ fn end(args: &TeleopArgs) -> Result<(Wire, Endpoint), Box<dyn Error>> {
         Role::Connect
     };
     let wire = Wire::open(listen, connect)?;
-    say(format!("listening at {}\n", wire.address()?))?;
+    let at = wire.address()?;
+    say(match connect {
+        Some(other) => format!("connecting to {other} from {at}\n"),
+        None => format!("listening at {at}\n"),
+    })?;
     Ok((wire, Endpoint::new(role, key)))
 }
 
@@ -201,35 +265,61 @@ fn resolve(name: &str) -> Result<SocketAddr, Diagnostic> {
         .ok_or_else(|| wrong("the name has no address".into()))
 }
 
-fn slave_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
+fn slave_end(args: &TeleopArgs, name: &str) -> Result<Summary, Box<dyn Error>> {
     let (mut wire, mut end) = end(args)?;
-    let mut slave = slave_at(name)?;
-    let mut clock = Clock::new(args);
+    let (mut slave, mut held) = (slave_at(name)?, Held::default());
+    let (mut clock, mut channel) = (Clock::new(args), between(args)?);
     while clock.goes_on() {
-        let packets = packets(&mut slave)?;
-        let now_us = (1e6 * clock.now_s()) as u64;
-        for packet in &packets {
-            end.send(now_us, &framed(packet));
+        let now_s = clock.now_s();
+        for packet in &packets(&mut slave, &mut held)? {
+            let frame = framed(packet);
+            let length = frame.len();
+            channel.send(now_s, frame, length);
+        }
+        let now_us = (1e6 * now_s) as u64;
+        while let Some(frame) = channel.receive(now_s) {
+            end.send(now_us, &frame);
         }
         wire.exchange(&mut end, now_us);
         clock.tell(|| line(&end, now_us))?;
     }
-    Ok(())
+    Ok(Summary {
+        role: "slave",
+        duration_s: clock.now_s(),
+        clock: end.clock(),
+        counts: with_channel(end.counts(), &channel),
+        master: None,
+    })
 }
 
-fn master_end(args: &TeleopArgs, name: &str) -> Result<(), Box<dyn Error>> {
+fn master_end(args: &TeleopArgs, name: &str) -> Result<Summary, Box<dyn Error>> {
     let (mut wire, mut end) = end(args)?;
     let mut master = master_at(name)?;
     let (mut clock, mut view) = (Clock::new(args), MasterView::default());
+    let mut channel = between(args)?;
     while clock.goes_on() {
         look(&mut master, &mut view)?;
-        let now_us = (1e6 * clock.now_s()) as u64;
+        let now_s = clock.now_s();
+        let now_us = (1e6 * now_s) as u64;
         for frame in wire.exchange(&mut end, now_us) {
+            let length = frame.len();
+            channel.send(now_s, frame, length);
+        }
+        while let Some(frame) = channel.receive(now_s) {
             give(&mut master, &mut view, &frame)?;
         }
         clock.tell(|| format!("{}  {}", line(&end, now_us), force(&view)))?;
     }
-    Ok(())
+    Ok(Summary {
+        role: "master",
+        duration_s: clock.now_s(),
+        clock: end.clock(),
+        counts: Counts {
+            passed: view.given,
+            ..with_channel(end.counts(), &channel)
+        },
+        master: Some(view),
+    })
 }
 
 fn line(end: &Endpoint, now_us: u64) -> String {

@@ -102,7 +102,8 @@ pub fn speed(runs: usize, simulated_s: f64, took_s: f64) -> String {
 /// The comparison: a block per environment and channel, schemes over round trips.
 pub fn table(cells: &[Cell]) -> String {
     let mut text = String::from(
-        "felt minus true force, rms over peak, % (from when the scheme is ready); * does not come to rest\n",
+        "felt minus true force, rms over peak, % (from when the scheme is ready); * does not come to rest; \
+         ~ a limit of the renderer at work in more than 5 % of the contact\n",
     );
     let mut blocks: Vec<(&str, f64, f64)> = Vec::new();
     for cell in cells {
@@ -159,5 +160,10 @@ fn entry(cell: &Cell) -> String {
         true => format!("{:.1}", 100.0 * share),
         false => "> 999".into(),
     });
-    format!("{number}{}", if cell.is_stable() { " " } else { "*" })
+    let mark = match (cell.is_stable(), cell.is_limited()) {
+        (false, _) => "*",
+        (true, true) => "~",
+        (true, false) => " ",
+    };
+    format!("{number}{mark}")
 }

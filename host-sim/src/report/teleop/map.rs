@@ -34,7 +34,7 @@ pub(super) fn maps(cells: &[Cell]) -> Vec<HeatMap> {
             .filter(|cell| (cell.jitter, cell.loss) == (jitter, loss))
             .collect();
         one(&own).caption(format!(
-            "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, from when the scheme is ready.",
+            "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, from when the scheme is ready; limited: a limit of the renderer is at work in more than 5 % of the contact.",
             100.0 * loss,
             100.0 * jitter
         ))
@@ -99,10 +99,10 @@ fn shaded(cell: &Cell) -> Shaded {
     };
     Shaded {
         text,
-        small: if stable {
-            String::new()
-        } else {
-            "unstable".into()
+        small: match (stable, cell.is_limited()) {
+            (false, _) => "unstable".into(),
+            (true, true) => "limited".into(),
+            (true, false) => String::new(),
         },
         value,
     }

@@ -11,7 +11,7 @@ pub struct TeleopReport<'a> {
     pub options: &'a Options,
     /// What happened.
     pub trace: &'a Trace,
-    /// Conditions.
+    /// What it was like.
     pub measures: &'a Measures,
     /// The transparency of some schemes on the same channel, the run's own first.
     pub transparency: &'a [(SchemeId, Vec<Line>)],

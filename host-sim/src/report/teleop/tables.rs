@@ -11,7 +11,7 @@ pub(super) fn summary(report: &TeleopReport<'_>) -> Section {
     let rows = rows.map(|(name, cell)| [Cell::from(name), cell]);
     let table = Table::new(["Measure", "Value"]).rows(rows);
     let packets = &report.measures.packets;
-    Section::new("Conditions")
+    Section::new("Measures")
         .table(table)
         .text(limits(report.measures))
         .text(format!(
@@ -99,7 +99,7 @@ fn limits(measures: &Measures) -> String {
     let limits: Vec<String> = measures
         .limits
         .iter()
-        .map(|(name, share)| format!("{name} {:.0} %", 100.0 * share))
+        .map(|(name, share)| format!("{name} {:.1} %", 100.0 * share))
         .collect();
     match limits.as_slice() {
         [] => String::new(),

@@ -15,6 +15,7 @@ use super::endpoint::Endpoint;
 use crate::diagnostic::Diagnostic;
 use crate::link::{Device, Port};
 use crate::teleop::channel::Channel;
+use crate::teleop::held::{Held, Touch};
 
 /// What a master does.
 #[derive(Clone, Copy, Debug, Default)]
@@ -75,15 +76,22 @@ fn check<P: Port>(
     }
 }
 
-/// The packets that have come from a slave.
+/// The packets that have come from a slave, and are to go to its master: without a parameter that is not
+/// observable, with the last complete ones.
 ///
 /// # Errors
 /// The port fails.
-pub fn packets<P: Port>(slave: &mut Device<P>) -> io::Result<Vec<Packet>> {
+pub fn packets<P: Port>(slave: &mut Device<P>, held: &mut Held) -> io::Result<Vec<Packet>> {
     let mut packets = Vec::new();
     while let Some(frame) = slave.next_frame()? {
-        if let Frame::Reflection(packet) = frame {
-            packets.push(packet);
+        match frame {
+            Frame::Reflection(packet) => packets.push(held.complete(packet)),
+            Frame::Record(instant) => held.observe(Touch {
+                position_m: instant.sample.position_m,
+                speed_mps: instant.estimate.speed_mps,
+                force_n: instant.sample.force_n,
+            }),
+            _ => {}
         }
         // A port that always has more must not keep the rest waiting.
         if packets.len() >= 16 {
@@ -149,10 +157,10 @@ pub fn local<S: Port, M: Port>(
     slave: &mut Device<S>,
     master: &mut Device<M>,
     channel: &mut Channel<Vec<u8>>,
-    view: &mut MasterView,
+    (held, view): (&mut Held, &mut MasterView),
     now_s: f64,
 ) -> io::Result<()> {
-    for packet in packets(slave)? {
+    for packet in packets(slave, held)? {
         let frame = framed(&packet);
         let length = frame.len();
         channel.send(now_s, frame, length);

@@ -75,19 +75,19 @@ pub fn scored(trace: &Trace) -> Vec<bool> {
 /// What was felt of each material.
 pub fn felt(trace: &Trace) -> Vec<Felt> {
     let scored = scored(trace);
-    let stretches = materials(trace).into_iter();
+    let stretches = materials(trace).into_iter().zip(trace.shaping);
     stretches
-        .map(|stretch| {
+        .map(|(stretch, shaping)| {
             let rows = |chosen: &dyn Fn(usize) -> bool| -> Vec<&Row> {
                 let chosen = stretch.clone().filter(|at| chosen(*at));
                 chosen.map(|at| &trace.rows[at]).collect()
             };
             let ready = rows(&|at| scored[at]);
             let inside = rows(&|at| scored[at] && trace.rows[at].true_n > TOUCH_N);
-            let errors = impedance_errors(&inside, trace.shaping).unwrap_or_default();
+            let errors = impedance_errors(&inside, shaping).unwrap_or_default();
             Felt {
-                share: share(&ready, trace.shaping),
-                whole: share(&rows(&|at| touches(&trace.rows[at])), trace.shaping).unwrap_or(0.0),
+                share: share(&ready, shaping),
+                whole: share(&rows(&|at| touches(&trace.rows[at])), shaping).unwrap_or(0.0),
                 stiffness_error: errors[0],
                 damping_error: errors[1],
             }

@@ -38,7 +38,7 @@ fn settled_in(trace: &Trace, which: usize) -> Option<f64> {
     let stretch = materials(trace).get(which)?.clone();
     let rows = &trace.rows[stretch];
     let first_s = first_touch_s(rows)?;
-    let right_s = right_from_s(rows, trace, first_s)?;
+    let right_s = right_from_s(rows, trace, first_s, trace.shaping[which])?;
     let back_s = trace.delays_s[1];
     let touched = rows
         .iter()
@@ -48,13 +48,13 @@ fn settled_in(trace: &Trace, which: usize) -> Option<f64> {
 }
 
 /// The time from which on the felt force stays right over half a second of contact (s).
-fn right_from_s(rows: &[Row], trace: &Trace, first_s: f64) -> Option<f64> {
+fn right_from_s(rows: &[Row], trace: &Trace, first_s: f64, shaping: f64) -> Option<f64> {
     let after = rows.partition_point(|row| row.time_s < first_s);
     let contact: Vec<&Row> = rows[after..].iter().filter(|row| touches(row)).collect();
-    let peak_n = highest(contact.iter().map(|row| trace.shaping * row.true_n));
+    let peak_n = highest(contact.iter().map(|row| shaping * row.true_n));
     let wanted = (STAYS_S / trace.period_s).round() as usize;
     let mut square = 0.0;
-    let error = |row: &Row| (row.felt_n - trace.shaping * row.true_n).powi(2);
+    let error = |row: &Row| (row.felt_n - shaping * row.true_n).powi(2);
     for (at, row) in contact.iter().enumerate() {
         square += error(row);
         if at >= wanted {

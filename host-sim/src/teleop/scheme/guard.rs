@@ -5,7 +5,9 @@
 //! between a third and all of the largest force three times a second. A force that is only clipped would
 //! stand still, and teach the estimator nothing: on plastic it never converged. Once the master has acknowledged
 //! an impedance, the operator feels that one, and the slave may use what it predicts at the depth that the
-//! operator has chosen, and a margin: a stiffer material that takes its place meets the same guard.
+//! operator has chosen, and a margin: a stiffer material that takes its place meets the same guard. When the board
+//! flags another material, and it is stiffer than the margin, the guard closes again: from gel to plastic the peak is
+//! lower then, and the swing shows the plastic in 0.2 s of contact instead of 0.6 s.
 
 use std::f64::consts::TAU;
 
@@ -88,6 +90,15 @@ impl Guard {
         let crossed = self.underway.get(at).and_then(|(_, reflected)| *reflected);
         self.crossed = crossed.or(self.crossed);
         self.underway.drain(..at);
+    }
+
+    /// Another material is there, whose force is so many times what was known. Beyond the margin what has crossed is
+    /// forgotten.
+    pub fn changed(&mut self, stiffer: f64) {
+        if stiffer > self.limits.factor {
+            self.crossed = None;
+            self.underway.clear();
+        }
     }
 
     /// Whether nothing has crossed yet.

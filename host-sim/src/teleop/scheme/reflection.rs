@@ -13,11 +13,11 @@ use estimator_core::physics::law::LawKind;
 use estimator_core::{Estimate, estimate::Estimated};
 
 use super::guard::{Guard, GuardLimits};
-use super::held::Held;
 use super::ledger::Ledger;
 use super::shape::Shape;
 use crate::teleop::board::{Board, PACKETS_HZ, Rendering};
 use crate::teleop::hand::{Excitation, HandIdentifier};
+use crate::teleop::held::{Held, Touch};
 use crate::teleop::scheme::{MasterCommand, Message, Reflecting, Scheme, Sensed, SlaveCommand};
 
 /// The depth at which the boards report (m): the default of their settings.
@@ -262,12 +262,22 @@ impl Scheme for Reflection {
         slave.hear(arrived, own.period_s);
         let record = slave.board.tick(own.time_us, own.position_m, own.force_n);
         let mut estimate = record.estimate;
-        slave.held.complete(&mut estimate);
         self.options.shape.apply(&mut estimate);
         let due = record.due.reflected;
         let packet = due.map(|sequence| Packet::of(&estimate, REFERENCE_DEPTH_M, sequence));
+        let packet = packet.map(|packet| {
+            slave.held.observe(Touch {
+                position_m: own.position_m as f32,
+                speed_mps: own.speed_mps as f32,
+                force_n: own.force_n as f32,
+            });
+            slave.held.complete(packet)
+        });
         slave.estimate = Some(record.estimate);
         if let Some(packet) = &packet {
+            if let Some(stiffer) = slave.held.stiffer_since_change() {
+                slave.guard.changed(stiffer);
+            }
             slave.guard.sent(packet);
         }
         let (position_m, speed_mps) = slave.target(own);

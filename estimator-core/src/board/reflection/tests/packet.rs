@@ -211,3 +211,30 @@ fn a_packet_is_overtaken_by_a_later_one_unless_the_sender_has_started_anew() {
         assert_eq!(at(time_us).is_older_than(&last), older, "{time_us}");
     }
 }
+
+#[test]
+fn a_report_takes_over_the_parameters_of_another_one_and_a_material_that_is_larger_keeps_its_shape()
+{
+    let known = packet(LawKind::HuntCrossley, &GEL, 1);
+    let mut open = packet(LawKind::KelvinVoigt, &[], 2);
+    (open.time_us, open.status) = (7, Status::Changed);
+    assert!(known.is_complete() && !open.is_complete());
+    let held = open.with_parameters_of(&known);
+    assert_eq!(held.parameters(), known.parameters());
+    let report = (held.law, held.time_us, held.sequence, held.status);
+    assert_eq!(report, (known.law, 7, 2, Status::Changed));
+    let twice = known
+        .scaled(2.0)
+        .parameters()
+        .map(|slot| slot.map(|known| known.value));
+    assert_eq!(twice[..4], [2700.0, 72.0, 1.35, 2e-4].map(Some));
+    for (slot, law) in [(1, LawKind::Zener), (2, LawKind::QuasiLinear)] {
+        let usual = packet(law, usual(law), 1);
+        let (before, after) = (
+            usual.parameters()[slot],
+            usual.scaled(3.0).parameters()[slot],
+        );
+        let grows = if law == LawKind::Zener { 3.0 } else { 1.0 };
+        assert_eq!(after.unwrap().value, grows * before.unwrap().value);
+    }
+}
