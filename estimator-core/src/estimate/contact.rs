@@ -12,7 +12,7 @@ pub use params::{ContactParams, NOISE_FLOOR};
 pub use surface::SurfacePosition;
 
 use pull::Pull;
-use resting_force::{RestingForce, Shift};
+use resting_force::{RestingForce, Shift, WAY_COUNTS};
 use surface::{PRE_TRIGGER, Tangent};
 
 use crate::estimate::{Event, Phase, noise::Noise, sample::Sample};
@@ -90,6 +90,8 @@ pub struct ContactState<T> {
     raw_force_n: Option<T>,
     rest: RestingForce<T>,
     pull: Pull,
+    /// Where the probe was at the first sample (m), and how far it went from there while settling.
+    settling: Option<(T, T)>,
     /// Number of samples in free air since the last contact.
     free_samples: u32,
     position_step_m: T,
@@ -125,6 +127,7 @@ impl<T: Real> ContactState<T> {
             raw_force_n: None,
             rest: RestingForce::default(),
             pull: Pull::default(),
+            settling: None,
             free_samples: 0,
             position_step_m: T::zero(),
             last_position_m: None,
@@ -225,6 +228,10 @@ impl<T: Real> ContactState<T> {
 
     fn settle(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
         self.noise.update(sample.force_n);
+        let (from_m, way_m) = self.settling.get_or_insert((sample.position_m, T::zero()));
+        *way_m = way_m.max_of((sample.position_m - *from_m).abs());
+        // A force that changes under way may be a contact's: how far it wandered is no measure of free air.
+        let moves = *way_m > T::from_f64(WAY_COUNTS) * self.position_step_m;
         if let Some(force_n) = self.raw_force_n.take() {
             self.raw_noise.update(force_n);
         }
@@ -237,8 +244,8 @@ impl<T: Real> ContactState<T> {
             let sigma = params.configured_noise_n.unwrap_or(measured);
             self.force_noise_n = params.noise_floor_n.max_of(sigma);
             self.wander_n = match params.configured_noise_n {
-                Some(_) => self.force_noise_n,
-                None => self.force_noise_n.max_of(self.noise.std_dev_n()),
+                None if !moves => self.force_noise_n.max_of(self.noise.std_dev_n()),
+                _ => self.force_noise_n,
             };
             self.phase = Phase::Free;
             self.free_samples = REST_MARGIN;
@@ -263,10 +270,15 @@ impl<T: Real> ContactState<T> {
         let (noise_n, step_m) = (self.force_noise_n, self.position_step_m);
         let position_m = sample.position_m;
         self.pull.observe(self.phase, force_n < -below_n);
+        // How far the force wandered while settling is no drift: the probe may have pressed then.
+        let drift_n = params.release_sigma * noise_n;
+        let sample = (position_m, force_n);
         let shift = self
             .rest
-            .observe(position_m, force_n, below_n, noise_n, step_m);
+            .observe(sample, (below_n, drift_n), noise_n, step_m);
         if matches!(shift, Shift::Elsewhere) && params.surface.is_none() {
+            // Nor is it what thresholds are measured in: what was taken for free air was none.
+            self.wander_n = noise_n;
             self.phase = Phase::Free;
             self.opposing_samples = 0;
             self.outside_since_touch = true;

@@ -13,13 +13,15 @@ const TIME_S: f64 = 1.0;
 /// resting force before it is known, and then that of up to a second earlier counts.
 const KEEP_EVERY: u32 = 128;
 const KEPT: usize = 8;
-/// Samples of a stretch of which is asked whether it is free air.
+/// Samples of a stretch of which is asked whether it is free air. One begins every half of them: strokes that
+/// follow each other leave 130 to 200 ms of air, and stretches one after the other fell beside half of them.
 const STRETCH: u32 = 64;
+const HALF: u32 = STRETCH / 2;
 /// Bounds of the standard deviation in free air over the noise: a flat stretch that has none is a stuck or
 /// saturated channel.
 const FLAT: (f64, f64) = (0.25, 1.6);
 /// Way in free air (counts of the position) that a force would have changed over.
-const WAY_COUNTS: f64 = 20.0;
+pub(super) const WAY_COUNTS: f64 = 20.0;
 /// A stretch of free air that differs from the resting force by more than this many standard errors of its
 /// mean has another zero.
 const SHIFTED: f64 = 5.0;
@@ -54,9 +56,13 @@ pub(super) struct RestingForce<T> {
     at_last_touch: (T, T),
     seen_in_free_air: bool,
     below_samples: u32,
-    stretch: Stretch<T>,
-    /// Level (N) of the last flat stretch on a way out, and where that began (m).
-    on_retreat: Option<(T, T)>,
+    half: Stretch<T>,
+    /// Resting force (N) when this half of a stretch began: the one that follows would bend it.
+    half_zero_n: T,
+    /// The half before it.
+    before: Option<Flatness<T>>,
+    /// The last flat stretch on a way out, and whether the newest half is part of it.
+    on_retreat: Option<(Flatness<T>, bool)>,
     /// Samples in free air since the drift was last asked for.
     free: Stretch<T>,
 }
@@ -72,8 +78,8 @@ struct Stretch<T> {
 }
 
 impl<T: Real> Stretch<T> {
-    /// Takes a sample; gives the stretch when it is complete, and begins another.
-    fn push(&mut self, position_m: T, force_n: T) -> Option<Self> {
+    /// Takes a sample; gives the stretch when it has so many, and begins another.
+    fn push(&mut self, position_m: T, force_n: T, samples: u32) -> Option<Self> {
         if self.samples == 0 {
             self.first_m = position_m;
         }
@@ -81,7 +87,47 @@ impl<T: Real> Stretch<T> {
         self.sum_n += force_n;
         self.square_n2 += force_n * force_n;
         self.last_m = position_m;
-        (self.samples >= STRETCH).then(|| core::mem::take(self))
+        (self.samples >= samples).then(|| core::mem::take(self))
+    }
+}
+
+/// Level of a stretch, and how flat it is.
+#[derive(Clone, Copy, Debug)]
+struct Flatness<T> {
+    level_n: T,
+    variance_n2: T,
+    first_m: T,
+    last_m: T,
+}
+
+impl<T: Real> Flatness<T> {
+    /// Of half a stretch, whose forces were taken from `zero_n` on.
+    fn of(half: &Stretch<T>, zero_n: T) -> Self {
+        let count = T::from_u32(HALF);
+        let mean_n = half.sum_n / count;
+        Flatness {
+            level_n: zero_n + mean_n,
+            variance_n2: T::zero().max_of(half.square_n2 / count - mean_n * mean_n),
+            first_m: half.first_m,
+            last_m: half.last_m,
+        }
+    }
+
+    /// Of two halves, one after the other.
+    fn joined(&self, next: &Self) -> Self {
+        let half = T::from_f64(0.5);
+        let apart_n = half * (next.level_n - self.level_n);
+        Flatness {
+            level_n: self.level_n + apart_n,
+            variance_n2: half * (self.variance_n2 + next.variance_n2) + apart_n * apart_n,
+            first_m: self.first_m,
+            last_m: next.last_m,
+        }
+    }
+
+    /// Way out (m) from its first to its last sample.
+    fn retreat_m(&self) -> T {
+        self.first_m - self.last_m
     }
 }
 
@@ -110,7 +156,9 @@ impl<T: Real> Default for RestingForce<T> {
             at_last_touch: (T::zero(), T::one()),
             seen_in_free_air: false,
             below_samples: 0,
-            stretch: Stretch::default(),
+            half: Stretch::default(),
+            half_zero_n: T::zero(),
+            before: None,
             on_retreat: None,
             free: Stretch::default(),
         }
@@ -167,7 +215,7 @@ impl<T: Real> RestingForce<T> {
     /// as it was wrong. Not while the probe advances or is behind the last surface, since a soft contact
     /// begins and ends like a drift.
     fn watch_drift(&mut self, position_m: T, force_n: T, noise_n: T) {
-        let Some(ended) = self.free.push(position_m, force_n) else {
+        let Some(ended) = self.free.push(position_m, force_n, STRETCH) else {
             return;
         };
         let count = T::from_u32(STRETCH);
@@ -236,12 +284,12 @@ impl<T: Real> RestingForce<T> {
     }
 
     /// Takes a sample, its force (N) without the resting force. `below_n` is the threshold of a lift-off,
-    /// `noise_n` the white noise, `step_m` a count of the position.
+    /// `drift_n` what a zero may drift without having been wrong, `noise_n` the white noise, `step_m` a count
+    /// of the position.
     pub(super) fn observe(
         &mut self,
-        position_m: T,
-        force_n: T,
-        below_n: T,
+        (position_m, force_n): (T, T),
+        (below_n, drift_n): (T, T),
         noise_n: T,
         step_m: T,
     ) -> Shift {
@@ -254,57 +302,78 @@ impl<T: Real> RestingForce<T> {
         if self.below_samples >= BELOW_SAMPLES {
             self.seen_in_free_air = false;
         }
-        match self.stretch.push(position_m, force_n) {
-            Some(ended) => self.judge(&ended, below_n, noise_n, step_m),
-            None => Shift::None,
+        if self.half.samples == 0 {
+            self.half_zero_n = self.mean_n;
         }
-    }
-
-    /// Zero is elsewhere where the force is flat both on the way out and after it: on the way out alone it may
-    /// be friction, and on the way in the beginning of a soft contact.
-    fn judge(&mut self, ended: &Stretch<T>, below_n: T, noise_n: T, step_m: T) -> Shift {
-        let count = T::from_u32(STRETCH);
-        let mean_n = ended.sum_n / count;
-        let variance = T::zero().max_of(ended.square_n2 / count - mean_n * mean_n);
-        let (least, most) = (T::from_f64(FLAT.0) * noise_n, T::from_f64(FLAT.1) * noise_n);
-        let flat = variance > least * least && variance < most * most;
-        let certain_n = T::from_f64(SHIFTED) * noise_n / count.sqrt();
-        let level_n = self.mean_n + mean_n;
-        let retreat_m = ended.first_m - ended.last_m;
-        let far = (T::from_f64(WAY_COUNTS) * step_m).max_of(T::from_f64(4.0) * self.touch_way_m);
-        if !flat || step_m == T::zero() {
+        let followed_n = self.mean_n - self.half_zero_n;
+        let Some(ended) = self.half.push(position_m, force_n + followed_n, HALF) else {
             return Shift::None;
-        }
-        if retreat_m > far {
-            self.seen_in_free_air |= mean_n.abs() <= certain_n;
-            self.on_retreat = Some((level_n, ended.first_m));
-            return Shift::None;
-        }
-        match self.on_retreat {
-            Some((before_n, from_m)) if retreat_m <= T::zero() && ended.last_m <= from_m => {
-                let same = (level_n - before_n).abs() < certain_n;
-                self.on_retreat = None;
-                if same && mean_n.abs() > certain_n {
-                    self.shift(mean_n, below_n)
-                } else {
-                    Shift::None
-                }
+        };
+        let newest = Flatness::of(&ended, self.half_zero_n);
+        match self.before.replace(newest) {
+            Some(before) if step_m > T::zero() => {
+                self.judge(&before.joined(&newest), drift_n, noise_n, step_m)
             }
             _ => Shift::None,
         }
     }
 
-    /// Takes a zero that two stretches of free air have shown.
-    fn shift(&mut self, by_n: T, below_n: T) -> Shift {
+    /// Zero is elsewhere where the force is flat both on the way out and after it: on the way out alone it may
+    /// be friction, and on the way in the beginning of a soft contact.
+    fn judge(&mut self, stretch: &Flatness<T>, drift_n: T, noise_n: T, step_m: T) -> Shift {
+        let retreated = self.on_retreat.take();
+        let overlaps = retreated.is_some_and(|(_, overlaps)| overlaps);
+        let kept = retreated.map(|(retreat, _)| (retreat, false));
+        let certain_n = T::from_f64(SHIFTED / 8.0) * noise_n;
+        let off_n = stretch.level_n - self.mean_n;
+        let (least, most) = (T::from_f64(FLAT.0) * noise_n, T::from_f64(FLAT.1) * noise_n);
+        let variance_n2 = stretch.variance_n2;
+        if variance_n2 <= least * least || variance_n2 >= most * most {
+            self.on_retreat = kept;
+            return Shift::None;
+        }
+        let far = (T::from_f64(WAY_COUNTS) * step_m).max_of(T::from_f64(4.0) * self.touch_way_m);
+        if stretch.retreat_m() > far {
+            self.seen_in_free_air |= off_n.abs() <= certain_n;
+            self.on_retreat = Some((*stretch, true));
+            return Shift::None;
+        }
+        let Some((retreat, _)) = kept else {
+            return Shift::None;
+        };
+        if stretch.retreat_m() > T::zero() || stretch.last_m > retreat.first_m {
+            self.on_retreat = kept;
+            return Shift::None;
+        }
+        // Of two stretches that share a half, the levels differ by half of what the others do.
+        let apart_n = (stretch.level_n - retreat.level_n).abs();
+        let least_n = if overlaps {
+            T::from_f64(0.5) * certain_n
+        } else {
+            certain_n
+        };
+        if apart_n < least_n && off_n.abs() > certain_n {
+            self.shift(off_n, drift_n)
+        } else {
+            Shift::None
+        }
+    }
+
+    /// Takes a zero that two stretches of free air have shown; one that is off by no more than `drift_n` has
+    /// drifted, and was not wrong.
+    fn shift(&mut self, by_n: T, drift_n: T) -> Shift {
         self.mean_n += by_n;
         self.gain = T::one() / T::from_u32(STRETCH);
         self.kept = [self.mean_n; KEPT];
         self.seen_in_free_air = true;
-        if by_n.abs() <= below_n {
+        if by_n.abs() <= drift_n {
             self.drift_n = self.drift_n.max_of(by_n.abs());
             return Shift::None;
         }
+        // Nothing that was followed until now was free air.
         self.drift_n = T::zero();
+        self.drift_per_sample_n = T::zero();
+        self.free = Stretch::default();
         self.at_last_touch = (self.mean_n, self.gain);
         Shift::Elsewhere
     }
