@@ -279,6 +279,8 @@ impl<T: Real> ContactState<T> {
         if matches!(shift, Shift::Elsewhere) && params.surface.is_none() {
             // Nor is it what thresholds are measured in: what was taken for free air was none.
             self.wander_n = noise_n;
+            // And what seemed to pull lay below a zero that was none.
+            self.pull = Pull::default();
             self.phase = Phase::Free;
             self.opposing_samples = 0;
             self.outside_since_touch = true;
