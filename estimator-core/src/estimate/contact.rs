@@ -272,22 +272,30 @@ impl<T: Real> ContactState<T> {
         self.pull.observe(self.phase, force_n < -below_n);
         // How far the force wandered while settling is no drift: the probe may have pressed then.
         let drift_n = params.release_sigma * noise_n;
-        let sample = (position_m, force_n);
+        let forces = (sample.force_n, force_n);
         let shift = self
             .rest
-            .observe(sample, (below_n, drift_n), noise_n, step_m);
+            .observe(position_m, forces, (below_n, drift_n), noise_n, step_m);
         if matches!(shift, Shift::Elsewhere) && params.surface.is_none() {
-            // Nor is it what thresholds are measured in: what was taken for free air was none.
-            self.wander_n = noise_n;
-            // And what seemed to pull lay below a zero that was none.
-            self.pull = Pull::default();
-            self.phase = Phase::Free;
-            self.opposing_samples = 0;
-            self.outside_since_touch = true;
-            self.outside_since_load = true;
-            self.recent = [(position_m, T::zero()); PRE_TRIGGER];
+            self.leave_what_was_no_contact(position_m);
         }
         shift
+    }
+
+    /// Begins again in free air: what was measured from a zero that was wrong is forgotten. Rare, and kept out of
+    /// the loop.
+    #[cold]
+    #[inline(never)]
+    fn leave_what_was_no_contact(&mut self, position_m: T) {
+        // How far the force wandered while settling is not what thresholds are measured in: that was no free air.
+        self.wander_n = self.force_noise_n;
+        // And what seemed to pull lay below a zero that was none.
+        self.pull = Pull::default();
+        self.phase = Phase::Free;
+        self.opposing_samples = 0;
+        self.outside_since_touch = true;
+        self.outside_since_load = true;
+        self.recent = [(position_m, T::zero()); PRE_TRIGGER];
     }
 
     fn decide(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {

@@ -57,12 +57,14 @@ pub(super) struct RestingForce<T> {
     seen_in_free_air: bool,
     below_samples: u32,
     half: Stretch<T>,
-    /// Resting force (N) when this half of a stretch began: the one that follows would bend it.
+    /// What the forces of this half of a stretch are taken from (N): the resting force, which goes on following
+    /// them, would bend it.
     half_zero_n: T,
     /// The half before it.
     before: Option<Flatness<T>>,
     /// The last flat stretch on a way out, and whether the newest half is part of it.
-    on_retreat: Option<(Flatness<T>, bool)>,
+    on_retreat: Option<Flatness<T>>,
+    overlaps: bool,
     /// Samples in free air since the drift was last asked for.
     free: Stretch<T>,
 }
@@ -103,11 +105,11 @@ struct Flatness<T> {
 impl<T: Real> Flatness<T> {
     /// Of half a stretch, whose forces were taken from `zero_n` on.
     fn of(half: &Stretch<T>, zero_n: T) -> Self {
-        let count = T::from_u32(HALF);
-        let mean_n = half.sum_n / count;
+        let share = T::from_f64(1.0 / HALF as f64);
+        let mean_n = share * half.sum_n;
         Flatness {
             level_n: zero_n + mean_n,
-            variance_n2: T::zero().max_of(half.square_n2 / count - mean_n * mean_n),
+            variance_n2: T::zero().max_of(share * half.square_n2 - mean_n * mean_n),
             first_m: half.first_m,
             last_m: half.last_m,
         }
@@ -123,6 +125,12 @@ impl<T: Real> Flatness<T> {
             first_m: self.first_m,
             last_m: next.last_m,
         }
+    }
+
+    /// Whether it is as noisy as free air, and no more.
+    fn is_flat(&self, noise_n: T) -> bool {
+        let times = |share: f64| T::from_f64(share * share) * noise_n * noise_n;
+        self.variance_n2 > times(FLAT.0) && self.variance_n2 < times(FLAT.1)
     }
 
     /// Way out (m) from its first to its last sample.
@@ -160,6 +168,7 @@ impl<T: Real> Default for RestingForce<T> {
             half_zero_n: T::zero(),
             before: None,
             on_retreat: None,
+            overlaps: false,
             free: Stretch::default(),
         }
     }
@@ -176,6 +185,7 @@ impl<T: Real> RestingForce<T> {
         self.mean_n = mean_n;
         self.gain = T::one() / T::from_u32(samples);
         self.kept = [mean_n; KEPT];
+        self.half_zero_n = mean_n;
         self.at_last_touch = (mean_n, self.gain);
     }
 
@@ -283,12 +293,13 @@ impl<T: Real> RestingForce<T> {
         }
     }
 
-    /// Takes a sample, its force (N) without the resting force. `below_n` is the threshold of a lift-off,
+    /// Takes a sample, its force (N) with the resting force and without. `below_n` is the threshold of a lift-off,
     /// `drift_n` what a zero may drift without having been wrong, `noise_n` the white noise, `step_m` a count
     /// of the position.
     pub(super) fn observe(
         &mut self,
-        (position_m, force_n): (T, T),
+        position_m: T,
+        (raw_n, force_n): (T, T),
         (below_n, drift_n): (T, T),
         noise_n: T,
         step_m: T,
@@ -302,17 +313,21 @@ impl<T: Real> RestingForce<T> {
         if self.below_samples >= BELOW_SAMPLES {
             self.seen_in_free_air = false;
         }
-        if self.half.samples == 0 {
-            self.half_zero_n = self.mean_n;
-        }
-        let followed_n = self.mean_n - self.half_zero_n;
-        let Some(ended) = self.half.push(position_m, force_n + followed_n, HALF) else {
+        let Some(ended) = self.half.push(position_m, raw_n - self.half_zero_n, HALF) else {
             return Shift::None;
         };
         let newest = Flatness::of(&ended, self.half_zero_n);
-        match self.before.replace(newest) {
-            Some(before) if step_m > T::zero() => {
-                self.judge(&before.joined(&newest), drift_n, noise_n, step_m)
+        self.half_zero_n = self.mean_n;
+        let before = self.before.take();
+        let overlaps = core::mem::take(&mut self.overlaps);
+        // In contact nothing more is worked out.
+        if !newest.is_flat(noise_n) || step_m == T::zero() {
+            return Shift::None;
+        }
+        self.before = Some(newest);
+        match before.map(|before| before.joined(&newest)) {
+            Some(stretch) if stretch.is_flat(noise_n) => {
+                self.judge(&stretch, overlaps, (drift_n, noise_n), step_m)
             }
             _ => Shift::None,
         }
@@ -320,42 +335,35 @@ impl<T: Real> RestingForce<T> {
 
     /// Zero is elsewhere where the force is flat both on the way out and after it: on the way out alone it may
     /// be friction, and on the way in the beginning of a soft contact.
-    fn judge(&mut self, stretch: &Flatness<T>, drift_n: T, noise_n: T, step_m: T) -> Shift {
-        let retreated = self.on_retreat.take();
-        let overlaps = retreated.is_some_and(|(_, overlaps)| overlaps);
-        let kept = retreated.map(|(retreat, _)| (retreat, false));
+    fn judge(
+        &mut self,
+        flat: &Flatness<T>,
+        overlaps: bool,
+        (drift_n, noise_n): (T, T),
+        step_m: T,
+    ) -> Shift {
+        // The standard error of the mean of a stretch is an eighth of the noise.
         let certain_n = T::from_f64(SHIFTED / 8.0) * noise_n;
-        let off_n = stretch.level_n - self.mean_n;
-        let (least, most) = (T::from_f64(FLAT.0) * noise_n, T::from_f64(FLAT.1) * noise_n);
-        let variance_n2 = stretch.variance_n2;
-        if variance_n2 <= least * least || variance_n2 >= most * most {
-            self.on_retreat = kept;
-            return Shift::None;
-        }
+        let off_n = flat.level_n - self.mean_n;
         let far = (T::from_f64(WAY_COUNTS) * step_m).max_of(T::from_f64(4.0) * self.touch_way_m);
-        if stretch.retreat_m() > far {
+        if flat.retreat_m() > far {
             self.seen_in_free_air |= off_n.abs() <= certain_n;
-            self.on_retreat = Some((*stretch, true));
+            self.on_retreat = Some(*flat);
+            self.overlaps = true;
             return Shift::None;
         }
-        let Some((retreat, _)) = kept else {
-            return Shift::None;
-        };
-        if stretch.retreat_m() > T::zero() || stretch.last_m > retreat.first_m {
-            self.on_retreat = kept;
-            return Shift::None;
-        }
-        // Of two stretches that share a half, the levels differ by half of what the others do.
-        let apart_n = (stretch.level_n - retreat.level_n).abs();
-        let least_n = if overlaps {
-            T::from_f64(0.5) * certain_n
-        } else {
-            certain_n
-        };
-        if apart_n < least_n && off_n.abs() > certain_n {
-            self.shift(off_n, drift_n)
-        } else {
-            Shift::None
+        match self.on_retreat {
+            Some(out) if flat.retreat_m() <= T::zero() && flat.last_m <= out.first_m => {
+                self.on_retreat = None;
+                // The levels of two stretches that share a half differ by half of what others do.
+                let share = T::from_f64(if overlaps { 0.5 } else { 1.0 });
+                let same = (flat.level_n - out.level_n).abs() < share * certain_n;
+                match same && off_n.abs() > certain_n {
+                    true => self.shift(off_n, drift_n),
+                    false => Shift::None,
+                }
+            }
+            _ => Shift::None,
         }
     }
 
