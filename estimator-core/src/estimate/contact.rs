@@ -270,12 +270,10 @@ impl<T: Real> ContactState<T> {
         let (noise_n, step_m) = (self.force_noise_n, self.position_step_m);
         let position_m = sample.position_m;
         self.pull.observe(self.phase, force_n < -below_n);
-        // How far the force wandered while settling is no drift: the probe may have pressed then.
-        let drift_n = params.release_sigma * noise_n;
+        // A lift-off in units of the noise: how far the force wandered while settling is no drift.
+        let units = (params.release_sigma, noise_n, step_m);
         let forces = (sample.force_n, force_n);
-        let shift = self
-            .rest
-            .observe(position_m, forces, (below_n, drift_n), noise_n, step_m);
+        let shift = self.rest.observe(position_m, forces, below_n, units);
         if matches!(shift, Shift::Elsewhere) && params.surface.is_none() {
             self.leave_what_was_no_contact(position_m);
         }
@@ -300,14 +298,14 @@ impl<T: Real> ContactState<T> {
 
     fn decide(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
         let force_n = sample.force_n - self.rest.mean_n;
-        self.decide_phase(params, sample.position_m, force_n);
+        let below_n = params.release_sigma * self.wander_n;
+        self.decide_phase(params, sample.position_m, force_n, below_n);
         let outside = self
             .surface
             .is_some_and(|surface| sample.position_m < surface.position_m);
         self.outside_since_touch |= outside;
         self.outside_since_load |= outside;
-        let loaded = force_n > params.release_sigma * self.wander_n;
-        if self.phase == Phase::Contact && loaded {
+        if self.phase == Phase::Contact && force_n > below_n {
             if self.loaded_samples == 0 {
                 self.loaded_from_surface = core::mem::take(&mut self.outside_since_load);
             }
@@ -325,12 +323,13 @@ impl<T: Real> ContactState<T> {
         }
     }
 
-    /// Changes the phase when enough consecutive samples speak for the other one.
-    fn decide_phase(&mut self, params: &ContactParams<T>, position_m: T, force_n: T) {
+    /// Changes the phase when enough consecutive samples speak for the other one; a force below `below_n` speaks
+    /// for free air.
+    fn decide_phase(&mut self, params: &ContactParams<T>, position_m: T, force_n: T, below_n: T) {
         let touching = self.phase == Phase::Contact;
         let opposes = match params.surface {
             Some(surface_m) => (position_m > surface_m) != touching,
-            None if touching => force_n < params.release_sigma * self.wander_n,
+            None if touching => force_n < below_n,
             None => force_n > params.touch_sigma * self.wander_n,
         };
         self.opposing_samples = if opposes {

@@ -294,15 +294,14 @@ impl<T: Real> RestingForce<T> {
     }
 
     /// Takes a sample, its force (N) with the resting force and without. `below_n` is the threshold of a lift-off,
-    /// `drift_n` what a zero may drift without having been wrong, `noise_n` the white noise, `step_m` a count
-    /// of the position.
+    /// and the units are what a zero may drift by without having been wrong (in noises), the white noise, and
+    /// a count of the position.
     pub(super) fn observe(
         &mut self,
         position_m: T,
         (raw_n, force_n): (T, T),
-        (below_n, drift_n): (T, T),
-        noise_n: T,
-        step_m: T,
+        below_n: T,
+        units: (T, T, T),
     ) -> Shift {
         self.samples_since_touch = self.samples_since_touch.saturating_add(1);
         self.below_samples = if force_n < -below_n {
@@ -316,6 +315,7 @@ impl<T: Real> RestingForce<T> {
         let Some(ended) = self.half.push(position_m, raw_n - self.half_zero_n, HALF) else {
             return Shift::None;
         };
+        let (_, noise_n, step_m) = units;
         let newest = Flatness::of(&ended, self.half_zero_n);
         self.half_zero_n = self.mean_n;
         let before = self.before.take();
@@ -326,9 +326,7 @@ impl<T: Real> RestingForce<T> {
         }
         self.before = Some(newest);
         match before.map(|before| before.joined(&newest)) {
-            Some(stretch) if stretch.is_flat(noise_n) => {
-                self.judge(&stretch, overlaps, (drift_n, noise_n), step_m)
-            }
+            Some(stretch) if stretch.is_flat(noise_n) => self.judge(&stretch, overlaps, units),
             _ => Shift::None,
         }
     }
@@ -339,8 +337,7 @@ impl<T: Real> RestingForce<T> {
         &mut self,
         flat: &Flatness<T>,
         overlaps: bool,
-        (drift_n, noise_n): (T, T),
-        step_m: T,
+        (drifts, noise_n, step_m): (T, T, T),
     ) -> Shift {
         // The standard error of the mean of a stretch is an eighth of the noise.
         let certain_n = T::from_f64(SHIFTED / 8.0) * noise_n;
@@ -359,7 +356,7 @@ impl<T: Real> RestingForce<T> {
                 let share = T::from_f64(if overlaps { 0.5 } else { 1.0 });
                 let same = (flat.level_n - out.level_n).abs() < share * certain_n;
                 match same && off_n.abs() > certain_n {
-                    true => self.shift(off_n, drift_n),
+                    true => self.shift(off_n, drifts * noise_n),
                     false => Shift::None,
                 }
             }
