@@ -3,6 +3,7 @@
 //! Both are decided on raw samples, because a filter smears the kink of a touch over its whole window
 //! (17 ms by default, 200 µm at 12 mm/s). The thresholds are multiples of the measured noise.
 
+mod count;
 mod params;
 mod pull;
 mod resting_force;
@@ -11,6 +12,7 @@ mod surface;
 pub use params::{ContactParams, NOISE_FLOOR};
 pub use surface::SurfacePosition;
 
+use count::{COUNT_ERROR, measure_step, rounding_n};
 use pull::Pull;
 use resting_force::{RestingForce, Shift, WAY_COUNTS};
 use surface::{PRE_TRIGGER, Tangent};
@@ -21,13 +23,6 @@ use crate::maths::scalar::Real;
 /// Consecutive samples above the threshold that make a touch: one outlier is not a touch, and the
 /// kept samples undo the delay.
 const TOUCH_SAMPLES: u32 = 2;
-/// Standard deviation of the error of a count: 1/√12.
-const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
-/// What rounding to counts of q leaves of the mean of a noise σ: q/(π√2)·exp(−2π²σ²/q²), the first harmonic
-/// of the sawtooth of rounding (Widrow 1956): without noise 0.23 q on the mean.
-const ROUNDING: (f64, f64) = (0.225_079_079, -19.739_208_8);
-/// Counts below this many standard deviations of the noise are even in the mean to a thousandth.
-const COARSE: f64 = 1.8;
 /// Consecutive samples below the threshold that make a lift-off.
 const RELEASE_SAMPLES: u32 = 3;
 /// Samples next to a contact, on either side, that the resting force is not taken from: a probe that
@@ -172,14 +167,10 @@ impl<T: Real> ContactState<T> {
     /// Standard error of the resting force (N): by chance, drift and rounding.
     fn resting_force_error_n(&self) -> T {
         let error_n = self.rest.std_error_n(self.force_noise_n);
-        let coarse = T::from_f64(COARSE) * self.force_noise_n;
-        if self.force_step_n < coarse {
-            return error_n;
+        match rounding_n(self.force_noise_n, self.force_step_n) {
+            Some(rounding_n) => (error_n * error_n + rounding_n * rounding_n).sqrt(),
+            None => error_n,
         }
-        let (share, falls) = (T::from_f64(ROUNDING.0), T::from_f64(ROUNDING.1));
-        let counts = self.force_noise_n / self.force_step_n;
-        let rounding_n = share * self.force_step_n * (falls * counts * counts).exp();
-        (error_n * error_n + rounding_n * rounding_n).sqrt()
     }
 
     /// Takes the force (N) as the load cell read it, where that of the next sample went through a
@@ -397,14 +388,6 @@ impl<T: Real> ContactState<T> {
             position_m: impact.0,
             std_error_m: T::from_f64(0.5) * (touch.0 - impact.0).abs(),
         }
-    }
-}
-
-/// Keeps the smallest step that a channel has made, its count.
-fn measure_step<T: Real>(last: &mut Option<T>, step: &mut T, value: T) {
-    let moved = (value - last.replace(value).unwrap_or(value)).abs();
-    if moved > T::zero() && (*step == T::zero() || moved < *step) {
-        *step = moved;
     }
 }
 
