@@ -15,7 +15,7 @@ use estimator_core::{Config, Status};
 pub(crate) use evidence::RELAXES;
 use evidence::{evidence, surface_late_m};
 pub use explain::explain;
-pub use lateness::Lateness;
+pub use lateness::{Form, Lateness};
 pub use outcome::Outcome;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
 use residual::Motions;

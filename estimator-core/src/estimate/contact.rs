@@ -3,6 +3,7 @@
 //! Both are decided on raw samples, because a filter smears the kink of a touch over its whole window
 //! (17 ms by default, 200 µm at 12 mm/s). The thresholds are multiples of the measured noise.
 
+mod count;
 mod params;
 mod pull;
 mod resting_force;
@@ -11,8 +12,9 @@ mod surface;
 pub use params::{ContactParams, NOISE_FLOOR};
 pub use surface::SurfacePosition;
 
+use count::{COUNT_ERROR, measure_step, rounding_n};
 use pull::Pull;
-use resting_force::{RestingForce, Shift};
+use resting_force::{RestingForce, Shift, WAY_COUNTS};
 use surface::{PRE_TRIGGER, Tangent};
 
 use crate::estimate::{Event, Phase, noise::Noise, sample::Sample};
@@ -21,13 +23,6 @@ use crate::maths::scalar::Real;
 /// Consecutive samples above the threshold that make a touch: one outlier is not a touch, and the
 /// kept samples undo the delay.
 const TOUCH_SAMPLES: u32 = 2;
-/// Standard deviation of the error of a count: 1/√12.
-const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
-/// What rounding to counts of q leaves of the mean of a noise σ: q/(π√2)·exp(−2π²σ²/q²), the first harmonic
-/// of the sawtooth of rounding (Widrow 1956): without noise 0.23 q on the mean.
-const ROUNDING: (f64, f64) = (0.225_079_079, -19.739_208_8);
-/// Counts below this many standard deviations of the noise are even in the mean to a thousandth.
-const COARSE: f64 = 1.8;
 /// Consecutive samples below the threshold that make a lift-off.
 const RELEASE_SAMPLES: u32 = 3;
 /// Samples next to a contact, on either side, that the resting force is not taken from: a probe that
@@ -90,6 +85,8 @@ pub struct ContactState<T> {
     raw_force_n: Option<T>,
     rest: RestingForce<T>,
     pull: Pull,
+    /// Where the probe was at the first sample (m), and how far it went from there while settling.
+    settling: Option<(T, T)>,
     /// Number of samples in free air since the last contact.
     free_samples: u32,
     position_step_m: T,
@@ -125,6 +122,7 @@ impl<T: Real> ContactState<T> {
             raw_force_n: None,
             rest: RestingForce::default(),
             pull: Pull::default(),
+            settling: None,
             free_samples: 0,
             position_step_m: T::zero(),
             last_position_m: None,
@@ -169,14 +167,10 @@ impl<T: Real> ContactState<T> {
     /// Standard error of the resting force (N): by chance, drift and rounding.
     fn resting_force_error_n(&self) -> T {
         let error_n = self.rest.std_error_n(self.force_noise_n);
-        let coarse = T::from_f64(COARSE) * self.force_noise_n;
-        if self.force_step_n < coarse {
-            return error_n;
+        match rounding_n(self.force_noise_n, self.force_step_n) {
+            Some(rounding_n) => (error_n * error_n + rounding_n * rounding_n).sqrt(),
+            None => error_n,
         }
-        let (share, falls) = (T::from_f64(ROUNDING.0), T::from_f64(ROUNDING.1));
-        let counts = self.force_noise_n / self.force_step_n;
-        let rounding_n = share * self.force_step_n * (falls * counts * counts).exp();
-        (error_n * error_n + rounding_n * rounding_n).sqrt()
     }
 
     /// Takes the force (N) as the load cell read it, where that of the next sample went through a
@@ -225,6 +219,10 @@ impl<T: Real> ContactState<T> {
 
     fn settle(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
         self.noise.update(sample.force_n);
+        let (from_m, way_m) = self.settling.get_or_insert((sample.position_m, T::zero()));
+        *way_m = way_m.max_of((sample.position_m - *from_m).abs());
+        // A force that changes under way may be a contact's: how far it wandered is no measure of free air.
+        let moves = *way_m > T::from_f64(WAY_COUNTS) * self.position_step_m;
         if let Some(force_n) = self.raw_force_n.take() {
             self.raw_noise.update(force_n);
         }
@@ -237,8 +235,8 @@ impl<T: Real> ContactState<T> {
             let sigma = params.configured_noise_n.unwrap_or(measured);
             self.force_noise_n = params.noise_floor_n.max_of(sigma);
             self.wander_n = match params.configured_noise_n {
-                Some(_) => self.force_noise_n,
-                None => self.force_noise_n.max_of(self.noise.std_dev_n()),
+                None if !moves => self.force_noise_n.max_of(self.noise.std_dev_n()),
+                _ => self.force_noise_n,
             };
             self.phase = Phase::Free;
             self.free_samples = REST_MARGIN;
@@ -263,29 +261,42 @@ impl<T: Real> ContactState<T> {
         let (noise_n, step_m) = (self.force_noise_n, self.position_step_m);
         let position_m = sample.position_m;
         self.pull.observe(self.phase, force_n < -below_n);
-        let shift = self
-            .rest
-            .observe(position_m, force_n, below_n, noise_n, step_m);
+        // A lift-off in units of the noise: how far the force wandered while settling is no drift.
+        let units = (params.release_sigma, noise_n, step_m);
+        let forces = (sample.force_n, force_n);
+        let shift = self.rest.observe(position_m, forces, below_n, units);
         if matches!(shift, Shift::Elsewhere) && params.surface.is_none() {
-            self.phase = Phase::Free;
-            self.opposing_samples = 0;
-            self.outside_since_touch = true;
-            self.outside_since_load = true;
-            self.recent = [(position_m, T::zero()); PRE_TRIGGER];
+            self.leave_what_was_no_contact(position_m);
         }
         shift
     }
 
+    /// Begins again in free air: what was measured from a zero that was wrong is forgotten. Rare, and kept out of
+    /// the loop.
+    #[cold]
+    #[inline(never)]
+    fn leave_what_was_no_contact(&mut self, position_m: T) {
+        // How far the force wandered while settling is not what thresholds are measured in: that was no free air.
+        self.wander_n = self.force_noise_n;
+        // And what seemed to pull lay below a zero that was none.
+        self.pull = Pull::default();
+        self.phase = Phase::Free;
+        self.opposing_samples = 0;
+        self.outside_since_touch = true;
+        self.outside_since_load = true;
+        self.recent = [(position_m, T::zero()); PRE_TRIGGER];
+    }
+
     fn decide(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
         let force_n = sample.force_n - self.rest.mean_n;
-        self.decide_phase(params, sample.position_m, force_n);
+        let below_n = params.release_sigma * self.wander_n;
+        self.decide_phase(params, sample.position_m, force_n, below_n);
         let outside = self
             .surface
             .is_some_and(|surface| sample.position_m < surface.position_m);
         self.outside_since_touch |= outside;
         self.outside_since_load |= outside;
-        let loaded = force_n > params.release_sigma * self.wander_n;
-        if self.phase == Phase::Contact && loaded {
+        if self.phase == Phase::Contact && force_n > below_n {
             if self.loaded_samples == 0 {
                 self.loaded_from_surface = core::mem::take(&mut self.outside_since_load);
             }
@@ -303,12 +314,13 @@ impl<T: Real> ContactState<T> {
         }
     }
 
-    /// Changes the phase when enough consecutive samples speak for the other one.
-    fn decide_phase(&mut self, params: &ContactParams<T>, position_m: T, force_n: T) {
+    /// Changes the phase when enough consecutive samples speak for the other one; a force below `below_n` speaks
+    /// for free air.
+    fn decide_phase(&mut self, params: &ContactParams<T>, position_m: T, force_n: T, below_n: T) {
         let touching = self.phase == Phase::Contact;
         let opposes = match params.surface {
             Some(surface_m) => (position_m > surface_m) != touching,
-            None if touching => force_n < params.release_sigma * self.wander_n,
+            None if touching => force_n < below_n,
             None => force_n > params.touch_sigma * self.wander_n,
         };
         self.opposing_samples = if opposes {
@@ -376,14 +388,6 @@ impl<T: Real> ContactState<T> {
             position_m: impact.0,
             std_error_m: T::from_f64(0.5) * (touch.0 - impact.0).abs(),
         }
-    }
-}
-
-/// Keeps the smallest step that a channel has made, its count.
-fn measure_step<T: Real>(last: &mut Option<T>, step: &mut T, value: T) {
-    let moved = (value - last.replace(value).unwrap_or(value)).abs();
-    if moved > T::zero() && (*step == T::zero() || moved < *step) {
-        *step = moved;
     }
 }
 

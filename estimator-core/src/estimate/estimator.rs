@@ -464,6 +464,61 @@ mod tests {
         assert!(run(&mut state, 936..956).forgetting < 1.0);
     }
 
+    /// Strokes of 0.4 to 1.2 s into gel and at once back into it, 40 to 90 ms of air on each side of a turn;
+    /// switched on within a press, after `from` samples of the first.
+    fn switched_on_in_a_press(from: u32, seed: u64) -> impl Iterator<Item = Sample<f32>> {
+        let gel = HuntCrossley::new(1350.0_f64, 36.0, 1.35, 1e-3);
+        let mut random = seed;
+        let mut unit = move || {
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (random >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut started, mut lasts, mut way_m) = (0.0, 0.0, 0.0);
+        let strokes = (0_u32..).map(move |i| {
+            let t = f64::from(i) * 1e-3;
+            if t >= started + lasts {
+                (started, lasts, way_m) = (t, 0.4 + 0.8 * unit(), 2.5e-3 + 2.5e-3 * unit());
+            }
+            let u = (t - started) / lasts;
+            let position_m = way_m * 16.0 * u * u * (1.0 - u) * (1.0 - u) - 5e-4;
+            let speed = way_m * 32.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / lasts;
+            let noise_n = 0.02 * ((0..12).map(|_| unit()).sum::<f64>() - 6.0);
+            let force_n = gel.force_n(position_m, speed).max(0.0) + noise_n;
+            Sample {
+                time_us: u64::from(i + 1) * 1000,
+                position_m: (libm::floor(position_m * 1e6) * 1e-6) as f32,
+                force_n: (libm::round(force_n / 5e-3) * 5e-3) as f32,
+                faults: Faults::NONE,
+            }
+        });
+        strokes.skip(from as usize)
+    }
+
+    #[test]
+    fn switched_on_in_a_press_it_finds_the_zero_and_converges() {
+        // GIVEN a board that takes a force of some newtons, and how it changes, for zero and its noise
+        let params: Params<f32> = Config::default().validate().unwrap();
+        for seed in 1..=20_u64 {
+            let mut state = State::new(&params);
+            let from = 90 + 17 * seed as u32;
+            let mut converged = 0;
+            // WHEN it goes on for six seconds of strokes
+            for sample in switched_on_in_a_press(from, seed).take(6000) {
+                let estimate = step(&params, &mut state, sample);
+                if estimate.status == Status::Converged {
+                    converged += 1;
+                    // THEN what it calls converged is right
+                    let k = estimate.parameters[0].unwrap().value;
+                    assert!((k / 1350.0 - 1.0).abs() < 0.05, "seed {seed}: {k}");
+                }
+            }
+            // AND it finds its way back, some 1 to 5 s before the end.
+            assert!(converged > 800, "seed {seed}: {converged} samples");
+        }
+    }
+
     #[test]
     fn every_fault_of_the_sensor_is_passed_on() {
         let params = params();

@@ -7,7 +7,8 @@
 //! lateness is too large for a linear step. The standard error is that of Newey and West.
 //!
 //! **Delay or lag.** A lag T of first order leaves F − TḞ + T²F̈, a delay τ F − τḞ + ½τ²F̈. After the motion has
-//! been shifted by τ a delay leaves nothing, and a lag ½τ²F̈, again less what the parameters can do.
+//! been shifted by τ a delay leaves nothing, and a lag ½τ²F̈, again less what the parameters can do. Where the
+//! errors allow both, neither is said.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -21,7 +22,7 @@ use super::fit::{Problem, STILL, of_size};
 use super::held::Held;
 use super::select::{Fixed, candidates, mask_surface};
 use super::thresholds::Thresholds;
-use crate::estimate::{EXPLAINED, Estimation, Lateness};
+use crate::estimate::{EXPLAINED, Estimation, Form, Lateness};
 use crate::kinematics::{Kinematics, kinematics};
 use crate::log::UniformLog;
 use crate::lsq::{covariance::inverse, covariance::long_run_variance};
@@ -35,8 +36,8 @@ const SETTLED: f64 = 0.1;
 const LONGEST_S: f64 = 0.05;
 /// Lags of the variance of a sum, in correlation times.
 const LAGS: f64 = 3.0;
-/// What must be left of ½τ²F̈ for a lag, and its standard errors over 0 and below 1.
-const LAG_SIGMAS: f64 = 3.0;
+/// A slope on F̈ that is so many of its standard errors from that of a delay, or of a lag, excludes it.
+const FORM_SIGMAS: f64 = 3.0;
 /// So much of a log from its first touch on (s) tells a lateness: 17 s of palpating gel give it a standard error of
 /// 11 µs, and what matters is 50 µs. Of an hour the motion alone would be 350 MB.
 const LONG_ENOUGH_S: f64 = 120.0;
@@ -125,12 +126,12 @@ impl Search<'_> {
             let remainder = one.problem(&course).remainder(&one.free);
             let found = one.regression(&course, 1)?;
             if found.slope.abs() < SETTLED * found.std_error {
-                let is_lag = one.is_lag(&course, late_s);
+                let form = one.form(&course, late_s);
                 let late_s = Estimated {
                     value: late_s + found.slope,
                     std_error: found.std_error,
                 };
-                return (remainder <= EXPLAINED).then_some(Lateness { late_s, is_lag });
+                return (remainder <= EXPLAINED).then_some(Lateness { late_s, form });
             }
             late_s += found.slope;
             if late_s.abs() > LONGEST_S {
@@ -194,14 +195,21 @@ impl<'a> Shifted<'a> {
         problem.regression(&self.free, &column)
     }
 
-    /// Whether the residuals hold what tells a lag from a delay.
-    fn is_lag(&self, course: &Course, late_s: f64) -> bool {
-        let half_square = 0.5 * late_s * late_s;
-        let found = self.regression(course, 2);
-        late_s > 0.0
-            && found.is_some_and(|found| {
-                found.slope > LAG_SIGMAS * found.std_error && found.slope > 0.5 * half_square
-            })
+    /// Which of the two the residuals are those of: a slope of 0 on F̈ is a delay's, and of ½τ² a lag's.
+    fn form(&self, course: &Course, late_s: f64) -> Form {
+        let of_lag = 0.5 * late_s * late_s;
+        if late_s < 0.0 {
+            return Form::Delay;
+        }
+        let Some(found) = self.regression(course, 2) else {
+            return Form::Either;
+        };
+        let within = FORM_SIGMAS * found.std_error;
+        match (found.slope > within, of_lag - found.slope > within) {
+            (true, _) if 2.0 * found.slope > of_lag => Form::Lag,
+            (_, true) => Form::Delay,
+            _ => Form::Either,
+        }
     }
 
     /// −Ḟ (N/s) or F̈ (N/s²) of the law at every node that counts, by differences of a shifted motion.

@@ -16,8 +16,19 @@ const MATERIAL_S: f64 = 50e-6;
 pub struct Lateness {
     /// Delay of the force (s); negative where it is early.
     pub late_s: Estimated<f64>,
-    /// Whether the force is smoothed as by a lag of first order, rather than only delayed.
-    pub is_lag: bool,
+    /// In which way it is late.
+    pub form: Form,
+}
+
+/// In which way a force is late.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// It is read later (or earlier) than the position, and otherwise the same.
+    Delay,
+    /// It follows with a time constant, smoothed as by a filter of first order.
+    Lag,
+    /// The motion is too slow to tell the two apart.
+    Either,
 }
 
 impl Lateness {
@@ -25,28 +36,32 @@ impl Lateness {
     pub fn reason(&self) -> Option<Reason> {
         let late_s = self.late_s.value.abs();
         let counts = late_s > MATERIAL_S.max(SIGNIFICANT * self.late_s.std_error);
-        counts.then_some(match self.is_lag {
-            true => Reason::Lag,
-            false => Reason::Skew,
+        counts.then_some(match self.form {
+            Form::Lag => Reason::Lag,
+            Form::Delay | Form::Either => Reason::Skew,
         })
     }
 
     /// A sentence for people, where it counts.
     pub(super) fn sentence(&self) -> Option<String> {
         let late = Measured::new(self.late_s.value.abs(), Some(self.late_s.std_error), "s");
-        Some(match self.reason()? {
-            Reason::Lag => format!(
+        self.reason()?;
+        let when = match self.late_s.value > 0.0 {
+            true => "later",
+            false => "earlier",
+        };
+        let remedy = "the damping carries that in part: --method skew estimates with it";
+        Some(match self.form {
+            Form::Lag => format!(
                 "the force lags behind the contact with a time constant of {late}: a filter or a soft load \
                  cell; the damping carries that in part"
             ),
-            _ => format!(
-                "the force is read {late} {} than the position, and the damping carries that in part: \
-                 --method skew estimates with it",
-                if self.late_s.value > 0.0 {
-                    "later"
-                } else {
-                    "earlier"
-                }
+            Form::Delay => {
+                format!("the force is read {late} {when} than the position, and {remedy}")
+            }
+            Form::Either => format!(
+                "the force comes {late} late: it is read later than the position, or lags behind the contact by \
+                 that time constant, which this motion does not tell apart; {remedy}"
             ),
         })
     }
@@ -59,8 +74,29 @@ mod tests {
     fn late(value: f64, std_error: f64) -> Lateness {
         Lateness {
             late_s: Estimated { value, std_error },
-            is_lag: false,
+            form: Form::Delay,
         }
+    }
+
+    #[test]
+    fn what_the_motion_does_not_tell_apart_is_said_to_be_either() {
+        let said = |form| {
+            let late = Lateness {
+                form,
+                ..late(4e-4, 2e-5)
+            };
+            (late.reason(), late.sentence().expect("it counts"))
+        };
+        let (reason, either) = said(Form::Either);
+        assert_eq!(reason, Some(Reason::Skew));
+        assert!(either.contains("does not tell apart"), "{either}");
+        let (reason, lag) = said(Form::Lag);
+        assert_eq!(reason, Some(Reason::Lag));
+        assert!(
+            lag.contains("time constant") && !lag.contains("apart"),
+            "{lag}"
+        );
+        assert!(!said(Form::Delay).1.contains("lags"));
     }
 
     #[test]

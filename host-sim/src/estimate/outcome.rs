@@ -156,11 +156,12 @@ fn decisive(replay: &Replay) -> Option<usize> {
     }
 }
 
-/// Records of the material that those of `at` stand for: from its change on, if enough of the contact
-/// comes after it to judge a law by.
+/// Records of the material that those of `at` stand for: from its change on, and from where the zero was found
+/// that they are measured from, if enough of the contact comes after it to judge a law by.
 fn stretch(replay: &Replay, at: usize) -> Range<usize> {
     let mut before = changes(replay).into_iter().rev();
     let start = before.find(|change| *change <= at).unwrap_or(0);
+    let start = start.max(zero_found(replay, at).unwrap_or(0));
     let contacts = replay.contacts();
     let of = |from: usize, to: usize| -> f64 {
         let within = contacts.iter().map(|contact| {
@@ -174,6 +175,19 @@ fn stretch(replay: &Replay, at: usize) -> Range<usize> {
         true => start..at + 1,
         false => 0..replay.records.len(),
     }
+}
+
+/// The last record, up to `at`, at which free air has shown that the zero was wrong: the forces before it are
+/// off by some newtons, and say nothing of the law.
+fn zero_found(replay: &Replay, at: usize) -> Option<usize> {
+    // What the resting force follows in a sample is far less than a lift-off.
+    let least_n = f64::from(replay.config.contact.release_sigma) * replay.noise_n;
+    let rest_n = replay.rest_n.get(..=at)?;
+    let jumped = |pair: &[f32]| f64::from((pair[1] - pair[0]).abs()) > least_n;
+    // The first value is that of settling.
+    let settled = rest_n.iter().position(|rest_n| *rest_n != 0.0)?;
+    let last = rest_n[settled..].windows(2).rposition(jumped)?;
+    Some(settled + last + 1)
 }
 
 /// The records at which the material has changed.

@@ -66,6 +66,11 @@ pub fn judged(status: Status, evidence: &Evidence) -> (Status, Option<Reason>) {
         Status::NoContact | Status::Changed => (status, Some(Reason::Excitation)),
         Status::ModelSuspect => {
             let told = evidence.told.filter(|told| *told != Reason::Residual);
+            // A method knows how late the force is, and not in which way.
+            let told = match (told, evidence.lateness) {
+                (Some(Reason::Skew), Some(late)) => Some(late),
+                (told, _) => told,
+            };
             (status, Some(told.unwrap_or_else(|| cause(evidence))))
         }
         _ if unexplained => (Status::ModelSuspect, Some(cause(evidence))),

@@ -16,6 +16,7 @@ use estimator_core::{Fault, Faults};
 
 use super::limits::LogSensors;
 use crate::log::UniformLog;
+use crate::stats::extent;
 
 /// Longest gap that is bridged (samples): a quarter of the filter's window of 17.
 const BRIDGED: usize = 4;
@@ -151,6 +152,10 @@ impl<'a> Readings<'a> {
 
     /// Samples that the resampling invented are missing, unless the log was sampled more slowly there.
     fn take_gaps(&mut self, log: &UniformLog) {
+        let way_m = match log.slower.is_empty() {
+            true => 0.0,
+            false => f64::from(LogSensors::of(log).limits.stuck_way_m),
+        };
         let mut at = 0;
         for run in log.in_gap.chunk_by(|a, b| a == b) {
             let here = at..at + run.len();
@@ -159,9 +164,16 @@ impl<'a> Readings<'a> {
                 continue;
             }
             if is_slower(log, here.start) {
-                // Nothing is missing between the samples of a slower rate: the line through them is what
-                // is known of a hold, and all that the estimator can see of it.
-                self.invented.0.to_mut()[here].fill(false);
+                // Nothing is missing between the samples of a slower rate. The line through those of a hold is
+                // what is known of it, and all that the estimator can see of its relaxation. Where the probe
+                // moves, the line is no motion: neither it nor its corners are learned from.
+                let ends = here.start.saturating_sub(1)..(here.end + 1).min(log.len());
+                let (low, high) = extent(&log.position_m[ends.clone()]);
+                let invented = self.invented.0.to_mut();
+                match high - low > way_m {
+                    true => invented[ends].fill(true),
+                    false => invented[here].fill(false),
+                }
                 continue;
             }
             match run.len() <= BRIDGED {

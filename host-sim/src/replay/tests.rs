@@ -163,3 +163,29 @@ fn instants_that_the_resampling_invented_are_not_learned_from() {
     assert_eq!(of_faults(&paused), of_faults(&expected), "{paused:?}");
     assert!(replay.records.at(at).faults.has(Fault::SampleMissed));
 }
+
+#[test]
+fn a_motion_that_was_sampled_more_slowly_is_not_learned_from_and_is_no_fault() {
+    // GIVEN a press of which every 8th sample was kept for 0.1 s,
+    let mut log = palpated(SEED);
+    let at = fastest(&log) - 50;
+    let (from, to) = (at, at + 100);
+    let kept = |index: usize| !(from..to).contains(&index) || (index - from).is_multiple_of(8);
+    for channel in [&mut log.time_s, &mut log.position_m, &mut log.force_n] {
+        let mut index = 0..;
+        channel.retain(|_| index.next().is_some_and(kept));
+    }
+    let uniform = log.uniform().unwrap();
+    assert_eq!(uniform.slower.len(), 1, "{:?}", uniform.notes);
+    let replay = replay(&uniform, &Config::default()).unwrap();
+    // THEN no record that describes it is learned from, in contact and in motion as it is.
+    let described = |at: usize| at + replay.delay;
+    for index in described(from)..described(to - 8) {
+        let record = replay.records.at(index);
+        assert_eq!(record.forgetting, 1.0, "{index}");
+        assert!(!record.faults.has(Fault::SampleMissed), "{index}");
+    }
+    let mut around =
+        (described(from) - 60..described(from)).chain(described(to)..described(to) + 60);
+    assert!(around.any(|index| replay.records.at(index).forgetting < 1.0));
+}

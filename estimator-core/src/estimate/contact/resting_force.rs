@@ -13,13 +13,15 @@ const TIME_S: f64 = 1.0;
 /// resting force before it is known, and then that of up to a second earlier counts.
 const KEEP_EVERY: u32 = 128;
 const KEPT: usize = 8;
-/// Samples of a stretch of which is asked whether it is free air.
+/// Samples of a stretch of which is asked whether it is free air. One begins every half of them: strokes that
+/// follow each other leave 130 to 200 ms of air, and stretches one after the other fell beside half of them.
 const STRETCH: u32 = 64;
+const HALF: u32 = STRETCH / 2;
 /// Bounds of the standard deviation in free air over the noise: a flat stretch that has none is a stuck or
 /// saturated channel.
 const FLAT: (f64, f64) = (0.25, 1.6);
 /// Way in free air (counts of the position) that a force would have changed over.
-const WAY_COUNTS: f64 = 20.0;
+pub(super) const WAY_COUNTS: f64 = 20.0;
 /// A stretch of free air that differs from the resting force by more than this many standard errors of its
 /// mean has another zero.
 const SHIFTED: f64 = 5.0;
@@ -54,9 +56,15 @@ pub(super) struct RestingForce<T> {
     at_last_touch: (T, T),
     seen_in_free_air: bool,
     below_samples: u32,
-    stretch: Stretch<T>,
-    /// Level (N) of the last flat stretch on a way out, and where that began (m).
-    on_retreat: Option<(T, T)>,
+    half: Stretch<T>,
+    /// What the forces of this half of a stretch are taken from (N): the resting force, which goes on following
+    /// them, would bend it.
+    half_zero_n: T,
+    /// The half before it.
+    before: Option<Flatness<T>>,
+    /// The last flat stretch on a way out, and whether the newest half is part of it.
+    on_retreat: Option<Flatness<T>>,
+    overlaps: bool,
     /// Samples in free air since the drift was last asked for.
     free: Stretch<T>,
 }
@@ -72,8 +80,8 @@ struct Stretch<T> {
 }
 
 impl<T: Real> Stretch<T> {
-    /// Takes a sample; gives the stretch when it is complete, and begins another.
-    fn push(&mut self, position_m: T, force_n: T) -> Option<Self> {
+    /// Takes a sample; gives the stretch when it has so many, and begins another.
+    fn push(&mut self, position_m: T, force_n: T, samples: u32) -> Option<Self> {
         if self.samples == 0 {
             self.first_m = position_m;
         }
@@ -81,7 +89,53 @@ impl<T: Real> Stretch<T> {
         self.sum_n += force_n;
         self.square_n2 += force_n * force_n;
         self.last_m = position_m;
-        (self.samples >= STRETCH).then(|| core::mem::take(self))
+        (self.samples >= samples).then(|| core::mem::take(self))
+    }
+}
+
+/// Level of a stretch, and how flat it is.
+#[derive(Clone, Copy, Debug)]
+struct Flatness<T> {
+    level_n: T,
+    variance_n2: T,
+    first_m: T,
+    last_m: T,
+}
+
+impl<T: Real> Flatness<T> {
+    /// Of half a stretch, whose forces were taken from `zero_n` on.
+    fn of(half: &Stretch<T>, zero_n: T) -> Self {
+        let share = T::from_f64(1.0 / HALF as f64);
+        let mean_n = share * half.sum_n;
+        Flatness {
+            level_n: zero_n + mean_n,
+            variance_n2: T::zero().max_of(share * half.square_n2 - mean_n * mean_n),
+            first_m: half.first_m,
+            last_m: half.last_m,
+        }
+    }
+
+    /// Of two halves, one after the other.
+    fn joined(&self, next: &Self) -> Self {
+        let half = T::from_f64(0.5);
+        let apart_n = half * (next.level_n - self.level_n);
+        Flatness {
+            level_n: self.level_n + apart_n,
+            variance_n2: half * (self.variance_n2 + next.variance_n2) + apart_n * apart_n,
+            first_m: self.first_m,
+            last_m: next.last_m,
+        }
+    }
+
+    /// Whether it is as noisy as free air, and no more.
+    fn is_flat(&self, noise_n: T) -> bool {
+        let times = |share: f64| T::from_f64(share * share) * noise_n * noise_n;
+        self.variance_n2 > times(FLAT.0) && self.variance_n2 < times(FLAT.1)
+    }
+
+    /// Way out (m) from its first to its last sample.
+    fn retreat_m(&self) -> T {
+        self.first_m - self.last_m
     }
 }
 
@@ -110,8 +164,11 @@ impl<T: Real> Default for RestingForce<T> {
             at_last_touch: (T::zero(), T::one()),
             seen_in_free_air: false,
             below_samples: 0,
-            stretch: Stretch::default(),
+            half: Stretch::default(),
+            half_zero_n: T::zero(),
+            before: None,
             on_retreat: None,
+            overlaps: false,
             free: Stretch::default(),
         }
     }
@@ -128,6 +185,7 @@ impl<T: Real> RestingForce<T> {
         self.mean_n = mean_n;
         self.gain = T::one() / T::from_u32(samples);
         self.kept = [mean_n; KEPT];
+        self.half_zero_n = mean_n;
         self.at_last_touch = (mean_n, self.gain);
     }
 
@@ -167,7 +225,7 @@ impl<T: Real> RestingForce<T> {
     /// as it was wrong. Not while the probe advances or is behind the last surface, since a soft contact
     /// begins and ends like a drift.
     fn watch_drift(&mut self, position_m: T, force_n: T, noise_n: T) {
-        let Some(ended) = self.free.push(position_m, force_n) else {
+        let Some(ended) = self.free.push(position_m, force_n, STRETCH) else {
             return;
         };
         let count = T::from_u32(STRETCH);
@@ -235,15 +293,15 @@ impl<T: Real> RestingForce<T> {
         }
     }
 
-    /// Takes a sample, its force (N) without the resting force. `below_n` is the threshold of a lift-off,
-    /// `noise_n` the white noise, `step_m` a count of the position.
+    /// Takes a sample, its force (N) with the resting force and without. `below_n` is the threshold of a lift-off,
+    /// and the units are what a zero may drift by without having been wrong (in noises), the white noise, and
+    /// a count of the position.
     pub(super) fn observe(
         &mut self,
         position_m: T,
-        force_n: T,
+        (raw_n, force_n): (T, T),
         below_n: T,
-        noise_n: T,
-        step_m: T,
+        units: (T, T, T),
     ) -> Shift {
         self.samples_since_touch = self.samples_since_touch.saturating_add(1);
         self.below_samples = if force_n < -below_n {
@@ -254,57 +312,73 @@ impl<T: Real> RestingForce<T> {
         if self.below_samples >= BELOW_SAMPLES {
             self.seen_in_free_air = false;
         }
-        match self.stretch.push(position_m, force_n) {
-            Some(ended) => self.judge(&ended, below_n, noise_n, step_m),
-            None => Shift::None,
+        let Some(ended) = self.half.push(position_m, raw_n - self.half_zero_n, HALF) else {
+            return Shift::None;
+        };
+        let (_, noise_n, step_m) = units;
+        let newest = Flatness::of(&ended, self.half_zero_n);
+        self.half_zero_n = self.mean_n;
+        let before = self.before.take();
+        let overlaps = core::mem::take(&mut self.overlaps);
+        // In contact nothing more is worked out.
+        if !newest.is_flat(noise_n) || step_m == T::zero() {
+            return Shift::None;
+        }
+        self.before = Some(newest);
+        match before.map(|before| before.joined(&newest)) {
+            Some(stretch) if stretch.is_flat(noise_n) => self.judge(&stretch, overlaps, units),
+            _ => Shift::None,
         }
     }
 
     /// Zero is elsewhere where the force is flat both on the way out and after it: on the way out alone it may
     /// be friction, and on the way in the beginning of a soft contact.
-    fn judge(&mut self, ended: &Stretch<T>, below_n: T, noise_n: T, step_m: T) -> Shift {
-        let count = T::from_u32(STRETCH);
-        let mean_n = ended.sum_n / count;
-        let variance = T::zero().max_of(ended.square_n2 / count - mean_n * mean_n);
-        let (least, most) = (T::from_f64(FLAT.0) * noise_n, T::from_f64(FLAT.1) * noise_n);
-        let flat = variance > least * least && variance < most * most;
-        let certain_n = T::from_f64(SHIFTED) * noise_n / count.sqrt();
-        let level_n = self.mean_n + mean_n;
-        let retreat_m = ended.first_m - ended.last_m;
+    fn judge(
+        &mut self,
+        flat: &Flatness<T>,
+        overlaps: bool,
+        (drifts, noise_n, step_m): (T, T, T),
+    ) -> Shift {
+        // The standard error of the mean of a stretch is an eighth of the noise.
+        let certain_n = T::from_f64(SHIFTED / 8.0) * noise_n;
+        let off_n = flat.level_n - self.mean_n;
         let far = (T::from_f64(WAY_COUNTS) * step_m).max_of(T::from_f64(4.0) * self.touch_way_m);
-        if !flat || step_m == T::zero() {
-            return Shift::None;
-        }
-        if retreat_m > far {
-            self.seen_in_free_air |= mean_n.abs() <= certain_n;
-            self.on_retreat = Some((level_n, ended.first_m));
+        if flat.retreat_m() > far {
+            self.seen_in_free_air |= off_n.abs() <= certain_n;
+            self.on_retreat = Some(*flat);
+            self.overlaps = true;
             return Shift::None;
         }
         match self.on_retreat {
-            Some((before_n, from_m)) if retreat_m <= T::zero() && ended.last_m <= from_m => {
-                let same = (level_n - before_n).abs() < certain_n;
+            Some(out) if flat.retreat_m() <= T::zero() && flat.last_m <= out.first_m => {
                 self.on_retreat = None;
-                if same && mean_n.abs() > certain_n {
-                    self.shift(mean_n, below_n)
-                } else {
-                    Shift::None
+                // The levels of two stretches that share a half differ by half of what others do.
+                let share = T::from_f64(if overlaps { 0.5 } else { 1.0 });
+                let same = (flat.level_n - out.level_n).abs() < share * certain_n;
+                match same && off_n.abs() > certain_n {
+                    true => self.shift(off_n, drifts * noise_n),
+                    false => Shift::None,
                 }
             }
             _ => Shift::None,
         }
     }
 
-    /// Takes a zero that two stretches of free air have shown.
-    fn shift(&mut self, by_n: T, below_n: T) -> Shift {
+    /// Takes a zero that two stretches of free air have shown; one that is off by no more than `drift_n` has
+    /// drifted, and was not wrong.
+    fn shift(&mut self, by_n: T, drift_n: T) -> Shift {
         self.mean_n += by_n;
         self.gain = T::one() / T::from_u32(STRETCH);
         self.kept = [self.mean_n; KEPT];
         self.seen_in_free_air = true;
-        if by_n.abs() <= below_n {
+        if by_n.abs() <= drift_n {
             self.drift_n = self.drift_n.max_of(by_n.abs());
             return Shift::None;
         }
+        // Nothing that was followed until now was free air.
         self.drift_n = T::zero();
+        self.drift_per_sample_n = T::zero();
+        self.free = Stretch::default();
         self.at_last_touch = (self.mean_n, self.gain);
         Shift::Elsewhere
     }

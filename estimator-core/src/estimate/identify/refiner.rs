@@ -169,8 +169,13 @@ impl<T: Real> Refiner<T> {
 
     /// The estimates of K, λ, n, x₀ and τ, scaled.
     pub fn values(&self) -> [T; 5] {
+        self.values_at(&self.held())
+    }
+
+    /// K, λ, n, x₀ and τ, scaled, that deviate from the reference by so many priors.
+    fn values_at(&self, deviation: &Vector5<T>) -> [T; 5] {
         let [stiffness, damping, exponent, surface, skew]: [T; 5] =
-            (self.reference + self.held().component_mul(&self.prior)).into();
+            (self.reference + deviation.component_mul(&self.prior)).into();
         [
             stiffness,
             damping,
@@ -252,13 +257,15 @@ impl<T: Real> Refiner<T> {
         // The UD update of P is for unit noise; dividing φ by σ and e by σ is the same as this.
         let phi_noise = phi / noise.raw;
         let update = self.covariance.update(&phi_noise, beta, weight);
-        self.deviation += update.gain * (error / noise.raw);
+        let error_noise = error / noise.raw;
+        self.deviation += update.gain * error_noise;
         self.take_skew_for_known();
         let moment = phi_noise * weight;
         self.moment = self.moment * beta + moment;
         self.drift_moment = self.drift_moment * beta + moment * at.loaded;
-        let here = predict(&self.values(), at).force;
-        let linearization_error = here - there.force - phi.dot(&self.held());
+        let held = self.held();
+        let here = predict(&self.values_at(&held), at).force;
+        let linearization_error = here - there.force - phi.dot(&held);
         let left = at.force - here;
         let share = T::from_f64(1.0 / MEAN_SQUARE_MEMORY);
         self.residual += share * (left * left - self.residual);
@@ -266,11 +273,11 @@ impl<T: Real> Refiner<T> {
         self.linearization_error +=
             share * (linearization_error * linearization_error - self.linearization_error);
         self.learned += at.count;
-        // The recursive identity for the cost at the minimum: prior times posterior error.
-        let posterior = error * (T::one() - phi_noise.dot(&update.gain));
+        // The recursive identity for the cost at the minimum: prior times posterior error, 1 − φᵀg = β/(β + wφᵀPφ).
+        let posterior = beta / (beta + weight * update.prior_variance);
         Cost {
             weight,
-            least: weight * error * posterior / (noise.raw * noise.raw),
+            least: weight * error_noise * error_noise * posterior,
         }
     }
 

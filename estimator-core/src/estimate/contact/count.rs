@@ -1,0 +1,29 @@
+//! The counts of a channel: how large they are, and what rounding to them costs.
+
+use crate::maths::scalar::Real;
+
+/// Standard deviation of the error of a count: 1/√12.
+pub(super) const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
+/// What rounding to counts of q leaves of the mean of a noise σ: q/(π√2)·exp(−2π²σ²/q²), the first harmonic
+/// of the sawtooth of rounding (Widrow 1956): without noise 0.23 q on the mean.
+const ROUNDING: (f64, f64) = (0.225_079_079, -19.739_208_8);
+/// Counts below this many standard deviations of the noise are even in the mean to a thousandth.
+const COARSE: f64 = 1.8;
+
+/// Keeps the smallest step that a channel has made, its count.
+pub(super) fn measure_step<T: Real>(last: &mut Option<T>, step: &mut T, value: T) {
+    let moved = (value - last.replace(value).unwrap_or(value)).abs();
+    if moved > T::zero() && (*step == T::zero() || moved < *step) {
+        *step = moved;
+    }
+}
+
+/// Standard error (N) that rounding to steps gives the mean of a force with a noise; `None` of fine steps.
+pub(super) fn rounding_n<T: Real>(noise_n: T, step_n: T) -> Option<T> {
+    if step_n < T::from_f64(COARSE) * noise_n {
+        return None;
+    }
+    let (share, falls) = (T::from_f64(ROUNDING.0), T::from_f64(ROUNDING.1));
+    let counts = noise_n / step_n;
+    Some(share * step_n * (falls * counts * counts).exp())
+}
