@@ -219,7 +219,10 @@ mod tests {
                 unit: "1/s",
             })
         };
-        assert_eq!(rate(1.0, 19.0), "1 ± 19\u{a0}1/s (slower than this log shows)");
+        assert_eq!(
+            rate(1.0, 19.0),
+            "1 ± 19\u{a0}1/s (slower than this log shows)"
+        );
         assert_eq!(rate(0.50, 0.02), "0.500 ± 0.020\u{a0}1/s");
     }
 

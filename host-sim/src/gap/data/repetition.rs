@@ -29,7 +29,7 @@ pub(super) fn of(log: &FitData) -> Option<f64> {
     }
     let series = log.in_slots(moved());
     let padded = (4 * series.len()).next_power_of_two();
-    let power = spectral::power(series.into_iter(), padded);
+    let power = spectral::power(series, padded);
     let strongest = (1..padded / 2).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
     let peak_hz = strongest as f64 / (padded as f64 * log.period_s);
     let near = |hz: f64| (-20..=20).map(move |step| hz + 0.03 * f64::from(step) / duration_s);

@@ -49,7 +49,7 @@ fn line_in_time(log: &FitData, residuals: &[f64], energy: f64) -> Option<(f64, f
     let series = log.in_slots(residuals.iter().copied());
     let slots = series.len();
     let count = slots as f64;
-    let power = spectral::power(series.into_iter(), slots);
+    let power = spectral::power(series, slots);
     let share = |at: usize| 2.0 * power[at] / (count * energy.max(f64::MIN_POSITIVE));
     let strongest = (4..slots / 2).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
     let hz = strongest as f64 / (count * log.period_s);

@@ -86,7 +86,7 @@ impl LinearizedModel<'_> {
         let weighted = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
         let series = log.in_slots(weighted);
         let padded = (2 * series.len()).next_power_of_two();
-        let power = &spectral::power(series.into_iter(), padded)[..padded / 2];
+        let power = &spectral::power(series, padded)[..padded / 2];
         let bin_hz = 1.0 / (padded as f64 * log.period_s);
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
         let wave = |at: usize| {
