@@ -1,15 +1,17 @@
 //! The finding of the workflow: verdict, effects, regions, curves.
 
 mod change;
+mod parameter;
 mod region;
 mod result;
 
 pub(crate) use change::changes;
 pub use change::{Change, changes_in_words};
+pub use parameter::ParameterEstimate;
 pub use region::{Region, regions_in_words};
 pub use result::{
-    AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, ParameterEstimate,
-    Support, Verdict, share_in_words, times_larger,
+    AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, Support, Verdict,
+    share_in_words, times_larger,
 };
 
 /// Name of the file that an advised motion is written to.

@@ -29,7 +29,7 @@ pub fn summary(finding: &Finding) -> String {
         effect(&mut text, missing);
     }
     base(&mut text, finding);
-    for words in changes_in_words(finding) {
+    for words in changes_in_words(finding.changed.as_deref()) {
         line(&mut text, "changed", &words);
     }
     // Without effects the remaining regions are those above.

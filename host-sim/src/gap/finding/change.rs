@@ -1,6 +1,6 @@
 //! What has changed on a rig since its model was identified.
 
-use super::{Finding, ParameterEstimate};
+use super::parameter::ParameterEstimate;
 use crate::gap::thresholds::Changes;
 use crate::model::Model;
 use crate::number::Measured;
@@ -51,8 +51,8 @@ pub(crate) fn changes(
 }
 
 /// What has changed since the base model was identified, a sentence each; nothing where it never was.
-pub fn changes_in_words(finding: &Finding) -> Vec<String> {
-    let Some(changed) = &finding.changed else {
+pub fn changes_in_words(changed: Option<&[Change]>) -> Vec<String> {
+    let Some(changed) = changed else {
         return Vec::new();
     };
     if changed.is_empty() {

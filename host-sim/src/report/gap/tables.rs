@@ -184,7 +184,7 @@ pub(super) fn base(finding: &Finding) -> Section {
         .iter()
         .map(|(id, parameters)| table(&heading(*id), parameters));
     let section = given.fold(environment(finding), Section::table);
-    match changes_in_words(finding) {
+    match changes_in_words(finding.changed.as_deref()) {
         words if words.is_empty() => section,
         words => section.text(format!(
             "Changed since the model was identified: {}.",
