@@ -6,10 +6,11 @@
 //! something does: on a foam at 2 s of round trip 11 mm and 46 N deep, which taught the estimator another foam. So
 //!
 //! - an estimate that has converged is sent;
-//! - any other complete one is, if it explains the last touches better than the one that was sent before (a board that has flagged a change goes
-//!   on to report the old one for a while);
-//! - otherwise that one is sent again, as large as the last touches say. After a change of material it is sent as [`Status::Changed`], until something
-//!   explains the new one better or nothing has: neither the guard nor anybody else takes it for an answer.
+//! - any other complete one is, if it explains the last touches better than the one that was sent before (a board
+//!   that has flagged a change goes on to report the old one for a while);
+//! - otherwise that one is sent again, as large as the last touches say. After a change of material it is sent as
+//!   [`Status::Changed`], until something explains the new one better or nothing has: neither the guard nor anybody
+//!   else takes it for an answer.
 //!
 //! The slave's host does this, in the simulated system and in the bridge.
 

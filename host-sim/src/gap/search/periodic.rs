@@ -80,9 +80,6 @@ impl LinearizedModel<'_> {
     fn waves_in_time(&self, carrier: &[f64]) -> Vec<Wave> {
         let log = &self.problem.logs[0];
         let n = log.len();
-        if !log.is_nearly_even() {
-            return Vec::new();
-        }
         let weighted = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
         let series = log.in_slots(weighted);
         let padded = (2 * series.len()).next_power_of_two();
