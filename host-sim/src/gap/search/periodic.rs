@@ -82,7 +82,8 @@ impl LinearizedModel<'_> {
         let n = log.len();
         let weighted = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
         let series = log.in_slots(weighted);
-        let padded = (2 * series.len()).next_power_of_two();
+        let slots = series.len();
+        let padded = (2 * slots).next_power_of_two();
         let power = &spectral::power(series, padded)[..padded / 2];
         let bin_hz = 1.0 / (padded as f64 * log.period_s);
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
@@ -96,7 +97,9 @@ impl LinearizedModel<'_> {
                 phase,
             })
         };
-        let peaks = peaks(power, lowest.max(1), padded / n);
+        // Between the samples of a thinned rest any slow wave fits: there a line has to be sharp.
+        let most = if log.is_nearly_even() { PEAKS } else { 0 };
+        let peaks = peaks(power, lowest.max(1), padded / slots, most);
         peaks.into_iter().filter_map(wave).collect()
     }
 
@@ -127,7 +130,10 @@ impl LinearizedModel<'_> {
                 phase,
             })
         };
-        peaks(power, 8, 4).into_iter().filter_map(wave).collect()
+        peaks(power, 8, 4, PEAKS)
+            .into_iter()
+            .filter_map(wave)
+            .collect()
     }
 
     /// Amplitude A and phase φ of carrier·A sin(angle + φ) that fit the residuals best, projected off
@@ -165,10 +171,10 @@ impl LinearizedModel<'_> {
     }
 }
 
-/// The largest local maxima from bin `lowest` on, at least two times `width` bins from each other, and beside
+/// The `most` largest local maxima from bin `lowest` on, at least two times `width` bins from each other, and beside
 /// them the one that stands out most of its surroundings: what a measured record leaves is largest where it is
 /// slow, and a sharp line of 27 Hz, twice as large as all of it, was the fourth of its peaks.
-fn peaks(power: &[f64], lowest: usize, width: usize) -> Vec<usize> {
+fn peaks(power: &[f64], lowest: usize, width: usize, most: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (lowest..power.len().saturating_sub(1))
         .filter(|at| power[*at] >= power[at - 1] && power[*at] >= power[at + 1] && power[*at] > 0.0)
         .collect();
@@ -177,11 +183,11 @@ fn peaks(power: &[f64], lowest: usize, width: usize) -> Vec<usize> {
     let is_apart =
         |chosen: &[usize], at: usize| chosen.iter().all(|other| other.abs_diff(at) >= 2 * width);
     for at in order.iter().copied() {
+        if chosen.len() == most {
+            break;
+        }
         if is_apart(&chosen, at) {
             chosen.push(at);
-        }
-        if chosen.len() == PEAKS {
-            break;
         }
     }
     let level = |at: usize| {
