@@ -80,10 +80,14 @@ impl LinearizedModel<'_> {
     fn waves_in_time(&self, carrier: &[f64]) -> Vec<Wave> {
         let log = &self.problem.logs[0];
         let n = log.len();
+        // Between the samples of a thinned rest waves fit the rest's own course: a line of 11 Hz under a cantilever
+        // would be found, and a foam would lose its bond to waves.
+        if !log.is_nearly_even() {
+            return Vec::new();
+        }
         let weighted = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
         let series = log.in_slots(weighted);
-        let slots = series.len();
-        let padded = (2 * slots).next_power_of_two();
+        let padded = (2 * series.len()).next_power_of_two();
         let power = &spectral::power(series, padded)[..padded / 2];
         let bin_hz = 1.0 / (padded as f64 * log.period_s);
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
@@ -97,9 +101,7 @@ impl LinearizedModel<'_> {
                 phase,
             })
         };
-        // Between the samples of a thinned rest any slow wave fits: there a line has to be sharp.
-        let most = if log.is_nearly_even() { PEAKS } else { 0 };
-        let peaks = peaks(power, lowest.max(1), padded / slots, most);
+        let peaks = peaks(power, lowest.max(1), padded / n);
         peaks.into_iter().filter_map(wave).collect()
     }
 
@@ -130,10 +132,7 @@ impl LinearizedModel<'_> {
                 phase,
             })
         };
-        peaks(power, 8, 4, PEAKS)
-            .into_iter()
-            .filter_map(wave)
-            .collect()
+        peaks(power, 8, 4).into_iter().filter_map(wave).collect()
     }
 
     /// Amplitude A and phase φ of carrier·A sin(angle + φ) that fit the residuals best, projected off
@@ -171,10 +170,10 @@ impl LinearizedModel<'_> {
     }
 }
 
-/// The `most` largest local maxima from bin `lowest` on, at least two times `width` bins from each other, and beside
+/// The largest local maxima from bin `lowest` on, at least two times `width` bins from each other, and beside
 /// them the one that stands out most of its surroundings: what a measured record leaves is largest where it is
 /// slow, and a sharp line of 27 Hz, twice as large as all of it, was the fourth of its peaks.
-fn peaks(power: &[f64], lowest: usize, width: usize, most: usize) -> Vec<usize> {
+fn peaks(power: &[f64], lowest: usize, width: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (lowest..power.len().saturating_sub(1))
         .filter(|at| power[*at] >= power[at - 1] && power[*at] >= power[at + 1] && power[*at] > 0.0)
         .collect();
@@ -183,11 +182,11 @@ fn peaks(power: &[f64], lowest: usize, width: usize, most: usize) -> Vec<usize> 
     let is_apart =
         |chosen: &[usize], at: usize| chosen.iter().all(|other| other.abs_diff(at) >= 2 * width);
     for at in order.iter().copied() {
-        if chosen.len() == most {
-            break;
-        }
         if is_apart(&chosen, at) {
             chosen.push(at);
+        }
+        if chosen.len() == PEAKS {
+            break;
         }
     }
     let level = |at: usize| {
