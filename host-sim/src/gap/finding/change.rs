@@ -56,7 +56,7 @@ pub fn changes_in_words(changed: Option<&[Change]>) -> Vec<String> {
         return Vec::new();
     };
     if changed.is_empty() {
-        return vec!["nothing: its numbers are those of the model, within their errors".into()];
+        return vec!["nothing: no number is clearly another than in the model".into()];
     }
     let each = changed.iter().map(|change| {
         let Change { was, now } = change;
