@@ -53,7 +53,7 @@ pub struct Contact<T> {
     pub resting_force_drift_n: T,
     /// Whether the resting force has been seen while the probe moved in free air.
     pub zero_seen: bool,
-    /// Whether the surface has pulled at the last lift-off, which no law of contact here does.
+    /// Whether the surface has pulled at the last touch or lift-off, which no law of contact here does.
     pub pulls: bool,
     /// Whether the newest sample has shown that the resting force was wrong: what was learned with it is
     /// wrong, too.

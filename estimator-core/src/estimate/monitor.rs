@@ -173,7 +173,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         let normalized = innovation.normalized();
         // While the parameters still come from their start, they are what errs, and not the law.
-        if self.taken >= SNAPSHOTS {
+        if misfit.is_none() && self.taken >= SNAPSHOTS {
             self.misfit.update(normalized, T::one(), params.noise_gain);
         }
         let alien =
