@@ -121,7 +121,15 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     let aligned = state.filter.update(&params.filter, &sample);
     let contact = state.contact.update(&params.contact, &sample);
     let speed_error = state.regularity.missing_share();
-    let instant = scaled(params, &aligned, &contact, elapsed_us, speed_error);
+    let last_speed_mps = state.last.speed_mps;
+    let instant = scaled(
+        params,
+        &aligned,
+        &contact,
+        elapsed_us,
+        speed_error,
+        last_speed_mps,
+    );
     state.monitor.observe_phase(contact.phase);
     if contact.zero_was_wrong {
         state.reset_estimates(params);
@@ -262,8 +270,8 @@ impl<T: Real> State<T> {
             .unwrap_or_default();
         let mut estimates = self.identifier.estimates(at);
         // What the law does not explain makes every parameter less certain.
-        let misfit = self.identifier.misfit();
-        let inflation = self.monitor.inflation(misfit);
+        let excess = self.identifier.excess();
+        let inflation = self.monitor.inflation(excess);
         estimates
             .iter_mut()
             .for_each(|parameter| parameter.std_error *= inflation);
@@ -277,7 +285,7 @@ impl<T: Real> State<T> {
         let estimates = estimates.get(..law.parameters().len() - 1).unwrap_or(&[]);
         let event = self
             .monitor
-            .update(&params.monitor, estimates, innovation, misfit, doubt);
+            .update(&params.monitor, estimates, innovation, excess, doubt);
         self.last.law = law;
         self.last.parameters = identify::report(&params.identify, law, estimates, surface);
         if event == Some(Event::MaterialChange) {

@@ -40,7 +40,7 @@ pub use zener::{Solid, ZenerArx};
 
 use crate::estimate::{
     config::Config, contact::ContactParams, contact::SurfacePosition, error::ConfigError,
-    filter::FilterParams, method::Method, method::MethodInfo, misfit::Misfit,
+    filter::FilterParams, method::Method, method::MethodInfo, misfit::Excess,
     monitor::ParameterEstimate, record::PARAMETER_SLOTS, status::Doubt,
 };
 use crate::maths::scalar::Real;
@@ -168,9 +168,9 @@ impl<T: Real> Identifier<T> {
         each!(self, estimator => estimator.predict(at))
     }
 
-    /// See [`Identify::misfit`].
-    pub fn misfit(&self) -> Option<&Misfit<T>> {
-        each!(self, estimator => estimator.misfit())
+    /// See [`Identify::excess`].
+    pub fn excess(&self) -> Option<Excess<T>> {
+        each!(self, estimator => estimator.excess())
     }
 
     /// See [`Identify::doubt`].

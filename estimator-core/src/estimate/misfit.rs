@@ -38,6 +38,24 @@ pub struct Misfit<T> {
     samples: T,
 }
 
+/// By how much residuals exceed the noise.
+#[derive(Clone, Copy, Debug)]
+pub struct Excess<T> {
+    /// Mean square of the normalized residual: about 1 where the noise explains it.
+    pub mean_square: T,
+    /// Factor by which the standard errors of the parameters are too small, at least 1.
+    pub inflation: T,
+}
+
+impl<T: Real> Default for Excess<T> {
+    fn default() -> Self {
+        Excess {
+            mean_square: T::one(),
+            inflation: T::one(),
+        }
+    }
+}
+
 impl<T: Real> Default for Misfit<T> {
     fn default() -> Self {
         let empty = Batches {
@@ -77,13 +95,15 @@ impl<T: Real> Misfit<T> {
         }
     }
 
-    /// Mean square of the normalized residual: about 1 where the noise explains it.
-    pub fn mean_square(&self) -> T {
-        self.mean_square
+    /// By how much the residuals exceed the noise.
+    pub fn excess(&self) -> Excess<T> {
+        Excess {
+            mean_square: self.mean_square,
+            inflation: self.inflation(),
+        }
     }
 
-    /// Factor by which the standard errors of the parameters are too small, at least 1.
-    pub fn inflation(&self) -> T {
+    fn inflation(&self) -> T {
         let mut square = self.mean_square;
         for batch in &self.batches {
             if batch.count > T::zero() {
@@ -128,7 +148,7 @@ mod tests {
         }
         // χ² of 8 to 128 batches, less two of its standard deviations.
         assert!(worst < 1.4, "{worst}");
-        assert!((misfit.mean_square() - 1.0).abs() < 0.3);
+        assert!((misfit.mean_square - 1.0).abs() < 0.3);
     }
 
     #[test]
@@ -142,7 +162,7 @@ mod tests {
                 1.0 / 9.0,
             );
         }
-        assert!((2.0..2.8).contains(&misfit.mean_square().sqrt()));
+        assert!((2.0..2.8).contains(&misfit.mean_square.sqrt()));
         // √(½·256·0.77): the mean of 256 samples keeps 0.77 of the power of the sine; chance takes its
         // part.
         assert!(
@@ -157,6 +177,6 @@ mod tests {
         let mut misfit = Misfit::<f64>::default();
         filtered(2000).for_each(|residual| misfit.update(residual, 1.0, 1.0 / 9.0));
         misfit.update(1e9, 1.0, 1.0 / 9.0);
-        assert!(misfit.mean_square() < 7.0);
+        assert!(misfit.mean_square < 7.0);
     }
 }

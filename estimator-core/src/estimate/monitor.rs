@@ -2,9 +2,9 @@
 //! within the bound, and the noise explains the innovations.
 
 use crate::estimate::{
-    Innovation, config::Config, error::ConfigError, error::require_each, misfit::Misfit,
-    phase::Event, phase::Phase, record::PARAMETER_SLOTS, status::Doubt, status::Reason,
-    status::Status,
+    Innovation, config::Config, error::ConfigError, error::require_each, misfit::Excess,
+    misfit::Misfit, phase::Event, phase::Phase, record::PARAMETER_SLOTS, status::Doubt,
+    status::Reason, status::Status,
 };
 use crate::maths::scalar::Real;
 
@@ -145,12 +145,12 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.reason
     }
 
-    /// Factor by which the standard errors are too small, at least 1, by the innovations and the `misfit`
+    /// Factor by which the standard errors are too small, at least 1, by the innovations and the `excess`
     /// of an estimator that can look back on its residuals. The innovations of one that forgets are
     /// correlated by its own errors, so that their means say nothing.
-    pub fn inflation(&self, misfit: Option<&Misfit<T>>) -> T {
+    pub fn inflation(&self, excess: Option<Excess<T>>) -> T {
         let recent = T::one().max_of(self.slow_ratio).sqrt();
-        misfit.map_or(recent, |misfit| recent.max_of(misfit.inflation()))
+        excess.map_or(recent, |excess| recent.max_of(excess.inflation))
     }
 
     /// Takes the phase of a sample, learned from or not.
@@ -167,13 +167,13 @@ impl<T: Real> ConvergenceMonitor<T> {
         params: &MonitorParams<T>,
         parameters: &[ParameterEstimate<T>],
         innovation: &Innovation<T>,
-        misfit: Option<&Misfit<T>>,
+        excess: Option<Excess<T>>,
         doubt: Option<Doubt>,
     ) -> Option<Event> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         let normalized = innovation.normalized();
         // While the parameters still come from their start, they are what errs, and not the law.
-        if misfit.is_none() && self.taken >= SNAPSHOTS {
+        if excess.is_none() && self.taken >= SNAPSHOTS {
             self.misfit.update(normalized, T::one(), params.noise_gain);
         }
         let alien =
@@ -189,13 +189,13 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.recent += T::from_f64(1.0 / FAST_SAMPLES) * (unbounded - self.recent);
         self.baseline += params.slow_gain * (unbounded - self.baseline);
         self.settled |= matches!(self.status, Status::Converged | Status::ModelSuspect);
-        if self.settled && self.has_changed(params, misfit.is_some(), before) {
+        if self.settled && self.has_changed(params, excess.is_some(), before) {
             self.restart(params);
             return Some(Event::MaterialChange);
         }
         let steady = self.steady(params, parameters);
         self.changed_samples = self.changed_samples.saturating_sub(1);
-        (self.status, self.reason) = self.judge(params, parameters, steady, doubt, misfit);
+        (self.status, self.reason) = self.judge(params, parameters, steady, doubt, excess);
         self.remember_suspicion(params);
         None
     }
@@ -243,11 +243,11 @@ impl<T: Real> ConvergenceMonitor<T> {
         parameters: &[ParameterEstimate<T>],
         steady: bool,
         doubt: Option<Doubt>,
-        misfit: Option<&Misfit<T>>,
+        excess: Option<Excess<T>>,
     ) -> (Status, Option<Reason>) {
         let mean_square = self
             .slow_ratio
-            .max_of(misfit.unwrap_or(&self.misfit).mean_square());
+            .max_of(excess.unwrap_or_else(|| self.misfit.excess()).mean_square);
         let reason = doubt.map(Doubt::reason);
         if self.changed_samples > 0 {
             (Status::Changed, None)

@@ -1,7 +1,8 @@
 //! The aligned signals in the scales of the estimators, with what is uncertain about them.
 
 use crate::estimate::{
-    contact::Contact, filter::Aligned, identify::ForceNoise, identify::Instant, params::Params,
+    Phase, contact::Contact, filter::Aligned, identify::ForceNoise, identify::Instant,
+    params::Params,
 };
 use crate::maths::scalar::{Real, seconds};
 
@@ -31,6 +32,7 @@ pub(crate) fn scaled<T: Real>(
     contact: &Contact<T>,
     elapsed_us: u64,
     speed_error: T,
+    last_speed_mps: T,
 ) -> Instant<T> {
     let scale = &params.identify.scale;
     let surface_m = match contact.surface {
@@ -48,7 +50,7 @@ pub(crate) fn scaled<T: Real>(
             / (scale.depth_m * scale.speed_mps),
         elapsed_s: seconds(elapsed_us),
         rate: aligned.force_rate_nps * scale.depth_m / (scale.speed_mps * scale.force_n),
-        quantization_variance: quantization_variance_m2(params, aligned, contact)
+        quantization_variance: quantization_variance_m2(params, aligned, contact, last_speed_mps)
             / (scale.depth_m * scale.depth_m),
         rest_error: contact.resting_force_error_n / scale.force_n,
         rest_drift: contact.resting_force_drift_n / scale.force_n,
@@ -59,17 +61,38 @@ pub(crate) fn scaled<T: Real>(
 }
 
 /// Variance of the position of an instant by the counts of the encoder (m²): q²/12, times the number of
-/// samples that a count lasts, since all of them have the same error.
+/// samples that an error of rounding lasts, since all of them have the same one.
 fn quantization_variance_m2<T: Real>(
     params: &Params<T>,
     aligned: &Aligned<T>,
     contact: &Contact<T>,
+    last_speed_mps: T,
 ) -> T {
     let step_m = contact.position_step_m;
-    let moved_m = aligned.speed_mps.abs() * params.period_s;
+    if contact.phase != Phase::Contact || step_m <= T::zero() {
+        return T::zero();
+    }
+    let per_sample = params.period_s / step_m;
+    let counts = aligned.speed_mps.abs() * per_sample;
+    let change = (aligned.speed_mps - last_speed_mps).abs() * per_sample;
     let error_m = step_m * T::from_f64(COUNT_ERROR);
-    let lasting = T::one().max_of(step_m / (moved_m + step_m * T::from_f64(1.0 / LONGEST_COUNT)));
-    error_m * error_m * lasting
+    error_m * error_m * rounding_lasts(counts, change)
+}
+
+/// Number of samples that an error of rounding lasts at a speed in counts per sample that changes by so much
+/// from sample to sample. At a whole number of counts per sample every sample is rounded alike, as at rest,
+/// and at halves two errors take turns, of which a quarter of the variance stays. Ramps of 2 mm/s and counts
+/// of 1 µm left the damping of a stiff material 17 % off at a claimed 2.6 %.
+fn rounding_lasts<T: Real>(counts: T, change: T) -> T {
+    let lasts = |counts: T, change: T| {
+        let apart = (counts - counts.nearest()).abs() + T::from_f64(1.0 / LONGEST_COUNT);
+        // A speed that changes leaves the phase after 1/√change samples.
+        apart / (apart * apart + change) - T::one()
+    };
+    let two = T::from_f64(2.0);
+    let alike = lasts(counts, change);
+    let in_turn = T::from_f64(0.25) * lasts(two * counts, two * change);
+    T::one().max_of(alike).max_of(in_turn)
 }
 
 /// Standard deviations of the raw and of the filtered force, scaled.
@@ -77,6 +100,6 @@ fn force_noise<T: Real>(params: &Params<T>, contact: &Contact<T>) -> ForceNoise<
     let raw = contact.force_noise_n / params.identify.scale.force_n;
     ForceNoise {
         raw,
-        filtered: raw * params.filter.response().noise_gain.sqrt(),
+        filtered: raw * params.filter.response().noise_amplitude,
     }
 }

@@ -118,6 +118,8 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// The arc tangent (rad).
     fn atan(self) -> Self;
+    /// The nearest whole number of one that is not negative, up to 2³² − 1.
+    fn nearest(self) -> Self;
 }
 
 macro_rules! real {
@@ -175,6 +177,10 @@ macro_rules! real {
             #[inline]
             fn atan(self) -> Self {
                 libm::$atan(self)
+            }
+            #[inline]
+            fn nearest(self) -> Self {
+                (self + 0.5) as u32 as $type
             }
         }
     };

@@ -9,4 +9,6 @@ pub struct Response<T> {
     pub memory_samples: u32,
     /// Variance of the filtered force over that of the raw force, for white noise.
     pub noise_gain: T,
+    /// The same of the standard deviations.
+    pub noise_amplitude: T,
 }

@@ -45,6 +45,7 @@ impl<T: Real> SavitzkyGolayParams<T> {
                 delay_us: (1e6 * m / rate) as u64,
                 memory_samples: 2 * u32::from(half_width) + 1,
                 noise_gain: T::from_f64(noise_gain),
+                noise_amplitude: T::from_f64(noise_gain).sqrt(),
             },
             sides,
         }

@@ -24,6 +24,8 @@ impl<T: Real> StateVariableParams<T> {
         let k = 2.0 * damping;
         let a1 = 1.0 / (1.0 + g * (g + k));
         let delay_s = k / omega;
+        // (1/π)∫|H|² over the unit circle, with the frequency warping of the bilinear transform.
+        let noise_gain = g * (1.0 + k * g) / (k * (1.0 + k * g + g * g));
         StateVariableParams {
             g: T::from_f64(g),
             a1: T::from_f64(a1),
@@ -34,8 +36,8 @@ impl<T: Real> StateVariableParams<T> {
                 delay_us: (1e6 * delay_s) as u64,
                 // A step is forgotten to 1 % after 3.3 delays at ζ = 1.
                 memory_samples: (4.0 * delay_s * rate) as u32 + 1,
-                // (1/π)∫|H|² over the unit circle, with the frequency warping of the bilinear transform.
-                noise_gain: T::from_f64(g * (1.0 + k * g) / (k * (1.0 + k * g + g * g))),
+                noise_gain: T::from_f64(noise_gain),
+                noise_amplitude: T::from_f64(noise_gain).sqrt(),
             },
         }
     }

@@ -7,6 +7,7 @@
 //! measured is lost. (Successors that began without the memory needed 0.5–2.6 s to settle instead of
 //! 0.2–0.7 s, and ended 1.5–3 times above the Cramér–Rao bound instead of 1.0–1.3 times.)
 
+mod claims;
 mod previous;
 mod quarantine;
 mod skew;
@@ -14,17 +15,15 @@ mod successor;
 
 use nalgebra::Vector2;
 
+use claims::Claims;
 use previous::{Previous, RECONSIDERED};
 use quarantine::Quarantine;
-use skew::skew_doubt;
 use successor::{CHALLENGE_EVERY, DOUBTED, LINEARIZATION_SHARE, REFINER_BETA, Successor};
 
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
-use super::{
-    bounds::EXPONENT, params::IdentifyParams, slots::damper, slots::in_slots, slots::spring,
-};
+use super::{params::IdentifyParams, slots::damper, slots::in_slots, slots::spring};
 use crate::estimate::method::{Method, MethodInfo, Offer, methods};
-use crate::estimate::misfit::Misfit;
+use crate::estimate::misfit::Excess;
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
 use crate::estimate::rls::Excitation;
@@ -77,7 +76,7 @@ pub struct BankRefiner<T: Real> {
     bank: Option<Bank<T>>,
     refiner: Option<Refiner<T>>,
     successor: Option<Successor<T>>,
-    std_errors: [T; 5],
+    claims: Claims<T>,
     prior: Prior<T>,
     skew_size: T,
     surface_known: bool,
@@ -106,7 +105,7 @@ impl<T: Real> BankRefiner<T> {
             bank: None,
             refiner: None,
             successor: None,
-            std_errors: [T::zero(); 5],
+            claims: Claims::default(),
             prior: Prior {
                 surface: T::zero(),
                 skew: T::from_f64(SKEW_S) * per_second,
@@ -155,7 +154,7 @@ impl<T: Real> BankRefiner<T> {
         if let Some(shift) = previous.agrees_with(pooled, &at.noise) {
             previous.refiner.shift_surface(shift);
             self.refiner = Some(previous.refiner.clone());
-            self.std_errors = previous.std_errors;
+            self.claims = previous.claims.clone();
             self.previous = None;
             self.bank = None;
             self.successor = None;
@@ -194,9 +193,11 @@ impl<T: Real> BankRefiner<T> {
             T::from_f64(BANK_BETA),
         );
         self.prior.surface = at.surface_error.max_of(bank.surface_step);
-        let even = self.memory.pushed().is_multiple_of(2);
-        if let Some(refiner) = self.refiner.as_ref().filter(|_| even) {
-            self.std_errors = refiner.std_errors(at.rest_error, at.rest_drift, &at.noise);
+        if let Some(refiner) = &self.refiner {
+            match self.memory.pushed().is_multiple_of(2) {
+                true => self.claims.renew_errors(refiner, at),
+                false => self.claims.renew_doubt(refiner),
+            }
         }
         self.until_search = self.until_search.saturating_sub(1);
         self.relinearize(&at.noise);
@@ -254,11 +255,11 @@ impl<T: Real> BankRefiner<T> {
     }
 
     /// The successor learns from memory, and takes over once it knows what its predecessor does.
-    fn catch_up(&mut self, at: &Instant<T>) {
+    fn catch_up(&mut self, noise: &ForceNoise<T>) {
         let Some(successor) = &mut self.successor else {
             return;
         };
-        if !successor.catch_up(&self.memory, self.refiner.as_ref(), &at.noise) {
+        if !successor.catch_up(&self.memory, self.refiner.as_ref(), noise) {
             return;
         }
         let knows = match &self.refiner {
@@ -275,9 +276,7 @@ impl<T: Real> BankRefiner<T> {
             self.successor = None;
         } else if knows {
             self.refiner = self.successor.take().map(|successor| successor.refiner);
-            if let Some(refiner) = &self.refiner {
-                self.std_errors = refiner.std_errors(at.rest_error, at.rest_drift, &at.noise);
-            }
+            self.claims.is_stale = true;
         }
     }
 }
@@ -287,7 +286,7 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
 
     fn surface(&self, _noise: &ForceNoise<T>) -> Option<(T, T)> {
         let ([.., position, _], [.., error, _]) =
-            (self.refiner.as_ref()?.values(), self.std_errors);
+            (self.refiner.as_ref()?.values(), self.claims.std_errors);
         Some((position, error))
     }
 
@@ -317,19 +316,22 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             self.pool.close();
         }
         let pooled = self.pool.take(at);
-        // One of the four per sample: together they would make the longest step by far.
+        let outdated = self.refiner.as_ref().filter(|_| self.claims.is_stale);
+        // One of the five per sample: together they would make the longest step by far.
         if let Some(pooled) = &pooled {
             self.take_pool(pooled, moved, at);
         } else if let Some(pooled) = self.for_bank.take() {
             self.take_into_bank(&pooled, at);
         } else if !moves {
             return None;
+        } else if let Some(refiner) = outdated {
+            self.claims.renew(refiner, at);
         } else if self.until_search == 0 {
             let started = self.refiner.is_some();
             self.until_search = if started { SEARCH_EVERY } else { 1 };
             self.supervise(&at.noise);
         } else {
-            self.catch_up(at);
+            self.catch_up(&at.noise);
         }
         if !moves {
             return None;
@@ -337,22 +339,15 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         self.refiner.is_some().then_some(T::from_f64(REFINER_BETA))
     }
 
-    fn misfit(&self) -> Option<&Misfit<T>> {
-        self.refiner.as_ref().map(Refiner::misfit)
+    fn excess(&self) -> Option<Excess<T>> {
+        self.refiner.as_ref().map(|_| self.claims.excess)
     }
 
     fn doubt(&self, _at: &Instant<T>) -> Option<Doubt> {
-        let refiner = self.refiner.as_ref()?;
         if self.memory.pushed() < self.doubted_until {
             return Some(Doubt::Against(Reason::Residual));
         }
-        let [_, damping, exponent, ..] = refiner.values();
-        let [_, damping_error, ..] = self.std_errors;
-        let (low, high) = EXPONENT;
-        let bounded = exponent <= T::from_f64(low) || exponent >= T::from_f64(high);
-        let active = damping < -T::from_f64(SURELY) * damping_error;
-        let at_bound = (bounded || active).then_some(Doubt::Against(Reason::Bound));
-        skew_doubt(refiner).or(at_bound)
+        self.claims.doubt
     }
 
     fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {
@@ -361,7 +356,7 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
 
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
         let refiner = self.refiner.take();
-        let previous = refiner.map(|refiner| Previous::new(refiner, self.std_errors));
+        let previous = refiner.map(|refiner| Previous::new(refiner, self.claims.clone()));
         *self = BankRefiner::new(params);
         self.previous = previous;
     }
@@ -378,7 +373,7 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             exponent_error,
             _,
             skew_error,
-        ] = self.std_errors;
+        ] = self.claims.std_errors;
         // A speed that is too large by a share makes the damping too small by it.
         let of_speed = at.speed_error * damping;
         let damping_error = (damping_error * damping_error + of_speed * of_speed).sqrt();

@@ -2,7 +2,7 @@
 
 use super::params::IdentifyParams;
 use crate::estimate::{
-    method::MethodInfo, misfit::Misfit, monitor::ParameterEstimate, record::PARAMETER_SLOTS,
+    method::MethodInfo, misfit::Excess, monitor::ParameterEstimate, record::PARAMETER_SLOTS,
     status::Doubt,
 };
 use crate::maths::scalar::Real;
@@ -109,7 +109,7 @@ pub trait Identify<T: Real> {
 
     /// By how much the residuals exceed the noise, from an estimator that can look back on them; else
     /// the innovations say it.
-    fn misfit(&self) -> Option<&Misfit<T>> {
+    fn excess(&self) -> Option<Excess<T>> {
         None
     }
 

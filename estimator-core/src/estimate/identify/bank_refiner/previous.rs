@@ -2,6 +2,7 @@
 //! or a surface that is elsewhere since an encoder has jumped.
 
 use super::super::{ForceNoise, Pooled, Refiner};
+use super::claims::Claims;
 use crate::maths::scalar::Real;
 
 /// After a change, the estimates before it come back if they predict this many pools in a row of at least
@@ -17,7 +18,7 @@ const AGREE_RANGE: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub(super) struct Previous<T: Real> {
     pub(super) refiner: Refiner<T>,
-    pub(super) std_errors: [T; 5],
+    pub(super) claims: Claims<T>,
     /// Where they stand with the surface that they know, and with one that has moved.
     there: Agreement<T>,
     moved: Agreement<T>,
@@ -62,10 +63,10 @@ impl<T: Real> Agreement<T> {
 }
 
 impl<T: Real> Previous<T> {
-    pub(super) fn new(refiner: Refiner<T>, std_errors: [T; 5]) -> Self {
+    pub(super) fn new(refiner: Refiner<T>, claims: Claims<T>) -> Self {
         Previous {
             refiner,
-            std_errors,
+            claims,
             there: Agreement::default(),
             moved: Agreement::default(),
         }

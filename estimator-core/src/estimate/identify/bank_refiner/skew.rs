@@ -14,12 +14,11 @@ const SKEW_MATTERS: f64 = 0.02;
 const SKEW_OPEN: f64 = 0.05;
 
 /// Whether the data speak for a skew that the estimates leave out, or have not ruled out one that would move
-/// them.
-pub(super) fn skew_doubt<T: Real>(refiner: &Refiner<T>) -> Option<Doubt> {
+/// them. The `inflation` is that of the standard errors by the residuals.
+pub(super) fn skew_doubt<T: Real>(refiner: &Refiner<T>, inflation: T) -> Option<Doubt> {
     if refiner.is_estimating_skew() {
         return None;
     }
-    let inflation = refiner.misfit().inflation();
     let (skew, error) = refiner.skew();
     let [stiffness, damping, exponent, ..] = refiner.values();
     let sizes = [spring(stiffness).1, damper(damping, stiffness).1, exponent];

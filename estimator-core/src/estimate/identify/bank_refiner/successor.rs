@@ -76,7 +76,7 @@ impl<T: Real> Successor<T> {
 
     /// Whether what it has learned from contradicts the estimates.
     pub(super) fn is_better(&self) -> bool {
-        let inflation = self.refiner.misfit().inflation();
+        let inflation = self.refiner.misfit().excess().inflation;
         self.gain > T::from_f64(CHALLENGED) * inflation * inflation
     }
 
