@@ -92,7 +92,9 @@ fn rounding_lasts<T: Real>(counts: T, change: T) -> T {
     let two = T::from_f64(2.0);
     let alike = lasts(counts, change);
     let in_turn = T::from_f64(0.25) * lasts(two * counts, two * change);
-    T::one().max_of(alike).max_of(in_turn)
+    // Slower than a count per sample, however the speed changes.
+    let slow = T::one() / (counts + T::from_f64(1.0 / LONGEST_COUNT));
+    T::one().max_of(alike).max_of(in_turn).max_of(slow)
 }
 
 /// Standard deviations of the raw and of the filtered force, scaled.

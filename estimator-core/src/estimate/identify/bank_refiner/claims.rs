@@ -4,10 +4,13 @@
 //! worked out every second pool, in two parts, each at a sample that has little else to do.
 
 use super::super::{Instant, Refiner, bounds::EXPONENT};
-use super::{SURELY, skew::skew_doubt};
+use super::skew::skew_doubt;
 use crate::estimate::misfit::Excess;
 use crate::estimate::status::{Doubt, Reason};
 use crate::maths::scalar::Real;
+
+/// Standard errors below zero at which a damping is negative for sure, and the law at its bound.
+const ACTIVE_SIGMAS: f64 = 3.0;
 
 /// The claims of a refiner.
 #[derive(Clone, Debug, Default)]
@@ -38,7 +41,7 @@ impl<T: Real> Claims<T> {
         let [_, damping_error, ..] = self.std_errors;
         let (low, high) = EXPONENT;
         let bounded = exponent <= T::from_f64(low) || exponent >= T::from_f64(high);
-        let active = damping < -T::from_f64(SURELY) * damping_error;
+        let active = damping < -T::from_f64(ACTIVE_SIGMAS) * damping_error;
         let at_bound = (bounded || active).then_some(Doubt::Against(Reason::Bound));
         self.doubt = skew_doubt(refiner, self.excess.inflation).or(at_bound);
     }
