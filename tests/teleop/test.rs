@@ -28,10 +28,14 @@ fn another_material_is_felt_again_in_time() {
     reached(bar::resettled(&CELLS));
 }
 
+/// The worst run of 48 was off by 21 %, the one that let the operator fall in by 45 %.
+const FALLS_IN: f64 = 0.3;
+
 /// A round trip of 2 s, at which a change of material that was none once let the operator fall in: 45 % of the peak.
+/// Of 48 runs a cell the middle one is off by 6 and 7.5 %, one of eight by more than 10 %: two seeds alone say little.
 #[test]
 fn a_foam_that_the_law_does_not_explain_is_felt_as_well_as_the_law_can() {
-    let mut grid = bar::grid(2, true);
+    let mut grid = bar::grid(16, true);
     grid.environments = Environment::compared();
     grid.environments.retain(|own| own.first.name == "foam");
     grid.schemes = vec![SchemeId::Reflection];
@@ -40,6 +44,11 @@ fn a_foam_that_the_law_does_not_explain_is_felt_as_well_as_the_law_can() {
     let rows = bar::felt(&cells).into_iter();
     reached(rows.filter(|row| row.asked.contains("foam")));
     assert_eq!(cells.len(), 2);
+    let runs = cells.iter().flat_map(|cell| &cell.runs);
+    for run in runs {
+        let share = run.felt_force_rmse_share;
+        assert!(share.is_some_and(|share| share < FALLS_IN), "{share:?}");
+    }
 }
 
 #[test]
