@@ -81,6 +81,11 @@ fn accepted_decision(
         if decision.without.is_empty() || decision.verdict != Verdict::Unexplained {
             return decision;
         }
+        // What makes the error larger explains no part of it, whatever its weights say.
+        if decision.rmse_n.1 >= decision.rmse_n.0 {
+            result = SearchResult::alone(base.clone());
+            continue;
+        }
         if is_strong_together(&decision) {
             decision.verdict = Verdict::PartlyExplained;
             return decision;

@@ -105,7 +105,7 @@ pub const ALL: [Record; 16] = [
     Record {
         folder: "davinci_tool_transmission",
         file: "data_T4L2_00.csv",
-        columns: "x=x_rad,f=f_nm",
+        columns: "x=x_rad,f=-f_nm",
         base: "[environment]\nlaw = \"free\"\n\
             [[effect]]\nid = \"tool_inertia\"\nmass = 1e-4\n\
             [[effect]]\nid = \"viscous_drag\"\ncoefficient = 1e-3\n\
