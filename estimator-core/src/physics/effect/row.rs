@@ -152,6 +152,8 @@ pub enum Form {
         /// of what the plain effect explained is the rest.
         first: f64,
     },
+    /// The parameter comes and goes with the form before it, which is tried from each of these values.
+    Beside(&'static [Scaled]),
 }
 
 /// What a parameter is to the force of its effect.

@@ -1,6 +1,7 @@
-//! Optional forms of effects: a number each that is free only where that is significant.
+//! Optional forms of effects: a number each, or two, that are free only where that is significant.
 
 use estimator_core::physics::effect::{EffectId, Form, Role};
+use estimator_core::physics::fit_range::Scaled;
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
@@ -55,17 +56,43 @@ impl Choice {
             && !term.id.info().is_switched(&term.row)
     }
 
-    fn take_on(&self, term: &mut Term, scales: &Scales) {
-        if let Form::TakenOn { start, first } = self.form {
-            term.row[self.place] = start.value(|scale| scales.size(scale));
-            term.free[self.place] = true;
-            term.row[0] *= first;
+    /// The term with the form, from each of its starts.
+    fn taken_on_by(&self, term: &Term, scales: &Scales) -> Vec<Term> {
+        let Form::TakenOn { start, first } = self.form else {
+            return Vec::new();
+        };
+        let size = |number: Scaled| number.value(|scale| scales.size(scale));
+        let mut own = term.clone();
+        own.row[self.place] = size(start);
+        own.free[self.place] = true;
+        own.row[0] *= first;
+        let Some((place, starts)) = self.beside() else {
+            return vec![own];
+        };
+        own.free[place] = true;
+        let each = starts.iter().map(|start| {
+            let mut own = own.clone();
+            own.row[place] = size(*start);
+            own
+        });
+        each.collect()
+    }
+
+    /// The number that comes and goes with the form: its place, and where it starts.
+    fn beside(&self) -> Option<(usize, &'static [Scaled])> {
+        let place = self.place + 1;
+        match self.id.info().fits.get(place)?.role {
+            Role::Form(_, Form::Beside(starts)) => Some((place, starts)),
+            _ => None,
         }
     }
 
     fn drop_from(&self, term: &mut Term) {
-        term.row[self.place] = 0.0;
-        term.free[self.place] = false;
+        let beside = self.beside().map(|(place, _)| place);
+        for place in [self.place].into_iter().chain(beside) {
+            term.row[place] = 0.0;
+            term.free[place] = false;
+        }
         if let Form::TakenOn { first, .. } = self.form {
             term.row[0] /= first;
         }
@@ -129,10 +156,15 @@ impl Search<'_> {
 
     /// Refits with a form that an added effect lacks.
     fn with_form(&self, fit: &Fit, choice: Choice) -> Option<Fit> {
-        let mut terms = fit.shape.terms_at(&fit.numbers);
-        let term = terms.iter_mut().find(|term| choice.is_open_to(term))?;
-        choice.take_on(term, self.dataset.scales);
-        Some(self.with_terms(fit, terms))
+        let terms = fit.shape.terms_at(&fit.numbers);
+        let at = terms.iter().position(|term| choice.is_open_to(term))?;
+        let starts = choice.taken_on_by(&terms[at], self.dataset.scales);
+        let fits = starts.into_par_iter().map(|own| {
+            let mut terms = terms.clone();
+            terms[at] = own;
+            self.with_terms(fit, terms)
+        });
+        fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     /// Refits without a form that an added effect has.
