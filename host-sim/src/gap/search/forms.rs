@@ -99,11 +99,34 @@ impl Choice {
     }
 }
 
+/// Most fits that are tried with their forms beside the best.
+const MOST_COMPARED: usize = 2;
+
+/// Whether an added effect of a fit could take a form on.
+fn has_open_form(fit: &Fit) -> bool {
+    let mut terms = fit.shape.terms.iter();
+    terms.any(|term| Choice::taken_on().any(|choice| choice.is_open_to(term)))
+}
+
 impl Search<'_> {
     /// The fit with the forms that are significant. A fit that is left near the noise needs none.
-    pub(crate) fn with_significant_forms(&self, mut best: Fit, base_cost: f64) -> Fit {
+    fn with_significant_forms(&self, best: Fit, base_cost: f64) -> Fit {
+        self.with_forms_until(best, base_cost, |fit| self.is_adequate(fit))
+    }
+
+    /// The fit with every form that is significant, however near the noise: for fits that are compared.
+    pub(crate) fn with_all_forms(&self, best: Fit, base_cost: f64) -> Fit {
+        self.with_forms_until(best, base_cost, |_| false)
+    }
+
+    fn with_forms_until(
+        &self,
+        mut best: Fit,
+        base_cost: f64,
+        suffices: impl Fn(&Fit) -> bool,
+    ) -> Fit {
         for choice in Choice::taken_on() {
-            if self.is_adequate(&best) {
+            if suffices(&best) {
                 break;
             }
             if let Some(fit) = self.with_form(&best, choice)
@@ -113,6 +136,24 @@ impl Search<'_> {
             }
         }
         best
+    }
+
+    /// The best of a fit and of others that leave hardly more, each with the forms that are significant: a
+    /// loading curve that grows with the depth is nearer to a friction under load that does not, than to a
+    /// loading curve that does not.
+    pub(crate) fn best_with_forms(&self, best: Fit, others: &[Fit], base_cost: f64) -> Fit {
+        let most = self.dataset.thresholds.rivalry.followed * best.cost;
+        let best = self.with_significant_forms(best, base_cost);
+        if self.is_adequate(&best) {
+            return best;
+        }
+        let others = others.iter().filter(|fit| has_open_form(fit));
+        let others = others.map(|fit| self.with_present_cost(fit));
+        let near = others.filter(|fit| fit.cost < most).take(MOST_COMPARED);
+        let fits = near.map(|fit| self.with_significant_forms(self.refitted(&fit), base_cost));
+        fits.chain([best.clone()])
+            .min_by(|a, b| self.score(a).total_cmp(&self.score(b)))
+            .unwrap_or(best)
     }
 
     /// The fit with a form in the place of another effect that only took its error: a pull that differs by
