@@ -43,3 +43,29 @@ impl<S: Scalar> LoadFriction<S> {
         share * (S::one() + self.excess / (S::one() + fast * fast))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LUBRICATED: LoadFriction<f64> = LoadFriction {
+        coefficient: 0.1,
+        transition_mps: 0.0,
+        excess: 0.4,
+        speed_mps: 5e-3,
+    };
+
+    #[test]
+    fn its_excess_is_whole_at_standstill_half_at_its_speed_and_gone_far_beyond() {
+        for (speed_mps, share) in [(1e-9, 0.14), (5e-3, 0.12), (-5e-3, -0.12), (5.0, 0.1)] {
+            // At a thousand times the speed a millionth of the excess is left.
+            let own = LUBRICATED.share_of_load(speed_mps);
+            assert!((own - share).abs() < 1e-7, "{speed_mps}: {own}");
+        }
+        let dry = LoadFriction {
+            excess: 0.0,
+            ..LUBRICATED
+        };
+        assert_eq!(dry.share_of_load(-5e-3), -0.1);
+    }
+}

@@ -56,3 +56,29 @@ impl<S: Scalar> LoadingCurve<S> {
         grown.min_of(S::one())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curves_part_by_their_own_rate_and_never_by_more_than_the_force() {
+        let curves = |growth_per_m: f64| LoadingCurve {
+            fraction: 0.1,
+            transition_mps: 0.0,
+            width_m: 0.0,
+            growth_per_m,
+        };
+        let factor = |growth_per_m: f64, depth_m: f64, speed_mps: f64| {
+            curves(growth_per_m).factor(&mut 0.0, (depth_m, speed_mps), 0.0)
+        };
+        assert_eq!(factor(0.0, 2e-3, 1.0), 1.1);
+        assert_eq!(factor(0.0, 2e-3, -1.0), 0.9);
+        // e^{500 · 2 mm} = e
+        let part = 0.1 * core::f64::consts::E;
+        assert!((factor(500.0, 2e-3, 1.0) - (1.0 + part)).abs() < 1e-15);
+        assert!((factor(500.0, 2e-3, -1.0) - (1.0 - part)).abs() < 1e-15);
+        assert!((factor(-500.0, 2e-3, 1.0) - (1.0 + 0.01 / part)).abs() < 1e-15);
+        assert_eq!(factor(5000.0, 2e-3, -1.0), 0.0);
+    }
+}
