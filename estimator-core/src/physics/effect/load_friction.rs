@@ -21,7 +21,7 @@ effect! {
             Logarithmic(Times(3e-3, Speed), Times(1.0, Speed));
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    laws: AnyLaw, needs_derivative: true, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: true, family: LoopOfLoad, simpler: None, is_physical: |_| true,
     example: [0.1, 2e-4, 0.0, 0.0], starts: &[
         Starts::at(&[At(Number(0.05)), Each(&[
             Largest([(1.0, SpeedNoise), (2e-3, Speed)]), Largest([(4.0, SpeedNoise), (2e-2, Speed)]),

@@ -16,7 +16,14 @@ pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
     one != other && is_late(one) && is_late(other)
 }
 
-/// Whether one effect stands for the other: a special case of it, or as late as it.
+/// Whether two effects differ by less than the errors of a rig: they make the force late, or both make a loop
+/// that is a share of the load.
+pub(crate) fn are_alike(one: EffectId, other: EffectId) -> bool {
+    let is_loop = |id: EffectId| id.info().family == Family::LoopOfLoad;
+    are_late(one, other) || (one != other && is_loop(one) && is_loop(other))
+}
+
+/// Whether one effect stands for the other: a special case of it, or one that differs by less than a rig errs.
 pub(crate) fn stands_for(one: EffectId, other: EffectId) -> bool {
-    related(one, other) || are_late(one, other)
+    related(one, other) || are_alike(one, other)
 }
