@@ -20,8 +20,8 @@ pub const COUNT: usize = {
     count
 };
 /// The largest number of settings that can be other than 0: what a record in flash has room for beside
-/// the settings of the board. The eight largest effects would have 23, of which three are dry frictions,
-/// each a form of the others.
+/// the settings of the board. The eight largest effects would have 28, of which three are dry frictions,
+/// each a form of the others, and the forms of most effects exclude each other or are rare.
 pub(super) const MOST_AT_ONCE: usize = 20;
 const SECTION: &str = "compensation.";
 /// The length of the longest name: `compensation.stribeck_friction.transition_speed`.

@@ -4,22 +4,30 @@ use super::{row::effect, shapes::direction};
 use crate::maths::scalar::Scalar;
 
 effect! {
-    /// The friction μ·|F_contact + k_c·x_d|·sgn(v).
+    /// The friction μ·|F_contact + k_c·x_d|·sgn(v). A lubricated one is larger near standstill:
+    /// μ·(1 + e/(1 + (v/v_s)²)), after Hess and Soom.
     LoadFriction = "load_friction" {
         /// μ; with 1 a drive locks itself.
         coefficient = "coefficient", One, Positive, Size, FitRange::up_to(Number(0.9));
         /// v_t (m/s): tanh(v/v_t) in place of the sign; 0: the sign.
         transition_mps = "transition_speed", MetrePerSecond, NotNegative = 0.0,
             Form("it reverses at once", Dropped), Logarithmic(Times(1e-3, Speed), Times(0.5, Speed));
+        /// e: how much more there is of it at standstill.
+        excess = "standstill_excess", One, NotNegative = 0.0,
+            Form("the same at every speed", TakenOn { start: Number(0.3), first: 0.9 }), FitRange::up_to(Number(5.0));
+        /// v_s (m/s): where half of that is gone.
+        speed_mps = "speed", MetrePerSecond, NotNegative = 0.0,
+            Form("the same at every speed", Beside(&[Times(0.1, Speed), Times(0.3, Speed)])),
+            Logarithmic(Times(3e-3, Speed), Times(1.0, Speed));
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    laws: AnyLaw, needs_derivative: true, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: true, family: LoopOfLoad, simpler: None, is_physical: |_| true,
     example: [0.1, 2e-4, 0.0, 0.0], starts: &[
         Starts::at(&[At(Number(0.05)), Each(&[
             Largest([(1.0, SpeedNoise), (2e-3, Speed)]), Largest([(4.0, SpeedNoise), (2e-2, Speed)]),
         ])]),
     ],
-    law: "μ·|F_contact + k_c·x_d|·sgn(v)",
+    law: "μ·|F_contact + k_c·x_d|·sgn(v); with an excess e: times 1 + e/(1 + (v/v_s)²)",
     signature: "steps at reversals that grow with the load",
     motion: "reversals at several depths, and a hold",
 }
@@ -27,6 +35,37 @@ effect! {
 impl<S: Scalar> LoadFriction<S> {
     /// Its force for each newton of load.
     pub(crate) fn share_of_load(&self, speed_mps: S) -> S {
-        self.coefficient * direction(speed_mps, self.transition_mps)
+        let share = self.coefficient * direction(speed_mps, self.transition_mps);
+        if self.excess == S::zero() || self.speed_mps <= S::zero() {
+            return share;
+        }
+        let fast = speed_mps / self.speed_mps;
+        share * (S::one() + self.excess / (S::one() + fast * fast))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LUBRICATED: LoadFriction<f64> = LoadFriction {
+        coefficient: 0.1,
+        transition_mps: 0.0,
+        excess: 0.4,
+        speed_mps: 5e-3,
+    };
+
+    #[test]
+    fn its_excess_is_whole_at_standstill_half_at_its_speed_and_gone_far_beyond() {
+        for (speed_mps, share) in [(1e-9, 0.14), (5e-3, 0.12), (-5e-3, -0.12), (5.0, 0.1)] {
+            // At a thousand times the speed a millionth of the excess is left.
+            let own = LUBRICATED.share_of_load(speed_mps);
+            assert!((own - share).abs() < 1e-7, "{speed_mps}: {own}");
+        }
+        let dry = LoadFriction {
+            excess: 0.0,
+            ..LUBRICATED
+        };
+        assert_eq!(dry.share_of_load(-5e-3), -0.1);
     }
 }

@@ -107,6 +107,9 @@ pub enum Family {
     ForceZero,
     /// The effects only make the force late; in slow motion they differ by less than a rig errs.
     Lateness,
+    /// Each makes a loop whose width is a share of the contact's force. Without a cable they differ by that share
+    /// of the contact's damping, which is often less than a rig errs.
+    LoopOfLoad,
 }
 
 impl Family {
@@ -152,6 +155,8 @@ pub enum Form {
         /// of what the plain effect explained is the rest.
         first: f64,
     },
+    /// The parameter comes and goes with the form before it, which is tried from each of these values.
+    Beside(&'static [Scaled]),
 }
 
 /// What a parameter is to the force of its effect.

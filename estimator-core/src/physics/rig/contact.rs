@@ -143,7 +143,7 @@ impl<S: Scalar> Contact<'_, S> {
                     factor = factor * softening.factor(state.deepest_m - depth_m);
                 }
                 Effect::LoadingCurve(curve) => {
-                    factor = factor * curve.factor(memory, speed_mps, change_m);
+                    factor = factor * curve.factor(memory, (depth_m, speed_mps), change_m);
                 }
                 Effect::BuriedLayer(layer) => layers_n = layers_n + layer.force_n(depth_m),
                 Effect::SnapThrough(snap) => layers_n = layers_n + snap.force_n(depth_m),

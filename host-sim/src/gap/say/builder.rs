@@ -73,7 +73,11 @@ fn graded(
 ) -> (Grade, Vec<EffectId>) {
     match (verdict, evidence) {
         (Verdict::PartlyExplained, Some(evidence)) => {
-            let is_open = !evidence.is_strong && evidence.is_strong_group;
+            // A lag for a delay names the place, a friction of the drive for a loop of the material does not.
+            let place = evidence.id.info().stage;
+            let mut others = evidence.alternatives.iter();
+            let is_elsewhere = others.any(|other| other.info().stage != place);
+            let is_open = is_elsewhere || !evidence.is_strong && evidence.is_strong_group;
             let grade = if is_open { Grade::Open } else { Grade::Strong };
             (grade, evidence.alternatives.clone())
         }

@@ -13,7 +13,7 @@ use crate::gap::finding::{Next, Support};
 use crate::gap::model::dataset::Dataset;
 use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner, shape::Term, start::repeats};
 use crate::gap::search::physical::is_fourier_series;
-use crate::gap::search::relatives::{are_late, stands_for};
+use crate::gap::search::relatives::{are_alike, stands_for};
 use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::{Search, SearchResult};
 use crate::gap::search::sets::{added_effects, is_repeated};
@@ -97,7 +97,7 @@ impl Search<'_> {
         };
         let is_ahead = |fit: &Fit| fit.cost >= decide.lead * with.cost;
         let mut alternatives = alternatives(all, &ids, id, is_ahead);
-        if let (Some(list), Some(other)) = (&mut alternatives, as_late(all, id)) {
+        if let (Some(list), Some(other)) = (&mut alternatives, as_alike(all, id)) {
             list.extend(Some(other.0).filter(|_| !is_ahead(other.1)));
         }
         // Several waves of about one size fit any curve that wanders, and take little off beside what the
@@ -261,12 +261,12 @@ fn newcomer(fit: &Fit, ids: &[EffectId], out: &[EffectId]) -> Option<EffectId> {
     added.find(|other| !ids.contains(other) && !out.contains(other))
 }
 
-/// The best fit with another effect in the place of one that only makes the force late: in slow motion the
-/// two differ by less than a rig errs.
-fn as_late(all: &[Fit], id: EffectId) -> Option<(EffectId, &Fit)> {
+/// The best fit with another effect in the place of one from which it differs by less than a rig errs: in slow
+/// motion a lag and a delay do.
+fn as_alike(all: &[Fit], id: EffectId) -> Option<(EffectId, &Fit)> {
     let other = |fit: &Fit| {
         let mut added = added_effects(fit).into_iter();
-        added.find(|other| are_late(*other, id))
+        added.find(|other| are_alike(*other, id))
     };
     let others = all
         .iter()

@@ -1,6 +1,7 @@
-//! Optional forms of effects: a number each that is free only where that is significant.
+//! Optional forms of effects: a number each, or two, that are free only where that is significant.
 
 use estimator_core::physics::effect::{EffectId, Form, Role};
+use estimator_core::physics::fit_range::Scaled;
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
@@ -55,28 +56,77 @@ impl Choice {
             && !term.id.info().is_switched(&term.row)
     }
 
-    fn take_on(&self, term: &mut Term, scales: &Scales) {
-        if let Form::TakenOn { start, first } = self.form {
-            term.row[self.place] = start.value(|scale| scales.size(scale));
-            term.free[self.place] = true;
-            term.row[0] *= first;
+    /// The term with the form, from each of its starts.
+    fn taken_on_by(&self, term: &Term, scales: &Scales) -> Vec<Term> {
+        let Form::TakenOn { start, first } = self.form else {
+            return Vec::new();
+        };
+        let size = |number: Scaled| number.value(|scale| scales.size(scale));
+        let mut own = term.clone();
+        own.row[self.place] = size(start);
+        own.free[self.place] = true;
+        own.row[0] *= first;
+        let Some((place, starts)) = self.beside() else {
+            return vec![own];
+        };
+        own.free[place] = true;
+        let each = starts.iter().map(|start| {
+            let mut own = own.clone();
+            own.row[place] = size(*start);
+            own
+        });
+        each.collect()
+    }
+
+    /// The number that comes and goes with the form: its place, and where it starts.
+    fn beside(&self) -> Option<(usize, &'static [Scaled])> {
+        let place = self.place + 1;
+        match self.id.info().fits.get(place)?.role {
+            Role::Form(_, Form::Beside(starts)) => Some((place, starts)),
+            _ => None,
         }
     }
 
     fn drop_from(&self, term: &mut Term) {
-        term.row[self.place] = 0.0;
-        term.free[self.place] = false;
+        let beside = self.beside().map(|(place, _)| place);
+        for place in [self.place].into_iter().chain(beside) {
+            term.row[place] = 0.0;
+            term.free[place] = false;
+        }
         if let Form::TakenOn { first, .. } = self.form {
             term.row[0] /= first;
         }
     }
 }
 
+/// Most fits that are tried with their forms beside the best.
+const MOST_COMPARED: usize = 2;
+
+/// Whether an added effect of a fit could take a form on.
+fn has_open_form(fit: &Fit) -> bool {
+    let mut terms = fit.shape.terms.iter();
+    terms.any(|term| Choice::taken_on().any(|choice| choice.is_open_to(term)))
+}
+
 impl Search<'_> {
     /// The fit with the forms that are significant. A fit that is left near the noise needs none.
-    pub(crate) fn with_significant_forms(&self, mut best: Fit, base_cost: f64) -> Fit {
+    fn with_significant_forms(&self, best: Fit, base_cost: f64) -> Fit {
+        self.with_forms_until(best, base_cost, |fit| self.is_adequate(fit))
+    }
+
+    /// The fit with every form that is significant, however near the noise: for fits that are compared.
+    pub(crate) fn with_all_forms(&self, best: Fit, base_cost: f64) -> Fit {
+        self.with_forms_until(best, base_cost, |_| false)
+    }
+
+    fn with_forms_until(
+        &self,
+        mut best: Fit,
+        base_cost: f64,
+        suffices: impl Fn(&Fit) -> bool,
+    ) -> Fit {
         for choice in Choice::taken_on() {
-            if self.is_adequate(&best) {
+            if suffices(&best) {
                 break;
             }
             if let Some(fit) = self.with_form(&best, choice)
@@ -86,6 +136,24 @@ impl Search<'_> {
             }
         }
         best
+    }
+
+    /// The best of a fit and of others that leave hardly more, each with the forms that are significant: a
+    /// loading curve that grows with the depth is nearer to a friction under load that does not, than to a
+    /// loading curve that does not.
+    pub(crate) fn best_with_forms(&self, best: Fit, others: &[Fit], base_cost: f64) -> Fit {
+        let most = self.dataset.thresholds.rivalry.followed * best.cost;
+        let best = self.with_significant_forms(best, base_cost);
+        if self.is_adequate(&best) {
+            return best;
+        }
+        let others = others.iter().filter(|fit| has_open_form(fit));
+        let others = others.map(|fit| self.with_present_cost(fit));
+        let near = others.filter(|fit| fit.cost < most).take(MOST_COMPARED);
+        let fits = near.map(|fit| self.with_significant_forms(self.refitted(&fit), base_cost));
+        fits.chain([best.clone()])
+            .min_by(|a, b| self.score(a).total_cmp(&self.score(b)))
+            .unwrap_or(best)
     }
 
     /// The fit with a form in the place of another effect that only took its error: a pull that differs by
@@ -129,10 +197,15 @@ impl Search<'_> {
 
     /// Refits with a form that an added effect lacks.
     fn with_form(&self, fit: &Fit, choice: Choice) -> Option<Fit> {
-        let mut terms = fit.shape.terms_at(&fit.numbers);
-        let term = terms.iter_mut().find(|term| choice.is_open_to(term))?;
-        choice.take_on(term, self.dataset.scales);
-        Some(self.with_terms(fit, terms))
+        let terms = fit.shape.terms_at(&fit.numbers);
+        let at = terms.iter().position(|term| choice.is_open_to(term))?;
+        let starts = choice.taken_on_by(&terms[at], self.dataset.scales);
+        let fits = starts.into_par_iter().map(|own| {
+            let mut terms = terms.clone();
+            terms[at] = own;
+            self.with_terms(fit, terms)
+        });
+        fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     /// Refits without a form that an added effect has.

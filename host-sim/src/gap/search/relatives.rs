@@ -16,7 +16,34 @@ pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
     one != other && is_late(one) && is_late(other)
 }
 
-/// Whether one effect stands for the other: a special case of it, or as late as it.
+/// Whether two effects differ by less than the errors of a rig: they make the force late, or both make a loop
+/// that is a share of the load.
+pub(crate) fn are_alike(one: EffectId, other: EffectId) -> bool {
+    let is_loop = |id: EffectId| id.info().family == Family::LoopOfLoad;
+    are_late(one, other) || (one != other && is_loop(one) && is_loop(other))
+}
+
+/// Whether one effect stands for the other: a special case of it, or one that differs by less than a rig errs.
 pub(crate) fn stands_for(one: EffectId, other: EffectId) -> bool {
-    related(one, other) || are_late(one, other)
+    related(one, other) || are_alike(one, other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lag_stands_for_a_delay_and_a_friction_under_load_for_a_loading_curve_and_no_more() {
+        let (lag, delay) = (EffectId::ForceLag, EffectId::TimeDelay);
+        let (friction, curve) = (EffectId::LoadFriction, EffectId::LoadingCurve);
+        for (one, other) in [(lag, delay), (friction, curve), (curve, friction)] {
+            assert!(are_alike(one, other) && stands_for(one, other));
+            // It is no special case: both names stay.
+            assert!(!related(one, other));
+        }
+        assert!(!are_alike(friction, friction) && stands_for(friction, friction));
+        assert!(!stands_for(friction, EffectId::CoulombFriction) && !stands_for(lag, curve));
+        // Only lateness may hide in the lasting errors of a rig.
+        assert!(are_late(lag, delay) && !are_late(friction, curve));
+    }
 }

@@ -164,8 +164,9 @@ impl Search<'_> {
             self.weigh(&best);
             let best = self.problem().fit(&best.shape, best.numbers);
             state.base_cost = self.with_present_cost(base).cost;
-            state.best = self.with_significant_forms(best, state.base_cost);
-            children[0] = state.best.clone();
+            state.best = self.best_with_forms(best, &children[1..], state.base_cost);
+            children.insert(0, state.best.clone());
+            keep_first(&mut children, added_effects);
         } else if level > 0 {
             return false;
         }

@@ -13,11 +13,18 @@ impl Search<'_> {
     pub(crate) fn with_swaps(&self, mut best: Fit, base_cost: f64) -> SearchResult {
         let mut left = MOST[usize::from(self.is_far(&best))];
         loop {
-            let rivals: Vec<Vec<Fit>> = best
+            let mut rivals: Vec<Vec<Fit>> = best
                 .added()
                 .into_iter()
                 .map(|at| self.rivals_of(&best, at))
                 .collect();
+            if rivals.iter().flatten().any(|fit| self.is_tied(fit, &best)) {
+                best = self.with_all_forms(best, base_cost);
+                rivals = rivals
+                    .into_iter()
+                    .map(|fits| self.with_forms_where_near(fits, &best, base_cost))
+                    .collect();
+            }
             let better = rivals
                 .iter()
                 .flatten()
@@ -32,6 +39,25 @@ impl Search<'_> {
             best = self.without_insignificant(fit.clone(), base_cost);
             left -= 1;
         }
+    }
+
+    /// Whether a fit cannot be told from the best.
+    fn is_tied(&self, fit: &Fit, best: &Fit) -> bool {
+        let noise = (best.cost / self.noise_cost).max(1.0);
+        let margin = self.dataset.thresholds.rivalry.margin * self.correlation * noise;
+        fit.cost - best.cost < margin
+    }
+
+    /// The fits, those that could be the best with the forms that are significant: the forms of two effects that
+    /// tie may tell them apart.
+    fn with_forms_where_near(&self, fits: Vec<Fit>, best: &Fit, base_cost: f64) -> Vec<Fit> {
+        let most = self.dataset.thresholds.rivalry.followed * best.cost;
+        fits.into_iter()
+            .map(|fit| match fit.cost < most {
+                true => self.with_all_forms(fit, base_cost),
+                false => fit,
+            })
+            .collect()
     }
 
     /// The best fits with another effect in the place of one.
