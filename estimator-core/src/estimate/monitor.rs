@@ -21,9 +21,16 @@ const CHANGE_S: f64 = 0.024;
 /// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
 /// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
 const DOUBT_RATIO: f64 = 16.0;
+/// The same of the mean square over many strokes: a residual of twice the noise. With 3.5 some honest logs
+/// with 5 mN of noise are doubted, where steps and lines of the filter count; with 8 a spring of 3 % in series
+/// is believed twice as often.
+const DOUBT_MEAN_SQUARE: f64 = 4.0;
 /// Windows of samples after which an estimate that was suspect may be converged again: two seconds of
-/// contact by default, the memory of the residuals.
+/// contact by default, the memory of the residuals. After a doubt by the means alone it is one window.
 const SUSPECTED_WINDOWS: u32 = 4;
+const DOUBTED_WINDOWS: u32 = 1;
+/// Number of doubts after which their time is not doubled any more: 32 s of contact by default.
+const MOST_DOUBTS: u32 = 5;
 /// Largest test ratio that enters the means: an outlier of one window raises the slow mean by 3, and a law
 /// that does not hold still raises it above any bound that can be set.
 const MAX_RATIO: f64 = 100.0;
@@ -110,6 +117,8 @@ pub struct ConvergenceMonitor<T> {
     alien_samples: u32,
     /// Number of samples until an estimate that was suspect may be converged again, and the reason.
     suspected: (u32, Option<Reason>),
+    /// Number of times that the data have contradicted an estimate of this material, at most [`MOST_DOUBTS`].
+    doubts: u32,
 }
 
 /// The state before the first contact.
@@ -130,6 +139,7 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
             settled: false,
             alien_samples: 0,
             suspected: (0, None),
+            doubts: 0,
         }
     }
 }
@@ -194,25 +204,40 @@ impl<T: Real> ConvergenceMonitor<T> {
             return Some(Event::MaterialChange);
         }
         let steady = self.steady(params, parameters);
+        let before = self.status;
         self.changed_samples = self.changed_samples.saturating_sub(1);
         (self.status, self.reason) = self.judge(params, parameters, steady, doubt, excess);
-        self.remember_suspicion(params);
+        self.remember_doubt(params, before);
         None
     }
 
     /// A law that the data have contradicted is not believed again before as much has been seen that agrees:
-    /// of what creeps or relaxes, single strokes fit.
-    fn remember_suspicion(&mut self, params: &MonitorParams<T>) {
+    /// of what creeps or relaxes, single strokes fit. A doubt that returns lasts twice as long as the last one.
+    fn remember_doubt(&mut self, params: &MonitorParams<T>, before: Status) {
         let (samples, reason) = self.suspected;
-        match self.status {
-            Status::ModelSuspect => {
-                self.suspected = (params.window.saturating_mul(SUSPECTED_WINDOWS), self.reason);
-            }
+        let windows = match self.status {
+            Status::ModelSuspect => SUSPECTED_WINDOWS,
+            Status::Converging if self.reason == Some(Reason::Residual) => DOUBTED_WINDOWS,
             Status::Converged if samples > 0 => {
                 (self.status, self.reason) = (Status::Converging, reason);
-                self.suspected.0 = samples - 1;
+                0
             }
-            _ => self.suspected.0 = samples.saturating_sub(1),
+            _ => 0,
+        };
+        if windows == 0 {
+            self.suspected.0 = samples.saturating_sub(1);
+            return;
+        }
+        let least = params.window.saturating_mul(windows);
+        let returns = self.status == Status::ModelSuspect
+            && before != Status::ModelSuspect
+            && samples < least / 2;
+        if before == Status::Converged || returns {
+            self.doubts = MOST_DOUBTS.min(self.doubts + 1);
+        }
+        let lasts = least.saturating_mul(1 << self.doubts.saturating_sub(1));
+        if lasts >= samples {
+            self.suspected = (lasts, self.reason);
         }
     }
 
@@ -261,7 +286,9 @@ impl<T: Real> ConvergenceMonitor<T> {
             (Status::ModelSuspect, reason)
         } else if doubt.is_some() {
             (Status::Converging, reason)
-        } else if self.fast_ratio > T::from_f64(DOUBT_RATIO) {
+        } else if self.fast_ratio > T::from_f64(DOUBT_RATIO)
+            || mean_square > T::from_f64(DOUBT_MEAN_SQUARE)
+        {
             (Status::Converging, Some(Reason::Residual))
         } else {
             (Status::Converged, None)
@@ -280,6 +307,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.settled = false;
         self.alien_samples = 0;
         self.suspected = (0, None);
+        self.doubts = 0;
     }
 
     /// Whether every standard error is within the bound, and every parameter within the bound of all its
