@@ -29,6 +29,8 @@ mod thresholds;
 mod touch;
 mod young;
 
+use std::ops::Range;
+
 use estimator_core::estimate::method::Method;
 use estimator_core::{Config, Status};
 
@@ -44,10 +46,13 @@ pub use thresholds::Thresholds;
 use crate::kinematics::{Kinematics, kinematics};
 use assemble::Given;
 use course::Course;
+use lateness::lateness_under;
 use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
-use crate::estimate::{Choices, NOISE_ALONE, Outcome, Reason, Setup, setup, touches::departure};
+use crate::estimate::{
+    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, setup, touches::departure,
+};
 use crate::inspect::inspect;
 use crate::log::UniformLog;
 use crate::replay::{Replay, replay};
@@ -78,13 +83,6 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);
     };
-    let given = Given {
-        log,
-        motion: &motion,
-        course: &course,
-        reference_depth_m: empty.reference_depth_m,
-        departure: departure(log, &replay),
-    };
     let mut held = options.held.clone();
     held.fixed
         .extend(options.surface_m.map(|at| ("surface".into(), at)));
@@ -93,27 +91,64 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         reference_depth_m: empty.reference_depth_m,
         without_skew: false,
     };
-    let tried = given.tried(options, fixed);
-    let Some(best) = given.best(&tried, fixed) else {
-        empty.notes.push("no law has a minimum on this log".into());
-        empty.status = Status::Unobservable;
-        empty.reason = Some(Reason::Excitation);
-        return Ok(empty);
+    let given = Given {
+        log,
+        motion: &motion,
+        course: &course,
+        reference_depth_m: empty.reference_depth_m,
+        departure: departure(log, &replay),
+        late: None,
     };
-    let batch = given.result(empty, best, &tried, fixed);
-    let mut batch = given.judged(batch, &best.fit);
-    batch.modulus = options.indenter.and_then(|indenter| {
-        given.modulus(
-            best,
-            batch.value("exponent"),
-            indenter,
-            options.poisson,
-            fixed,
-        )
-    });
-    let notes = note::notes(log, &course, &batch, options);
-    batch.notes.extend(notes);
-    Ok(batch)
+    let fitted = given.fitted(empty.clone(), options, fixed);
+    let Some(late) = given.late(&fitted, replay.contacts(), fixed) else {
+        return Ok(fitted);
+    };
+    let motion = motion.delayed(late.late_s.value / log.period_s());
+    let Some(course) = Course::of(log, &motion, replay.contacts(), options.thresholds) else {
+        return Ok(fitted);
+    };
+    let given = Given {
+        motion: &motion,
+        course: &course,
+        late: Some(late),
+        ..given
+    };
+    Ok(given.fitted(empty, options, fixed))
+}
+
+impl Given<'_> {
+    /// The best law with its parameters, and what is to be said of it.
+    fn fitted(&self, mut empty: Batch, options: &Options, fixed: &Fixed) -> Batch {
+        let tried = self.tried(options, fixed);
+        let Some(best) = self.best(&tried, fixed) else {
+            empty.notes.push("no law has a minimum on this log".into());
+            empty.status = Status::Unobservable;
+            empty.reason = Some(Reason::Excitation);
+            return empty;
+        };
+        let batch = self.result(empty, best, &tried, fixed);
+        let mut batch = self.judged(batch, &best.fit);
+        batch.modulus = options.indenter.and_then(|indenter| {
+            self.modulus(
+                best,
+                batch.value("exponent"),
+                indenter,
+                options.poisson,
+                fixed,
+            )
+        });
+        let notes = note::notes(self, &batch, options);
+        batch.notes.extend(notes);
+        batch
+    }
+
+    /// How late the force is, where a fit says that it is: the skew of a fit is one step of first order from a
+    /// prior of almost none, and of 3 ms it takes a half, and the damping the rest.
+    fn late(&self, fitted: &Batch, touches: Vec<Range<usize>>, fixed: &Fixed) -> Option<Lateness> {
+        note::late_s(self, fitted)?;
+        let found = lateness_under(self.log, touches, fitted.family, fixed.clone())?;
+        found.reason().map(|_| found)
+    }
 }
 
 impl Given<'_> {

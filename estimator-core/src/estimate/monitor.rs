@@ -21,9 +21,18 @@ const CHANGE_S: f64 = 0.024;
 /// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
 /// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
 const DOUBT_RATIO: f64 = 16.0;
+/// The same of the mean square over many strokes: a residual of twice the noise. With 3.5 some honest logs
+/// with 5 mN of noise are doubted, where steps and lines of the filter count; with 8 a spring of 3 % in series
+/// is believed twice as often.
+const DOUBT_MEAN_SQUARE: f64 = 4.0;
 /// Windows of samples after which an estimate that was suspect may be converged again: two seconds of
-/// contact by default, the memory of the residuals.
+/// contact by default, the memory of the residuals. After a doubt by the means alone it is one window.
 const SUSPECTED_WINDOWS: u32 = 4;
+const DOUBTED_WINDOWS: u32 = 1;
+/// Number of doubts after which their time is not doubled any more: 32 s of contact by default.
+const MOST_DOUBTS: u32 = 5;
+/// Number of windows without a doubt after which one of them is forgotten.
+const FORGIVEN_WINDOWS: u32 = 16;
 /// Largest test ratio that enters the means: an outlier of one window raises the slow mean by 3, and a law
 /// that does not hold still raises it above any bound that can be set.
 const MAX_RATIO: f64 = 100.0;
@@ -110,6 +119,10 @@ pub struct ConvergenceMonitor<T> {
     alien_samples: u32,
     /// Number of samples until an estimate that was suspect may be converged again, and the reason.
     suspected: (u32, Option<Reason>),
+    /// Number of times that the data have contradicted an estimate of this material, at most [`MOST_DOUBTS`], and the samples
+    /// that have agreed since.
+    doubts: u32,
+    agreed: u32,
 }
 
 /// The state before the first contact.
@@ -130,6 +143,8 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
             settled: false,
             alien_samples: 0,
             suspected: (0, None),
+            doubts: 0,
+            agreed: 0,
         }
     }
 }
@@ -194,25 +209,44 @@ impl<T: Real> ConvergenceMonitor<T> {
             return Some(Event::MaterialChange);
         }
         let steady = self.steady(params, parameters);
+        let before = self.status;
         self.changed_samples = self.changed_samples.saturating_sub(1);
         (self.status, self.reason) = self.judge(params, parameters, steady, doubt, excess);
-        self.remember_suspicion(params);
+        self.remember_doubt(params, before);
         None
     }
 
     /// A law that the data have contradicted is not believed again before as much has been seen that agrees:
-    /// of what creeps or relaxes, single strokes fit.
-    fn remember_suspicion(&mut self, params: &MonitorParams<T>) {
+    /// of what creeps or relaxes, single strokes fit. A doubt that returns lasts twice as long as the last one.
+    fn remember_doubt(&mut self, params: &MonitorParams<T>, before: Status) {
+        let (samples, _) = self.suspected;
+        let windows = match self.status {
+            Status::ModelSuspect => SUSPECTED_WINDOWS,
+            Status::Converging if self.reason == Some(Reason::Residual) => DOUBTED_WINDOWS,
+            _ => return self.wait(params),
+        };
+        self.agreed = 0;
+        let least = params.window.saturating_mul(windows);
+        let is_suspect = self.status == Status::ModelSuspect && before != Status::ModelSuspect;
+        if before == Status::Converged || is_suspect && samples < least / 2 {
+            self.doubts = MOST_DOUBTS.min(self.doubts + 1);
+        }
+        let lasts = least.saturating_mul(1 << self.doubts.saturating_sub(1));
+        if lasts >= samples {
+            self.suspected = (lasts, self.reason);
+        }
+    }
+
+    /// Takes a sample that agrees.
+    fn wait(&mut self, params: &MonitorParams<T>) {
         let (samples, reason) = self.suspected;
-        match self.status {
-            Status::ModelSuspect => {
-                self.suspected = (params.window.saturating_mul(SUSPECTED_WINDOWS), self.reason);
-            }
-            Status::Converged if samples > 0 => {
-                (self.status, self.reason) = (Status::Converging, reason);
-                self.suspected.0 = samples - 1;
-            }
-            _ => self.suspected.0 = samples.saturating_sub(1),
+        if self.status == Status::Converged && samples > 0 {
+            (self.status, self.reason) = (Status::Converging, reason);
+        }
+        self.suspected.0 = samples.saturating_sub(1);
+        self.agreed += 1;
+        if self.agreed >= params.window.saturating_mul(FORGIVEN_WINDOWS) {
+            (self.doubts, self.agreed) = (self.doubts.saturating_sub(1), 0);
         }
     }
 
@@ -261,7 +295,9 @@ impl<T: Real> ConvergenceMonitor<T> {
             (Status::ModelSuspect, reason)
         } else if doubt.is_some() {
             (Status::Converging, reason)
-        } else if self.fast_ratio > T::from_f64(DOUBT_RATIO) {
+        } else if self.fast_ratio > T::from_f64(DOUBT_RATIO)
+            || mean_square > T::from_f64(DOUBT_MEAN_SQUARE)
+        {
             (Status::Converging, Some(Reason::Residual))
         } else {
             (Status::Converged, None)
@@ -280,6 +316,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.settled = false;
         self.alien_samples = 0;
         self.suspected = (0, None);
+        (self.doubts, self.agreed) = (0, 0);
     }
 
     /// Whether every standard error is within the bound, and every parameter within the bound of all its
@@ -398,6 +435,39 @@ mod tests {
         assert_eq!(monitor.status(), Status::Converged);
         assert_eq!(feed(&mut monitor, 100, 1.5, 1e4), 1);
         assert_eq!(monitor.status(), Status::Changed);
+    }
+
+    #[test]
+    fn a_doubt_that_returns_lasts_twice_as_long_until_it_is_forgotten() {
+        let mut monitor = ConvergenceMonitor::default();
+        feed(&mut monitor, 1000, 1.0, 1.0);
+        // Samples from a doubt to the next converged estimate: 1, 2, 4 windows of 500.
+        let waits = |monitor: &mut ConvergenceMonitor<f64>| {
+            feed(monitor, 40, 1.0, 30.0);
+            assert_eq!(monitor.status(), Status::Converging);
+            (0..4000).find(|_| {
+                feed(monitor, 1, 1.0, 1.0);
+                monitor.status() == Status::Converged
+            })
+        };
+        let times: [u32; 3] = core::array::from_fn(|_| waits(&mut monitor).unwrap());
+        for (waited, windows) in times.into_iter().zip([1, 2, 4]) {
+            // The fast mean takes some samples to come back.
+            assert!(
+                (500 * windows..500 * windows + 40).contains(&waited),
+                "{times:?}"
+            );
+        }
+        feed(&mut monitor, 3 * 16 * 500, 1.0, 1.0);
+        assert!(waits(&mut monitor).unwrap() < 540);
+    }
+
+    #[test]
+    fn a_residual_of_twice_the_noise_that_lasts_is_not_converged() {
+        let mut monitor = ConvergenceMonitor::default();
+        feed(&mut monitor, 6000, 1.0, 5.0);
+        let said = (monitor.status(), monitor.reason());
+        assert_eq!(said, (Status::Converging, Some(Reason::Residual)));
     }
 
     #[test]

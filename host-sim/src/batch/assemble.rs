@@ -9,7 +9,7 @@ use super::{
     fit::Fit, fit::Problem, result::Batch, result::Columns, result::Parameter, result::Tried,
     select::Candidate, select::Fixed,
 };
-use crate::estimate::{NOISE_ALONE, touches::Departure};
+use crate::estimate::{Lateness, NOISE_ALONE, touches::Departure};
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::stats::{lowest, rms};
@@ -33,6 +33,8 @@ pub(super) struct Given<'a> {
     pub(super) reference_depth_m: f64,
     /// Where the force leaves its baseline, if the log shows it.
     pub(super) departure: Option<Departure>,
+    /// How late the force is, if the motion is that of so much earlier.
+    pub(super) late: Option<Lateness>,
 }
 
 impl Given<'_> {
@@ -99,6 +101,14 @@ impl Given<'_> {
     ) -> Batch {
         let spread_m = self.surface_spread_m(best, tried);
         let (parameters, misfit, offset, skew) = self.estimated(best, fixed, spread_m);
+        let skew = skew.map(|more| match self.late.map(|late| late.late_s) {
+            // The error of what the fit adds is that of its prior where the motion tells less.
+            Some(late_s) => Estimated {
+                value: late_s.value + more.value,
+                std_error: late_s.std_error.max(more.std_error),
+            },
+            None => more,
+        });
         let columns = self.columns(&best.fit);
         let rmse = self.rmse(&best.fit);
         let selection = tried.iter().map(|candidate| Tried {

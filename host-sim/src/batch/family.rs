@@ -11,8 +11,9 @@
 //! **Skew.** Force and position of one row are rarely of one instant: 1 ms between them makes the
 //! damping of a stiff plastic wrong by 27–53 %. Under Hunt–Crossley the two differ in how they grow
 //! with depth, so the delay of the force is a free number there, δ(t − τ) and δ̇(t − τ) to first order
-//! in τ, with a prior of ±5 % of a sample period for motions that do not tell (a single ramp). Under
-//! the other laws a delay is a damping or a fast mode, and stays 0.
+//! in τ, with a prior of ±5 % of a sample period for motions that do not tell (a single ramp). A log that
+//! contradicts the prior is fitted again with its motion shifted by what [`lateness`](super::lateness())
+//! finds. Under the other laws a delay is a damping or a fast mode, and stays 0.
 
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::law::{

@@ -4,7 +4,7 @@ use super::assemble::Given;
 use super::family::{Family, natural};
 use super::fit::Fit;
 use super::result::Batch;
-use crate::estimate::{Evidence, judged};
+use crate::estimate::{Evidence, Reason, judged};
 use crate::inspect::Inspection;
 
 /// Exponents beyond these are at the bounds of the fit, ½ and 4.
@@ -19,6 +19,7 @@ const LATE_SIGMAS: f64 = 3.0;
 impl Given<'_> {
     /// The fit with its status judged.
     pub(super) fn judged(&self, mut batch: Batch, fit: &Fit) -> Batch {
+        let late = self.late.and_then(|late| late.reason());
         let evidence = Evidence {
             told: None,
             misfit: batch.force_rmse_n.map(|rmse| rmse / batch.noise_n),
@@ -26,7 +27,8 @@ impl Given<'_> {
             is_saturated: batch.inspection.saturated_n.is_some(),
             has_no_zero: self.course.free() < self.course.thresholds.report.fewest_free,
             is_at_bound: self.is_at_bound(fit),
-            lateness: None,
+            // A delay is among the parameters, and a lag is not.
+            lateness: late.filter(|reason| *reason == Reason::Lag),
             relaxes: relaxes(&batch.inspection, fit.family),
             has_better_law: false,
             is_surface_doubtful: self.is_surface_late(&batch),

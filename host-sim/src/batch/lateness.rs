@@ -47,34 +47,45 @@ const FEWEST_NODES: usize = 40;
 /// Estimates how late the force is. `None` where that cannot be told: no contact, or a law that does not
 /// explain the force whatever the lateness.
 pub fn lateness(log: &UniformLog, estimation: &Estimation) -> Option<Lateness> {
-    let contacts = estimation.replay.contacts();
-    let (log, touches) = part(estimation.log(log), contacts)?;
-    let log = log.as_ref();
     let kind = estimation.outcome.law;
     if estimation.outcome.skew.is_some() {
         return None;
     }
-    let mut families = Family::of(kind.law());
     let family = match kind.law() {
         LawId::QuasiLinear => Family::quasi_linear(kind.modes().max(1)),
-        _ => families.next()?,
+        law => Family::of(law).next()?,
     };
     let known = match estimation.replay.config.contact.surface {
         Surface::Known { position_m } => Some(f64::from(position_m)),
         Surface::AtImpact => None,
     };
+    let fixed = Fixed {
+        held: Held {
+            fixed: known.map(|at| ("surface".into(), at)).into_iter().collect(),
+            ..Held::default()
+        },
+        ..Fixed::default()
+    };
+    let contacts = estimation.replay.contacts();
+    lateness_under(estimation.log(log), contacts, family, fixed)
+}
+
+/// The same under a law, with what of it is fixed.
+pub(super) fn lateness_under(
+    log: &UniformLog,
+    touches: Vec<Range<usize>>,
+    family: Family,
+    fixed: Fixed,
+) -> Option<Lateness> {
+    let (log, touches) = part(log, touches)?;
     let search = Search {
-        log,
+        log: log.as_ref(),
         touches,
-        motion: kinematics(log),
+        motion: kinematics(log.as_ref()),
         family,
         fixed: Fixed {
-            held: Held {
-                fixed: known.map(|at| ("surface".into(), at)).into_iter().collect(),
-                ..Held::default()
-            },
             without_skew: true,
-            ..Fixed::default()
+            ..fixed
         },
     };
     search.lateness()

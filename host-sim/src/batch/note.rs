@@ -2,8 +2,9 @@
 
 use estimator_core::estimate::Event;
 
+use super::assemble::Given;
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
-use crate::estimate::RELAXES;
+use crate::estimate::{Form, RELAXES};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;
@@ -26,12 +27,8 @@ pub(super) fn nothing(log: &UniformLog, batch: &Batch) -> Vec<String> {
 }
 
 /// Of a fit.
-pub(super) fn notes(
-    log: &UniformLog,
-    course: &Course,
-    batch: &Batch,
-    options: &Options,
-) -> Vec<String> {
+pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<String> {
+    let (log, course) = (given.log, given.course);
     let decide = &course.thresholds.report;
     let mut notes = suspicions(log);
     notes.extend(left_out(log, course));
@@ -39,7 +36,7 @@ pub(super) fn notes(
     notes.extend(misfit(batch, decide));
     notes.extend(relaxation(batch));
     notes.extend(damping(batch, decide));
-    notes.extend(skew(log, batch, decide));
+    notes.extend(skew(given, batch));
     notes.extend(adhesion(batch));
     notes.extend(surface(batch, options));
     notes.extend(modulus(batch));
@@ -111,17 +108,31 @@ fn damping(batch: &Batch, decide: &Report) -> Option<String> {
     })
 }
 
-fn skew(log: &UniformLog, batch: &Batch, decide: &Report) -> Option<String> {
+/// How late the force is (s), if that is significant and not the resolution of the time stamps.
+pub(super) fn late_s(given: &Given, batch: &Batch) -> Option<f64> {
+    let decide = &given.course.thresholds.report;
     let skew = batch.skew?;
     let late = skew.value.abs();
-    let said =
-        late > decide.skew_sigmas * skew.std_error && late > decide.least_skew * log.period_s();
-    said.then(|| {
-        format!(
-            "the force is {} {} than the position; the damping would carry that otherwise",
-            quantity(late, 3, "s"),
-            if skew.value > 0.0 { "later" } else { "earlier" }
-        )
+    let least = decide.least_skew * given.log.period_s();
+    (late > decide.skew_sigmas * skew.std_error && late > least).then_some(skew.value)
+}
+
+fn skew(given: &Given, batch: &Batch) -> Option<String> {
+    let value = late_s(given, batch)?;
+    let late = quantity(value.abs(), 3, "s");
+    Some(match given.late.map(|late| late.form) {
+        Some(Form::Lag) => format!(
+            "the force lags behind the contact with a time constant of about {late}: a filter or a soft load \
+             cell; the fit has it as a delay, and the damping carries what differs"
+        ),
+        Some(Form::Either) => format!(
+            "the force comes {late} late: it is read later than the position, or lags behind the contact by \
+             that time constant, which this motion does not tell apart; the fit has it as a delay"
+        ),
+        _ => format!(
+            "the force is {late} {} than the position; the damping would carry that otherwise",
+            if value > 0.0 { "later" } else { "earlier" }
+        ),
     })
 }
 

@@ -52,6 +52,7 @@ pub struct Refiner<T: Real> {
     misfit: Misfit<T>,
     /// Number of samples that were learned from.
     pub(super) learned: T,
+    speed_rounding: T,
 }
 
 /// Prior standard deviations of surface and skew, scaled.
@@ -64,6 +65,8 @@ pub struct Prior<T> {
     /// Standard deviation of τ about 0 where the sensors are taken for aligned; `None` where τ is
     /// estimated.
     pub aligned: Option<T>,
+    /// Variance that the steps of the position sensor give the speed over that of the position of an instant.
+    pub speed_rounding: T,
 }
 
 /// What a pool costs.
@@ -109,6 +112,7 @@ impl<T: Real> Refiner<T> {
             linearization_error: T::zero(),
             misfit: Misfit::default(),
             learned: T::zero(),
+            speed_rounding: prior.speed_rounding,
         };
         refiner.take_skew_for_known();
         refiner
@@ -225,16 +229,24 @@ impl<T: Real> Refiner<T> {
 
     /// The force F̂ and its variance from the errors of the parameters, scaled.
     pub fn predict(&self, at: &Pooled<T>) -> (T, T) {
-        let predicted = predict(&self.values(), at);
+        let values = self.values();
+        let predicted = predict(&values, at);
         let phi = predicted.gradient.component_mul(&self.prior);
         // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
-        let slope = predicted.gradient.w;
         // Not the linearization error: a misfit would hide behind it.
         let model = self.known.variance(&phi);
         (
             predicted.force,
-            model + slope * slope * at.quantization_variance,
+            model + self.rounding_variance(values[1], &predicted.gradient, at),
         )
+    }
+
+    /// Variance of a predicted force by the steps of the position sensor: in the depth, and in the speed, which
+    /// rounding makes no larger than it is.
+    fn rounding_variance(&self, damping: T, gradient: &Vector5<T>, at: &Pooled<T>) -> T {
+        let (by_position, by_speed) = (gradient.w, damping * gradient.x);
+        let speed = (self.speed_rounding * at.quantization_variance).min_of(at.speed * at.speed);
+        by_position * by_position * at.quantization_variance + by_speed * by_speed * speed
     }
 
     /// Learns from a pool of instants with forgetting factor β. Gives the weight of the pool and by how much
@@ -269,7 +281,8 @@ impl<T: Real> Refiner<T> {
         let left = at.force - here;
         let share = T::from_f64(1.0 / MEAN_SQUARE_MEMORY);
         self.residual += share * (left * left - self.residual);
-        self.observe_residual(left, slope * slope * at.quantization_variance, at, noise);
+        let rounding = self.rounding_variance(self.reference.y, &there.gradient, at);
+        self.observe_residual(left, rounding, at, noise);
         self.linearization_error +=
             share * (linearization_error * linearization_error - self.linearization_error);
         self.learned += at.count;
@@ -289,22 +302,16 @@ impl<T: Real> Refiner<T> {
 
     /// Takes the residual of a pool that is not learned from.
     pub fn observe(&mut self, at: &Pooled<T>, noise: &ForceNoise<T>) {
-        let predicted = predict(&self.values(), at);
-        let slope = predicted.gradient.w;
-        let quantization = slope * slope * at.quantization_variance;
-        self.observe_residual(at.force - predicted.force, quantization, at, noise);
+        let values = self.values();
+        let predicted = predict(&values, at);
+        let rounding = self.rounding_variance(values[1], &predicted.gradient, at);
+        self.observe_residual(at.force - predicted.force, rounding, at, noise);
     }
 
-    fn observe_residual(
-        &mut self,
-        left: T,
-        quantization: T,
-        at: &Pooled<T>,
-        noise: &ForceNoise<T>,
-    ) {
+    fn observe_residual(&mut self, left: T, rounding: T, at: &Pooled<T>, noise: &ForceNoise<T>) {
         let variance = noise.filtered * noise.filtered;
         let gain = variance / (noise.raw * noise.raw);
-        let normalized = left / (variance + quantization).sqrt();
+        let normalized = left / (variance + rounding).sqrt();
         self.misfit.update(normalized, at.count, gain);
     }
 
@@ -403,6 +410,7 @@ mod tests {
         surface: 0.1,
         skew: 0.0,
         aligned: None,
+        speed_rounding: 0.0,
     };
 
     fn start() -> Candidate<f64> {
