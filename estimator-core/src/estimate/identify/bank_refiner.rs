@@ -96,15 +96,6 @@ pub struct BankRefiner<T: Real> {
     excitation: Excitation<T, 2>,
 }
 
-/// Variance of the slope of a straight line through the filter's window, 12/(n³T²), over that of its points,
-/// scaled.
-fn speed_rounding<T: Real>(params: &IdentifyParams<T>) -> T {
-    let samples = f64::from(params.memory_samples);
-    let seconds = samples * 1e-6 * params.period_us as f64;
-    let per_second = params.scale.depth_m / params.scale.speed_mps;
-    T::from_f64(12.0 / (samples * seconds * seconds)) * per_second * per_second
-}
-
 impl<T: Real> BankRefiner<T> {
     /// The estimator before the first contact.
     pub fn new(params: &IdentifyParams<T>) -> Self {
@@ -119,7 +110,7 @@ impl<T: Real> BankRefiner<T> {
                 surface: T::zero(),
                 skew: T::from_f64(SKEW_S) * per_second,
                 aligned: (!estimates_skew).then(|| T::from_f64(ALIGNED_S) * per_second),
-                speed_rounding: speed_rounding(params),
+                speed_rounding: params.speed_rounding,
             },
             skew_size: T::from_f64(SKEW_SIZE_S) * per_second,
             surface_known: params.surface_known,

@@ -98,6 +98,8 @@ pub struct IdentifyParams<T> {
     pub(crate) period_us: u64,
     /// Number of samples that the filter remembers.
     pub(crate) memory_samples: u32,
+    /// Variance of a speed over that of the positions in the filter's window, both by their rounding, scaled.
+    pub(crate) speed_rounding: T,
     /// Whether the surface is configured, and not a parameter.
     pub(crate) surface_known: bool,
 }
@@ -128,9 +130,18 @@ impl<T: Real> IdentifyParams<T> {
             cascade: config.cascade.validate(&scale)?,
             period_us: libm::round(1e6 / f64::from(config.rate_hz)) as u64,
             memory_samples: filter.response().memory_samples,
+            speed_rounding: speed_rounding(filter.response().memory_samples, config.rate_hz),
             surface_known: contact.surface_known(),
         })
     }
+}
+
+/// 12/(n³T²), of the slope of a straight line through n points that are T apart. It is worked out here, once: in the
+/// constructor of the estimator it made the longest step, one that starts anew, 28 725 instructions long instead of 12 417.
+fn speed_rounding<T: Real>(samples: u32, rate_hz: f32) -> T {
+    let samples = f64::from(samples);
+    let per_second = f64::from(rate_hz) / SPEED_PER_DEPTH;
+    T::from_f64(12.0 * per_second * per_second / (samples * samples * samples))
 }
 
 /// The threshold δ̇* of the speed, scaled, and the weight of Γ₁.
