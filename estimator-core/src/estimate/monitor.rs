@@ -228,10 +228,18 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.agreed = 0;
         let least = params.window.saturating_mul(windows);
         let is_suspect = self.status == Status::ModelSuspect && before != Status::ModelSuspect;
-        if before == Status::Converged || is_suspect && samples < least / 2 {
+        // A zero or a skew that is in doubt is watched for itself: of those a return says nothing about the law.
+        let is_residual = self.reason == Some(Reason::Residual);
+        let returns = before == Status::Converged || is_suspect && samples < least / 2;
+        if is_residual && returns {
             self.doubts = MOST_DOUBTS.min(self.doubts + 1);
         }
-        let lasts = least.saturating_mul(1 << self.doubts.saturating_sub(1));
+        let doubled = if is_residual {
+            self.doubts.saturating_sub(1)
+        } else {
+            0
+        };
+        let lasts = least.saturating_mul(1 << doubled);
         if lasts >= samples {
             self.suspected = (lasts, self.reason);
         }
