@@ -149,9 +149,7 @@ impl Given<'_> {
         let found = lateness_under(self.log, touches, fitted.family, fixed.clone())?;
         found.reason().map(|_| found)
     }
-}
 
-impl Given<'_> {
     /// Every law that was asked for, fitted. Exponential responses are tried too where the best power
     /// leaves more than noise, since they take twice as long.
     fn tried(&self, options: &Options, fixed: &Fixed) -> Vec<Candidate> {

@@ -75,8 +75,8 @@ pub fn inject(id: &str, record: &Record, size_n: f64) -> Result<Injection, Strin
         "cable_stiffness" => added("stiffness", record.x.clone()),
         "tool_inertia" => added("mass", accelerations(record)),
         "asymmetric_drag" => {
-            let speeds = derivatives(record).into_iter();
-            added("coefficient", speeds.map(|d| d[0].abs()).collect())
+            let speeds = speeds(record).into_iter();
+            added("coefficient", speeds.map(f64::abs).collect())
         }
         "buried_layer" => {
             let touch = touch(record);
@@ -261,9 +261,8 @@ fn line_hz(record: &Record) -> f64 {
     f64::min(0.15 / slow, CYCLES / duration(record))
 }
 
-/// Speed and acceleration at every sample: a parabola by least squares through the samples about it. The
-/// window is as long as the probe needs for thirty counts of its encoder on average.
-fn derivatives(record: &Record) -> Vec<[f64; 2]> {
+/// Speed at every sample, of parabolas over as long as the probe needs for thirty counts of its encoder on average.
+fn speeds(record: &Record) -> Vec<f64> {
     let (n, counts) = (record.x.len(), 30.0 * count(record));
     let mut half = 2;
     while half < n / 50 {
@@ -275,16 +274,7 @@ fn derivatives(record: &Record) -> Vec<[f64; 2]> {
         }
         half *= 2;
     }
-    (0..n)
-        .map(|k| {
-            parabola(
-                record,
-                k.saturating_sub(half),
-                (k + half + 1).min(n),
-                record.t[k],
-            )
-        })
-        .collect()
+    derivatives(record, half).map(|d| d[0]).collect()
 }
 
 /// Acceleration at every sample, of parabolas that are as narrow as a noise of a tenth of it allows: over thirty
@@ -299,9 +289,7 @@ fn accelerations(record: &Record) -> Vec<f64> {
     let step = duration(record) / (n - 1) as f64;
     let mut half = 2;
     loop {
-        let window = |k: usize| (k.saturating_sub(half), (k + half + 1).min(n));
-        let each = (0..n).map(|k| parabola(record, window(k).0, window(k).1, record.t[k])[1]);
-        let each: Vec<f64> = each.collect();
+        let each: Vec<f64> = derivatives(record, half).map(|d| d[1]).collect();
         let error = noise * 720.0_f64.sqrt() / ((2 * half + 1) as f64).powf(2.5) / step.powi(2);
         if error <= 0.1 * rms(&each) || half >= n / 50 {
             return each;
@@ -312,6 +300,15 @@ fn accelerations(record: &Record) -> Vec<f64> {
 
 fn third(x: &[f64]) -> f64 {
     (x[3] - x[0] + 3.0 * (x[1] - x[2])).abs()
+}
+
+/// Speed and acceleration at every sample: a parabola by least squares through as many samples on either side.
+fn derivatives(record: &Record, half: usize) -> impl Iterator<Item = [f64; 2]> {
+    let n = record.x.len();
+    (0..n).map(move |k| {
+        let (from, to) = (k.saturating_sub(half), (k + half + 1).min(n));
+        parabola(record, from, to, record.t[k])
+    })
 }
 
 /// The first two derivatives at `t` of the parabola through the samples `from..to`.
