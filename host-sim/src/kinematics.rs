@@ -217,10 +217,15 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
     let held = held(channel);
-    // A position that reads the same for a while moves by less than a count in that time.
-    for ((noise, run), speed) in speed_noise_mps.iter_mut().zip(&held).zip(&speed_mps) {
+    // A position that reads the same since a while, or for a while yet, moves by less than a count in that time. The
+    // length of the run says less: what settles after a stop does so in its first samples.
+    for ((noise, held), speed) in speed_noise_mps
+        .iter_mut()
+        .zip(to_change(&held))
+        .zip(&speed_mps)
+    {
         if speed.abs() <= *noise {
-            *noise = noise.min(2.0 * noise_m * log.rate_hz / run);
+            *noise = noise.min(2.0 * noise_m * log.rate_hz / held);
         }
     }
     Kinematics {
@@ -276,6 +281,16 @@ fn held(channel: &[f64]) -> Vec<f64> {
     let runs = channel.chunk_by(same);
     runs.flat_map(|run| std::iter::repeat_n(run.len() as f64, run.len()))
         .collect()
+}
+
+/// Samples from each to the nearer end of its run; `held` are their lengths.
+fn to_change(held: &[f64]) -> Vec<f64> {
+    let mut all = Vec::with_capacity(held.len());
+    while let Some(run) = held.get(all.len()) {
+        let run = *run as usize;
+        all.extend((1..=run).map(|at| at.min(run + 1 - at) as f64));
+    }
+    all
 }
 
 /// Slope per sample at the first or last sample of a channel.
