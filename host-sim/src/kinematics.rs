@@ -225,7 +225,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         .zip(&speed_mps)
     {
         if speed.abs() <= *noise {
-            *noise = noise.min(2.0 * noise_m * log.rate_hz / held);
+            *noise = noise.min(noise_m * log.rate_hz / held);
         }
     }
     Kinematics {
