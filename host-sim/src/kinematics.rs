@@ -217,15 +217,12 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
     let held = held(channel);
-    // A position that reads the same since a while, or for a while yet, moves by less than a count in that time. The
-    // length of the run says less: what settles after a stop does so in its first samples.
-    for ((noise, held), speed) in speed_noise_mps
-        .iter_mut()
-        .zip(to_change(&held))
-        .zip(&speed_mps)
-    {
+    // A position that has read the same for a while, or will, moves by less than a count in that time. The length of
+    // the run says less: what settles after a stop does so in its first samples.
+    let each = speed_noise_mps.iter_mut().zip(&speed_mps);
+    for ((noise, speed), samples) in each.zip(to_change(&held)) {
         if speed.abs() <= *noise {
-            *noise = noise.min(noise_m * log.rate_hz / held);
+            *noise = noise.min(noise_m * log.rate_hz / samples);
         }
     }
     Kinematics {
@@ -348,6 +345,12 @@ mod tests {
         // THEN the speed is as good or better: white noise would make it √5 times as good, counts are not white.
         let (slow, fast) = (rms_of(1000.0), rms_of(5000.0));
         assert!(fast < 0.8 * slow, "{fast:e} at 5 kHz, {slow:e} at 1 kHz");
+    }
+
+    #[test]
+    fn a_run_of_equal_positions_says_most_at_its_middle() {
+        let held = [1.0, 5.0, 5.0, 5.0, 5.0, 5.0, 1.0];
+        assert_eq!(to_change(&held), [1.0, 1.0, 2.0, 3.0, 2.0, 1.0, 1.0]);
     }
 
     #[test]
