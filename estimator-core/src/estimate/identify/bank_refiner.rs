@@ -20,6 +20,7 @@ use previous::{Previous, RECONSIDERED};
 use quarantine::Quarantine;
 use successor::{CHALLENGE_EVERY, DOUBTED, LINEARIZATION_SHARE, REFINER_BETA, Successor};
 
+use super::bank::Candidate;
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
 use super::{params::IdentifyParams, slots::damper, slots::in_slots, slots::spring};
 use crate::estimate::method::{Method, MethodInfo, Offer, methods};
@@ -75,6 +76,8 @@ methods! {
 pub struct BankRefiner<T: Real> {
     bank: Option<Bank<T>>,
     refiner: Option<Refiner<T>>,
+    /// Whether the refiner began from the material before, on a range of force that tells little.
+    began_early: bool,
     successor: Option<Successor<T>>,
     claims: Claims<T>,
     prior: Prior<T>,
@@ -104,6 +107,7 @@ impl<T: Real> BankRefiner<T> {
         BankRefiner {
             bank: None,
             refiner: None,
+            began_early: false,
             successor: None,
             claims: Claims::default(),
             prior: Prior {
@@ -152,12 +156,15 @@ impl<T: Real> BankRefiner<T> {
         let Some(previous) = &mut self.previous else {
             return;
         };
-        if let Some(shift) = previous.agrees_with(pooled, &at.noise) {
+        let since = self.refiner.as_ref().filter(|_| !self.claims.is_stale);
+        let since = since.map(|refiner| (refiner, &self.claims));
+        if let Some(shift) = previous.agrees_with(pooled, &at.noise, since) {
             previous.refiner.shift_surface(shift);
             self.refiner = Some(previous.refiner.clone());
             self.claims = previous.claims.clone();
             self.previous = None;
             self.bank = None;
+            self.began_early = false;
             self.successor = None;
             self.memory.clear();
             self.next_challenge = CHALLENGE_EVERY;
@@ -209,20 +216,32 @@ impl<T: Real> BankRefiner<T> {
     /// has become far larger than the bank's.
     fn supervise(&mut self, noise: &ForceNoise<T>) {
         let Some(bank) = &self.bank else { return };
-        let (low, high) = bank.span;
-        let ready =
-            bank.weight >= T::from_f64(START_POOLS) && high > T::from_f64(START_RANGE) * low;
-        if !ready || self.successor.is_some() {
+        if bank.weight < T::from_f64(START_POOLS) || self.successor.is_some() {
             return;
         }
-        let Some(candidate) = bank.best() else { return };
+        let early = !has_range(bank);
+        let candidate = match early {
+            false => bank.best(),
+            true if self.refiner.is_none() => self.as_before(),
+            true => None,
+        };
+        let Some(candidate) = candidate else { return };
         if let Some(refiner) = self.refiner.as_ref().filter(|refiner| refiner.is_sound()) {
             let floor = candidate.residual + noise.filtered * noise.filtered;
             if refiner.residual <= T::from_f64(WORSE) * floor {
                 return;
             }
         }
+        self.began_early = early;
         self.begin(Refiner::new(&candidate, T::zero(), &self.prior), false);
+    }
+
+    /// Another material with surface and exponent of the one before, as stiff as its last force says. After
+    /// a change within a press the range of force that the bank needs may take seconds to come.
+    fn as_before(&self) -> Option<Candidate<T>> {
+        let previous = self.previous.as_ref()?;
+        let newest = self.memory.get(self.memory.pushed().checked_sub(1)?)?;
+        previous.scaled_to(newest)
     }
 
     /// Starts a refiner at a better reference when the linearization error of the current one
@@ -280,6 +299,12 @@ impl<T: Real> BankRefiner<T> {
             self.claims.is_stale = true;
         }
     }
+}
+
+/// Whether the forces that a bank has seen range widely enough to start from it.
+fn has_range<T: Real>(bank: &Bank<T>) -> bool {
+    let (low, high) = bank.span;
+    high > T::from_f64(START_RANGE) * low
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
@@ -348,7 +373,9 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         if self.memory.pushed() < self.doubted_until {
             return Some(Doubt::Against(Reason::Residual));
         }
-        self.claims.doubt
+        let narrow = self.began_early && self.bank.as_ref().is_some_and(|bank| !has_range(bank));
+        let unseen = narrow.then_some(Doubt::NotYetRuledOut(Reason::Excitation));
+        self.claims.doubt.or(unseen)
     }
 
     fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {

@@ -1,7 +1,7 @@
 //! The estimates from before a change of material, which come back if it was none: a fault that has passed,
 //! or a surface that is elsewhere since an encoder has jumped.
 
-use super::super::{ForceNoise, Pooled, Refiner};
+use super::super::{ForceNoise, Pooled, Refiner, bank::Candidate};
 use super::claims::Claims;
 use crate::maths::scalar::Real;
 
@@ -13,6 +13,11 @@ pub(super) const RECONSIDERED: u32 = 256;
 /// Range of the force, from the least to the largest of those pools, that tells a surface that has moved
 /// from another material.
 const AGREE_RANGE: f64 = 2.0;
+/// Over a few pools old estimates with a surface that has moved predict another material as well: on the way
+/// out of a gel that had become 1.5 times as stiff those from before came back, a second after the new ones had
+/// converged. They do not where the new ones predict the same pools and are so many of their standard errors
+/// away.
+const ANOTHER_SIGMAS: f64 = 4.0;
 
 /// The estimates before the last change of material.
 #[derive(Clone, Debug)]
@@ -22,6 +27,8 @@ pub(super) struct Previous<T: Real> {
     /// Where they stand with the surface that they know, and with one that has moved.
     there: Agreement<T>,
     moved: Agreement<T>,
+    /// Number of pools in a row that the estimates since then predict as well.
+    since: u32,
 }
 
 /// How long the estimates have predicted the force with the surface in one place.
@@ -69,12 +76,35 @@ impl<T: Real> Previous<T> {
             claims,
             there: Agreement::default(),
             moved: Agreement::default(),
+            since: 0,
         }
     }
 
+    /// Them with spring and damper scaled so that they predict the force of a pool, once a pool has
+    /// contradicted that the material is the same, where it was or elsewhere.
+    pub(super) fn scaled_to(&self, pooled: &Pooled<T>) -> Option<Candidate<T>> {
+        let (force, _) = self.refiner.predict(pooled);
+        let times = pooled.force / force;
+        let [stiffness, damping, exponent, surface, _] = self.refiner.values();
+        let residual = self.refiner.residual;
+        let is_another = self.there.pools == 0 && self.moved.pools == 0;
+        (is_another && force > T::zero() && times.is_finite()).then_some(Candidate {
+            stiffness: times * stiffness,
+            damping: times * damping,
+            exponent,
+            surface,
+            residual,
+        })
+    }
+
     /// How far the surface has moved if they have predicted enough pools in a row; pools of a small force say
-    /// nothing.
-    pub(super) fn agrees_with(&mut self, pooled: &Pooled<T>, noise: &ForceNoise<T>) -> Option<T> {
+    /// nothing. `since` are the estimates from after the change.
+    pub(super) fn agrees_with(
+        &mut self,
+        pooled: &Pooled<T>,
+        noise: &ForceNoise<T>,
+        since: Option<(&Refiner<T>, &Claims<T>)>,
+    ) -> Option<T> {
         if pooled.force < T::from_f64(AGREE_SIGMAS) * noise.raw {
             return None;
         }
@@ -84,13 +114,35 @@ impl<T: Real> Previous<T> {
                 ..*pooled
             };
             let (force, variance) = self.refiner.predict(&at);
-            let most = T::from_f64(9.0) * (variance + noise.filtered * noise.filtered);
+            let most = most(variance, noise);
             let slope = self.refiner.slope(&at);
             agreement.take(pooled.force, pooled.force - force, most, slope, moves);
         }
-        if self.there.holds(0.0) {
-            return Some(T::zero());
+        let predicted = since.is_some_and(|(refiner, _)| {
+            let (force, variance) = refiner.predict(pooled);
+            let error = pooled.force - force;
+            error * error < most(variance, noise)
+        });
+        self.since = if predicted { self.since + 1 } else { 0 };
+        if self.since >= AGREE_POOLS && since.is_some_and(|since| self.differs_from(since)) {
+            None
+        } else if self.there.holds(0.0) {
+            Some(T::zero())
+        } else {
+            self.moved.holds(AGREE_RANGE).then_some(self.moved.shift)
         }
-        self.moved.holds(AGREE_RANGE).then_some(self.moved.shift)
     }
+
+    /// Whether the estimates since are of another K, λ or n for sure.
+    fn differs_from(&self, (refiner, claims): (&Refiner<T>, &Claims<T>)) -> bool {
+        let sigmas = T::from_f64(ANOTHER_SIGMAS) * claims.excess.inflation;
+        let pairs = refiner.values().into_iter().zip(self.refiner.values());
+        let mut material = pairs.zip(claims.std_errors).take(3);
+        material.any(|((now, then), error)| (now - then).abs() > sigmas * error)
+    }
+}
+
+/// The largest square of the error of a prediction that agrees.
+fn most<T: Real>(variance: T, noise: &ForceNoise<T>) -> T {
+    T::from_f64(9.0) * (variance + noise.filtered * noise.filtered)
 }
