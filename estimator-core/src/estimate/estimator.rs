@@ -24,6 +24,17 @@ pub struct State<T: Real = f32> {
     last: Estimate<T>,
 }
 
+/// What a sample was good for.
+#[derive(Clone, Copy)]
+enum Learned<T> {
+    /// Nothing: not in contact, too near the noise, or after a fault.
+    Unusable,
+    /// It repeats what was learned, as those of a hold do.
+    Nothing,
+    /// It was learned from, with this forgetting factor.
+    From(T),
+}
+
 impl<T: Real> State<T> {
     /// The state before the first sample; a new state also resets an estimator.
     pub fn new(params: &Params<T>) -> Self {
@@ -136,7 +147,11 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     }
     let innovation = state.predict(&contact, &instant);
     let learned = state.learn(params, &contact, &instant, &innovation);
-    let change = learned.and_then(|_| state.assess(params, &contact, &instant, &innovation));
+    let change = match learned {
+        Learned::From(_) => state.assess(params, &contact, &instant, &innovation),
+        Learned::Nothing => state.watch(params, &innovation),
+        Learned::Unusable => None,
+    };
     let estimate = Estimate {
         time_us: sample.time_us.saturating_sub(params.delay_us()),
         law: state.last.law,
@@ -148,7 +163,10 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
         force_n: instant.force * params.identify.scale.force_n,
         parameters: state.last.parameters,
         innovation: innovation.in_newtons(params.identify.scale.force_n),
-        forgetting: learned.unwrap_or(T::one()),
+        forgetting: match learned {
+            Learned::From(beta) => beta,
+            _ => T::one(),
+        },
         event: change.or(contact.event()),
         faults,
     };
@@ -223,14 +241,14 @@ impl<T: Real> State<T> {
     }
 
     /// Learns from the instant if it is usable: the whole window of the filter must lie inside the
-    /// contact, and the force above the noise. Gives the forgetting factor that was used.
+    /// contact, and the force above the noise.
     fn learn(
         &mut self,
         params: &Params<T>,
         contact: &Contact<T>,
         at: &Instant<T>,
         innovation: &Innovation<T>,
-    ) -> Option<T> {
+    ) -> Learned<T> {
         let filled = contact.loaded_samples >= params.filter.response().memory_samples;
         let known = contact.loaded_from_surface
             && contact.loaded_samples > 0
@@ -243,7 +261,7 @@ impl<T: Real> State<T> {
         if !usable {
             let in_contact = contact.phase == Phase::Contact;
             self.identifier.observe(at, in_contact);
-            return None;
+            return Learned::Unusable;
         }
         let error_n = innovation.innovation_n * params.identify.scale.force_n;
         let beta = params
@@ -251,10 +269,13 @@ impl<T: Real> State<T> {
             .forgetting
             .beta(error_n, contact.force_noise_n);
         let learned = self.identifier.learn(&params.identify, at, beta);
-        if learned.is_none() {
-            self.monitor.watch(innovation);
-        }
-        learned
+        learned.map_or(Learned::Nothing, Learned::From)
+    }
+
+    /// Watches a hold; gives a change of the material.
+    fn watch(&mut self, params: &Params<T>, innovation: &Innovation<T>) -> Option<Event> {
+        let event = self.monitor.watch(&params.monitor, innovation);
+        self.begin_anew_after(params, event)
     }
 
     /// Updates the status and the parameters that are reported; gives a change of the material.
@@ -288,6 +309,10 @@ impl<T: Real> State<T> {
             .update(&params.monitor, estimates, innovation, excess, doubt);
         self.last.law = law;
         self.last.parameters = identify::report(&params.identify, law, estimates, surface);
+        self.begin_anew_after(params, event)
+    }
+
+    fn begin_anew_after(&mut self, params: &Params<T>, event: Option<Event>) -> Option<Event> {
         if event == Some(Event::MaterialChange) {
             self.identifier.reset_covariance(&params.identify);
             // The filter's window still straddles the change.
@@ -343,6 +368,9 @@ fn is_gap<T: Real>(params: &Params<T>, elapsed_us: u64) -> bool {
 fn within_range<T: Real>(value: T, reference: T) -> bool {
     value.abs() < T::from_f64(RANGE) * reference
 }
+
+#[cfg(test)]
+mod changes;
 
 #[cfg(test)]
 mod tests {

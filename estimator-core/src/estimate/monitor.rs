@@ -18,6 +18,13 @@ const CHANGE_RATIO: f64 = 12.0;
 const CHANGE_SAMPLES: u32 = 24;
 /// The same as a time (s), where samples are faster.
 const CHANGE_S: f64 = 0.024;
+/// In a hold nothing is learned, and what relaxes leaves the prediction there, too: only a force that has leapt
+/// is of another material. Of means over blocks of half as many samples as a change takes, the newest and the one
+/// two before it are alike to this share (and two standard deviations), and the one six before it, with the leap
+/// between, was so much smaller. What relaxes within 30 ms is the fastest that does not leap.
+const LEAP_ALIKE: f64 = 0.1;
+const LEAP_BEFORE: f64 = 0.25;
+const LEAP_BLOCKS: usize = 6;
 /// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
 /// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
 const DOUBT_RATIO: f64 = 16.0;
@@ -117,6 +124,9 @@ pub struct ConvergenceMonitor<T> {
     settled: bool,
     /// Number of samples that speak for another material, less those that do not.
     alien_samples: u32,
+    /// Whether the estimate was converged before those samples.
+    was_converged: bool,
+    hold: Hold<T>,
     /// Number of samples until an estimate that was suspect may be converged again, and the reason.
     suspected: (u32, Option<Reason>),
     /// Number of times that the data have contradicted an estimate of this material, at most [`MOST_DOUBTS`], and the samples
@@ -142,10 +152,56 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
             changed_samples: 0,
             settled: false,
             alien_samples: 0,
+            was_converged: false,
+            hold: Hold::default(),
             suspected: (0, None),
             doubts: 0,
             agreed: 0,
         }
+    }
+}
+
+/// Normalized innovations of a hold, in which nothing is learned.
+#[derive(Clone, Debug)]
+struct Hold<T> {
+    sum: T,
+    samples: u32,
+    /// Means of the last blocks, the newest first, and how many there were in this hold.
+    means: [T; LEAP_BLOCKS],
+    blocks: u32,
+}
+
+impl<T: Real> Default for Hold<T> {
+    fn default() -> Self {
+        Hold {
+            sum: T::zero(),
+            samples: 0,
+            means: [T::zero(); LEAP_BLOCKS],
+            blocks: 0,
+        }
+    }
+}
+
+impl<T: Real> Hold<T> {
+    /// Takes a sample; says by how much the force has leapt, if it has, at the end of a block of so many.
+    fn take(&mut self, normalized: T, samples: u32) -> Option<T> {
+        self.sum += normalized;
+        self.samples += 1;
+        if self.samples < samples {
+            return None;
+        }
+        let mean = self.sum / T::from_u32(self.samples);
+        let size = mean.abs();
+        let [_, recent, .., before] = self.means;
+        let alike = (mean - recent).abs() < T::from_f64(LEAP_ALIKE) * size + T::from_f64(2.0);
+        let leapt = before.abs() < T::from_f64(LEAP_BEFORE) * size;
+        let is_known = self.blocks as usize >= LEAP_BLOCKS;
+        self.means.rotate_right(1);
+        if let Some(newest) = self.means.first_mut() {
+            *newest = mean;
+        }
+        (self.sum, self.samples, self.blocks) = (T::zero(), 0, self.blocks.saturating_add(1));
+        (is_known && alike && leapt).then_some(size)
     }
 }
 
@@ -187,12 +243,15 @@ impl<T: Real> ConvergenceMonitor<T> {
     ) -> Option<Event> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         let normalized = innovation.normalized();
+        self.hold = Hold::default();
         // While the parameters still come from their start, they are what errs, and not the law.
         if excess.is_none() && self.taken >= SNAPSHOTS {
             self.misfit.update(normalized, T::one(), params.noise_gain);
         }
         let alien =
             innovation.test_ratio > T::from_f64(CHANGE_RATIO) * T::one().max_of(self.baseline);
+        self.was_converged &= self.alien_samples > 0;
+        self.was_converged |= self.status == Status::Converged;
         self.alien_samples = match alien {
             true => self.alien_samples + 1,
             false => self.alien_samples.saturating_sub(1),
@@ -202,7 +261,11 @@ impl<T: Real> ConvergenceMonitor<T> {
         let unbounded = innovation.test_ratio.min_of(T::from_f64(MAX_BASELINE));
         let before = T::one().max_of(self.baseline);
         self.recent += T::from_f64(1.0 / FAST_SAMPLES) * (unbounded - self.recent);
-        self.baseline += params.slow_gain * (unbounded - self.baseline);
+        // After an estimate that held, what is alien waits for a verdict: a surface that is 50 µm elsewhere raises
+        // the ratio to 10⁵, and within 20 samples its own mean by so much that nothing was alien any more.
+        if !(alien && self.was_converged && excess.is_some()) {
+            self.baseline += params.slow_gain * (unbounded - self.baseline);
+        }
         self.settled |= matches!(self.status, Status::Converged | Status::ModelSuspect);
         if self.settled && self.has_changed(params, excess.is_some(), before) {
             self.restart(params);
@@ -266,14 +329,25 @@ impl<T: Real> ConvergenceMonitor<T> {
     }
 
     /// Takes the innovation of a sample that was not learned from: a hold in which the force leaves the
-    /// prediction is no converged estimate.
-    pub fn watch(&mut self, innovation: &Innovation<T>) {
+    /// prediction is no converged estimate. Says whether the material has changed.
+    pub fn watch(
+        &mut self,
+        params: &MonitorParams<T>,
+        innovation: &Innovation<T>,
+    ) -> Option<Event> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
         if self.status == Status::Converged && self.fast_ratio > T::from_f64(DOUBT_RATIO) {
             self.status = Status::Converging;
             self.reason = Some(Reason::Residual);
         }
+        let leap = (self.hold).take(innovation.normalized(), params.change_samples / 2)?;
+        let enough = T::from_f64(CHANGE_RATIO) * T::one().max_of(self.baseline);
+        if !self.settled || leap * leap < enough {
+            return None;
+        }
+        self.restart(params);
+        Some(Event::MaterialChange)
     }
 
     fn judge(
@@ -320,6 +394,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.reason = None;
         self.settled = false;
         self.alien_samples = 0;
+        self.hold = Hold::default();
         self.suspected = (0, None);
         (self.doubts, self.agreed) = (0, 0);
     }
