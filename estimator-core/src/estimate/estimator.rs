@@ -274,7 +274,8 @@ impl<T: Real> State<T> {
 
     /// Watches a hold; gives a change of the material.
     fn watch(&mut self, params: &Params<T>, innovation: &Innovation<T>) -> Option<Event> {
-        let event = self.monitor.watch(&params.monitor, innovation);
+        let looks_back = self.identifier.excess().is_some();
+        let event = (self.monitor).watch(&params.monitor, innovation, looks_back);
         self.begin_anew_after(params, event)
     }
 

@@ -329,11 +329,13 @@ impl<T: Real> ConvergenceMonitor<T> {
     }
 
     /// Takes the innovation of a sample that was not learned from: a hold in which the force leaves the
-    /// prediction is no converged estimate. Says whether the material has changed.
+    /// prediction is no converged estimate. Says whether the material has changed, of an estimator that looks back:
+    /// the prediction of a law that relaxes is in a hold what its rates make of it, and they err together.
     pub fn watch(
         &mut self,
         params: &MonitorParams<T>,
         innovation: &Innovation<T>,
+        looks_back: bool,
     ) -> Option<Event> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         self.fast_ratio += T::from_f64(1.0 / FAST_SAMPLES) * (ratio - self.fast_ratio);
@@ -343,7 +345,7 @@ impl<T: Real> ConvergenceMonitor<T> {
         }
         let leap = (self.hold).take(innovation.normalized(), params.change_samples / 2)?;
         let enough = T::from_f64(CHANGE_RATIO) * T::one().max_of(self.baseline);
-        if !self.settled || leap * leap < enough {
+        if !looks_back || !self.settled || leap * leap < enough {
             return None;
         }
         self.restart(params);
