@@ -18,6 +18,9 @@ const AGREE_RANGE: f64 = 2.0;
 /// converged. They do not where the new ones predict the same pools and are so many of their standard errors
 /// away.
 const ANOTHER_SIGMAS: f64 = 4.0;
+/// A material that would have to be more than so many times as stiff, or as soft, is not begun from: near a surface
+/// that has moved the force of the last one is next to nothing.
+const MOST_TIMES: f64 = 4.0;
 
 /// The estimates before the last change of material.
 #[derive(Clone, Debug)]
@@ -85,10 +88,12 @@ impl<T: Real> Previous<T> {
     pub(super) fn scaled_to(&self, pooled: &Pooled<T>) -> Option<Candidate<T>> {
         let (force, _) = self.refiner.predict(pooled);
         let times = pooled.force / force;
+        let most = T::from_f64(MOST_TIMES);
+        let is_alike = force > T::zero() && times < most && times * most > T::one();
+        let is_another = self.there.pools == 0 && self.moved.pools == 0;
         let [stiffness, damping, exponent, surface, _] = self.refiner.values();
         let residual = self.refiner.residual;
-        let is_another = self.there.pools == 0 && self.moved.pools == 0;
-        (is_another && force > T::zero() && times.is_finite()).then_some(Candidate {
+        (is_alike && is_another).then_some(Candidate {
             stiffness: times * stiffness,
             damping: times * damping,
             exponent,
