@@ -292,9 +292,10 @@ impl Chip {
         }
     }
 
-    /// Puts the levels of the inputs on their pins: DRDY on PB2.
+    /// Puts the levels of the inputs on their pins: DRDY on PB2, which nobody drives while the cable is off.
     pub(super) fn drive_inputs(&mut self) {
-        self.ports[1].driven_mask = 1 << 2;
+        let [_, off] = self.sensors.cut;
+        self.ports[1].driven_mask = u32::from(!off) << 2;
         self.ports[1].driven = u32::from(self.sensors.not_ready()) << 2;
     }
 
