@@ -1,6 +1,10 @@
 //! Decides whether an estimate has converged: its parameters are steady, their standard errors are
 //! within the bound, and the noise explains the innovations.
 
+mod hold;
+
+use hold::Hold;
+
 use crate::estimate::{
     Innovation, config::Config, error::ConfigError, error::require_each, misfit::Excess,
     misfit::Misfit, phase::Event, phase::Phase, record::PARAMETER_SLOTS, status::Doubt,
@@ -18,13 +22,6 @@ const CHANGE_RATIO: f64 = 12.0;
 const CHANGE_SAMPLES: u32 = 24;
 /// The same as a time (s), where samples are faster.
 const CHANGE_S: f64 = 0.024;
-/// In a hold nothing is learned, and what relaxes leaves the prediction there, too: only a force that has leapt
-/// is of another material. Of means over blocks of half as many samples as a change takes, the newest and the one
-/// two before it are alike to this share (and two standard deviations), and the one six before it, with the leap
-/// between, was so much smaller. What relaxes within 30 ms is the fastest that does not leap.
-const LEAP_ALIKE: f64 = 0.1;
-const LEAP_BEFORE: f64 = 0.25;
-const LEAP_BLOCKS: usize = 6;
 /// While the fast mean of the test ratio is above this, an estimate is not converged: four standard
 /// deviations of a filtered force, which noise alone exceeds once in minutes of contact.
 const DOUBT_RATIO: f64 = 16.0;
@@ -158,50 +155,6 @@ impl<T: Real> Default for ConvergenceMonitor<T> {
             doubts: 0,
             agreed: 0,
         }
-    }
-}
-
-/// Normalized innovations of a hold, in which nothing is learned.
-#[derive(Clone, Debug)]
-struct Hold<T> {
-    sum: T,
-    samples: u32,
-    /// Means of the last blocks, the newest first, and how many there were in this hold.
-    means: [T; LEAP_BLOCKS],
-    blocks: u32,
-}
-
-impl<T: Real> Default for Hold<T> {
-    fn default() -> Self {
-        Hold {
-            sum: T::zero(),
-            samples: 0,
-            means: [T::zero(); LEAP_BLOCKS],
-            blocks: 0,
-        }
-    }
-}
-
-impl<T: Real> Hold<T> {
-    /// Takes a sample; says by how much the force has leapt, if it has, at the end of a block of so many.
-    fn take(&mut self, normalized: T, samples: u32) -> Option<T> {
-        self.sum += normalized;
-        self.samples += 1;
-        if self.samples < samples {
-            return None;
-        }
-        let mean = self.sum / T::from_u32(self.samples);
-        let size = mean.abs();
-        let [_, recent, .., before] = self.means;
-        let alike = (mean - recent).abs() < T::from_f64(LEAP_ALIKE) * size + T::from_f64(2.0);
-        let leapt = before.abs() < T::from_f64(LEAP_BEFORE) * size;
-        let is_known = self.blocks as usize >= LEAP_BLOCKS;
-        self.means.rotate_right(1);
-        if let Some(newest) = self.means.first_mut() {
-            *newest = mean;
-        }
-        (self.sum, self.samples, self.blocks) = (T::zero(), 0, self.blocks.saturating_add(1));
-        (is_known && alike && leapt).then_some(size)
     }
 }
 

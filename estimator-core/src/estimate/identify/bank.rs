@@ -16,6 +16,8 @@ const SURFACES: usize = 7;
 /// Share of the spring's information that is added to that of the damping, for motions that do not
 /// excite the damper.
 const RIDGE: f64 = 1e-4;
+/// Range of force that a start needs.
+const START_RANGE: f64 = 2.0;
 
 /// The sums of one cell. φ = s·[1, w], so that s alone differs from cell to cell.
 #[derive(Clone, Copy, Debug, Default)]
@@ -115,6 +117,12 @@ impl<T: Real> Bank<T> {
             (force, force)
         };
         self.weight = beta * self.weight + T::one();
+    }
+
+    /// Whether the forces range widely enough to start from the best cell.
+    pub(super) fn has_range(&self) -> bool {
+        let (low, high) = self.span;
+        high > T::from_f64(START_RANGE) * low
     }
 
     /// The cell with the smallest residual; `None` while no cell has a positive stiffness.

@@ -20,7 +20,6 @@ use previous::{Previous, RECONSIDERED};
 use quarantine::Quarantine;
 use successor::{CHALLENGE_EVERY, DOUBTED, LINEARIZATION_SHARE, REFINER_BETA, Successor};
 
-use super::bank::Candidate;
 use super::{Bank, ForceNoise, Identify, Instant, Pool, PoolRing, Pooled, Prior, Refiner};
 use super::{params::IdentifyParams, slots::damper, slots::in_slots, slots::spring};
 use crate::estimate::method::{Method, MethodInfo, Offer, methods};
@@ -36,9 +35,8 @@ use crate::maths::scalar::Real;
 const SURFACES_BEFORE: f64 = 4.0;
 /// Pools between two searches of the bank: solving all its cells costs as much as updating them.
 const SEARCH_EVERY: u32 = 4;
-/// Pools before the refiner starts, and the range of force that they must cover.
+/// Pools before the refiner starts.
 const START_POOLS: f64 = 3.0;
-const START_RANGE: f64 = 2.0;
 /// When the mean squared residual of the refiner is this many times the bank's, the bank starts
 /// another refiner.
 const WORSE: f64 = 8.0;
@@ -219,11 +217,11 @@ impl<T: Real> BankRefiner<T> {
         if bank.weight < T::from_f64(START_POOLS) || self.successor.is_some() {
             return;
         }
-        let early = !has_range(bank);
+        let early = !bank.has_range();
+        let previous = self.previous.as_ref().filter(|_| self.refiner.is_none());
         let candidate = match early {
+            true => previous.and_then(|own| own.scaled_to(&self.memory)),
             false => bank.best(),
-            true if self.refiner.is_none() => self.as_before(),
-            true => None,
         };
         let Some(candidate) = candidate else { return };
         if let Some(refiner) = self.refiner.as_ref().filter(|refiner| refiner.is_sound()) {
@@ -234,14 +232,6 @@ impl<T: Real> BankRefiner<T> {
         }
         self.began_early = early;
         self.begin(Refiner::new(&candidate, T::zero(), &self.prior), false);
-    }
-
-    /// Another material with surface and exponent of the one before, as stiff as its last force says. After
-    /// a change within a press the range of force that the bank needs may take seconds to come.
-    fn as_before(&self) -> Option<Candidate<T>> {
-        let previous = self.previous.as_ref()?;
-        let newest = self.memory.get(self.memory.pushed().checked_sub(1)?)?;
-        previous.scaled_to(newest)
     }
 
     /// Starts a refiner at a better reference when the linearization error of the current one
@@ -299,12 +289,6 @@ impl<T: Real> BankRefiner<T> {
             self.claims.is_stale = true;
         }
     }
-}
-
-/// Whether the forces that a bank has seen range widely enough to start from it.
-fn has_range<T: Real>(bank: &Bank<T>) -> bool {
-    let (low, high) = bank.span;
-    high > T::from_f64(START_RANGE) * low
 }
 
 impl<T: Real> Identify<T> for BankRefiner<T> {
@@ -373,9 +357,8 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         if self.memory.pushed() < self.doubted_until {
             return Some(Doubt::Against(Reason::Residual));
         }
-        let narrow = self.began_early && self.bank.as_ref().is_some_and(|bank| !has_range(bank));
-        let unseen = narrow.then_some(Doubt::NotYetRuledOut(Reason::Excitation));
-        self.claims.doubt.or(unseen)
+        let narrow = self.began_early && !self.bank.as_ref().is_none_or(Bank::has_range);
+        (self.claims.doubt).or(narrow.then_some(Doubt::NotYetRuledOut(Reason::Excitation)))
     }
 
     fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {

@@ -1,7 +1,7 @@
 //! The estimates from before a change of material, which come back if it was none: a fault that has passed,
 //! or a surface that is elsewhere since an encoder has jumped.
 
-use super::super::{ForceNoise, Pooled, Refiner, bank::Candidate};
+use super::super::{ForceNoise, PoolRing, Pooled, Refiner, bank::Candidate};
 use super::claims::Claims;
 use crate::maths::scalar::Real;
 
@@ -83,9 +83,11 @@ impl<T: Real> Previous<T> {
         }
     }
 
-    /// Them with spring and damper scaled so that they predict the force of a pool, once a pool has
-    /// contradicted that the material is the same, where it was or elsewhere.
-    pub(super) fn scaled_to(&self, pooled: &Pooled<T>) -> Option<Candidate<T>> {
+    /// Them with spring and damper scaled so that they predict the force of the newest pool, once a pool has
+    /// contradicted that the material is the same, where it was or elsewhere. After a change within a press the
+    /// range of force that the bank needs may take seconds to come.
+    pub(super) fn scaled_to(&self, memory: &PoolRing<T>) -> Option<Candidate<T>> {
+        let pooled = memory.get(memory.pushed().checked_sub(1)?)?;
         let (force, _) = self.refiner.predict(pooled);
         let times = pooled.force / force;
         let most = T::from_f64(MOST_TIMES);
