@@ -1,8 +1,8 @@
 //! Effects of a decision that take nothing off, or whose size may as well be 0.
 
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
-use crate::gap::model::{fit::Fit, shape::Owner};
-use crate::gap::search::sets::is_repeated;
+use crate::gap::model::{dataset::Dataset, fit::Fit, shape::Owner, weights::weights};
+use crate::gap::search::{forms::in_plain_form, sets::is_repeated};
 
 /// The fit without the effect that is needed least, if that effect takes nothing off.
 pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
@@ -37,6 +37,23 @@ pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
         let is_open = !alternatives.is_empty() && *gain > decide.missed;
         !is_open && is_single(number) && !is_known(number)
     })
+}
+
+/// The fit with an added effect in its plain form, if that is nearer to the best than to the fit without it: the
+/// rate and the time constant of a drift that comes to rest say little each, where its ramp is well known.
+pub(crate) fn fit_in_plain_form(
+    dataset: &Dataset<'_>,
+    decision: &Decision,
+    at: usize,
+) -> Option<Fit> {
+    let best = &decision.best;
+    let mut terms = best.shape.terms_at(&best.numbers);
+    let own = &mut terms[best.added()[at]];
+    *own = in_plain_form(own)?;
+    let (shape, start) = best.with_terms(terms, dataset.scales);
+    let weights = weights(&decision.variances);
+    let plain = dataset.problem(&weights).fit(&shape, start);
+    (2.0 * plain.cost < best.cost + decision.without[at].cost).then_some(plain)
 }
 
 #[cfg(test)]

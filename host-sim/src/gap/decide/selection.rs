@@ -1,7 +1,7 @@
 //! From the result of a search to a decision: rivals that explain more take over, and effects that do
 //! not stand up to the evaluation are dropped, until what is left does.
 
-use super::acceptance::{effect_without_size, fit_without_idle_effect};
+use super::acceptance::{effect_without_size, fit_in_plain_form, fit_without_idle_effect};
 use super::decision::Decision;
 use super::evaluate::{evaluate, held_out_rmse_n};
 use crate::gap::finding::Verdict;
@@ -31,7 +31,11 @@ pub(crate) fn decide(
         let accepted = accepted_decision(dataset, base, result, evidence, &mut least_rmse_n);
         let mut decision = with_standard_errors(dataset, accepted);
         match effect_without_size(&decision) {
-            Some(at) => result = SearchResult::alone(decision.without.swap_remove(at)),
+            Some(at) => {
+                let plain = fit_in_plain_form(dataset, &decision, at);
+                let best = plain.unwrap_or_else(|| decision.without.swap_remove(at));
+                result = SearchResult::alone(best);
+            }
             None => return decision,
         }
     }

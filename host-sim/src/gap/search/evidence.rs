@@ -105,7 +105,7 @@ impl Search<'_> {
         let is_curve =
             repeats(id) && gain.beside.0 < decide.sharp && is_series(best, id, self.decide());
         let agrees = halves.agree(best, id, decide) && !is_curve;
-        let is_sound = agrees && gain.is_sound(decide);
+        let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
                 || agrees
@@ -114,7 +114,7 @@ impl Search<'_> {
                     && {
                         let group: Vec<EffectId> = [&[id], others.as_slice()].concat();
                         let without = best_without(all, &group);
-                        self.gain(without, with, weighing).is_sound(decide)
+                        self.gain(without, with, weighing).is_sound(id, decide)
                     }
         });
         Evidence {
@@ -141,7 +141,7 @@ impl Search<'_> {
         let is_faint = |at: &usize| {
             let (shape, start) = best.without(*at, self.dataset.scales);
             let without = self.problem().fit(&shape, start);
-            !self.gain(&without, best, weighing).is_sound(decide)
+            !self.gain(&without, best, weighing).is_large(decide)
         };
         let faint = waves.into_iter().filter(is_faint);
         faint.map(|at| terms[at].row[1]).collect()
@@ -176,6 +176,7 @@ impl Search<'_> {
             .gain(&residuals[0], &residuals[1], BLOCKS);
         Gain {
             share: self.share(more, less),
+            lead: more.cost / less.cost,
             blocks: blocks(&residuals[0], &residuals[1]),
             beside,
         }
@@ -195,6 +196,8 @@ struct Weighing<'a> {
 struct Gain {
     /// Of what stands above the noise.
     share: f64,
+    /// How many times as many squares stay without it.
+    lead: f64,
     /// The fraction of blocks in which it takes something off.
     blocks: f64,
     /// How many times as many squares stay without it beside the remainder as a process, and its standard errors
@@ -203,12 +206,29 @@ struct Gain {
 }
 
 impl Gain {
-    fn is_sound(&self, decide: &thresholds::Evidence) -> bool {
+    /// Whether it is large, in most blocks, and beside the remainder.
+    fn is_large(&self, decide: &thresholds::Evidence) -> bool {
         let (times, sigmas) = self.beside;
         self.share >= decide.share
             && self.blocks >= decide.blocks
             && times >= decide.beside
             && sigmas >= decide.beside_sigmas
+    }
+
+    /// Whether it speaks for an effect: it is large; or so sharp that no remainder moves like it; or in every
+    /// block, where what is slow is followed by a remainder's prediction.
+    fn is_sound(&self, id: EffectId, decide: &thresholds::Evidence) -> bool {
+        let (times, sigmas) = self.beside;
+        let is_sharp = times >= decide.sharp
+            && sigmas >= decide.sharp_sigmas
+            && self.blocks >= decide.sharp_blocks;
+        // A wave of the right period follows a remainder that wanders in every block.
+        let is_everywhere = !repeats(id)
+            && self.lead >= decide.everywhere_lead
+            && self.blocks >= decide.everywhere
+            && times > 1.0
+            && sigmas > 1.0;
+        self.is_large(decide) || is_sharp || is_everywhere
     }
 }
 
@@ -352,5 +372,38 @@ impl Halves {
         };
         // Modes of a spectrum trade their shares.
         sizes.clone().count() > 1 || !sizes.any(differ)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether what was measured on a record speaks for an effect.
+    fn is_sound(id: EffectId, share: f64, lead: f64, blocks: f64, beside: (f64, f64)) -> bool {
+        let gain = Gain {
+            share,
+            lead,
+            blocks,
+            beside,
+        };
+        gain.is_sound(id, &thresholds::Evidence::default())
+    }
+
+    #[test]
+    fn what_is_sharp_needs_no_share_and_what_is_slow_acts_in_every_block() {
+        // GIVEN a delay of 1.3 ms in a drive's record, and what a pendulum's waves reached
+        assert!(is_sound(EffectId::TimeDelay, 0.43, 1.74, 1.0, (2.13, 9.2)));
+        assert!(!is_sound(EffectId::TimeDelay, 0.43, 1.74, 1.0, (1.62, 9.2)));
+        // AND the backlash of a friction damper, a wave that does as much, and a softening that stands for a
+        // material that breaks in small steps
+        let backlash = (0.56, 2.29, 0.95, (1.07, 1.34));
+        let sound = |id, (share, lead, blocks, beside)| is_sound(id, share, lead, blocks, beside);
+        assert!(sound(EffectId::DriveBacklash, backlash));
+        assert!(!sound(EffectId::Cogging, backlash));
+        assert!(!sound(
+            EffectId::CyclicSoftening,
+            (0.73, 1.85, 0.93, (1.18, 2.99))
+        ));
     }
 }

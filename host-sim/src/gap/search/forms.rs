@@ -99,6 +99,15 @@ impl Choice {
     }
 }
 
+/// A term without its forms, if it has one: a ramp for a drift that comes to rest.
+pub(crate) fn in_plain_form(term: &Term) -> Option<Term> {
+    let mut plain = term.clone();
+    for choice in Choice::all().filter(|choice| choice.is_in(term)) {
+        choice.drop_from(&mut plain);
+    }
+    (plain.free != term.free).then_some(plain)
+}
+
 /// Most fits that are tried with their forms beside the best.
 const MOST_COMPARED: usize = 2;
 
@@ -219,5 +228,20 @@ impl Search<'_> {
     fn with_terms(&self, fit: &Fit, terms: Vec<Term>) -> Fit {
         let (shape, start) = fit.with_terms(terms, self.dataset.scales);
         self.problem().fit(&shape, start)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::model::start::whole;
+
+    #[test]
+    fn a_drift_that_comes_to_rest_is_a_ramp_in_its_plain_form() {
+        let resting = whole(EffectId::ForceDrift, [0.2, 1.8, 0.0, 0.0], 2);
+        let ramp = in_plain_form(&resting).unwrap();
+        assert_eq!(ramp, whole(EffectId::ForceDrift, [0.2, 0.0, 0.0, 0.0], 1));
+        // What has no form has no plainer one.
+        assert_eq!(in_plain_form(&ramp), None);
     }
 }
