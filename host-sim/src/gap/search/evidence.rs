@@ -37,7 +37,7 @@ pub(crate) struct Evidence {
     pub(crate) is_strong: bool,
     /// Whether it or one of its alternatives is.
     pub(crate) is_strong_group: bool,
-    /// Whether the best set without it is worse at all.
+    /// Whether the best set without it is worse at all, and it is no wave that does not stand for itself.
     pub(crate) is_needed: bool,
     /// Of several waves of this kind the frequencies (Hz) or pitches (m) of those that take little off alone.
     pub(crate) faint_waves: Vec<f64>,
@@ -119,7 +119,9 @@ impl Search<'_> {
         });
         Evidence {
             is_strong: is_sound && is_ahead(without),
-            is_needed: without.cost >= decide.needed * with.cost,
+            // A wave fits any remainder, whatever it stands beside.
+            is_needed: without.cost >= decide.needed * with.cost
+                && (is_sound_group || !repeats(id)),
             is_strong_group: is_sound_group,
             faint_waves: self.faint_waves(id, weighing),
             alternatives: alternatives.unwrap_or_default(),
