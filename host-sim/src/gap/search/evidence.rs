@@ -3,9 +3,10 @@
 //! A measured record keeps a remainder that no catalogue explains, and against the noise floor nothing could
 //! ever be named there. Each effect is therefore weighed by itself, over all sets that were fitted: the best
 //! set with it against the best set of any size without it and without whatever stands for it. That must
-//! leave several times as many squares, in nearly every part of the log where the effect acts and beside what
-//! the remainder predicts of itself, and either half of the log must give the effect the same size. A form
-//! that is not the true one fails here even if it takes off more than any other of the catalogue.
+//! leave several times as many squares, in most parts of the log where the effect acts and beside what the
+//! remainder predicts of itself; or be so sharp that no remainder moves like it; or act in nearly every part.
+//! Either half of the log must give the effect the same size. A form that is not the true one fails here even if
+//! it takes off more than any other of the catalogue.
 
 use estimator_core::physics::effect::EffectId;
 
@@ -118,10 +119,9 @@ impl Search<'_> {
                     }
         });
         Evidence {
-            is_strong: is_sound && is_ahead(without),
+            is_strong: is_sound && gain.lead >= decide.lead,
             // A wave fits any remainder, whatever it stands beside.
-            is_needed: without.cost >= decide.needed * with.cost
-                && (is_sound_group || !repeats(id)),
+            is_needed: gain.lead >= decide.needed && (is_sound_group || !repeats(id)),
             is_strong_group: is_sound_group,
             faint_waves: self.faint_waves(id, weighing),
             alternatives: alternatives.unwrap_or_default(),
@@ -381,8 +381,10 @@ impl Halves {
 mod tests {
     use super::*;
 
-    /// Whether what was measured on a record speaks for an effect.
-    fn is_sound(id: EffectId, share: f64, lead: f64, blocks: f64, beside: (f64, f64)) -> bool {
+    /// Share, lead, blocks, and what it takes beside the remainder, as measured on a record.
+    type Measured = (f64, f64, f64, (f64, f64));
+
+    fn is_sound(id: EffectId, (share, lead, blocks, beside): Measured) -> bool {
         let gain = Gain {
             share,
             lead,
@@ -395,17 +397,15 @@ mod tests {
     #[test]
     fn what_is_sharp_needs_no_share_and_what_is_slow_acts_in_every_block() {
         // GIVEN a delay of 1.3 ms in a drive's record, and what a pendulum's waves reached
-        assert!(is_sound(EffectId::TimeDelay, 0.43, 1.74, 1.0, (2.13, 9.2)));
-        assert!(!is_sound(EffectId::TimeDelay, 0.43, 1.74, 1.0, (1.62, 9.2)));
+        let delay = |times: f64| is_sound(EffectId::TimeDelay, (0.43, 1.74, 1.0, (times, 9.2)));
+        assert!(delay(2.13));
+        assert!(!delay(1.62));
         // AND the backlash of a friction damper, a wave that does as much, and a softening that stands for a
         // material that breaks in small steps
         let backlash = (0.56, 2.29, 0.95, (1.07, 1.34));
-        let sound = |id, (share, lead, blocks, beside)| is_sound(id, share, lead, blocks, beside);
-        assert!(sound(EffectId::DriveBacklash, backlash));
-        assert!(!sound(EffectId::Cogging, backlash));
-        assert!(!sound(
-            EffectId::CyclicSoftening,
-            (0.73, 1.85, 0.93, (1.18, 2.99))
-        ));
+        let softening = (0.73, 1.85, 0.93, (1.18, 2.99));
+        assert!(is_sound(EffectId::DriveBacklash, backlash));
+        assert!(!is_sound(EffectId::Cogging, backlash));
+        assert!(!is_sound(EffectId::CyclicSoftening, softening));
     }
 }
