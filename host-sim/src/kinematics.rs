@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::{median, rms};
-use bend::Quintic;
+use bend::Bends;
 use misfit::within;
 
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
@@ -197,21 +197,17 @@ impl<'a> Smoother<'a> {
 pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let smoother = Smoother::of(log);
     let (channel, noise_m) = (&*smoother.position_m, smoother.noise_m);
-    let quintics = Quintic::all(&smoother.wider);
+    let moving_m = moving_noise(channel).unwrap_or(0.0);
+    let bends = Bends::of(channel, &smoother.wider, noise_m.max(moving_m));
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
         let ([position, slope, bend], noise) = smoother.cubic(at);
-        let room = smoother.room(at);
-        let fitting = quintics.iter().filter(|own| own.half_width <= room);
-        let mut bends = fitting.map(|own| (own, own.bend(channel, at)));
-        let quintic = bends.find(|(own, (_, left))| *left <= own.within * noise_m);
-        let (bend, noise) = quintic.map_or((bend, noise), |(own, (bend, _))| {
-            (bend, [noise[0], own.noise])
-        });
+        let quintic = bends.at(channel, at);
+        let (bend, bend_noise) = quintic.unwrap_or((bend, noise[1]));
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
-        acceleration_noise_mps2.push(noise[1] * noise_m * log.rate_hz * log.rate_hz);
+        acceleration_noise_mps2.push(bend_noise * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
@@ -244,6 +240,12 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
 fn of_counts(channel: &[f64]) -> Option<f64> {
     let noise_m = signal::noise(channel);
     let step_m = signal::step(channel).filter(|step_m| noise_m < *step_m)?;
+    let moving = moving_noise(channel);
+    Some(moving.map_or(noise_m, |noise_m| noise_m.max(step_m / 12.0_f64.sqrt())))
+}
+
+/// Standard deviation (m) of the noise of a position while it moves; `None` if it hardly does.
+fn moving_noise(channel: &[f64]) -> Option<f64> {
     let fifth = |w: &[f64]| w[5] - w[0] + 5.0 * (w[1] - w[4]) + 10.0 * (w[3] - w[2]);
     let moving = channel.chunks_exact(NOISE_BLOCK).filter(|block| {
         let changes = block.windows(2).filter(|pair| pair[0] != pair[1]);
@@ -252,10 +254,7 @@ fn of_counts(channel: &[f64]) -> Option<f64> {
     let noises: Vec<f64> = moving
         .map(|block| rms(block.windows(6).map(fifth)) / 252.0_f64.sqrt())
         .collect();
-    Some(match noises.len() >= FEWEST_BLOCKS {
-        true => median(noises).max(step_m / 12.0_f64.sqrt()),
-        false => noise_m,
-    })
+    (noises.len() >= FEWEST_BLOCKS).then(|| median(noises))
 }
 
 /// Half-widths (samples) above those at 1 kHz, widest first.
