@@ -122,9 +122,8 @@ fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
     assert!((1.0..2.45).contains(&left), "{left} N");
 }
 
-#[test]
-fn a_force_that_is_late_is_found_beside_what_a_drive_keeps_to_itself() {
-    // GIVEN a base that is complete but for what no catalogue explains in this drive, and forces 3 ms late
+/// A base that is complete but for what no catalogue explains in the drive.
+fn complete_drive() -> Model {
     let toml = "[environment]\nlaw = \"free\"\n\
         [[effect]]\nid = \"tool_inertia\"\nmass = 95.1\n\
         [[effect]]\nid = \"viscous_drag\"\ncoefficient = 203.5\n\
@@ -132,7 +131,36 @@ fn a_force_that_is_late_is_found_beside_what_a_drive_keeps_to_itself() {
         [[effect]]\nid = \"asymmetric_drag\"\ncoefficient = -38.0\n";
     let folder = Folder::new();
     folder.write("base.toml", toml);
-    let base = Model::read(&folder.path("base.toml")).unwrap();
+    Model::read(&folder.path("base.toml")).unwrap()
+}
+
+#[test]
+fn an_effect_that_alone_is_clear_of_all_others_is_named_though_several_together_follow_it() {
+    // GIVEN forces 1.3 ms late, which two waves and a friction follow together to within 1.2 times the squares
+    let mut log = read("emps/data.csv.gz");
+    let force = log.force_n.clone();
+    for at in 2..force.len() {
+        log.force_n[at] = 0.7 * force[at - 1] + 0.3 * force[at - 2];
+    }
+    let options = Options {
+        bandwidth_hz: Some(20.0),
+        ..Options::default()
+    };
+    let finding = gap(&complete_drive(), &[log], &options).unwrap();
+    // THEN lateness is a strong name.
+    let strong = finding
+        .effects
+        .iter()
+        .filter(|effect| effect.grade == Grade::Strong);
+    let names: Vec<EffectId> = strong.map(|effect| effect.id).collect();
+    let late = [EffectId::ForceLag, EffectId::TimeDelay];
+    assert!(names.iter().any(|id| late.contains(id)), "{names:?}");
+}
+
+#[test]
+fn a_force_that_is_late_is_found_beside_what_a_drive_keeps_to_itself() {
+    // GIVEN forces 3 ms late
+    let base = complete_drive();
     let mut log = read("emps/data.csv.gz");
     let late = (3e-3 * log.rate_hz).round() as usize;
     log.force_n.rotate_right(late);

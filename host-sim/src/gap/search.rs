@@ -1,6 +1,7 @@
 //! The search over the catalogue: which effects are added, swapped and dropped, and what an effect must take
 //! off Σ w r² to stay.
 
+mod alone;
 pub(crate) mod eliminate;
 pub(crate) mod evidence;
 pub(crate) mod expand;

@@ -4,7 +4,8 @@
 //! ever be named there. Each effect is therefore weighed by itself, over all sets that were fitted: the best
 //! set with it against the best set of any size without it and without whatever stands for it. That must
 //! leave several times as many squares, in most parts of the log where the effect acts and beside what the
-//! remainder predicts of itself; or be so sharp that no remainder moves like it; or act in nearly every part.
+//! remainder predicts of itself; or be so sharp that no remainder moves like it; or act in nearly every part; or
+//! stand out by itself ([`super::alone`]).
 //! Either half of the log must give the effect the same size. A form that is not the true one fails here even if
 //! it takes off more than any other of the catalogue.
 
@@ -21,7 +22,7 @@ use crate::gap::search::sets::{added_effects, is_repeated};
 use crate::gap::thresholds;
 
 /// Blocks of the logs: a palpation of 15 s has about as many strokes.
-const BLOCKS: usize = 24;
+pub(super) const BLOCKS: usize = 24;
 /// An effect acts in a block if it changes the forces there by at least this share of the mean square.
 const ACTS: f64 = 0.2;
 /// Most steps of the fit to half of the logs.
@@ -67,9 +68,11 @@ impl Search<'_> {
             .collect();
         let plain: Vec<Fit> = ids.iter().map(|id| self.without_kind(best, *id)).collect();
         all.extend_from_slice(&plain);
+        let alone = self.effect_alone(base, &all);
         let weighing = Weighing {
             best,
             all: &all,
+            alone,
             halves: Halves::of(&self.dataset, &self.weights, best),
             remainder: Remainder::of(&self.weighted_residuals(best)),
         };
@@ -81,7 +84,11 @@ impl Search<'_> {
     fn evidence_for(&self, id: EffectId, plain: &Fit, weighing: &Weighing<'_>) -> Evidence {
         let decide = &self.dataset.thresholds.evidence;
         let Weighing {
-            best, all, halves, ..
+            best,
+            all,
+            halves,
+            alone,
+            ..
         } = weighing;
         let ids = added_effects(best);
         let with = best_with(all, best, id);
@@ -118,8 +125,10 @@ impl Search<'_> {
                         self.gain(without, with, weighing).is_sound(id, decide)
                     }
         });
+        let is_alone = alone.is_some_and(|own| stands_for(own, id));
+        let is_sound_group = is_sound_group || is_alone;
         Evidence {
-            is_strong: is_sound && gain.lead >= decide.lead,
+            is_strong: is_alone || is_sound && gain.lead >= decide.lead,
             // A wave fits any remainder, whatever it stands beside.
             is_needed: gain.lead >= decide.needed && (is_sound_group || !repeats(id)),
             is_strong_group: is_sound_group,
@@ -157,7 +166,7 @@ impl Search<'_> {
     }
 
     /// √w r of a fit.
-    fn weighted_residuals(&self, fit: &Fit) -> Vec<f64> {
+    pub(super) fn weighted_residuals(&self, fit: &Fit) -> Vec<f64> {
         let residuals = self.problem().residuals(&fit.shape, &fit.numbers);
         let each = residuals.iter().zip(&self.weights);
         each.map(|(residual, weight)| residual * weight.sqrt())
@@ -190,6 +199,8 @@ struct Weighing<'a> {
     best: &'a Fit,
     /// All fits, of any set.
     all: &'a [Fit],
+    /// The effect that stands out of all others if one alone is added.
+    alone: Option<EffectId>,
     halves: Halves,
     remainder: Remainder,
 }
@@ -235,7 +246,7 @@ impl Gain {
 }
 
 /// The fraction of blocks in which one fit leaves more than the other, of those in which they differ.
-fn blocks(more: &[f64], less: &[f64]) -> f64 {
+pub(super) fn blocks(more: &[f64], less: &[f64]) -> f64 {
     let rows: Vec<[f64; 2]> = more
         .iter()
         .zip(less)
@@ -329,12 +340,12 @@ fn is_series(fit: &Fit, id: EffectId, decide: &thresholds::Search) -> bool {
 }
 
 /// Fits to either half of the logs.
-struct Halves {
+pub(super) struct Halves {
     fits: [(Fit, Vec<Option<f64>>); 2],
 }
 
 impl Halves {
-    fn of(dataset: &Dataset<'_>, weights: &[f64], best: &Fit) -> Halves {
+    pub(super) fn of(dataset: &Dataset<'_>, weights: &[f64], best: &Fit) -> Halves {
         let half = |is_second: bool| {
             let is_in = |at: usize| (2 * at >= weights.len()) == is_second;
             let each = weights.iter().enumerate();
@@ -353,7 +364,7 @@ impl Halves {
     }
 
     /// Whether both halves give an effect the same size, and one of them knows it.
-    fn agree(&self, best: &Fit, id: EffectId, decide: &thresholds::Evidence) -> bool {
+    pub(super) fn agree(&self, best: &Fit, id: EffectId, decide: &thresholds::Evidence) -> bool {
         let is_size = |at: &usize| match best.shape.free[*at].owner {
             Owner::Effect(number, 0) => {
                 let term = &best.shape.terms[number];
