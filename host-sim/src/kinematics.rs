@@ -22,7 +22,7 @@ const HALF_WIDTHS: [usize; 7] = [15, 10, 7, 5, 3, 2, 1];
 /// Above this rate (Hz) the widest windows of a position in counts last as long as they do at it, so that
 /// more samples of the same motion make less noise.
 const WIDEST_AT_HZ: f64 = 1000.0;
-/// Most samples of a half-width: 10 ms at 20 kHz.
+/// Most samples of a half-width: 10 ms at 20 kHz. A noisy 0.3 Hz stroke at 1 kHz took 60 for its acceleration.
 const WIDEST: f64 = 200.0;
 /// Each wider window over the next: as 15 over 10.
 const WIDER: f64 = 1.5;

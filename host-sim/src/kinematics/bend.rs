@@ -10,21 +10,17 @@
 //! shows most beyond its noise.
 
 use super::misfit::within;
+use super::{WIDER, WIDEST};
 use crate::stats::rms;
 
 /// Half-widths that are tried, widest first; three is the narrowest that leaves anything.
 const HALF_WIDTHS: [usize; 9] = [15, 12, 10, 8, 7, 6, 5, 4, 3];
 const DEGREE: i32 = 5;
-/// Half-widths above those and what the rate asks for, for noise that they do not take down: the next over each.
-const WIDER: f64 = 1.5;
-/// The widest: the acceleration of the fastest 0.3 Hz stroke of a surgical tool, at 1 kHz, took 60 samples.
-const WIDEST: usize = 200;
 /// Most windows in which bends are looked at to find the narrowest width.
 const LOOKED_AT: usize = 10_000;
 /// The mean square of bends less this many times that of their noise is largest at the narrowest window. 2 were
 /// right for a noise that is known and white; that of a position remembers, and is read too low by a half.
 const NOISE_COUNTS: f64 = 10.0;
-
 /// A position moves if it is this many standard deviations of its noise elsewhere at the end of a window.
 const MOVES: f64 = 6.0;
 
@@ -72,7 +68,7 @@ fn narrowest(channel: &[f64], noise_m: f64) -> usize {
     let wider = std::iter::successors(Some(HALF_WIDTHS[0] as f64 * WIDER), |w| Some(w * WIDER));
     let own = HALF_WIDTHS.iter().rev().copied();
     let all = own.chain(wider.map(|width| width.round() as usize));
-    let fits = |width: &usize| *width <= WIDEST && 16 * width < channel.len();
+    let fits = |width: &usize| *width as f64 <= WIDEST && 16 * width < channel.len();
     let (mut most, mut narrowest) = (f64::NEG_INFINITY, HALF_WIDTHS[HALF_WIDTHS.len() - 1]);
     for width in all.take_while(fits) {
         let own = Quintic::new(width);
@@ -178,14 +174,16 @@ mod tests {
 
     const SEED_BEND: u64 = 23;
 
-    /// Bends of a sine of 1, `samples` long each turn, in a position with such a noise, and what they are.
-    fn of_sine(samples: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
+    /// Bends of a sine of 1, `samples` long each turn, in a position with such a noise and every 500 samples a jump
+    /// of so many standard deviations of it, and what they are.
+    fn of_sine(samples: f64, noise: f64, jump: f64) -> (Vec<f64>, Vec<f64>) {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED_BEND);
-        let normal = Normal::new(0.0, noise.max(1e-12)).unwrap();
+        let normal = Normal::new(0.0, noise).unwrap();
         let turn = std::f64::consts::TAU / samples;
         let value = |at: usize| (turn * at as f64).sin();
+        let jumped = |at: usize| if at % 500 == 250 { jump * noise } else { 0.0 };
         let channel: Vec<f64> = (0..8000)
-            .map(|at| value(at) + normal.sample(&mut rng))
+            .map(|at| value(at) + jumped(at) + normal.sample(&mut rng))
             .collect();
         let bends = Bends::of(&channel, &[], noise);
         let found = (0..8000).map(|at| bends.at(&channel, at).unwrap().0);
@@ -203,32 +201,21 @@ mod tests {
     fn a_window_is_as_wide_as_the_noise_asks_for_and_the_ends_are_no_worse() {
         // GIVEN a turn in 2000 samples under a noise of a thousandth: the bends are 1e-5, that of the widest
         // window at 1 kHz, 31 samples, would have a noise of 5e-5
-        let sine = of_sine(2000.0, 1e-3);
+        let sine = of_sine(2000.0, 1e-3, 0.0);
         assert!(error(&sine) < 0.2, "{}", error(&sine));
         let ends = sine.0[..200].iter().chain(&sine.0[7800..]);
         assert!(ends.map(|a| a.abs()).fold(0.0, f64::max) < 1.5e-5);
         // AND without noise the window stays narrow.
-        let sine = of_sine(40.0, 1e-9);
+        let sine = of_sine(40.0, 1e-9, 0.0);
         assert!(error(&sine) < 1e-3, "{}", error(&sine));
     }
 
     #[test]
     fn what_is_no_polynomial_does_not_choose_a_window_that_its_noise_rules() {
-        // GIVEN that sine with a jump of ten standard deviations of its noise every 500 samples
-        let (noise, turn) = (1e-4, std::f64::consts::TAU / 1000.0);
-        let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED_BEND);
-        let normal = Normal::new(0.0, noise).unwrap();
-        let glitch = |at: usize| if at % 500 == 250 { 10.0 * noise } else { 0.0 };
-        let value = |at: usize| (turn * at as f64).sin();
-        let channel: Vec<f64> = (0..8000)
-            .map(|at| value(at) + glitch(at) + normal.sample(&mut rng))
-            .collect();
-        let bends = Bends::of(&channel, &[], noise);
-        let found = (0..8000).map(|at| bends.at(&channel, at).unwrap().0);
-        let bends = (0..8000).map(|at| -turn * turn * value(at));
+        // GIVEN a sine with a jump of ten standard deviations of its noise every 500 samples
+        let sine = of_sine(1000.0, 1e-4, 10.0);
         // THEN it does not rule the bends: a parabola through it alone would be 50 times as large as they are.
-        let error = error(&(found.collect(), bends.collect()));
-        assert!(error < 0.5, "{error}");
+        assert!(error(&sine) < 0.5, "{}", error(&sine));
     }
 
     #[test]

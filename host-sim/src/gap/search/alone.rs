@@ -5,13 +5,14 @@
 //! added alone a lag left the least there, and the next that is no lateness 1.67 times as much, in every block.
 
 use estimator_core::physics::effect::EffectId;
+use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, start::repeats};
 use crate::gap::search::evidence::{BLOCKS, Halves, blocks};
 use crate::gap::search::relatives::stands_for;
 use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::Search;
-use crate::gap::search::sets::added_effects;
+use crate::gap::search::sets::{added_effects, keep_first};
 
 impl Search<'_> {
     /// The effect that alone leaves least, if the next that does not stand for it is clearly behind; `all` are fits of
@@ -19,9 +20,15 @@ impl Search<'_> {
     pub(super) fn effect_alone(&self, base: &Fit, all: &[Fit]) -> Option<EffectId> {
         let decide = &self.dataset.thresholds.evidence;
         let singles = self.singles(all);
-        let (id, fit) = singles.first().filter(|(id, _)| !repeats(*id))?;
-        let behind = singles.iter().find(|(other, _)| !stands_for(*other, *id));
-        let next = behind.map_or_else(|| self.refitted(base), |(_, next)| next.clone());
+        let fit = singles.first()?;
+        let id = added_effects(fit)[0];
+        if repeats(id) {
+            return None;
+        }
+        let behind = singles
+            .iter()
+            .find(|other| !stands_for(added_effects(other)[0], id));
+        let next = behind.map_or_else(|| self.refitted(base), Fit::clone);
         if next.cost < decide.lead * fit.cost {
             return None;
         }
@@ -30,25 +37,16 @@ impl Search<'_> {
         let is_clear = blocks(&more, &less) >= decide.blocks
             && times >= decide.beside
             && sigmas >= decide.beside_sigmas
-            && Halves::of(&self.dataset, &self.weights, fit).agree(fit, *id, decide);
-        is_clear.then_some(*id)
+            && Halves::of(&self.dataset, &self.weights, fit).agree(fit, id, decide);
+        is_clear.then_some(id)
     }
 
     /// The best fit with each effect that was tried alone under the present weights, the best first.
-    fn singles(&self, all: &[Fit]) -> Vec<(EffectId, Fit)> {
-        let mut singles: Vec<(EffectId, Fit)> = Vec::new();
-        for fit in all {
-            let [id] = added_effects(fit)[..] else {
-                continue;
-            };
-            let fit = self.refitted(fit);
-            match singles.iter_mut().find(|(other, _)| *other == id) {
-                Some((_, other)) if other.cost <= fit.cost => {}
-                Some((_, other)) => *other = fit,
-                None => singles.push((id, fit)),
-            }
-        }
-        singles.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    fn singles(&self, all: &[Fit]) -> Vec<Fit> {
+        let single = all.par_iter().filter(|fit| added_effects(fit).len() == 1);
+        let mut singles: Vec<Fit> = single.map(|fit| self.refitted(fit)).collect();
+        singles.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        keep_first(&mut singles, added_effects);
         singles
     }
 }
