@@ -7,6 +7,7 @@
 
 mod bend;
 mod misfit;
+mod width;
 
 use std::borrow::Cow;
 
@@ -19,13 +20,6 @@ use misfit::within;
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
 /// 14 µm/s of noise in the speed.
 const HALF_WIDTHS: [usize; 7] = [15, 10, 7, 5, 3, 2, 1];
-/// Above this rate (Hz) the widest windows of a position in counts last as long as they do at it, so that
-/// more samples of the same motion make less noise.
-const WIDEST_AT_HZ: f64 = 1000.0;
-/// Most samples of a half-width: 10 ms at 20 kHz. A noisy 0.3 Hz stroke at 1 kHz took 60 for its acceleration.
-const WIDEST: f64 = 200.0;
-/// Each wider window over the next: as 15 over 10.
-const WIDER: f64 = 1.5;
 
 /// Samples of a block in which the noise of a moving position is read: an rms to 15 %.
 const NOISE_BLOCK: usize = 32;
@@ -146,6 +140,8 @@ pub(crate) struct Smoother<'a> {
     position_m: Cow<'a, [f64]>,
     rate_hz: f64,
     noise_m: f64,
+    /// Its noise while it moves; `None` if it hardly does.
+    moving_m: Option<f64>,
     /// Half-widths (samples) above those at 1 kHz, widest first.
     wider: Vec<usize>,
     windows: Vec<Window>,
@@ -154,9 +150,10 @@ pub(crate) struct Smoother<'a> {
 impl<'a> Smoother<'a> {
     pub(crate) fn of(log: &'a UniformLog) -> Smoother<'a> {
         let position_m = signal::without_toggling(&log.position_m);
-        let counts_m = of_counts(&position_m);
+        let moving_m = moving_noise(&position_m);
+        let counts_m = of_counts(&position_m, moving_m);
         let wider = match counts_m {
-            Some(_) => wider_half_widths(log.rate_hz),
+            Some(_) => width::at_rate(log.rate_hz, HALF_WIDTHS[0]),
             // What a servo or an amplifier makes of a position remembers: a wider window takes less off than it claims.
             None => Vec::new(),
         };
@@ -164,6 +161,7 @@ impl<'a> Smoother<'a> {
         Smoother {
             rate_hz: log.rate_hz,
             noise_m: counts_m.unwrap_or_else(|| signal::noise(&position_m)),
+            moving_m,
             windows: all.map(Window::new).collect(),
             wider,
             position_m,
@@ -197,8 +195,8 @@ impl<'a> Smoother<'a> {
 pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let smoother = Smoother::of(log);
     let (channel, noise_m) = (&*smoother.position_m, smoother.noise_m);
-    let moving_m = moving_noise(channel).unwrap_or(0.0);
-    let bends = Bends::of(channel, &smoother.wider, noise_m.max(moving_m));
+    let moving_m = smoother.moving_m.map_or(noise_m, |own| own.max(noise_m));
+    let bends = Bends::of(channel, &smoother.wider, moving_m);
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
@@ -232,15 +230,15 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     }
 }
 
-/// Standard deviation (m) of the noise of a position that counts make; `None` where something else makes more.
+/// Standard deviation (m) of the noise of a position that counts make, `moving` of one that moves; `None` where
+/// something else makes more.
 ///
 /// The median of second differences, which [`signal::noise`] takes, is then a whole count or none: a position in
 /// counts that were rounded once more read 0.29 of one for 0.45. Fifth differences while the position moves have
 /// variance 252 σ² for white noise and hardly see 5 Hz at 200 Hz. The median over blocks keeps corners out.
-fn of_counts(channel: &[f64]) -> Option<f64> {
+fn of_counts(channel: &[f64], moving: Option<f64>) -> Option<f64> {
     let noise_m = signal::noise(channel);
     let step_m = signal::step(channel).filter(|step_m| noise_m < *step_m)?;
-    let moving = moving_noise(channel);
     Some(moving.map_or(noise_m, |noise_m| noise_m.max(step_m / 12.0_f64.sqrt())))
 }
 
@@ -255,17 +253,6 @@ fn moving_noise(channel: &[f64]) -> Option<f64> {
         .map(|block| rms(block.windows(6).map(fifth)) / 252.0_f64.sqrt())
         .collect();
     (noises.len() >= FEWEST_BLOCKS).then(|| median(noises))
-}
-
-/// Half-widths (samples) above those at 1 kHz, widest first.
-fn wider_half_widths(rate_hz: f64) -> Vec<usize> {
-    let most = (HALF_WIDTHS[0] as f64 * rate_hz / WIDEST_AT_HZ).min(WIDEST);
-    let wider = std::iter::successors(Some(most), |width| Some(width / WIDER));
-    let least = WIDER.sqrt() * HALF_WIDTHS[0] as f64;
-    wider
-        .take_while(|width| *width > least)
-        .map(|width| width.round() as usize)
-        .collect()
 }
 
 /// Length of the run of equal positions that each sample stands in.

@@ -10,7 +10,7 @@
 //! shows most beyond its noise.
 
 use super::misfit::within;
-use super::{WIDER, WIDEST};
+use super::width;
 use crate::stats::rms;
 
 /// Half-widths that are tried, widest first; three is the narrowest that leaves anything.
@@ -65,10 +65,9 @@ impl Bends {
 
 /// The half-width that shows most of the bends beyond their noise.
 fn narrowest(channel: &[f64], noise_m: f64) -> usize {
-    let wider = std::iter::successors(Some(HALF_WIDTHS[0] as f64 * WIDER), |w| Some(w * WIDER));
     let own = HALF_WIDTHS.iter().rev().copied();
-    let all = own.chain(wider.map(|width| width.round() as usize));
-    let fits = |width: &usize| *width as f64 <= WIDEST && 16 * width < channel.len();
+    let all = own.chain(width::for_noise(HALF_WIDTHS[0]));
+    let fits = |width: &usize| 16 * width < channel.len();
     let (mut most, mut narrowest) = (f64::NEG_INFINITY, HALF_WIDTHS[HALF_WIDTHS.len() - 1]);
     for width in all.take_while(fits) {
         let own = Quintic::new(width);
