@@ -51,6 +51,15 @@ pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
 
 /// Integrated autocorrelation 1 + 2Σρ(l), up to the first lag that is below its own noise 2/√N.
 pub(crate) fn correlation(residuals: &[f64]) -> f64 {
+    correlation_of_powers(residuals, 1)
+}
+
+/// The same of ρ⁴: samples for each independent one in a fourth moment of normal noise.
+pub(crate) fn correlation_of_fourths(residuals: &[f64]) -> f64 {
+    correlation_of_powers(residuals, 4)
+}
+
+fn correlation_of_powers(residuals: &[f64], power: i32) -> f64 {
     let count = residuals.len();
     let square: f64 = residuals.iter().map(|r| r * r).sum();
     if count < 10 || square <= 0.0 {
@@ -64,7 +73,7 @@ pub(crate) fn correlation(residuals: &[f64]) -> f64 {
         if rho < noise {
             break;
         }
-        sum += 2.0 * rho;
+        sum += 2.0 * rho.powi(power);
     }
     sum
 }

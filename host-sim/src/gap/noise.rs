@@ -3,4 +3,5 @@
 pub(crate) mod coloured;
 pub(crate) mod floor;
 pub(crate) mod line;
+mod rest;
 pub(crate) mod spectrum;

@@ -5,16 +5,17 @@
 //! disturbance) are not noise and are cut to the level of their neighbours, and a line that runs through
 //! all free air is taken out first. Where the two differ the noise is coloured, and the estimate at rest
 //! is right; its fast part is better known from the whole log. What is there at rest may be no noise at all,
-//! as a chirp or a burst: then the floor is that of second differences.
+//! as a chirp or a burst: then the floor is that of second differences, of the quiet part where they come and go.
 
 use std::ops::Range;
 
 use crate::gap::noise::line::Line;
-use crate::gap::noise::spectrum::{LowFrequencySlope, Spectrum, detrended, median_power};
+use crate::gap::noise::rest;
+use crate::gap::noise::spectrum::{LowFrequencySlope, Spectrum, median_power};
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::{correlation, lowest, range, rms};
+use crate::stats::{lowest, range, rms};
 
 /// Longest window of the spectrum at rest (samples).
 const LONGEST_WINDOW: usize = 2048;
@@ -130,7 +131,12 @@ impl NoiseFloor {
         let high_pass_n = high_pass_noise_n(log, decide.spike_sigmas);
         let rest = RestNoise::of(log, rests, high_pass_n, decide);
         let rest_n = rest.as_ref().map(|rest| rest.noise_n2.sqrt());
+        let quiet_n = rest::quiet_n(log, rests, high_pass_n, decide);
         let (used_n, why) = match rest_n {
+            _ if quiet_n.is_some() => (
+                quiet_n.unwrap_or(high_pass_n),
+                "from the quiet part of the rest in free air: what is there comes and goes, and is no noise",
+            ),
             None => (
                 high_pass_n,
                 "from second differences: there is no rest in free air",
@@ -142,7 +148,7 @@ impl NoiseFloor {
                     "from second differences, and rest in free air agrees",
                 )
             }
-            Some(rest) if !is_noise(log, rests, rest / high_pass_n, decide) => (
+            Some(rest) if !rest::is_noise(log, rests, rest / high_pass_n, decide) => (
                 high_pass_n,
                 "from second differences: what is there at rest in free air is larger, and no noise",
             ),
@@ -153,7 +159,7 @@ impl NoiseFloor {
         NoiseFloor {
             coloured,
             correlation: if coloured {
-                rest_correlation(log, rests)
+                rest::correlation_at(log, rests)
             } else {
                 1.0
             },
@@ -251,7 +257,7 @@ impl RestNoise {
     ) -> Option<RestNoise> {
         let spectra: Vec<Spectrum> = rests
             .iter()
-            .flat_map(|rest| log.force_n[settled(rest)].chunks(LONGEST_WINDOW))
+            .flat_map(|rest| log.force_n[rest::settled(rest)].chunks(LONGEST_WINDOW))
             .filter(|window| 2.0 * window.len() as f64 >= decide.shortest_rest)
             .map(|window| Spectrum::of(window, noise_n, decide))
             .collect();
@@ -288,37 +294,6 @@ impl RestNoise {
             error_n2: error_n2(0.0).hypot(0.5 * below),
         })
     }
-}
-
-/// Whether what is there at rest is noise, `times` as large as second differences say. A chirp, a burst or a
-/// wander at rest would otherwise become the floor, and everything as small would be explained.
-fn is_noise(log: &UniformLog, rests: &[Range<usize>], times: f64, decide: &Floor) -> bool {
-    let correlation = rest_correlation(log, rests);
-    let each = rests.iter().map(settled);
-    let count: usize = each.clone().map(|rest| rest.len()).sum();
-    let stretches = each.map(|rest| detrended(&log.force_n[rest]));
-    let (square, fourth) = stretches.flatten().fold((0.0, 0.0), |(two, four), force| {
-        (two + force.powi(2), four + force.powi(4))
-    });
-    let count = count.max(1) as f64;
-    // 3 for normal noise, 1.5 for a sine, 1 for two levels, more than 3 for bursts.
-    let kurtosis = fourth * count / (square * square).max(f64::MIN_POSITIVE);
-    let error = (24.0 * correlation / count).sqrt();
-    times <= decide.largest_colour
-        && (times <= decide.slight_colour || (kurtosis - 3.0).abs() <= decide.sigmas * error)
-}
-
-/// A rest without its first tenth, in which what the motion leaves behind dies out.
-fn settled(rest: &Range<usize>) -> Range<usize> {
-    rest.start + rest.len() / 10..rest.end
-}
-
-/// Integrated autocorrelation of the longest rest (samples).
-fn rest_correlation(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
-    let longest = rests.iter().max_by_key(|rest| rest.len());
-    longest.map_or(1.0, |rest| {
-        correlation(&detrended(&log.force_n[settled(rest)]))
-    })
 }
 
 #[cfg(test)]
@@ -459,6 +434,28 @@ mod tests {
             floor.why.contains("no noise") && !floor.coloured,
             "{floor:?}"
         );
+    }
+
+    #[test]
+    fn a_faint_chirp_and_bursts_at_rest_are_no_floor() {
+        // GIVEN a chirp that leaves 2.5 times the noise at rest once its lines are cut, and bursts of five times
+        // the noise that last 0.2 s of every 0.3
+        let chirp = |t: f64, _: f64| {
+            let u = (t % 3.0) - 1.5;
+            4.0 * SIGMA_N * (TAU * (30.0 - 9.0 * u.abs()) * u).sin()
+        };
+        let more = normals(SAMPLES, 4);
+        let bursts = |t: f64, _: f64| {
+            let at = (1e3 * t).round() as usize;
+            let lasts = at % 300 < 200;
+            if lasts { 5.0 * SIGMA_N * more[at] } else { 0.0 }
+        };
+        let of = |else_n: &dyn Fn(f64, f64) -> f64| {
+            NoiseFloor::of(&log(&white(), else_n, 1e-5), &Floor::default())
+        };
+        // THEN the floor is that of the noise between them.
+        assert_near(&of(&chirp), SIGMA_N, 0.1);
+        assert_near(&of(&bursts), SIGMA_N, 0.1);
     }
 
     #[test]

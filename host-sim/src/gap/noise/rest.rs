@@ -1,0 +1,78 @@
+//! Whether what is there at rest in free air is noise. A chirp, a burst or a wander at rest would otherwise become
+//! the floor, and everything as small would be explained.
+
+use std::ops::Range;
+
+use crate::gap::noise::spectrum::detrended;
+use crate::gap::thresholds::Floor;
+use crate::log::UniformLog;
+use crate::signal;
+use crate::stats::{correlation, correlation_of_fourths, median, rms};
+
+/// Samples of a block in which the noise is read from second differences: to 12 %.
+const BLOCK: usize = 64;
+
+/// Whether what is there is noise, `times` as large as second differences say.
+pub(super) fn is_noise(
+    log: &UniformLog,
+    rests: &[Range<usize>],
+    times: f64,
+    decide: &Floor,
+) -> bool {
+    let each = rests.iter().map(settled);
+    let count: usize = each.clone().map(|rest| rest.len()).sum();
+    let stretches = each.map(|rest| detrended(&log.force_n[rest]));
+    let (square, fourth) = stretches.flatten().fold((0.0, 0.0), |(two, four), force| {
+        (two + force.powi(2), four + force.powi(4))
+    });
+    let count = count.max(1) as f64;
+    // 3 for normal noise, 1.5 for a sine, 1 for two levels, more than 3 for bursts and for what dies out.
+    let kurtosis = fourth * count / (square * square).max(f64::MIN_POSITIVE);
+    // Of normal noise the squares say nothing once the variance is taken out, and Hermite's fourth polynomial has
+    // the autocorrelation 24 ρ⁴.
+    let error = (24.0 * longest(log, rests, correlation_of_fourths) / count).sqrt();
+    let off = (kurtosis - 3.0) / (decide.sigmas * error);
+    times <= decide.largest_colour && off >= -1.0 && (times <= decide.slight_colour || off <= 1.0)
+}
+
+/// Standard deviation (N) of the quiet part of the rests, from second differences, if there is one: a tenth or more
+/// of them is quieter than `decide.quiet` times their median. `None` as well where the codes of a converter make
+/// most of the noise, which then comes and goes with the level.
+pub(super) fn quiet_n(
+    log: &UniformLog,
+    rests: &[Range<usize>],
+    noise_n: f64,
+    decide: &Floor,
+) -> Option<f64> {
+    if signal::step(&log.force_n).is_some_and(|step_n| step_n > decide.fine_code * noise_n) {
+        return None;
+    }
+    let blocks_n: Vec<f64> = (rests.iter().map(settled))
+        .flat_map(|rest| {
+            log.force_n[rest.clone()]
+                .chunks_exact(BLOCK)
+                .zip(log.in_gap[rest].chunks_exact(BLOCK))
+        })
+        .filter(|(_, gap)| !gap.contains(&true))
+        .map(|(block, _)| rms(block.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0])) / 6.0_f64.sqrt())
+        .collect();
+    let most_n = decide.quiet * median(blocks_n.iter().copied());
+    let quiet_n = || blocks_n.iter().copied().filter(|noise_n| *noise_n < most_n);
+    (10 * quiet_n().count() >= blocks_n.len().max(1)).then(|| median(quiet_n()))
+}
+
+/// A rest without its first tenth, in which what the motion leaves behind dies out.
+pub(super) fn settled(rest: &Range<usize>) -> Range<usize> {
+    rest.start + rest.len() / 10..rest.end
+}
+
+/// Integrated autocorrelation (samples).
+pub(super) fn correlation_at(log: &UniformLog, rests: &[Range<usize>]) -> f64 {
+    longest(log, rests, correlation)
+}
+
+/// A figure of the longest rest; 1 without one.
+fn longest(log: &UniformLog, rests: &[Range<usize>], of: fn(&[f64]) -> f64) -> f64 {
+    let longest = rests.iter().max_by_key(|rest| rest.len());
+    longest.map_or(1.0, |rest| of(&detrended(&log.force_n[settled(rest)])))
+}
