@@ -9,7 +9,7 @@ effect! {
         /// A (N)
         amplitude_n = "amplitude", Newton, NotNegative, Size, FitRange::up_to(Times(1.0, Force));
         /// f (Hz)
-        frequency_hz = "frequency", Hertz, Positive, Shape, Linear(Per(2.0, Duration), Per(0.5, Period));
+        frequency_hz = "frequency", Hertz, Positive, Shape, Linear(Per(2.5, Duration), Per(0.5, Period));
         /// φ (rad) at t = 0
         phase_rad = "phase", Radian, Angle, Shape, FitRange::ANY;
     }

@@ -9,7 +9,7 @@
 //! Either half of the log must give the effect the same size. A form that is not the true one fails here even if
 //! it takes off more than any other of the catalogue.
 
-use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::effect::{ChainStage, EffectId};
 
 use crate::gap::finding::{Next, Support};
 use crate::gap::model::dataset::Dataset;
@@ -109,9 +109,12 @@ impl Search<'_> {
             list.extend(Some(other.0).filter(|_| !is_ahead(other.1)));
         }
         // Several waves of about one size fit any curve that wanders, and take little off beside what the
-        // remainder predicts of itself; one that is sharp is a wave whatever stands beside it.
-        let is_curve =
-            repeats(id) && gain.beside.0 < decide.sharp && is_series(best, id, self.decide());
+        // remainder predicts of itself; one that is sharp is a wave whatever stands beside it. But a scale that is
+        // read has one pitch: two of them are a converter's error, or another curve along the force.
+        let is_scale = id.info().stage == ChainStage::PositionReading;
+        let is_curve = repeats(id)
+            && (is_scale || gain.beside.0 < decide.sharp)
+            && is_series(best, id, self.decide());
         let agrees = halves.agree(best, id, decide) && !is_curve;
         let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
