@@ -7,7 +7,7 @@ use crate::gap::noise::spectrum::detrended;
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::{correlation, correlation_of_fourths, median, rms};
+use crate::stats::{correlation, correlation_of_fourths, median, quantile, rms};
 
 /// Samples of a block in which the noise is read from second differences: to 12 %.
 const BLOCK: usize = 64;
@@ -47,18 +47,22 @@ pub(super) fn quiet_n(
     if signal::step(&log.force_n).is_some_and(|step_n| step_n > decide.fine_code * noise_n) {
         return None;
     }
-    let blocks_n: Vec<f64> = (rests.iter().map(settled))
-        .flat_map(|rest| {
-            log.force_n[rest.clone()]
-                .chunks_exact(BLOCK)
-                .zip(log.in_gap[rest].chunks_exact(BLOCK))
-        })
-        .filter(|(_, gap)| !gap.contains(&true))
-        .map(|(block, _)| rms(block.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0])) / 6.0_f64.sqrt())
-        .collect();
+    let mut blocks_n = Vec::new();
+    for rest in rests.iter().map(settled) {
+        let blocks = log.force_n[rest.clone()].chunks_exact(BLOCK);
+        for (block, gaps) in blocks.zip(log.in_gap[rest].chunks_exact(BLOCK)) {
+            let each = block.windows(3).zip(gaps.windows(3));
+            let measured = each.filter(|(_, gap)| !gap.contains(&true));
+            let differences: Vec<f64> = measured.map(|(w, _)| w[2] - 2.0 * w[1] + w[0]).collect();
+            if 2 * differences.len() > BLOCK {
+                blocks_n.push(rms(differences) / 6.0_f64.sqrt());
+            }
+        }
+    }
     let most_n = decide.quiet * median(blocks_n.iter().copied());
     let quiet_n = || blocks_n.iter().copied().filter(|noise_n| *noise_n < most_n);
-    (10 * quiet_n().count() >= blocks_n.len().max(1)).then(|| median(quiet_n()))
+    // Of two blocks the lower one: the other may hold the end of a burst.
+    (10 * quiet_n().count() >= blocks_n.len().max(1)).then(|| quantile(quiet_n(), 0.4))
 }
 
 /// A rest without its first tenth, in which what the motion leaves behind dies out.

@@ -8,7 +8,8 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, start::repeats};
-use crate::gap::search::evidence::{BLOCKS, Halves, blocks};
+use crate::gap::search::evidence::{BLOCKS, blocks};
+use crate::gap::search::parts::Parts;
 use crate::gap::search::relatives::stands_for;
 use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::Search;
@@ -39,7 +40,7 @@ impl Search<'_> {
         let is_clear = blocks(&more, &less) >= decide.sharp_blocks
             && times >= decide.beside
             && sigmas >= decide.beside_sigmas
-            && Halves::of(&self.dataset, &self.weights, fit).agree(fit, id, decide);
+            && Parts::of(&self.dataset, &self.weights, fit).agree(fit, id, decide);
         is_clear.then_some(id)
     }
 

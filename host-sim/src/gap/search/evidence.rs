@@ -6,14 +6,14 @@
 //! leave several times as many squares, in most parts of the log where the effect acts and beside what the
 //! remainder predicts of itself; or be so sharp that no remainder moves like it; or act in nearly every part; or
 //! stand out by itself ([`super::alone`]).
-//! Either half of the log must give the effect the same size. A form that is not the true one fails here even if
+//! Parts of the log must give the effect the same size ([`super::parts`]). A form that is not the true one fails here even if
 //! it takes off more than any other of the catalogue.
 
 use estimator_core::physics::effect::{ChainStage, EffectId};
 
 use crate::gap::finding::{Next, Support};
-use crate::gap::model::dataset::Dataset;
-use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner, shape::Term, start::repeats};
+use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
+use crate::gap::search::parts::Parts;
 use crate::gap::search::physical::is_fourier_series;
 use crate::gap::search::relatives::{are_alike, stands_for};
 use crate::gap::search::remainder::Remainder;
@@ -25,8 +25,6 @@ use crate::gap::thresholds;
 pub(super) const BLOCKS: usize = 24;
 /// An effect acts in a block if it changes the forces there by at least this share of the mean square.
 const ACTS: f64 = 0.2;
-/// Most steps of the fit to half of the logs.
-const HALF_STEPS: usize = 12;
 
 /// What speaks for one effect of the best set.
 #[derive(Clone, Debug)]
@@ -73,7 +71,7 @@ impl Search<'_> {
             best,
             all: &all,
             alone,
-            halves: Halves::of(&self.dataset, &self.weights, best),
+            parts: Parts::of(&self.dataset, &self.weights, best),
             remainder: Remainder::of(&self.weighted_residuals(best)),
         };
         let each = ids.iter().zip(&plain);
@@ -86,7 +84,7 @@ impl Search<'_> {
         let Weighing {
             best,
             all,
-            halves,
+            parts,
             alone,
             ..
         } = weighing;
@@ -115,7 +113,7 @@ impl Search<'_> {
         let is_curve = repeats(id)
             && (is_scale || gain.beside.0 < decide.sharp)
             && is_series(best, id, self.decide());
-        let agrees = halves.agree(best, id, decide) && !is_curve;
+        let agrees = parts.agree(best, id, decide) && !is_curve;
         let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
@@ -204,7 +202,7 @@ struct Weighing<'a> {
     all: &'a [Fit],
     /// The effect that stands out of all others if one alone is added.
     alone: Option<EffectId>,
-    halves: Halves,
+    parts: Parts,
     remainder: Remainder,
 }
 
@@ -340,55 +338,6 @@ fn alternatives(
 /// fits any curve.
 fn is_series(fit: &Fit, id: EffectId, decide: &thresholds::Search) -> bool {
     is_repeated(id, fit) && is_fourier_series(fit, decide.prominent_wave, 2)
-}
-
-/// Fits to either half of the logs.
-pub(super) struct Halves {
-    fits: [(Fit, Vec<Option<f64>>); 2],
-}
-
-impl Halves {
-    pub(super) fn of(dataset: &Dataset<'_>, weights: &[f64], best: &Fit) -> Halves {
-        let half = |is_second: bool| {
-            let is_in = |at: usize| (2 * at >= weights.len()) == is_second;
-            let each = weights.iter().enumerate();
-            let weights: Vec<f64> = each
-                .map(|(at, w)| if is_in(at) { *w } else { 0.0 })
-                .collect();
-            let problem = dataset.problem(&weights);
-            let fit = problem.fit_briefly(&best.shape, best.numbers.clone(), HALF_STEPS);
-            let errors = std_errors(&problem, &fit);
-            (fit, errors)
-        };
-        let (first, second) = rayon::join(|| half(false), || half(true));
-        Halves {
-            fits: [first, second],
-        }
-    }
-
-    /// Whether both halves give an effect the same size, and one of them knows it.
-    pub(super) fn agree(&self, best: &Fit, id: EffectId, decide: &thresholds::Evidence) -> bool {
-        let is_size = |at: &usize| match best.shape.free[*at].owner {
-            Owner::Effect(number, 0) => {
-                let term = &best.shape.terms[number];
-                !term.given && term.id == id
-            }
-            _ => false,
-        };
-        let mut sizes = (0..best.shape.free.len()).filter(is_size);
-        let differ = |at: usize| {
-            let of = |(fit, errors): &(Fit, Vec<Option<f64>>)| {
-                Some((best.shape.natural(at, fit.numbers[at]), errors[at]?))
-            };
-            match (of(&self.fits[0]), of(&self.fits[1])) {
-                (Some((a, ea)), Some((b, eb))) => (a - b).abs() > decide.halves * ea.hypot(eb),
-                // Half a log may not show the effect at all, as an adhesion at the only lift-off.
-                _ => false,
-            }
-        };
-        // Modes of a spectrum trade their shares.
-        sizes.clone().count() > 1 || !sizes.any(differ)
-    }
 }
 
 #[cfg(test)]
