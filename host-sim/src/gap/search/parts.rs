@@ -78,3 +78,64 @@ impl Parts {
         is_known && (sizes.clone().count() > 1 || !sizes.any(differ))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::data::{fit_data::FitData, scales::Scales};
+    use crate::gap::model::{shape::Shape, start::whole};
+    use crate::gap::noise::floor::NoiseFloor;
+    use crate::gap::thresholds::Thresholds;
+    use crate::log::Log;
+    use crate::model::Model;
+    use crate::toml_reader::TomlFile;
+    use std::path::Path;
+
+    /// Whether the parts agree on a drag where there is one of so many N s²/m² in free air and in contact.
+    fn agree(in_air: f64, in_contact: f64) -> bool {
+        let path = Path::new("model.toml");
+        let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
+        let model = Model::from_toml(&TomlFile::parse(text.into(), path).unwrap(), path).unwrap();
+        let time_s: Vec<f64> = (0..4000).map(|at| f64::from(at) * 1e-3).collect();
+        let motion = |t: f64| (5e-3 * (12.0 * t).sin(), 0.06 * (12.0 * t).cos());
+        let force = |(at, t): (usize, &f64)| {
+            let (x, v) = motion(*t);
+            let contact = if x > 0.0 {
+                (1e3 * x + 3.0 * v).max(0.0)
+            } else {
+                0.0
+            };
+            let drag = if x > 0.0 { in_contact } else { in_air };
+            // 10 mN that nothing explains.
+            let unknown = 0.01 * ((at * at % 97) as f64 / 48.0 - 1.0);
+            contact + drag * v * v.abs() + unknown
+        };
+        let forces = time_s.iter().enumerate().map(force).collect();
+        let positions = time_s.iter().map(|t| motion(*t).0).collect();
+        let log = Log::from_channels(time_s, positions, forces)
+            .uniform()
+            .unwrap();
+        let thresholds = Thresholds::default();
+        let logs = [FitData::of(&log)];
+        let scales = Scales::of(&logs);
+        let dataset = Dataset {
+            logs: &logs,
+            floors: &[NoiseFloor::of(&log, &thresholds.floor)],
+            low_pass: None,
+            scales: &scales,
+            thresholds: &thresholds,
+        };
+        let drag = whole(EffectId::QuadraticDrag, [in_contact, 0.0, 0.0, 0.0], 1);
+        let shape = Shape::new(&model.environment, vec![drag], &scales);
+        let weights = vec![1e4; logs[0].force_n.len()];
+        let fit = dataset.problem(&weights).fit(&shape, shape.start());
+        let parts = Parts::of(&dataset, &weights, &fit);
+        parts.agree(&fit, EffectId::QuadraticDrag, &thresholds.evidence)
+    }
+
+    #[test]
+    fn a_drag_is_one_in_free_air_as_well() {
+        assert!(agree(20.0, 20.0));
+        assert!(!agree(0.0, 20.0));
+    }
+}
