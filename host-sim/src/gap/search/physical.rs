@@ -1,6 +1,6 @@
 //! Fits whose numbers do not mean what the names of their effects say.
 
-use estimator_core::physics::effect::{EffectId, Repeats};
+use estimator_core::physics::effect::{EffectId, Family, Repeats};
 
 use crate::gap::data::{repetition::repeats_with, scales::Scales};
 use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
@@ -34,6 +34,16 @@ fn is_shown_in_contact(wave: &Term, fit: &Fit, scales: &Scales) -> bool {
     const FEWEST_CYCLES: f64 = 2.5;
     let surface_m = fit.shape.surface_at(&fit.numbers);
     wave.row[1] * scales.time_beyond_s(surface_m) >= FEWEST_CYCLES
+}
+
+/// Whether effects that make the force late do not make up for each other: a lag and the position as late do so but
+/// for a differentiator, which is any damping. A lag of 31 ms and a delay of -22 ms fitted what a foam's record left.
+pub(crate) fn is_late_one_way(terms: &[Term]) -> bool {
+    let added = terms.iter().filter(|term| !term.given);
+    let late = added.filter(|term| term.id.info().family == Family::Lateness);
+    let (mut most, mut least) = (0.0_f64, 0.0_f64);
+    late.for_each(|term| (most, least) = (most.max(term.row[0]), least.min(term.row[0])));
+    most == 0.0 || least == 0.0
 }
 
 /// Whether a log of this length tells a wave from the others of its kind: two that are nearer to each other than
@@ -121,6 +131,15 @@ mod tests {
         let force = time.iter().map(|t| t.sin()).collect();
         let log = Log::from_channels(time, position, force).uniform().unwrap();
         Scales::of(&[FitData::of(&log)])
+    }
+
+    #[test]
+    fn what_makes_a_force_late_is_not_taken_back() {
+        let late = |id, size: f64| whole(id, [size, 0.0, 0.0, 0.0], 1);
+        let (lag, delay) = (EffectId::ForceLag, EffectId::TimeDelay);
+        assert!(is_late_one_way(&[late(lag, 3e-3), late(delay, 2e-3)]));
+        assert!(is_late_one_way(&[late(delay, -2e-3)]));
+        assert!(!is_late_one_way(&[late(lag, 31e-3), late(delay, -22e-3)]));
     }
 
     #[test]
