@@ -9,12 +9,12 @@
 //! Parts of the log must give the effect the same size ([`super::parts`]). A form that is not the true one fails here even if
 //! it takes off more than any other of the catalogue.
 
-use estimator_core::physics::effect::{ChainStage, EffectId, Family};
+use estimator_core::physics::effect::{ChainStage, EffectId};
 
 use crate::gap::finding::{Next, Support};
 use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
 use crate::gap::search::parts::Parts;
-use crate::gap::search::physical::{is_fourier_series, is_late_one_way};
+use crate::gap::search::physical::is_fourier_series;
 use crate::gap::search::relatives::{are_alike, stands_for};
 use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::{Search, SearchResult};
@@ -113,9 +113,7 @@ impl Search<'_> {
         let is_curve = repeats(id)
             && (is_scale || gain.beside.0 < decide.sharp)
             && is_series(best, id, self.decide());
-        let is_taken_back = id.info().family == Family::Lateness
-            && !is_late_one_way(&best.shape.terms_at(&best.numbers));
-        let agrees = parts.agree(best, id, decide) && !is_curve && !is_taken_back;
+        let agrees = parts.agree(best, id, decide) && !is_curve;
         let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
