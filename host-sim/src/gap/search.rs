@@ -6,7 +6,7 @@ pub(crate) mod eliminate;
 pub(crate) mod evidence;
 pub(crate) mod expand;
 pub(crate) mod forms;
-pub(crate) mod parts;
+mod parts;
 pub(crate) mod periodic;
 pub(crate) mod physical;
 pub(crate) mod proposals;

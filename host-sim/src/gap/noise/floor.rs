@@ -132,27 +132,27 @@ impl NoiseFloor {
         let rest = RestNoise::of(log, rests, high_pass_n, decide);
         let rest_n = rest.as_ref().map(|rest| rest.noise_n2.sqrt());
         let quiet_n = rest::quiet_n(log, rests, high_pass_n, decide);
-        let (used_n, why) = match rest_n {
-            _ if quiet_n.is_some() => (
-                quiet_n.unwrap_or(high_pass_n),
+        let (used_n, why) = match (quiet_n, rest_n) {
+            (Some(quiet_n), _) => (
+                quiet_n,
                 "from the quiet part of the rest in free air: what is there comes and goes, and is no noise",
             ),
-            None => (
+            (None, None) => (
                 high_pass_n,
                 "from second differences: there is no rest in free air",
             ),
-            Some(rest) if rest <= decide.coloured * high_pass_n => {
+            (None, Some(rest)) if rest <= decide.coloured * high_pass_n => {
                 // Both see the same noise; second differences take it from all samples.
                 (
                     high_pass_n,
                     "from second differences, and rest in free air agrees",
                 )
             }
-            Some(rest) if !rest::is_noise(log, rests, rest / high_pass_n, decide) => (
+            (None, Some(rest)) if !rest::is_noise(log, rests, rest / high_pass_n, decide) => (
                 high_pass_n,
                 "from second differences: what is there at rest in free air is larger, and no noise",
             ),
-            Some(rest) => (rest, "from rest in free air: the noise is coloured"),
+            (None, Some(rest)) => (rest, "from rest in free air: the noise is coloured"),
         };
         let coloured = used_n > decide.coloured * high_pass_n;
         let error = |rest: &RestNoise| 0.5 * rest.error_n2 / rest.noise_n2.max(f64::MIN_POSITIVE);
