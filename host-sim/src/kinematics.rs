@@ -6,6 +6,7 @@
 //! window whose cubic still leaves no more than the noise.
 
 mod bend;
+mod beyond;
 mod misfit;
 mod width;
 
@@ -15,6 +16,7 @@ use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::{median, rms};
 use bend::Bends;
+use beyond::Beyond;
 use misfit::within;
 
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
@@ -38,6 +40,9 @@ pub(crate) struct Kinematics {
     /// Standard deviations of the noise of the speed (m/s) and of the acceleration (m/s²).
     pub(crate) speed_noise_mps: Vec<f64>,
     pub(crate) acceleration_noise_mps2: Vec<f64>,
+    /// What smoothing leaves out of position (m) and speed (m/s), each under a noise of its own.
+    pub(crate) position_left_m: Vec<f64>,
+    pub(crate) speed_left_mps: Vec<f64>,
     /// Standard deviation of the raw position's noise (m).
     pub(crate) noise_m: f64,
     /// Samples around each over which the error of the position stays the same: those that read the
@@ -62,9 +67,21 @@ impl Kinematics {
             position_m: shifted(&self.position_m),
             speed_mps: shifted(&self.speed_mps),
             acceleration_mps2: shifted(&self.acceleration_mps2),
+            position_left_m: shifted(&self.position_left_m),
+            speed_left_mps: shifted(&self.speed_left_mps),
             ..self.clone()
         }
     }
+}
+
+/// A cubic, and the next two degrees, at a sample.
+struct Smoothed {
+    /// Value, slope and bend per sample.
+    cubic: [f64; 3],
+    /// Standard deviations of slope and bend for one of 1 in the position.
+    noise: [f64; 2],
+    /// What is left out of value and slope per sample.
+    left: [f64; 2],
 }
 
 /// Sums of even powers of −m..m.
@@ -73,6 +90,7 @@ struct Window {
     /// What its cubic may leave.
     within: f64,
     even: [f64; 4],
+    beyond: Beyond,
 }
 
 impl Window {
@@ -89,6 +107,7 @@ impl Window {
             half_width,
             within: within((even[0] - 4.0).max(1.0)),
             even,
+            beyond: Beyond::new(half_width),
         }
     }
 
@@ -170,7 +189,7 @@ impl<'a> Smoother<'a> {
 
     /// Position (m) and its rate (m/s) at a sample.
     pub(crate) fn motion(&self, at: usize) -> (f64, f64) {
-        let ([position, slope, _], _) = self.cubic(at);
+        let [position, slope, _] = self.smoothed(at).cubic;
         (position, slope * self.rate_hz)
     }
 
@@ -179,15 +198,22 @@ impl<'a> Smoother<'a> {
         at.min(self.position_m.len() - 1 - at)
     }
 
-    /// Value, slope and bend per sample, and the noise of the last two in that of the position.
-    fn cubic(&self, at: usize) -> ([f64; 3], [f64; 2]) {
+    fn smoothed(&self, at: usize) -> Smoothed {
         let (channel, room) = (&*self.position_m, self.room(at));
         let fitting = self.windows.iter().filter(|own| own.half_width <= room);
         let smoothed = fitting
             .map(|window| (window, window.cubic(channel, at)))
             .find(|(window, (_, left))| *left <= window.within * self.noise_m)
-            .map(|(window, (cubic, _))| (cubic, window.noise()));
-        smoothed.unwrap_or(([channel[at], edge_slope(channel, at), 0.0], [1.5; 2]))
+            .map(|(window, (cubic, _))| Smoothed {
+                cubic,
+                noise: window.noise(),
+                left: window.beyond.at(channel, at),
+            });
+        smoothed.unwrap_or(Smoothed {
+            cubic: [channel[at], edge_slope(channel, at), 0.0],
+            noise: [1.5; 2],
+            left: [0.0; 2],
+        })
     }
 }
 
@@ -199,14 +225,18 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let bends = Bends::of(channel, &smoother.wider, moving_m);
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
+    let (mut position_left_m, mut speed_left_mps) = (Vec::new(), Vec::new());
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
-        let ([position, slope, bend], noise) = smoother.cubic(at);
+        let Smoothed { cubic, noise, left } = smoother.smoothed(at);
+        let [position, slope, bend] = cubic;
         let quintic = bends.at(channel, at);
         let (bend, bend_noise) = quintic.unwrap_or((bend, noise[1]));
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
         acceleration_noise_mps2.push(bend_noise * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);
+        position_left_m.push(left[0]);
+        speed_left_mps.push(left[1] * log.rate_hz);
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
@@ -225,6 +255,8 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         acceleration_mps2,
         speed_noise_mps,
         acceleration_noise_mps2,
+        position_left_m,
+        speed_left_mps,
         noise_m,
         held,
     }
