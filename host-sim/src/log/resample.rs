@@ -5,6 +5,7 @@ use super::uniform::{Compensated, Taken, UniformLog};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
 use crate::number::{counted, quantity};
+use crate::signal;
 use crate::stats::rms;
 
 /// Largest grid (samples): 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
@@ -120,6 +121,7 @@ impl Log {
             position_m: self.position_m,
             force_n: self.force_n,
             slower: Vec::new(),
+            position_step_m: None,
             recognised: Vec::new(),
             untouched: true,
             taken: None,
@@ -192,6 +194,7 @@ impl Log {
             force_n: Vec::with_capacity(count),
             in_gap: Vec::with_capacity(count),
             slower: Vec::new(),
+            position_step_m: signal::step(&self.position_m),
             recognised: Vec::new(),
             untouched: false,
             taken: None,

@@ -61,6 +61,8 @@ pub struct UniformLog {
     pub in_gap: Vec<bool>,
     /// From when to when (s) the log was sampled more slowly on purpose, and nothing is missing.
     pub slower: Vec<(f64, f64)>,
+    /// The count of the position (m), where its samples were interpolated or averaged; else they show it.
+    pub position_step_m: Option<f64>,
     /// Whether the channels are the log's own, bit for bit.
     pub untouched: bool,
     /// What was interpolated, where the sampling itself was uneven.
@@ -126,6 +128,7 @@ impl UniformLog {
             force_n: upto(&self.force_n),
             in_gap: marks(&self.in_gap),
             slower: self.slower.clone(),
+            position_step_m: self.position_step_m,
             untouched: self.untouched,
             taken: self.taken.as_ref().map(|taken| taken.until(end_s)),
             recognised: self.recognised[..end.min(self.recognised.len())].to_vec(),
