@@ -28,12 +28,20 @@ pub(crate) fn noise_of_measured(channel: &[f64], invented: &[bool]) -> f64 {
     if !invented.contains(&true) {
         return noise(channel);
     }
-    let windows = channel.windows(3).zip(invented.windows(3));
-    let measured = windows.filter(|(_, invented)| !invented.contains(&true));
     let each = channel.iter().zip(invented);
     let taken: Vec<f64> = each.filter(|(_, out)| !**out).map(|(x, _)| *x).collect();
-    let sigma = sigma(measured.map(|(window, _)| second_difference(window)));
+    let sigma = sigma(second_differences_of_measured(channel, invented));
     sigma.max(step(&taken).unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+/// Second differences between neighbours none of which is invented.
+pub(crate) fn second_differences_of_measured(
+    channel: &[f64],
+    invented: &[bool],
+) -> impl Iterator<Item = f64> {
+    let windows = channel.windows(3).zip(invented.windows(3));
+    let measured = windows.filter(|(_, invented)| !invented.contains(&true));
+    measured.map(|(window, _)| second_difference(window))
 }
 
 fn second_difference(window: &[f64]) -> f64 {

@@ -51,9 +51,8 @@ pub(super) fn quiet_n(
     for rest in rests.iter().map(settled) {
         let blocks = log.force_n[rest.clone()].chunks_exact(BLOCK);
         for (block, gaps) in blocks.zip(log.in_gap[rest].chunks_exact(BLOCK)) {
-            let each = block.windows(3).zip(gaps.windows(3));
-            let measured = each.filter(|(_, gap)| !gap.contains(&true));
-            let differences: Vec<f64> = measured.map(|(w, _)| w[2] - 2.0 * w[1] + w[0]).collect();
+            let differences: Vec<f64> =
+                signal::second_differences_of_measured(block, gaps).collect();
             if 2 * differences.len() > BLOCK {
                 blocks_n.push(rms(differences) / 6.0_f64.sqrt());
             }
