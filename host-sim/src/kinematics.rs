@@ -170,9 +170,17 @@ pub(crate) struct Smoother<'a> {
 impl<'a> Smoother<'a> {
     pub(crate) fn of(log: &'a UniformLog) -> Smoother<'a> {
         let mut position_m = signal::without_toggling(&log.position_m);
-        let noise_m = signal::noise_of_measured(&position_m, &log.in_gap);
+        let missing = log.in_gap.iter().filter(|gap| **gap).count();
+        // What was measured of a log that is mostly missing is how it moved, and says nothing of its thinned holds.
+        let is_mostly_measured = 2 * missing < log.len();
+        let (noise_m, step_m) = match is_mostly_measured {
+            true => (
+                signal::noise_of_measured(&position_m, &log.in_gap),
+                log.position_step_m.or_else(|| signal::step(&position_m)),
+            ),
+            false => (signal::noise(&position_m), signal::step(&position_m)),
+        };
         let moving_m = moving_noise(&position_m, &log.in_gap);
-        let step_m = log.position_step_m.or_else(|| signal::step(&position_m));
         let counts_m = of_counts(step_m, noise_m, moving_m);
         let wider = match counts_m {
             Some(_) => width::at_rate(log.rate_hz, HALF_WIDTHS[0]),
@@ -181,7 +189,7 @@ impl<'a> Smoother<'a> {
         };
         let all: Vec<usize> = wider.iter().copied().chain(HALF_WIDTHS).collect();
         let noise_m = counts_m.unwrap_or(noise_m);
-        if log.in_gap.contains(&true) {
+        if is_mostly_measured && missing > 0 {
             missing::fill(position_m.to_mut(), &log.in_gap, &all, noise_m);
         }
         Smoother {
