@@ -173,14 +173,18 @@ impl<'a> Smoother<'a> {
         let missing = log.in_gap.iter().filter(|gap| **gap).count();
         // What was measured of a log that is mostly missing is how it moved, and says nothing of its thinned holds.
         let is_mostly_measured = 2 * missing < log.len();
-        let (noise_m, step_m) = match is_mostly_measured {
+        let (noise_m, step_m, moving_m) = match is_mostly_measured {
             true => (
                 signal::noise_of_measured(&position_m, &log.in_gap),
                 log.position_step_m.or_else(|| signal::step(&position_m)),
+                moving_noise(&position_m, &log.in_gap),
             ),
-            false => (signal::noise(&position_m), signal::step(&position_m)),
+            false => (
+                signal::noise(&position_m),
+                signal::step(&position_m),
+                moving_noise(&position_m, &vec![false; position_m.len()]),
+            ),
         };
-        let moving_m = moving_noise(&position_m, &log.in_gap);
         let counts_m = of_counts(step_m, noise_m, moving_m);
         let wider = match counts_m {
             Some(_) => width::at_rate(log.rate_hz, HALF_WIDTHS[0]),

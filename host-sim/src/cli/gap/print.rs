@@ -22,9 +22,7 @@ pub fn summary(finding: &Finding) -> String {
     }
     line(&mut text, "error", &error(finding));
     line(&mut text, "floor", &floor(finding));
-    if !finding.disagreement.is_empty() {
-        line(&mut text, "where", &regions_in_words(&finding.disagreement));
-    }
+    line(&mut text, "where", &regions_in_words(&finding.disagreement));
     for missing in &finding.effects {
         effect(&mut text, missing);
     }
@@ -33,14 +31,18 @@ pub fn summary(finding: &Finding) -> String {
         line(&mut text, "changed", &words);
     }
     // Without effects the remaining regions are those above.
-    if !finding.remaining.is_empty() && !finding.effects.is_empty() {
+    if !finding.effects.is_empty() {
         line(&mut text, "remains", &regions_in_words(&finding.remaining));
     }
     line(&mut text, "advice", &finding.advice);
     text
 }
 
+/// A line with a label; none where it would say nothing.
 fn line(text: &mut String, label: &str, value: &str) {
+    if value.is_empty() {
+        return;
+    }
     let value = spaced(value);
     // Writing into a String cannot fail.
     let _ = writeln!(text, "{}", wrapped(&format!("  {label:<12}"), &value));

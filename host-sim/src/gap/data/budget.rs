@@ -257,8 +257,7 @@ mod tests {
         let log = log.uniform().unwrap();
         let (logs, _) = within(std::slice::from_ref(&log), Rest::default());
         assert_eq!(logs[0].len(), 100_000);
-        // THEN means of two are still in counts of 1 µm, and their speed is good to 0.1 %: 0.35 mm/s rms were lost
-        // where half a count was taken for one.
+        // THEN means of two are still in counts of 1 µm, not of half of that, and their speed is good to 0.1 %.
         let data = FitData::of(&logs[0]);
         let whole = data.position_noise_m * 12.0_f64.sqrt();
         assert!((whole / 1e-6 - 1.0).abs() < 1e-6, "{whole:e}");

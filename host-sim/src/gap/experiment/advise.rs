@@ -51,16 +51,18 @@ fn without_ambiguity(finding: &Finding) -> String {
         Verdict::NoMissingEffect => {
             "Nothing is missing: the base model explains this log to its noise.".into()
         }
-        Verdict::Unexplained if finding.remaining.is_empty() => {
-            "Something remains that the catalogue does not explain, in no part of the log more than in \
-             others. Look at the residuals before trusting the parameters."
-                .into()
-        }
-        Verdict::Unexplained => format!(
-            "Something remains that the catalogue does not explain: {}. Look at the residuals there \
-             before trusting the parameters.",
-            regions_in_words(&finding.remaining)
-        ),
+        // A region may stand out without words, where it has hardly more than its share of the samples.
+        Verdict::Unexplained => match regions_in_words(&finding.remaining) {
+            words if words.is_empty() => {
+                "Something remains that the catalogue does not explain, in no part of the log more than in \
+                 others. Look at the residuals before trusting the parameters."
+                    .into()
+            }
+            words => format!(
+                "Something remains that the catalogue does not explain: {words}. Look at the residuals \
+                 there before trusting the parameters."
+            ),
+        },
         Verdict::PartlyExplained => {
             let better = "model.toml is better than the base, but it does not explain everything: look at \
                           what remains before trusting its parameters.";

@@ -449,8 +449,7 @@ mod tests {
 
     #[test]
     fn slow_noise_is_noise_at_any_rate() {
-        // GIVEN noise with a corner of 40 Hz at 10 kHz, of which second differences see an eighth; one draw of four
-        // is a little further from normal at rest than chance makes it
+        // GIVEN noise with a corner of 40 Hz at 10 kHz, of which second differences see an eighth
         for stream in 0..4 {
             let noise: Vec<f64> = slow(4.0, 10 * SAMPLES, stream)
                 .iter()

@@ -66,9 +66,9 @@ fn without_line(power: &[f64], at: usize, line: f64) -> f64 {
 }
 
 /// The straight line through the logarithms of density and frequency over the lowest sixteenth of the
-/// spectra of all windows, as much as that is at 1 kHz: noise that rises towards low frequencies as f^−a. All windows share one line,
-/// because the slope of one short window scatters by 0.4, and the mean of what that adds would be too
-/// much.
+/// spectra of all windows, as much as that is at 1 kHz: noise that rises towards low frequencies as f^−a.
+/// All windows share one line, because the slope of one short window scatters by 0.4, and the mean of
+/// what that adds would be too much.
 #[derive(Default)]
 pub(crate) struct LowFrequencySlope {
     sums: [f64; 5],
