@@ -75,16 +75,6 @@ impl Kinematics {
     }
 }
 
-/// A cubic, and the next two degrees, at a sample.
-struct Smoothed {
-    /// Value, slope and bend per sample.
-    cubic: [f64; 3],
-    /// Standard deviations of slope and bend for one of 1 in the position.
-    noise: [f64; 2],
-    /// What is left out of value and slope per sample.
-    left: [f64; 2],
-}
-
 /// Sums of even powers of −m..m.
 struct Window {
     half_width: usize,
@@ -172,19 +162,14 @@ impl<'a> Smoother<'a> {
         let mut position_m = signal::without_toggling(&log.position_m);
         let missing = log.in_gap.iter().filter(|gap| **gap).count();
         // What was measured of a log that is mostly missing is how it moved, and says nothing of its thinned holds.
-        let is_mostly_measured = 2 * missing < log.len();
-        let (noise_m, step_m, moving_m) = match is_mostly_measured {
-            true => (
-                signal::noise_of_measured(&position_m, &log.in_gap),
-                log.position_step_m.or_else(|| signal::step(&position_m)),
-                moving_noise(&position_m, &log.in_gap),
-            ),
-            false => (
-                signal::noise(&position_m),
-                signal::step(&position_m),
-                moving_noise(&position_m, &vec![false; position_m.len()]),
-            ),
+        let is_taken_as_it_is = 2 * missing >= log.len();
+        let (in_gap, step_m) = match is_taken_as_it_is {
+            true => (Cow::Owned(vec![false; log.len()]), None),
+            false => (Cow::Borrowed(log.in_gap.as_slice()), log.position_step_m),
         };
+        let noise_m = signal::noise_of_measured(&position_m, &in_gap);
+        let moving_m = moving_noise(&position_m, &in_gap);
+        let step_m = step_m.or_else(|| signal::step(&position_m));
         let counts_m = of_counts(step_m, noise_m, moving_m);
         let wider = match counts_m {
             Some(_) => width::at_rate(log.rate_hz, HALF_WIDTHS[0]),
@@ -193,8 +178,8 @@ impl<'a> Smoother<'a> {
         };
         let all: Vec<usize> = wider.iter().copied().chain(HALF_WIDTHS).collect();
         let noise_m = counts_m.unwrap_or(noise_m);
-        if is_mostly_measured && missing > 0 {
-            missing::fill(position_m.to_mut(), &log.in_gap, &all, noise_m);
+        if in_gap.contains(&true) {
+            missing::fill(position_m.to_mut(), &in_gap, &all, noise_m);
         }
         Smoother {
             rate_hz: log.rate_hz,
@@ -208,7 +193,7 @@ impl<'a> Smoother<'a> {
 
     /// Position (m) and its rate (m/s) at a sample.
     pub(crate) fn motion(&self, at: usize) -> (f64, f64) {
-        let [position, slope, _] = self.smoothed(at).cubic;
+        let ([position, slope, _], _) = self.cubic(at);
         (position, slope * self.rate_hz)
     }
 
@@ -217,22 +202,15 @@ impl<'a> Smoother<'a> {
         at.min(self.position_m.len() - 1 - at)
     }
 
-    fn smoothed(&self, at: usize) -> Smoothed {
+    /// Value, slope and bend per sample, and the window that they are from; none at the ends of the log.
+    fn cubic(&self, at: usize) -> ([f64; 3], Option<&Window>) {
         let (channel, room) = (&*self.position_m, self.room(at));
         let fitting = self.windows.iter().filter(|own| own.half_width <= room);
         let smoothed = fitting
             .map(|window| (window, window.cubic(channel, at)))
             .find(|(window, (_, left))| *left <= window.within * self.noise_m)
-            .map(|(window, (cubic, _))| Smoothed {
-                cubic,
-                noise: window.noise(),
-                left: window.beyond.at(channel, at),
-            });
-        smoothed.unwrap_or(Smoothed {
-            cubic: [channel[at], edge_slope(channel, at), 0.0],
-            noise: [1.5; 2],
-            left: [0.0; 2],
-        })
+            .map(|(window, (cubic, _))| (cubic, Some(window)));
+        smoothed.unwrap_or(([channel[at], edge_slope(channel, at), 0.0], None))
     }
 }
 
@@ -247,8 +225,9 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let (mut position_left_m, mut speed_left_mps) = (Vec::new(), Vec::new());
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
-        let Smoothed { cubic, noise, left } = smoother.smoothed(at);
-        let [position, slope, bend] = cubic;
+        let ([position, slope, bend], window) = smoother.cubic(at);
+        let noise = window.map_or([1.5; 2], Window::noise);
+        let left = window.map_or([0.0; 2], |own| own.beyond.at(channel, at));
         let quintic = bends.at(channel, at);
         let (bend, bend_noise) = quintic.unwrap_or((bend, noise[1]));
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);

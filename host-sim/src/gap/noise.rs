@@ -2,6 +2,8 @@
 
 pub(crate) mod coloured;
 pub(crate) mod floor;
+mod free_air;
 pub(crate) mod line;
 mod rest;
+mod rest_power;
 pub(crate) mod spectrum;

@@ -9,26 +9,15 @@
 
 use std::ops::Range;
 
+use crate::gap::noise::free_air::{in_free_air, rests};
 use crate::gap::noise::line::Line;
 use crate::gap::noise::rest;
-use crate::gap::noise::spectrum::{LowFrequencySlope, Spectrum, median_power};
+use crate::gap::noise::rest_power::{COLOUR_HZ, RestNoise};
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::{lowest, range, rms};
+use crate::stats::rms;
 
-/// Longest window of the spectrum at rest (samples), at 1 kHz and below; it is as long at any rate.
-const LONGEST_WINDOW: usize = 2048;
-/// Windows of the whole log (samples).
-const WINDOW: usize = 256;
-/// Noise is fast from this frequency on (cycles per sample).
-const FAST: f64 = 1.0 / 16.0;
-/// Most samples in a row that may be invented in a rest. With 30 % of them missing 128 in a row are never
-/// measured, and what is there at rest was not seen at all.
-const LONGEST_GAP: usize = 8;
-/// The rate (Hz) at which noise is said to be coloured, and how much: second differences of a faster log see less of
-/// the same noise. First-order noise with a corner of 38 Hz at 10 kHz was eight times what they said, and no noise.
-const COLOUR_HZ: f64 = 1000.0;
 /// Most lines that are looked for; some of them repeat with the motion.
 const MOST_LINES: usize = 4;
 
@@ -190,47 +179,6 @@ fn take_out(force_n: &mut [f64], line: &Line) {
     each.for_each(|(at, force)| *force -= line.at(at as f64));
 }
 
-/// For each sample, whether it is measured in free air: in the quarter of the travel that is furthest out.
-fn in_free_air(log: &UniformLog, decide: &Floor) -> Vec<bool> {
-    let deepest_m = deepest_in_free_air_m(&log.position_m, decide);
-    let each = log.position_m.iter().zip(&log.in_gap);
-    each.map(|(x, gap)| *x <= deepest_m && !gap).collect()
-}
-
-fn deepest_in_free_air_m(position_m: &[f64], decide: &Floor) -> f64 {
-    let lowest = lowest(position_m.iter().copied());
-    lowest + decide.free_air * range(position_m)
-}
-
-/// The rests in free air: stretches in which the position stays within two counts.
-fn rests(log: &UniformLog, decide: &Floor) -> Vec<Range<usize>> {
-    let position = &log.position_m;
-    let deepest_m = deepest_in_free_air_m(position, decide);
-    let counts = |samples: usize| samples as f64 >= decide.shortest_rest;
-    let still_m =
-        decide.rest_steps * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
-    let mut rests = Vec::new();
-    let (mut from, mut invented) = (0, 0);
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (at, x) in position.iter().copied().enumerate() {
-        let (lower, higher) = (low.min(x), high.max(x));
-        invented = if log.in_gap[at] { invented + 1 } else { 0 };
-        if higher - lower > still_m || x > deepest_m || invented > LONGEST_GAP {
-            if counts(at - from) {
-                rests.push(from..at);
-            }
-            from = at + 1;
-            (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
-        } else {
-            (low, high) = (lower, higher);
-        }
-    }
-    if counts(position.len() - from.min(position.len())) {
-        rests.push(from..position.len());
-    }
-    rests
-}
-
 /// The forces of a log at every so many samples.
 fn forces_at_every(log: &UniformLog, step: usize) -> UniformLog {
     UniformLog {
@@ -248,68 +196,6 @@ fn high_pass_noise_n(log: &UniformLog, spike_sigmas: f64) -> f64 {
     let differences = signal::second_differences_of_measured(&log.force_n, &log.in_gap);
     let fine = rms(differences.filter(|own| own.abs() <= limit)) / 6.0_f64.sqrt();
     if fine > 0.0 { fine } else { coarse }
-}
-
-/// The noise at rest.
-struct RestNoise {
-    /// Power of the noise (N²).
-    noise_n2: f64,
-    /// Power of the lines (N²).
-    lines_n2: f64,
-    /// Standard error of `noise_n2` (N²).
-    error_n2: f64,
-}
-
-impl RestNoise {
-    fn of(
-        log: &UniformLog,
-        rests: &[Range<usize>],
-        noise_n: f64,
-        decide: &Floor,
-    ) -> Option<RestNoise> {
-        let times = (log.rate_hz / COLOUR_HZ).max(1.0);
-        let longest = (times * LONGEST_WINDOW as f64) as usize;
-        let spectra: Vec<Spectrum> = rests
-            .iter()
-            .flat_map(|rest| log.force_n[rest::settled(rest)].chunks(longest))
-            .filter(|window| 2.0 * window.len() as f64 >= decide.shortest_rest)
-            .map(|window| Spectrum::of(window, noise_n, decide))
-            .collect();
-        if spectra.is_empty() {
-            return None;
-        }
-        let mut slope = LowFrequencySlope::default();
-        spectra
-            .iter()
-            .for_each(|spectrum| slope.add(spectrum, times));
-        let weight: f64 = spectra.iter().map(|spectrum| spectrum.samples as f64).sum();
-        let mean = |of: &dyn Fn(&Spectrum) -> f64| {
-            let each = spectra.iter();
-            let sum: f64 = each.map(|one| one.samples as f64 * of(one)).sum();
-            sum / weight
-        };
-        // The standard error of a mean of estimates that are as good as their windows are long.
-        let error_n2 = |lowest: f64| {
-            let each = spectra.iter();
-            let squares = each.map(|one| one.samples.pow(2) as f64 * one.above(lowest).1);
-            squares.sum::<f64>().sqrt() / weight
-        };
-        let (all, fast) = (
-            mean(&|one| one.above(0.0).0),
-            mean(&|one| one.above(FAST).0),
-        );
-        let below = mean(&|one| slope.power_below(one.samples, log.len(), decide));
-        // Fast noise is the same in motion, of which there is more; what a motion adds to it is not noise.
-        let fast_of_log = median_power(&log.force_n, &log.in_gap, WINDOW, FAST)
-            .filter(|power| *power < fast + decide.sigmas * error_n2(FAST));
-        let correction = fast_of_log.map_or(0.0, |power| power - fast);
-        Some(RestNoise {
-            noise_n2: (all + below + correction).max(0.0),
-            lines_n2: mean(&|one| one.lines_n2),
-            // The power below the windows is extrapolated, and good to half of it.
-            error_n2: error_n2(0.0).hypot(0.5 * below),
-        })
-    }
 }
 
 #[cfg(test)]
