@@ -52,7 +52,7 @@ use self::model::given::given;
 use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
-use data::{budget, input, orientation};
+use data::{budget, input, orientation, ringing};
 use decide::selection::decide;
 use say::{builder, plausibility};
 use search::run::Search;
@@ -168,25 +168,26 @@ fn input_notes(
     Ok(notes)
 }
 
-/// The logs with speeds and accelerations and through the low-pass, and a note if rests were thinned.
-/// With a low-pass none are, since it needs equally spaced samples.
+/// The logs with speeds and accelerations and through the low-pass, with notes on what was left out or thinned.
+/// With a low-pass nothing is: it needs equally spaced samples, and takes what rings away.
 fn fit_data(
     logs: &[Cow<'_, UniformLog>],
     low_pass: Option<LowPass>,
     decide: Rest,
-) -> (Vec<FitData>, Option<String>) {
+) -> (Vec<FitData>, Vec<String>) {
     let of = |log: &Cow<'_, UniformLog>| match &log.taken {
         // A low-pass needs equally spaced samples.
         Some(taken) if low_pass.is_none() => FitData::of(log).as_taken(taken),
         _ => FitData::of(log),
     };
     let mut data: Vec<FitData> = logs.par_iter().map(of).collect();
-    let note = match low_pass {
-        None => budget::thin_rests(&mut data, FITTED_SAMPLES, decide),
-        Some(_) => None,
-    };
+    let mut notes = Vec::new();
+    if low_pass.is_none() {
+        notes.extend(ringing::left_out(&mut data));
+        notes.extend(budget::thin_rests(&mut data, FITTED_SAMPLES, decide));
+    }
     let filtered = data.iter().map(|log| log.filtered(low_pass)).collect();
-    (filtered, note)
+    (filtered, notes)
 }
 
 /// The logs thinned to at most `most` samples together.

@@ -8,5 +8,6 @@ pub(crate) mod motion;
 pub(crate) mod motion_errors;
 pub(crate) mod orientation;
 pub(crate) mod repetition;
+pub(crate) mod ringing;
 pub(crate) mod scales;
 pub(crate) mod standstill;

@@ -2,8 +2,10 @@
 //! rivals.
 
 pub(crate) mod acceptance;
+mod adequacy;
 pub(crate) mod decision;
 mod evaluate;
 mod held_out;
+mod prediction;
 pub(crate) mod rivals;
 pub(crate) mod selection;

@@ -2,19 +2,17 @@
 
 use rayon::prelude::*;
 
+use super::adequacy::is_explained;
 use super::decision::Decision;
-use super::held_out::{HeldOutError, held_out, held_out_error};
+use super::held_out::{HeldOutError, held_out, held_out_error, trained, training_weights};
 use super::rivals::{Rivals, rivals};
 use crate::gap::finding::Verdict;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem, weights::weights};
-use crate::gap::noise::floor::NoiseFloor;
 use crate::gap::search::run::SearchResult;
-use crate::gap::thresholds::Thresholds;
 use crate::stats::correlation;
 
-/// Most steps of the fit without an effect, and of a fit to the part that is not held out.
+/// Most steps of the fit without an effect.
 const STEPS_WITHOUT: usize = 12;
-const STEPS_TRAINING: usize = 8;
 
 /// Evaluates the effects of a search's result.
 pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult) -> Decision {
@@ -45,8 +43,9 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         better,
     } = rivals(&all, &best, result, correlation, decide);
     let is_ambiguous = alternatives.iter().any(|ids| !ids.is_empty());
+    let is_explained = is_explained(dataset, &all, &best, after.ratio, &held_out);
     Decision {
-        verdict: verdict(dataset, after.ratio, !without.is_empty(), is_ambiguous),
+        verdict: verdict(is_explained, !without.is_empty(), is_ambiguous),
         thresholds: *dataset.thresholds,
         alternatives,
         gains,
@@ -73,19 +72,11 @@ fn held_out_errors(
     without: &[Fit],
     held_out: &[bool],
 ) -> Vec<HeldOutError> {
-    let training: Vec<f64> = all
-        .weights
-        .iter()
-        .zip(held_out)
-        .map(|(w, out)| if *out { 0.0 } else { *w })
-        .collect();
+    let training = training_weights(all, held_out);
     let training = dataset.problem(&training);
     let fits: Vec<&Fit> = fits.iter().copied().chain(without).collect();
     fits.into_par_iter()
-        .map(|fit| {
-            let trained = training.fit_briefly(&fit.shape, fit.numbers.clone(), STEPS_TRAINING);
-            held_out_error(all, &trained, held_out)
-        })
+        .map(|fit| held_out_error(all, &trained(&training, fit), held_out))
         .collect()
 }
 
@@ -106,10 +97,8 @@ fn white_residuals(all: &Problem<'_>, fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-fn verdict(dataset: &Dataset<'_>, ratio: f64, has_effects: bool, is_ambiguous: bool) -> Verdict {
-    let explained = &dataset.thresholds.explained;
-    let limit = allowance(dataset.floors, dataset.thresholds) * explained.residuals;
-    if ratio > limit {
+fn verdict(is_explained: bool, has_effects: bool, is_ambiguous: bool) -> Verdict {
+    if !is_explained {
         Verdict::Unexplained
     } else if !has_effects {
         Verdict::NoMissingEffect
@@ -118,21 +107,4 @@ fn verdict(dataset: &Dataset<'_>, ratio: f64, has_effects: bool, is_ambiguous: b
     } else {
         Verdict::MissingEffects
     }
-}
-
-/// The factor by which residuals may be larger because of what the noise floors do not know.
-fn allowance(floors: &[NoiseFloor], thresholds: &Thresholds) -> f64 {
-    let (least, sigmas) = (thresholds.explained.coloured, thresholds.floor.sigmas);
-    // Hum in a band is no effect of the catalogue, and no line either: the lines that rest shows may
-    // stay, once a periodic disturbance has not taken them.
-    let with_lines = |floor: &NoiseFloor| {
-        let share = floor.lines_n / floor.used_n.max(f64::MIN_POSITIVE);
-        1.0 + share.powi(2).min(1.0)
-    };
-    let lines = floors.iter().map(with_lines).fold(1.0, f64::max).sqrt();
-    let coloured = floors.iter().filter(|floor| floor.coloured);
-    lines
-        * coloured
-            .map(|floor| least.max(1.0 + sigmas * floor.uncertainty))
-            .fold(1.0, f64::max)
 }

@@ -8,6 +8,9 @@ use crate::gap::model::{fit::Fit, problem::Problem};
 /// Windows of a log.
 const WINDOWS: usize = 12;
 
+/// Most steps of the fit to the part that is not held out.
+const STEPS: usize = 8;
+
 /// Errors of a fit on the held-out part.
 #[derive(Clone, Copy)]
 pub(super) struct HeldOutError {
@@ -25,6 +28,18 @@ pub(super) fn held_out(logs: &[FitData]) -> Vec<bool> {
         held_out.extend((0..count).map(|at| (at * WINDOWS / count) % 3 == 1));
     }
     held_out
+}
+
+/// The weights of the samples that are not held out.
+pub(super) fn training_weights(all: &Problem<'_>, held_out: &[bool]) -> Vec<f64> {
+    let each = all.weights.iter().zip(held_out);
+    each.map(|(weight, out)| if *out { 0.0 } else { *weight })
+        .collect()
+}
+
+/// The fit to the part that is not held out.
+pub(super) fn trained(training: &Problem<'_>, fit: &Fit) -> Fit {
+    training.fit_briefly(&fit.shape, fit.numbers.clone(), STEPS)
 }
 
 /// The errors of a fit on the held-out part; `all` is the problem with the weights of all samples.

@@ -45,6 +45,7 @@ impl Recordings {
             rest_n: None,
             lines_n: 0.0,
             uncertainty: 0.0,
+            unseen: 1.0,
             used_n: sensor.noise_n,
             coloured: false,
             correlation: 1.0,

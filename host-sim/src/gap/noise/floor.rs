@@ -13,6 +13,7 @@ use crate::gap::noise::free_air::{in_free_air, rests};
 use crate::gap::noise::line::Line;
 use crate::gap::noise::rest;
 use crate::gap::noise::rest_power::{COLOUR_HZ, RestNoise};
+use crate::gap::noise::spectrum::detrended;
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
@@ -36,6 +37,9 @@ pub struct NoiseFloor {
     pub coloured: bool,
     /// Standard error of `used_n` as a share of it; 0 where it comes from all samples.
     pub uncertainty: f64,
+    /// How many times `used_n` the noise may be though rests agree with second differences: more than 1 where they are
+    /// too short to tell, as a minute at 10 Hz has them.
+    pub unseen: f64,
     /// Samples for each independent one.
     pub correlation: f64,
     /// Which estimate is used, and why, in words.
@@ -48,20 +52,18 @@ impl NoiseFloor {
         let even = log;
         let log: &UniformLog = &even.as_taken();
         let rests = rests(log, decide);
-        let mut floor = NoiseFloor::with_disturbances(log, &rests, decide);
         if rests.is_empty() {
+            let floor = NoiseFloor::with_disturbances(log, &log.force_n, &rests, decide);
             return floor.without_fast_lines(even, log.clone(), decide);
         }
-        let is_free = in_free_air(log, decide);
-        let (mut quiet, mut searched) = (log.clone(), log.force_n.clone());
-        for _ in 0..MOST_LINES {
-            let Some(line) = Line::strongest(&searched, &is_free, decide.prominence) else {
-                break;
-            };
-            take_out(&mut searched, &line);
+        let lines = lines_in_free_air(log, decide);
+        let unlined_n = without_lines_at_rest(&log.force_n, &lines, &rests);
+        let mut floor = NoiseFloor::with_disturbances(log, &unlined_n, &rests, decide);
+        let mut quiet = log.clone();
+        for line in &lines {
             let mut quieter = quiet.clone();
-            take_out(&mut quieter.force_n, &line);
-            let without_line = NoiseFloor::with_disturbances(&quieter, &rests, decide);
+            take_out(&mut quieter.force_n, line);
+            let without_line = NoiseFloor::with_disturbances(&quieter, &unlined_n, &rests, decide);
             // A line that repeats with the motion is not there at rest.
             if without_line.rest_power_n2() < decide.disturbed * floor.rest_power_n2() {
                 (floor, quiet) = (without_line, quieter);
@@ -106,7 +108,7 @@ impl NoiseFloor {
                     each.for_each(|(force, time_s)| *force -= line.at(place(time_s)));
                 }
             }
-            let quieter = NoiseFloor::with_disturbances(&taken, &[], decide);
+            let quieter = NoiseFloor::with_disturbances(&taken, &taken.force_n, &[], decide);
             if quieter.high_pass_n.powi(2) >= decide.disturbed * self.high_pass_n.powi(2) {
                 break;
             }
@@ -118,15 +120,21 @@ impl NoiseFloor {
         self
     }
 
-    /// Estimates the noise floor without looking for disturbances.
-    fn with_disturbances(log: &UniformLog, rests: &[Range<usize>], decide: &Floor) -> NoiseFloor {
+    /// Estimates the noise floor without looking for disturbances; `unlined_n` are the forces without lines, which say
+    /// whether what is there at rest is noise.
+    fn with_disturbances(
+        log: &UniformLog,
+        unlined_n: &[f64],
+        rests: &[Range<usize>],
+        decide: &Floor,
+    ) -> NoiseFloor {
         let high_pass_n = high_pass_noise_n(log, decide.spike_sigmas);
         let slower_noise_n = || match (log.rate_hz / COLOUR_HZ) as usize {
             0 | 1 => high_pass_n,
             step => high_pass_noise_n(&forces_at_every(log, step), decide.spike_sigmas),
         };
         let rest = RestNoise::of(log, rests, high_pass_n, decide);
-        let rest_n = rest.as_ref().map(|rest| rest.noise_n2.sqrt());
+        let rest_n = rest.as_ref().map(RestNoise::noise_n);
         let quiet_n = rest::quiet_n(log, rests, high_pass_n, decide);
         let (used_n, why) = match (quiet_n, rest_n) {
             (Some(quiet_n), _) => (
@@ -144,14 +152,22 @@ impl NoiseFloor {
                     "from second differences, and rest in free air agrees",
                 )
             }
-            (None, Some(rest)) if !rest::is_noise(log, rests, rest / slower_noise_n(), decide) => (
-                high_pass_n,
-                "from second differences: what is there at rest in free air is larger, and no noise",
-            ),
+            (None, Some(rest_n))
+                if !rest::is_noise(unlined_n, rests, rest_n / slower_noise_n(), decide) =>
+            {
+                (
+                    high_pass_n,
+                    "from second differences: what is there at rest in free air is larger, and no noise",
+                )
+            }
             (None, Some(rest)) => (rest, "from rest in free air: the noise is coloured"),
         };
         let coloured = used_n > decide.coloured * high_pass_n;
-        let error = |rest: &RestNoise| 0.5 * rest.error_n2 / rest.noise_n2.max(f64::MIN_POSITIVE);
+        let (at_rest, agreeing) = match &rest {
+            Some(rest) if coloured => (Some(rest), None),
+            Some(rest) if rest.noise_n() <= decide.coloured * used_n => (None, Some(rest)),
+            _ => (None, None),
+        };
         NoiseFloor {
             coloured,
             correlation: if coloured {
@@ -159,7 +175,11 @@ impl NoiseFloor {
             } else {
                 1.0
             },
-            uncertainty: rest.as_ref().filter(|_| coloured).map_or(0.0, error),
+            uncertainty: at_rest.map_or(0.0, RestNoise::error),
+            unseen: agreeing.map_or(1.0, |rest| {
+                let most_n = rest.noise_n() * (1.0 + decide.sigmas * rest.error());
+                (most_n / (decide.coloured * used_n).max(f64::MIN_POSITIVE)).max(1.0)
+            }),
             high_pass_n,
             rest_n,
             lines_n: rest.map_or(0.0, |rest| rest.lines_n2.sqrt()),
@@ -172,6 +192,39 @@ impl NoiseFloor {
     fn rest_power_n2(&self) -> f64 {
         self.rest_n.unwrap_or(0.0).powi(2) + self.lines_n.powi(2)
     }
+}
+
+/// The lines that stay in phase through all free air, the strongest first.
+fn lines_in_free_air(log: &UniformLog, decide: &Floor) -> Vec<Line> {
+    let is_free = in_free_air(log, decide);
+    let mut searched = log.force_n.clone();
+    let mut lines = Vec::new();
+    while lines.len() < MOST_LINES {
+        let Some(line) = Line::strongest(&searched, &is_free, decide.prominence) else {
+            break;
+        };
+        take_out(&mut searched, &line);
+        lines.push(line);
+    }
+    lines
+}
+
+/// The forces without the lines that are there at rest: others repeat with the motion.
+fn without_lines_at_rest(force_n: &[f64], lines: &[Line], rests: &[Range<usize>]) -> Vec<f64> {
+    let squares = |force_n: &[f64]| -> f64 {
+        let at_rest = rests.iter().map(rest::settled);
+        let forces = at_rest.flat_map(|rest| detrended(&force_n[rest]));
+        forces.map(|force| force * force).sum()
+    };
+    let mut kept = force_n.to_vec();
+    for line in lines {
+        let mut without = kept.clone();
+        take_out(&mut without, line);
+        if squares(&without) < squares(&kept) {
+            kept = without;
+        }
+    }
+    kept
 }
 
 fn take_out(force_n: &mut [f64], line: &Line) {

@@ -77,4 +77,14 @@ impl RestNoise {
             error_n2: error_n2(0.0).hypot(0.5 * below),
         })
     }
+
+    /// Standard deviation (N) of the noise.
+    pub(super) fn noise_n(&self) -> f64 {
+        self.noise_n2.sqrt()
+    }
+
+    /// Standard error of the standard deviation, as a share of it.
+    pub(super) fn error(&self) -> f64 {
+        0.5 * self.error_n2 / self.noise_n2.max(f64::MIN_POSITIVE)
+    }
 }
