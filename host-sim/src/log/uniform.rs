@@ -1,6 +1,7 @@
 //! A log with even spacing in time, as everything behind the reading takes it.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use estimator_core::Faults;
@@ -31,13 +32,17 @@ pub struct Taken {
 }
 
 impl Taken {
-    /// The samples up to an instant (s).
-    pub(super) fn until(&self, end_s: f64) -> Taken {
+    /// The samples from the first to the last of some instants (s).
+    fn within(&self, time_s: &[f64]) -> Taken {
+        let of = |time_s: Option<&f64>| time_s.copied().unwrap_or(0.0);
+        let (start_s, end_s) = (of(time_s.first()), of(time_s.last()));
+        let start = self.time_s.partition_point(|stamp| *stamp < start_s);
         let end = self.time_s.partition_point(|stamp| *stamp <= end_s);
+        let part = |channel: &[f64]| channel[start..end.max(start)].to_vec();
         Taken {
-            time_s: self.time_s[..end].to_vec(),
-            position_m: self.position_m[..end].to_vec(),
-            force_n: self.force_n[..end].to_vec(),
+            time_s: part(&self.time_s),
+            position_m: part(&self.position_m),
+            force_n: part(&self.force_n),
         }
     }
 }
@@ -115,23 +120,29 @@ impl UniformLog {
 
     /// The first so many samples as a log of their own.
     pub(crate) fn first(&self, count: usize) -> UniformLog {
-        let end = count.min(self.len());
-        let end_s = end.checked_sub(1).map_or(0.0, |last| self.time_s[last]);
-        let upto = |channel: &[f64]| channel[..end].to_vec();
-        let marks = |all: &[bool]| all[..end.min(all.len())].to_vec();
+        self.part(0..count)
+    }
+
+    /// A part of the samples as a log of its own.
+    pub(crate) fn part(&self, samples: Range<usize>) -> UniformLog {
+        let within = |count: usize| samples.start.min(count)..samples.end.min(count);
+        let channel = |channel: &[f64]| channel[within(channel.len())].to_vec();
+        let marks = |all: &[bool]| all[within(all.len())].to_vec();
+        let time_s = channel(&self.time_s);
+        let taken = self.taken.as_ref().map(|taken| taken.within(&time_s));
         UniformLog {
             path: self.path.clone(),
             rate_hz: self.rate_hz,
             kind: self.kind,
-            time_s: upto(&self.time_s),
-            position_m: upto(&self.position_m),
-            force_n: upto(&self.force_n),
+            time_s,
+            position_m: channel(&self.position_m),
+            force_n: channel(&self.force_n),
             in_gap: marks(&self.in_gap),
             slower: self.slower.clone(),
             position_step_m: self.position_step_m,
             untouched: self.untouched,
-            taken: self.taken.as_ref().map(|taken| taken.until(end_s)),
-            recognised: self.recognised[..end.min(self.recognised.len())].to_vec(),
+            taken,
+            recognised: self.recognised[within(self.recognised.len())].to_vec(),
             compensated: Compensated {
                 saturated: marks(&self.compensated.saturated),
                 ..self.compensated.clone()

@@ -1,7 +1,7 @@
 //! Logs of any length in bounded memory and time.
 //!
-//! A log with more samples than the fits can use is averaged over blocks, down to 100 Hz at most. If it is
-//! still too long, the stretch with the most travel is kept. A log that is mostly rest (an hour's hold after
+//! Of a log with more samples than the fits can use the stretch with the most travel is kept, as long as the search
+//! still samples it 25 times a second, and averaged over blocks, down to 100 Hz at most. A log that is mostly rest (an hour's hold after
 //! a ramp of seconds) is thinned instead, within its rests only: the step between samples grows as 0.3 % of
 //! the time since the rest began, so that a relaxation over three decades of time keeps all of them and the
 //! ramp keeps its samples.
@@ -21,6 +21,9 @@ use crate::stats::range;
 const MOST_SAMPLES: usize = 120_000;
 /// Blocks are not averaged below this rate.
 const SLOWEST_HZ: f64 = 100.0;
+/// Longest stretch (s): the 5,000 samples of the search are then 40 ms apart. At 240 ms, as twenty minutes have them, a
+/// relaxation of 2.4/s was no longer looked for, and an hour that lacked nothing remained unexplained.
+const LONGEST_STRETCH_S: f64 = 200.0;
 /// The step between samples within a rest, as a share of the time since it began.
 const STEP_GROWTH: f64 = 3e-3;
 /// Whether a sample stands still is decided on so many samples on either side.
@@ -38,23 +41,28 @@ fn within_budget(log: &UniformLog, decide: Rest) -> (Cow<'_, UniformLog>, Option
         return (Cow::Borrowed(log), None);
     }
     let slowest = ((log.rate_hz / SLOWEST_HZ).floor() as usize).max(1);
-    let factor = log.len().div_ceil(MOST_SAMPLES).min(slowest);
-    let mut shorter = averaged(log, factor);
+    let factor = |samples: usize| samples.div_ceil(MOST_SAMPLES).min(slowest);
+    let stretch = (LONGEST_STRETCH_S * log.rate_hz).round() as usize;
+    let whole = averaged(log, factor(log.len()));
     let mut note = format!("{} samples are more than a fit can use", log.len());
-    if factor > 1 {
+    // A log that is mostly rest stays whole here: `thin_rests` thins it.
+    let shorter = if log.len() <= stretch || is_mostly_rest(&whole, decide) {
+        whole
+    } else {
+        let from = start_of_most_travel(log, stretch);
+        let cut = log.part(from..from + stretch);
+        note.push_str(&format!(
+            ": the stretch that moves most, from {} on for {}",
+            setting(cut.time_s[0], "s"),
+            setting(cut.period_s() * cut.len() as f64, "s"),
+        ));
+        averaged(&cut, factor(stretch))
+    };
+    let factor = (log.rate_hz / shorter.rate_hz).round();
+    if factor > 1.0 {
         note.push_str(&format!(
             ": means of {factor} each, {} samples a second",
             setting(shorter.rate_hz, "")
-        ));
-    }
-    // A log that is mostly rest stays whole here: `thin_rests` thins it.
-    if shorter.len() > MOST_SAMPLES && !is_mostly_rest(&shorter, decide) {
-        let from = start_of_most_travel(&shorter);
-        cut(&mut shorter, from);
-        note.push_str(&format!(
-            "; of those the stretch that moves most, from {} on for {}",
-            setting(shorter.time_s[0], "s"),
-            setting(shorter.period_s() * shorter.len() as f64, "s"),
         ));
     }
     let changed = shorter.len() < log.len();
@@ -124,9 +132,11 @@ fn standing_still(position_m: &[f64], noise_m: f64, decide: Rest) -> Vec<bool> {
         .collect()
 }
 
-/// The sample at which the stretch of `MOST_SAMPLES` with the most travel begins.
-fn start_of_most_travel(log: &UniformLog) -> usize {
-    let steps = log.position_m.windows(2);
+/// The sample at which the stretch of so many samples with the most travel begins.
+fn start_of_most_travel(log: &UniformLog, samples: usize) -> usize {
+    // Counts that toggle at rest travel nowhere.
+    let position_m = signal::without_toggling(&log.position_m);
+    let steps = position_m.windows(2);
     let travel: Vec<f64> = std::iter::once(0.0)
         .chain(steps.map(|pair| (pair[1] - pair[0]).abs()))
         .scan(0.0, |sum, step| {
@@ -134,18 +144,11 @@ fn start_of_most_travel(log: &UniformLog) -> usize {
             Some(*sum)
         })
         .collect();
-    let last = log.len() - MOST_SAMPLES;
-    let travel_from = |from: &usize| travel[from + MOST_SAMPLES - 1] - travel[*from];
+    let last = log.len() - samples;
+    let travel_from = |from: &usize| travel[from + samples - 1] - travel[*from];
     (0..=last)
         .max_by(|a, b| travel_from(a).total_cmp(&travel_from(b)))
         .unwrap_or(0)
-}
-
-fn cut(log: &mut UniformLog, from: usize) {
-    for channel in [&mut log.time_s, &mut log.position_m, &mut log.force_n] {
-        *channel = channel[from..from + MOST_SAMPLES].to_vec();
-    }
-    log.in_gap = log.in_gap[from..from + MOST_SAMPLES].to_vec();
 }
 
 /// Thins the rests of logs that are mostly rest, if they have more than `most` samples, and says so.
@@ -215,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn an_hour_at_a_kilohertz_becomes_its_busiest_twenty_minutes_at_100_hz() {
+    fn an_hour_at_a_kilohertz_becomes_its_busiest_minutes_at_500_hz() {
         // GIVEN strokes of 1 mm, of 4 mm in the last half hour
         let hour = log(
             3_600_000,
@@ -224,13 +227,13 @@ mod tests {
         );
         let logs = [hour];
         let (shorter, notes) = within(&logs, Rest::default());
-        // THEN 120 000 means of ten samples, of the last half hour, and the note says so.
-        assert_eq!(shorter[0].len(), MOST_SAMPLES);
-        assert!((shorter[0].rate_hz - 100.0).abs() < 1e-9);
+        // THEN 100 000 means of two samples, of the last half hour, and the note says so.
+        assert_eq!(shorter[0].len(), 100_000);
+        assert!((shorter[0].rate_hz - 500.0).abs() < 1e-9);
         assert!(shorter[0].time_s[0] >= 1799.0, "{}", shorter[0].time_s[0]);
         let note = &notes[0];
         assert!(
-            note.contains("3600000 samples") && note.contains("means of 10"),
+            note.contains("3600000 samples") && note.contains("means of 2"),
             "{note}"
         );
         assert!(note.contains("moves most"), "{note}");

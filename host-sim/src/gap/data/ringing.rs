@@ -15,6 +15,8 @@ use crate::stats::median;
 
 /// Lags (s) of the second differences: one of them is near half a period from 200 Hz to 900 Hz.
 const LAGS_S: [f64; 2] = [0.8e-3, 1.6e-3];
+/// A log with longer periods (s) cannot show it: the torque of a servo at 190 Hz seemed to ring for half a second.
+const LONGEST_PERIOD_S: f64 = 2.1e-3;
 /// Second differences stand out with this many times their standard deviation.
 const STANDS_OUT: f64 = 5.0;
 /// Ringing begins with this many of them: less dies out before it can be told from noise.
@@ -58,6 +60,9 @@ fn leave_out(log: &mut FitData) -> f64 {
 
 /// The stretches in which the force rings.
 fn ringing(log: &FitData) -> Vec<Range<usize>> {
+    if log.period_s > LONGEST_PERIOD_S {
+        return Vec::new();
+    }
     let in_samples = |time_s: f64| (time_s / log.period_s).round().max(1.0) as usize;
     let lags = LAGS_S.map(in_samples);
     let differences = lags.map(|lag| standardized(&log.force_n, lag));

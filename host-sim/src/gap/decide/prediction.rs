@@ -68,3 +68,69 @@ fn pulls(
         linear.columns.iter().map(pull).collect()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::data::{fit_data::FitData, scales::Scales};
+    use crate::gap::model::shape::Shape;
+    use crate::log::Log;
+    use crate::model::Model;
+    use crate::toml_reader::TomlFile;
+    use std::path::Path;
+
+    /// Σ w Var of the predictions of every third of six presses with holds, of a stiffness and a surface
+    /// that are fitted to the others, with an error of the position (m).
+    fn variance(position_noise_m: f64, correlation: f64) -> f64 {
+        let path = Path::new("model.toml");
+        let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
+        let model = Model::from_toml(&TomlFile::parse(text.into(), path).unwrap(), path).unwrap();
+        let time_s: Vec<f64> = (0..6000).map(|at| f64::from(at) * 1e-3).collect();
+        let place = |t: &f64| 2e-3 * (3.0 * (std::f64::consts::TAU * t).sin()).clamp(-1.0, 1.0);
+        let positions: Vec<f64> = time_s.iter().map(place).collect();
+        let forces = positions.iter().map(|x| 1e3 * x.max(0.0)).collect();
+        let log = Log::from_channels(time_s, positions, forces)
+            .uniform()
+            .unwrap();
+        let mut logs = [FitData::of(&log)];
+        logs[0].position_noise_m = position_noise_m;
+        let shape = Shape::new(&model.environment, Vec::new(), &Scales::of(&logs));
+        let held_out: Vec<bool> = (0..6000).map(|at| at / 1000 % 3 == 1).collect();
+        let all = vec![1e4; 6000];
+        let training: Vec<f64> = held_out
+            .iter()
+            .map(|out| if *out { 0.0 } else { 1e4 })
+            .collect();
+        let problem = |weights| Problem {
+            logs: &logs,
+            weights,
+            low_pass: None,
+        };
+        let numbers = shape.start();
+        let fit = problem(&training).fit(&shape, numbers);
+        prediction_variance(
+            &problem(&training),
+            &problem(&all),
+            &fit,
+            &held_out,
+            correlation,
+        )
+    }
+
+    #[test]
+    fn two_numbers_from_two_thirds_of_a_log_cost_the_last_one_half_of_two() {
+        // H⁻¹ of two thirds times H of one third is half of the identity. The damping is 0, at its bound, and costs nothing.
+        let alone = variance(0.0, 1.0);
+        assert!((alone - 1.0).abs() < 0.01, "{alone}");
+        // Noise of which every fourth sample is independent costs four times as much.
+        assert!((variance(0.0, 4.0) / alone - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn one_error_of_position_in_each_hold_costs_more_than_noise_does() {
+        // GIVEN 10 mN of noise and 5 µm of error at 1 N/mm, 5 mN in each of four holds of 400 samples THEN the mean of
+        // their errors is 2.5 mN, as 1600 samples of 0.25 mN of noise have it, in two holds of 400.
+        let more = variance(5e-6, 1.0) - variance(0.0, 1.0);
+        assert!((25.0..80.0).contains(&more), "{more}");
+    }
+}

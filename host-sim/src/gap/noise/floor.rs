@@ -129,39 +129,9 @@ impl NoiseFloor {
         decide: &Floor,
     ) -> NoiseFloor {
         let high_pass_n = high_pass_noise_n(log, decide.spike_sigmas);
-        let slower_noise_n = || match (log.rate_hz / COLOUR_HZ) as usize {
-            0 | 1 => high_pass_n,
-            step => high_pass_noise_n(&forces_at_every(log, step), decide.spike_sigmas),
-        };
         let rest = RestNoise::of(log, rests, high_pass_n, decide);
         let rest_n = rest.as_ref().map(RestNoise::noise_n);
-        let quiet_n = rest::quiet_n(log, rests, high_pass_n, decide);
-        let (used_n, why) = match (quiet_n, rest_n) {
-            (Some(quiet_n), _) => (
-                quiet_n,
-                "from the quiet part of the rest in free air: what is there comes and goes, and is no noise",
-            ),
-            (None, None) => (
-                high_pass_n,
-                "from second differences: there is no rest in free air",
-            ),
-            (None, Some(rest)) if rest <= decide.coloured * high_pass_n => {
-                // Both see the same noise; second differences take it from all samples.
-                (
-                    high_pass_n,
-                    "from second differences, and rest in free air agrees",
-                )
-            }
-            (None, Some(rest_n))
-                if !rest::is_noise(unlined_n, rests, rest_n / slower_noise_n(), decide) =>
-            {
-                (
-                    high_pass_n,
-                    "from second differences: what is there at rest in free air is larger, and no noise",
-                )
-            }
-            (None, Some(rest)) => (rest, "from rest in free air: the noise is coloured"),
-        };
+        let (used_n, why) = used(log, unlined_n, rests, (high_pass_n, rest_n), decide);
         let coloured = used_n > decide.coloured * high_pass_n;
         let (at_rest, agreeing) = match &rest {
             Some(rest) if coloured => (Some(rest), None),
@@ -191,6 +161,47 @@ impl NoiseFloor {
     /// Power at rest (N²) with the lines.
     fn rest_power_n2(&self) -> f64 {
         self.rest_n.unwrap_or(0.0).powi(2) + self.lines_n.powi(2)
+    }
+}
+
+/// The standard deviation (N) that is used, of those from second differences and at rest, and why.
+fn used(
+    log: &UniformLog,
+    unlined_n: &[f64],
+    rests: &[Range<usize>],
+    (high_pass_n, rest_n): (f64, Option<f64>),
+    decide: &Floor,
+) -> (f64, &'static str) {
+    let slower_noise_n = || match (log.rate_hz / COLOUR_HZ) as usize {
+        0 | 1 => high_pass_n,
+        step => high_pass_noise_n(&forces_at_every(log, step), decide.spike_sigmas),
+    };
+    let quiet_n = rest::quiet_n(log, rests, high_pass_n, decide);
+    match (quiet_n, rest_n) {
+        (Some(quiet_n), _) => (
+            quiet_n,
+            "from the quiet part of the rest in free air: what is there comes and goes, and is no noise",
+        ),
+        (None, None) => (
+            high_pass_n,
+            "from second differences: there is no rest in free air",
+        ),
+        (None, Some(rest)) if rest <= decide.coloured * high_pass_n => {
+            // Both see the same noise; second differences take it from all samples.
+            (
+                high_pass_n,
+                "from second differences, and rest in free air agrees",
+            )
+        }
+        (None, Some(rest_n))
+            if !rest::is_noise(unlined_n, rests, rest_n / slower_noise_n(), decide) =>
+        {
+            (
+                high_pass_n,
+                "from second differences: what is there at rest in free air is larger, and no noise",
+            )
+        }
+        (None, Some(rest)) => (rest, "from rest in free air: the noise is coloured"),
     }
 }
 
@@ -350,6 +361,35 @@ mod tests {
         // THEN it reads as in the whole log: between neighbours slow noise is what they are, to a tenth.
         assert!(floor.coloured && whole.coloured);
         assert_near(&floor, whole.used_n, 0.1);
+    }
+
+    #[test]
+    fn a_hum_of_nearly_half_the_power_makes_slow_noise_no_disturbance() {
+        // GIVEN noise with a corner of 90 Hz, and a hum with 0.45 of the power, which makes its kurtosis 2.7
+        let hum = |t: f64, _: f64| SIGMA_N * (0.82 * 2.0_f64).sqrt() * (TAU * 50.0 * t).sin();
+        let noise: Vec<f64> = slow(90.0, 4 * SAMPLES, 0)
+            .iter()
+            .map(|n| SIGMA_N * n)
+            .collect();
+        let floor = NoiseFloor::of(&log(&noise, hum, 1e-6), &Floor::default());
+        // THEN the floor is that noise, and not the 0.6 of it that second differences see.
+        assert!(
+            floor.coloured && floor.high_pass_n < 0.7 * SIGMA_N,
+            "{floor:?}"
+        );
+        assert_near(&floor, SIGMA_N, 0.1);
+    }
+
+    #[test]
+    fn a_rest_that_is_too_short_does_not_say_that_a_noise_is_white() {
+        let of = |samples: usize| {
+            let noise: Vec<f64> = normals(samples, 0).iter().map(|n| SIGMA_N * n).collect();
+            NoiseFloor::of(&log(&noise, |_, _| 0.0, 1e-6), &Floor::default()).unseen
+        };
+        let (short, long) = (of(2500), of(4 * SAMPLES));
+        // 450 samples give 3 %, and three times that, upon the 6 % by which rests may differ and agree.
+        assert!((1.005..1.25).contains(&short), "{short}");
+        assert_eq!(long, 1.0);
     }
 
     #[test]

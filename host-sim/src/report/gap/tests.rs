@@ -89,6 +89,7 @@ fn finding(verdict: Verdict) -> Finding {
             rest_n: None,
             lines_n: 0.0,
             uncertainty: 0.0,
+            unseen: 1.0,
             used_n: 0.02,
             coloured: false,
             correlation: 1.0,
