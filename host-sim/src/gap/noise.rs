@@ -4,6 +4,7 @@ pub(crate) mod coloured;
 pub(crate) mod floor;
 mod free_air;
 pub(crate) mod line;
+mod lines;
 mod rest;
 mod rest_power;
 pub(crate) mod spectrum;

@@ -93,3 +93,43 @@ fn allowance(floors: &[NoiseFloor], thresholds: &Thresholds, at_rest: impl FnOnc
         1.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn floor(coloured: bool, uncertainty: f64, unseen: f64) -> NoiseFloor {
+        NoiseFloor {
+            high_pass_n: 1e-3,
+            rest_n: Some(1e-3),
+            lines_n: 0.0,
+            used_n: 1e-3,
+            coloured,
+            uncertainty,
+            unseen,
+            correlation: 1.0,
+            why: String::new(),
+        }
+    }
+
+    #[test]
+    fn what_a_floor_does_not_know_is_allowed_as_far_as_holds_show_it() {
+        let thresholds = Thresholds::default();
+        let allowed =
+            |floor: NoiseFloor, at_rest: f64| allowance(&[floor], &thresholds, || at_rest);
+        // Slow noise that is known to 10 %, and three times that; in holds it is 1.05 times what was read, or less.
+        let slow = || floor(true, 0.1, 1.0);
+        assert!((allowed(slow(), f64::INFINITY) - 1.3).abs() < 1e-9);
+        assert_eq!((allowed(slow(), 1.05), allowed(slow(), 0.8)), (1.05, 1.0));
+        // A rest too short to tell; white noise that is known needs no hold.
+        assert_eq!(allowed(floor(false, 0.0, 1.2), f64::INFINITY), 1.2);
+        assert_eq!(allowed(floor(false, 0.0, 1.0), 3.0), 1.0);
+        // A hum of as much power as the noise adds its own.
+        let hum = NoiseFloor {
+            lines_n: 1e-3,
+            ..floor(false, 0.0, 1.0)
+        };
+        assert!((allowed(hum.clone(), f64::INFINITY).powi(2) - 2.0).abs() < 1e-9);
+        assert_eq!(allowed(hum, 1.1), 1.1);
+    }
+}

@@ -9,18 +9,15 @@
 
 use std::ops::Range;
 
-use crate::gap::noise::free_air::{in_free_air, rests};
+use crate::gap::noise::free_air::rests;
 use crate::gap::noise::line::Line;
+use crate::gap::noise::lines::{MOST_LINES, lines_in_free_air, without_lines_at_rest};
 use crate::gap::noise::rest;
 use crate::gap::noise::rest_power::{COLOUR_HZ, RestNoise};
-use crate::gap::noise::spectrum::detrended;
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::rms;
-
-/// Most lines that are looked for; some of them repeat with the motion.
-const MOST_LINES: usize = 4;
 
 /// The noise of a measured force.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,24 +43,36 @@ pub struct NoiseFloor {
     pub why: String,
 }
 
+/// What the forces are before lines are taken out of them.
+#[derive(Clone, Copy)]
+struct Raw<'a> {
+    /// The forces (N) without all lines that are there at rest: they say whether the rest is noise.
+    unlined_n: &'a [f64],
+    /// The step of the converter (N); 0 where there is none.
+    code_n: f64,
+}
+
 impl NoiseFloor {
     /// Estimates the noise floor of a log.
     pub fn of(log: &UniformLog, decide: &Floor) -> NoiseFloor {
         let even = log;
         let log: &UniformLog = &even.as_taken();
         let rests = rests(log, decide);
+        let code_n = signal::step(&log.force_n).unwrap_or(0.0);
+        let raw = |unlined_n| Raw { unlined_n, code_n };
         if rests.is_empty() {
-            let floor = NoiseFloor::with_disturbances(log, &log.force_n, &rests, decide);
+            let floor = NoiseFloor::with_disturbances(log, raw(&log.force_n), &rests, decide);
             return floor.without_fast_lines(even, log.clone(), decide);
         }
         let lines = lines_in_free_air(log, decide);
         let unlined_n = without_lines_at_rest(&log.force_n, &lines, &rests);
-        let mut floor = NoiseFloor::with_disturbances(log, &unlined_n, &rests, decide);
+        let mut floor = NoiseFloor::with_disturbances(log, raw(&unlined_n), &rests, decide);
         let mut quiet = log.clone();
         for line in &lines {
             let mut quieter = quiet.clone();
-            take_out(&mut quieter.force_n, line);
-            let without_line = NoiseFloor::with_disturbances(&quieter, &unlined_n, &rests, decide);
+            line.take_out_of(&mut quieter.force_n);
+            let without_line =
+                NoiseFloor::with_disturbances(&quieter, raw(&unlined_n), &rests, decide);
             // A line that repeats with the motion is not there at rest.
             if without_line.rest_power_n2() < decide.disturbed * floor.rest_power_n2() {
                 (floor, quiet) = (without_line, quieter);
@@ -89,6 +98,7 @@ impl NoiseFloor {
             })
             .collect();
         let mut searched = even.force_n.clone();
+        let code_n = signal::step(&taken.force_n).unwrap_or(0.0);
         for _ in 0..MOST_LINES {
             let mut differences = vec![0.0; searched.len()];
             let places = differences.iter_mut().skip(1);
@@ -98,9 +108,9 @@ impl NoiseFloor {
                 break;
             };
             let line = line.undifferenced();
-            take_out(&mut searched, &line);
+            line.take_out_of(&mut searched);
             match even.taken {
-                None => take_out(&mut taken.force_n, &line),
+                None => line.take_out_of(&mut taken.force_n),
                 Some(_) => {
                     let start_s = even.time_s.first().copied().unwrap_or(0.0);
                     let place = |time_s: &f64| (time_s - start_s) * even.rate_hz;
@@ -108,7 +118,11 @@ impl NoiseFloor {
                     each.for_each(|(force, time_s)| *force -= line.at(place(time_s)));
                 }
             }
-            let quieter = NoiseFloor::with_disturbances(&taken, &taken.force_n, &[], decide);
+            let raw = Raw {
+                unlined_n: &taken.force_n,
+                code_n,
+            };
+            let quieter = NoiseFloor::with_disturbances(&taken, raw, &[], decide);
             if quieter.high_pass_n.powi(2) >= decide.disturbed * self.high_pass_n.powi(2) {
                 break;
             }
@@ -120,18 +134,17 @@ impl NoiseFloor {
         self
     }
 
-    /// Estimates the noise floor without looking for disturbances; `unlined_n` are the forces without lines, which say
-    /// whether what is there at rest is noise.
+    /// Estimates the noise floor without looking for disturbances.
     fn with_disturbances(
         log: &UniformLog,
-        unlined_n: &[f64],
+        raw: Raw<'_>,
         rests: &[Range<usize>],
         decide: &Floor,
     ) -> NoiseFloor {
-        let high_pass_n = high_pass_noise_n(log, decide.spike_sigmas);
+        let high_pass_n = high_pass_noise_n(log, raw.code_n, decide.spike_sigmas);
         let rest = RestNoise::of(log, rests, high_pass_n, decide);
         let rest_n = rest.as_ref().map(RestNoise::noise_n);
-        let (used_n, why) = used(log, unlined_n, rests, (high_pass_n, rest_n), decide);
+        let (used_n, why) = used(log, raw, rests, (high_pass_n, rest_n), decide);
         let coloured = used_n > decide.coloured * high_pass_n;
         let (at_rest, agreeing) = match &rest {
             Some(rest) if coloured => (Some(rest), None),
@@ -167,14 +180,14 @@ impl NoiseFloor {
 /// The standard deviation (N) that is used, of those from second differences and at rest, and why.
 fn used(
     log: &UniformLog,
-    unlined_n: &[f64],
+    raw: Raw<'_>,
     rests: &[Range<usize>],
     (high_pass_n, rest_n): (f64, Option<f64>),
     decide: &Floor,
 ) -> (f64, &'static str) {
     let slower_noise_n = || match (log.rate_hz / COLOUR_HZ) as usize {
         0 | 1 => high_pass_n,
-        step => high_pass_noise_n(&forces_at_every(log, step), decide.spike_sigmas),
+        step => high_pass_noise_n(&forces_at_every(log, step), raw.code_n, decide.spike_sigmas),
     };
     let quiet_n = rest::quiet_n(log, rests, high_pass_n, decide);
     match (quiet_n, rest_n) {
@@ -194,7 +207,7 @@ fn used(
             )
         }
         (None, Some(rest_n))
-            if !rest::is_noise(unlined_n, rests, rest_n / slower_noise_n(), decide) =>
+            if !rest::is_noise(raw.unlined_n, rests, rest_n / slower_noise_n(), decide) =>
         {
             (
                 high_pass_n,
@@ -203,44 +216,6 @@ fn used(
         }
         (None, Some(rest)) => (rest, "from rest in free air: the noise is coloured"),
     }
-}
-
-/// The lines that stay in phase through all free air, the strongest first.
-fn lines_in_free_air(log: &UniformLog, decide: &Floor) -> Vec<Line> {
-    let is_free = in_free_air(log, decide);
-    let mut searched = log.force_n.clone();
-    let mut lines = Vec::new();
-    while lines.len() < MOST_LINES {
-        let Some(line) = Line::strongest(&searched, &is_free, decide.prominence) else {
-            break;
-        };
-        take_out(&mut searched, &line);
-        lines.push(line);
-    }
-    lines
-}
-
-/// The forces without the lines that are there at rest: others repeat with the motion.
-fn without_lines_at_rest(force_n: &[f64], lines: &[Line], rests: &[Range<usize>]) -> Vec<f64> {
-    let squares = |force_n: &[f64]| -> f64 {
-        let at_rest = rests.iter().map(rest::settled);
-        let forces = at_rest.flat_map(|rest| detrended(&force_n[rest]));
-        forces.map(|force| force * force).sum()
-    };
-    let mut kept = force_n.to_vec();
-    for line in lines {
-        let mut without = kept.clone();
-        take_out(&mut without, line);
-        if squares(&without) < squares(&kept) {
-            kept = without;
-        }
-    }
-    kept
-}
-
-fn take_out(force_n: &mut [f64], line: &Line) {
-    let each = force_n.iter_mut().enumerate();
-    each.for_each(|(at, force)| *force -= line.at(at as f64));
 }
 
 /// The forces of a log at every so many samples.
@@ -254,8 +229,10 @@ fn forces_at_every(log: &UniformLog, step: usize) -> UniformLog {
 
 /// The mean square of the second differences that are no spikes, with the standard deviation of
 /// [`signal::noise`]. That function takes the median, which for a channel with coarse steps is good to half a step only.
-fn high_pass_noise_n(log: &UniformLog, spike_sigmas: f64) -> f64 {
-    let coarse = log.force_noise_n();
+fn high_pass_noise_n(log: &UniformLog, code_n: f64, spike_sigmas: f64) -> f64 {
+    // Of pink noise of half a code at 5 kHz more than half of the differences are 0; without a line that is no
+    // difference at all, and the floor was 0.8 nN of 8 mN.
+    let coarse = log.force_noise_n().max(code_n / 12.0_f64.sqrt());
     let limit = spike_sigmas * coarse * 6.0_f64.sqrt();
     let differences = signal::second_differences_of_measured(&log.force_n, &log.in_gap);
     let fine = rms(differences.filter(|own| own.abs() <= limit)) / 6.0_f64.sqrt();

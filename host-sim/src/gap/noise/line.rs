@@ -24,6 +24,12 @@ pub(crate) struct Line {
 }
 
 impl Line {
+    /// Takes the line out of forces (N).
+    pub(super) fn take_out_of(&self, force_n: &mut [f64]) {
+        let each = force_n.iter_mut().enumerate();
+        each.for_each(|(at, force)| *force -= self.at(at as f64));
+    }
+
     /// Finds the strongest line in the samples that are used, if its power is `prominence` times
     /// the mean of what is left around it.
     pub(crate) fn strongest(force: &[f64], is_used: &[bool], prominence: f64) -> Option<Line> {
