@@ -11,7 +11,7 @@ pub use suspicion::{suspicions, suspicions_without_contact};
 use crate::log::UniformLog;
 use crate::replay::{Replay, Touch};
 use crate::signal;
-use crate::stats::{highest, lowest, median};
+use crate::stats::{highest, lowest, median, robust_deviation};
 
 /// A force below rest by this many standard deviations of what it does in free air pulls.
 const PULL_SIGMAS: f64 = 8.0;
@@ -106,7 +106,7 @@ fn disturbance(free: &[f64], noise_n: f64) -> Option<f64> {
 
 /// Standard deviation of a force, hum and drift included.
 fn wander(free: &[f64], rest_n: f64) -> f64 {
-    median(free.iter().map(|force| (force - rest_n).abs())) / 0.6745
+    robust_deviation(free.iter().map(|force| force - rest_n))
 }
 
 fn pull(force_n: &[f64], rest_n: f64, sigma_n: f64) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::stats::{lowest, median, range};
+use crate::stats::{lowest, range, robust_deviation};
 
 /// Fewer toggles than this, and than one in so many samples, are motion: 40 simulated palpations with
 /// a silent encoder have up to 4 in 30 000 samples, 54 with a toggling one at least 34 in 16 000.
@@ -50,8 +50,7 @@ fn second_difference(window: &[f64]) -> f64 {
 
 /// The standard deviation of white noise with these second differences.
 fn sigma(differences: impl Iterator<Item = f64>) -> f64 {
-    // The median of |normal| is 0.6745 σ.
-    median(differences.map(f64::abs)) / 0.6745 / 6.0_f64.sqrt()
+    robust_deviation(differences) / 6.0_f64.sqrt()
 }
 
 /// The resolution of a channel: the smallest change between neighbours, if nine tenths of the

@@ -37,6 +37,12 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
 }
 
+/// The standard deviation of normal numbers around 0, from the median of their magnitudes: outliers hardly move it.
+pub(crate) fn robust_deviation(values: impl IntoIterator<Item = f64>) -> f64 {
+    // The median of |normal| is 0.6745 σ.
+    median(values.into_iter().map(f64::abs)) / 0.6745
+}
+
 /// The root of the mean square; 0 if there are no values.
 pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, count), value| {

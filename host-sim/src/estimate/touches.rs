@@ -11,7 +11,7 @@ use estimator_core::Faults;
 use crate::log::UniformLog;
 use crate::replay::{Replay, Touch};
 use crate::signal::parabola;
-use crate::stats::median;
+use crate::stats::{median, robust_deviation};
 
 /// Half of the stretch (s) that a parabola smooths around a sample: one sample at 10 Hz, 5 at 1 kHz, 100 at
 /// 20 kHz. A touch of 20 ms loses 1 % of its peak.
@@ -83,9 +83,9 @@ fn each<'a>(
                 false => f64::from(replay.rest_n[contact.start]),
             };
             // A baseline wanders more than its noise; the median does not see where it begins to rise.
-            let strays = free.iter().map(|force| (force - rest_n).abs());
+            let strays = free.iter().map(|force| force - rest_n);
             let wander_n = match free.len() >= FEWEST_FREE {
-                true => median(strays) / 0.6745,
+                true => robust_deviation(strays),
                 false => 0.0,
             };
             One {

@@ -32,13 +32,10 @@ pub struct Taken {
 }
 
 impl Taken {
-    /// The samples from the first to the last of some instants (s).
-    fn within(&self, time_s: &[f64]) -> Taken {
-        let of = |time_s: Option<&f64>| time_s.copied().unwrap_or(0.0);
-        let (start_s, end_s) = (of(time_s.first()), of(time_s.last()));
-        let start = self.time_s.partition_point(|stamp| *stamp < start_s);
-        let end = self.time_s.partition_point(|stamp| *stamp <= end_s);
-        let part = |channel: &[f64]| channel[start..end.max(start)].to_vec();
+    /// The samples after an instant (s), up to another.
+    fn between(&self, after_s: f64, until_s: f64) -> Taken {
+        let upto = |time_s: f64| self.time_s.partition_point(|stamp| *stamp <= time_s);
+        let part = |channel: &[f64]| channel[upto(after_s)..upto(until_s)].to_vec();
         Taken {
             time_s: part(&self.time_s),
             position_m: part(&self.position_m),
@@ -128,8 +125,15 @@ impl UniformLog {
         let within = |count: usize| samples.start.min(count)..samples.end.min(count);
         let channel = |channel: &[f64]| channel[within(channel.len())].to_vec();
         let marks = |all: &[bool]| all[within(all.len())].to_vec();
+        let before = samples
+            .start
+            .checked_sub(1)
+            .and_then(|at| self.time_s.get(at));
+        let after_s = before.copied().unwrap_or(f64::NEG_INFINITY);
         let time_s = channel(&self.time_s);
-        let taken = self.taken.as_ref().map(|taken| taken.within(&time_s));
+        let until_s = time_s.last().map_or(0.0, |last| last.max(after_s));
+        let taken = self.taken.as_ref();
+        let taken = taken.map(|taken| taken.between(after_s, until_s));
         UniformLog {
             path: self.path.clone(),
             rate_hz: self.rate_hz,

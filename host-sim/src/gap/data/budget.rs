@@ -1,9 +1,9 @@
 //! Logs of any length in bounded memory and time.
 //!
 //! Of a log with more samples than the fits can use the stretch with the most travel is kept, as long as the search
-//! still samples it 25 times a second, and averaged over blocks, down to 100 Hz at most. A log that is mostly rest (an hour's hold after
-//! a ramp of seconds) is thinned instead, within its rests only: the step between samples grows as 0.3 % of
-//! the time since the rest began, so that a relaxation over three decades of time keeps all of them and the
+//! still samples it 25 times a second, and averaged over blocks, down to 100 Hz at most. A log that is mostly rest (an
+//! hour's hold after a ramp of seconds) is thinned instead, within its rests only: the step between samples grows as
+//! 0.3 % of the time since the rest began, so that a relaxation over three decades of time keeps all of them and the
 //! ramp keeps its samples.
 
 use std::borrow::Cow;

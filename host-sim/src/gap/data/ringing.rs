@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::gap::data::fit_data::FitData;
 use crate::number::quantity;
-use crate::stats::median;
+use crate::stats::robust_deviation;
 
 /// Lags (s) of the second differences: one of them is near half a period from 200 Hz to 900 Hz.
 const LAGS_S: [f64; 2] = [0.8e-3, 1.6e-3];
@@ -96,7 +96,7 @@ fn standardized(force_n: &[f64], lag: usize) -> Vec<f64> {
     for at in lag..force_n.len().saturating_sub(lag) {
         differences[at] = force_n[at + lag] - 2.0 * force_n[at] + force_n[at - lag];
     }
-    let usual_n = median(differences.iter().map(|own| own.abs())) / 0.6745;
+    let usual_n = robust_deviation(differences.iter().copied());
     if usual_n > 0.0 {
         differences.iter_mut().for_each(|own| *own /= usual_n);
     } else {

@@ -6,7 +6,7 @@
 //! of them predict the last one badly. An exponent, a set and a slow relaxation that were all there were off by 1.3 times
 //! what is allowed in the held-out parts, and at 0.98 in all.
 
-use super::held_out::{trained, training_weights};
+use super::held_out::{trained, weights_of};
 use super::prediction::prediction_variance;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
 use crate::gap::noise::floor::NoiseFloor;
@@ -27,8 +27,7 @@ pub(super) fn is_explained(
     let thresholds = dataset.thresholds;
     let at_rest = || noise_at_rest(dataset, all, best);
     let limit = allowance(dataset.floors, thresholds, at_rest) * thresholds.explained.residuals;
-    let used = all.weights.iter().filter(|weight| **weight > 0.0).count();
-    let freedom = used.saturating_sub(best.numbers.len()) as f64;
+    let freedom = all.used().len().saturating_sub(best.numbers.len()) as f64;
     let is_at_floor = best.cost <= limit.powi(2) * freedom;
     ratio <= limit
         || is_at_floor && ratio <= limit * errors_of_numbers(dataset, all, best, held_out)
@@ -41,15 +40,13 @@ fn errors_of_numbers(
     best: &Fit,
     held_out: &[bool],
 ) -> f64 {
-    let training = training_weights(all, held_out);
-    let training = dataset.problem(&training);
+    let [weights, predicted] = [false, true].map(|is_out| weights_of(all, held_out, is_out));
+    let [training, predicted] = [&weights, &predicted].map(|weights| dataset.problem(weights));
     let each = dataset.floors.iter().map(|floor| floor.correlation);
     let correlation = each.fold(1.0, f64::max);
     let trained = trained(&training, best);
-    let variance = prediction_variance(&training, all, &trained, held_out, correlation);
-    let each = all.weights.iter().zip(held_out);
-    let count = each.filter(|(weight, out)| **out && **weight > 0.0).count();
-    (1.0 + variance / count.max(1) as f64).sqrt()
+    let variance = prediction_variance(&training, &predicted, &trained, correlation);
+    (1.0 + variance / predicted.used().len().max(1) as f64).sqrt()
 }
 
 /// How many times what is allowed the residuals are where the probe stands still, at most: what a noise floor does not

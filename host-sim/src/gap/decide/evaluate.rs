@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::adequacy::is_explained;
 use super::decision::Decision;
-use super::held_out::{HeldOutError, held_out, held_out_error, trained, training_weights};
+use super::held_out::{HeldOutError, held_out, held_out_error, trained, weights_of};
 use super::rivals::{Rivals, rivals};
 use crate::gap::finding::Verdict;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem, weights::weights};
@@ -72,7 +72,7 @@ fn held_out_errors(
     without: &[Fit],
     held_out: &[bool],
 ) -> Vec<HeldOutError> {
-    let training = training_weights(all, held_out);
+    let training = weights_of(all, held_out, false);
     let training = dataset.problem(&training);
     let fits: Vec<&Fit> = fits.iter().copied().chain(without).collect();
     fits.into_par_iter()

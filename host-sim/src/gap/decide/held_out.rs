@@ -30,10 +30,10 @@ pub(super) fn held_out(logs: &[FitData]) -> Vec<bool> {
     held_out
 }
 
-/// The weights of the samples that are not held out.
-pub(super) fn training_weights(all: &Problem<'_>, held_out: &[bool]) -> Vec<f64> {
+/// The weights of the samples that are held out, or of the others.
+pub(super) fn weights_of(all: &Problem<'_>, held_out: &[bool], is_out: bool) -> Vec<f64> {
     let each = all.weights.iter().zip(held_out);
-    each.map(|(weight, out)| if *out { 0.0 } else { *weight })
+    each.map(|(weight, out)| if *out == is_out { *weight } else { 0.0 })
         .collect()
 }
 

@@ -5,17 +5,17 @@
 //! by 12 mN though every effect was right.
 
 use crate::gap::model::{
-    error::rests, fit::Fit, fit::RIDGE, problem::Linearization, problem::Problem,
+    basis::dot, error::rests, fit::Fit, fit::RIDGE, problem::Linearization, problem::Problem,
 };
 use crate::lsq::covariance::inverse;
+use crate::lsq::dense::{product, quadratic};
 
-/// Σ w Var(predicted force) over held-out samples, of a fit to the others. `correlation` is the number of samples for
-/// each independent residual.
+/// Σ w Var(predicted force) over the samples that are predicted, of a fit to others. `correlation` is the number of
+/// samples for each independent residual.
 pub(super) fn prediction_variance(
     training: &Problem<'_>,
-    all: &Problem<'_>,
+    predicted: &Problem<'_>,
     fit: &Fit,
-    held_out: &[bool],
     correlation: f64,
 ) -> f64 {
     let linear = training.linearize(&fit.shape, &fit.numbers);
@@ -23,31 +23,12 @@ pub(super) fn prediction_variance(
     let Some(inverse) = inverse(&curvature, &fit.at_bound(), RIDGE) else {
         return 0.0;
     };
-    let weights: Vec<f64> = all
-        .weights
-        .iter()
-        .zip(held_out)
-        .map(|(w, out)| if *out { *w } else { 0.0 })
-        .collect();
-    let predicted = Problem {
-        weights: &weights,
-        ..*all
-    };
-    let predicted = predicted.normal_equations(&linear).curvature;
     let n = fit.numbers.len();
-    let of_noise: f64 = inverse.iter().zip(&predicted).map(|(a, b)| a * b).sum();
-    let product = |matrix: &[f64], vector: &[f64]| -> Vec<f64> {
-        let rows = matrix.chunks(n.max(1));
-        let dot = |row: &[f64]| row.iter().zip(vector).map(|(a, b)| a * b).sum();
-        rows.map(dot).collect()
-    };
-    let of_rest = |pull: Vec<f64>| -> f64 {
-        let moved = product(&inverse, &pull);
-        let seen = product(&predicted, &moved);
-        moved.iter().zip(&seen).map(|(a, b)| a * b).sum()
-    };
-    let of_rests: f64 = pulls(training, fit, &linear).map(of_rest).sum();
-    correlation * of_noise + of_rests
+    let predicted = predicted.normal_equations(&linear).curvature;
+    // H⁻¹ H' H⁻¹: what a pull on the numbers does to the predictions, squared.
+    let seen = product(&product(&inverse, &predicted, n), &inverse, n);
+    let of_rests = pulls(training, fit, &linear).map(|pull| quadratic(&seen, &pull));
+    correlation * dot(&inverse, &predicted) + of_rests.sum::<f64>()
 }
 
 /// Jᵀ W e of each rest, where e is the force that one standard deviation of its position makes.
@@ -56,8 +37,7 @@ fn pulls(
     fit: &Fit,
     linear: &Linearization,
 ) -> impl Iterator<Item = Vec<f64>> {
-    let weights = problem.weights;
-    let used: Vec<usize> = (0..weights.len()).filter(|at| weights[*at] > 0.0).collect();
+    let (weights, used) = (problem.weights, problem.used());
     let rests = rests(problem, fit, &used).into_iter();
     rests.map(move |(samples, error_n)| {
         let pull = |column: &Vec<f64>| {
@@ -95,12 +75,12 @@ mod tests {
         let mut logs = [FitData::of(&log)];
         logs[0].position_noise_m = position_noise_m;
         let shape = Shape::new(&model.environment, Vec::new(), &Scales::of(&logs));
-        let held_out: Vec<bool> = (0..6000).map(|at| at / 1000 % 3 == 1).collect();
-        let all = vec![1e4; 6000];
-        let training: Vec<f64> = held_out
-            .iter()
-            .map(|out| if *out { 0.0 } else { 1e4 })
-            .collect();
+        let weights = |is_out: bool| -> Vec<f64> {
+            let each = (0..6000).map(|at| at / 1000 % 3 == 1);
+            each.map(|out| if out == is_out { 1e4 } else { 0.0 })
+                .collect()
+        };
+        let (training, predicted) = (weights(false), weights(true));
         let problem = |weights| Problem {
             logs: &logs,
             weights,
@@ -108,13 +88,8 @@ mod tests {
         };
         let numbers = shape.start();
         let fit = problem(&training).fit(&shape, numbers);
-        prediction_variance(
-            &problem(&training),
-            &problem(&all),
-            &fit,
-            &held_out,
-            correlation,
-        )
+        let (training, predicted) = (problem(&training), problem(&predicted));
+        prediction_variance(&training, &predicted, &fit, correlation)
     }
 
     #[test]

@@ -97,9 +97,7 @@ impl ResidualStatistics {
         linear: &Linearization,
         at_bound: &[bool],
     ) -> ResidualStatistics {
-        let used: Vec<usize> = (0..problem.weights.len())
-            .filter(|at| problem.weights[*at] > 0.0)
-            .collect();
+        let used = problem.used();
         let weighted = |channel: &[f64]| -> Vec<f64> {
             let each = used.iter();
             each.map(|at| problem.weights[*at].sqrt() * channel[*at])

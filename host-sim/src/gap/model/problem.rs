@@ -30,6 +30,12 @@ pub(crate) struct Linearization {
 }
 
 impl Problem<'_> {
+    /// The samples with a weight.
+    pub(crate) fn used(&self) -> Vec<usize> {
+        let all = 0..self.weights.len();
+        all.filter(|at| self.weights[*at] > 0.0).collect()
+    }
+
     /// Σ w r².
     pub(crate) fn cost(&self, shape: &Shape, numbers: &[f64]) -> f64 {
         self.weighted_square(&self.residuals(shape, numbers))

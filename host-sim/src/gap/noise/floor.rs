@@ -62,7 +62,7 @@ impl NoiseFloor {
         let raw = |unlined_n| Raw { unlined_n, code_n };
         if rests.is_empty() {
             let floor = NoiseFloor::with_disturbances(log, raw(&log.force_n), &rests, decide);
-            return floor.without_fast_lines(even, log.clone(), decide);
+            return floor.without_fast_lines(even, log.clone(), code_n, decide);
         }
         let lines = lines_in_free_air(log, decide);
         let unlined_n = without_lines_at_rest(&log.force_n, &lines, &rests);
@@ -89,6 +89,7 @@ impl NoiseFloor {
         mut self,
         even: &UniformLog,
         mut taken: UniformLog,
+        code_n: f64,
         decide: &Floor,
     ) -> NoiseFloor {
         let is_measured: Vec<bool> = (0..even.len())
@@ -98,7 +99,6 @@ impl NoiseFloor {
             })
             .collect();
         let mut searched = even.force_n.clone();
-        let code_n = signal::step(&taken.force_n).unwrap_or(0.0);
         for _ in 0..MOST_LINES {
             let mut differences = vec![0.0; searched.len()];
             let places = differences.iter_mut().skip(1);
@@ -189,7 +189,7 @@ fn used(
         0 | 1 => high_pass_n,
         step => high_pass_noise_n(&forces_at_every(log, step), raw.code_n, decide.spike_sigmas),
     };
-    let quiet_n = rest::quiet_n(log, rests, high_pass_n, decide);
+    let quiet_n = rest::quiet_n(log, rests, (high_pass_n, raw.code_n), decide);
     match (quiet_n, rest_n) {
         (Some(quiet_n), _) => (
             quiet_n,

@@ -39,11 +39,13 @@ pub(super) fn without_lines_at_rest(
         forces.map(|force| force * force).sum()
     };
     let mut kept = force_n.to_vec();
+    let mut least = squares(&kept);
     for line in lines {
         let mut without = kept.clone();
         line.take_out_of(&mut without);
-        if squares(&without) < squares(&kept) {
-            kept = without;
+        let left = squares(&without);
+        if left < least {
+            (kept, least) = (without, left);
         }
     }
     kept

@@ -42,10 +42,10 @@ pub(super) fn is_noise(
 pub(super) fn quiet_n(
     log: &UniformLog,
     rests: &[Range<usize>],
-    noise_n: f64,
+    (noise_n, code_n): (f64, f64),
     decide: &Floor,
 ) -> Option<f64> {
-    if signal::step(&log.force_n).is_some_and(|step_n| step_n > decide.fine_code * noise_n) {
+    if code_n > decide.fine_code * noise_n {
         return None;
     }
     let mut blocks_n = Vec::new();

@@ -33,9 +33,10 @@ impl Search<'_> {
     /// Σ over rests (Σ w r e)² / (1 + Σ w e²).
     fn gain_of_rest_offsets(&self, fit: &Fit) -> f64 {
         let weights = &self.weights;
-        let used: Vec<usize> = (0..weights.len()).filter(|at| weights[*at] > 0.0).collect();
-        let residuals = self.problem().residuals(&fit.shape, &fit.numbers);
-        rests(&self.problem(), fit, &used)
+        let problem = self.problem();
+        let used = problem.used();
+        let residuals = problem.residuals(&fit.shape, &fit.numbers);
+        rests(&problem, fit, &used)
             .iter()
             .map(|(samples, error_n)| {
                 let (mut along, mut square) = (0.0, 1.0);
