@@ -58,7 +58,7 @@ fn main() {
     let argument = std::env::args().nth(1);
     let seeds: u64 = argument.and_then(|text| text.parse().ok()).unwrap_or(100);
     if std::env::args().nth(2).as_deref() == Some("relaxing") {
-        return print_relaxing(seeds);
+        return print_relaxing(seeds, &std::env::args().nth(3).unwrap_or_default());
     }
     palpations(seeds);
     skews(seeds);
@@ -114,18 +114,22 @@ fn palpations(seeds: u64) {
             print(name, row);
         }
     }
-    print_relaxing(seeds);
+    print_relaxing(seeds, "");
 }
 
-/// Prints the rows of the materials that relax; with the second argument `relaxing` nothing else is
-/// printed.
-fn print_relaxing(seeds: u64) {
+/// Prints the rows of the materials that relax, of the settings whose name contains `wanted`; with the second argument
+/// `relaxing` nothing else is printed, and the third is what is wanted ("TwoModes, Sine").
+fn print_relaxing(seeds: u64, wanted: &str) {
     println!(
         "{seeds} seeds a setting\n{:<32} {:>6} {:>6} {:>13} {:>9} {:>7}  coverage, median error (%)",
         "", "<1 %", "<5 %", "settles (s)", "surface", "false"
     );
     for (touched, stroke, methods) in relaxing::SETTINGS {
-        println!("{touched:?}, {stroke:?}");
+        let setting = format!("{touched:?}, {stroke:?}");
+        if !setting.contains(wanted) {
+            continue;
+        }
+        println!("{setting}");
         let mut rows: Vec<relaxing::Row> = methods.iter().map(|_| Default::default()).collect();
         for seed in 1..=seeds {
             let case = relaxing::Case::new(touched, stroke, seed);

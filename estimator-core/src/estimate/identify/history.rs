@@ -3,7 +3,7 @@
 //! What relaxes remembers: a filter that starts anew at a better reference does not know what the
 //! material went through, and a press that is followed by a hold is the only thing that ever tells
 //! the exponent. So the recent past is kept, condensed ([`block_history`]), and Gauss–Newton passes
-//! over it, two blocks a sample, at ever better references ([`gauss_newton`]); what leaves the
+//! over it, some blocks a sample, at ever better references ([`gauss_newton`]); what leaves the
 //! history stays as a covariance and a state of relaxation. A bank of exact fits says where to start
 //! ([`bank`]). Each pass measures what its reference costs exactly, so that a step that made it
 //! worse is halved ([`contender`]). A method with several laws chooses among them ([`selection`]).
@@ -37,8 +37,8 @@ use crate::physics::law::LawKind;
 const SURFACES_BEFORE: f64 = 4.0;
 /// Blocks to learn from before the first pass.
 const FIRST_PASS: u32 = 5;
-/// After this many passes an estimate that is still not good will not become so.
-const LONG_TRIED: u32 = 100;
+/// After this many samples of work over the history an estimate that is still not good will not become so.
+const LONG_TRIED: u32 = 8000;
 
 // They forget by no error: another material starts them anew.
 methods! {
@@ -90,6 +90,11 @@ pub struct HistoryFit<T: Real> {
     impact: Option<(T, T)>,
     /// Blocks that were learned from.
     learned: u32,
+    /// Touches that were learned from, and whether one is under way.
+    touches: u32,
+    touching: bool,
+    /// Samples that passes were made at.
+    tried: u32,
     /// The estimate has once been good: from here on an error of the prediction is one of the law or
     /// a change of material, and not of an estimate still under way.
     trusted: bool,
@@ -111,6 +116,9 @@ impl<T: Real> HistoryFit<T> {
             current: None,
             impact: None,
             learned,
+            touches: u32::from(learned > 0),
+            touching: learned > 0,
+            tried: 0,
             trusted: false,
         }
     }
@@ -144,6 +152,7 @@ impl<T: Real> HistoryFit<T> {
     /// Takes a block that has ended.
     fn take_block(&mut self, block: &Block<T>, at: &Instant<T>) {
         self.history.push(*block);
+        self.touching &= block.count >= T::zero();
         if let Some(Current { mut fit, .. }) = self.current.take() {
             fit.learn(block, at.noise.raw, T::one());
             self.current = fit
@@ -151,6 +160,8 @@ impl<T: Real> HistoryFit<T> {
                 .then(|| Current::new(fit, self.history.open()));
         }
         if block.count > T::zero() {
+            self.touches = self.touches.saturating_add(u32::from(!self.touching));
+            self.touching = true;
             self.learned = self.learned.saturating_add(1);
             if self.bank.is_none() {
                 let step = at.surface_error;
@@ -186,6 +197,7 @@ impl<T: Real> HistoryFit<T> {
         }
         let searched = searches && taken.is_some();
         if self.learned >= FIRST_PASS {
+            self.tried = self.tried.saturating_add(1);
             self.selection
                 .work(&self.history, bank, noise_raw, searched);
         }
@@ -197,8 +209,12 @@ impl<T: Real> HistoryFit<T> {
         let Some((fit, good)) = self.selection.finish(current, surface_error) else {
             return;
         };
+        let before = self.current.as_ref().map(|current| current.fit.law);
         let current = Current::new(fit, self.history.open());
-        self.trusted |= good && current.is_known();
+        self.trusted &= before == Some(current.fit.law);
+        // One touch may be followed by too simple a law, which the next one shows.
+        let tested = self.touches > 1 || self.selection.has_no_other();
+        self.trusted |= good && tested && current.is_known();
         self.current = Some(current);
     }
 }
@@ -221,7 +237,7 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
             return (at.force, T::zero());
         };
         let (force, variance) = current.predict(&Block::of(at));
-        if self.trusted || self.selection.passes() >= LONG_TRIED {
+        if self.trusted || self.tried >= LONG_TRIED {
             return (force, variance);
         }
         let error = at.force - force;

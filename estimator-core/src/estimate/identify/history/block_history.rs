@@ -9,8 +9,9 @@ use super::block::{Block, Kind, OpenBlock};
 use crate::estimate::identify::Instant;
 use crate::maths::scalar::Real;
 
-/// Blocks that are kept.
-pub(super) const BLOCKS: usize = 160;
+/// Blocks that are kept: ten strokes. What has left them is known at one reference only, and the two modes of a
+/// material that is never held take three strokes and more to be told from one.
+pub(super) const BLOCKS: usize = 640;
 /// Samples of a block in motion: half the memory of the default filter.
 const SHORTEST: u32 = 8;
 /// A block ends when the depth has moved by this share of itself,

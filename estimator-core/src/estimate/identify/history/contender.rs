@@ -61,6 +61,8 @@ pub(super) struct Contender<T: Real> {
     best_start: Option<(Theta<T>, T)>,
     /// Whether its parameters are known well enough for a gradient to hold.
     linear: bool,
+    /// Whether a rate has run against its bound.
+    at_bound: bool,
     /// The last step in standard errors, its mean squared residual, and the number of its blocks.
     pub(super) step: T,
     residual: T,
@@ -79,6 +81,7 @@ impl<T: Real> Contender<T> {
             starts: 0,
             finished: 0,
             linear: false,
+            at_bound: false,
             compared: T::zero(),
             origin: Theta::repeat(T::zero()),
             trial: 0,
@@ -119,7 +122,12 @@ impl<T: Real> Contender<T> {
 
     /// Whether it needs a start from the bank.
     pub(super) fn is_lost(&self) -> bool {
-        self.accepted.is_none() || self.residual > T::from_f64(BAD)
+        self.accepted.is_none() || self.is_bad()
+    }
+
+    /// Whether it leaves more than the noise, or has run into a rate that no data give.
+    fn is_bad(&self) -> bool {
+        self.residual > T::from_f64(BAD) || self.at_bound
     }
 
     /// Its next reference, once it has made some passes.
@@ -148,10 +156,10 @@ impl<T: Real> Contender<T> {
     ) -> bool {
         let news = T::from_f64(f64::from(next.saturating_sub(self.finished)));
         let waits = self.converged() && news < T::from_f64(NEWS) * self.blocks;
-        if waits && self.residual < T::from_f64(BAD) {
+        if waits && !self.is_bad() {
             return false;
         }
-        let bad = self.residual > T::from_f64(BAD) && self.passes >= PATIENCE;
+        let bad = self.is_bad() && self.passes >= PATIENCE;
         if bad {
             self.accepted = None;
         }
@@ -269,6 +277,7 @@ impl<T: Real> Contender<T> {
         self.proposed = pass.stepped(surface_error);
         self.step = pass.step();
         self.linear = pass.is_linear();
+        self.at_bound = pass.is_at_bound();
         self.residual = pass.residual();
         self.blocks = pass.blocks;
         if self.accepted.is_none() {

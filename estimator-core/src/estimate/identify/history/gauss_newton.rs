@@ -259,6 +259,15 @@ impl<T: Real> GaussNewton<T> {
         })
     }
 
+    /// Whether a rate has run against a bound.
+    pub(super) fn is_at_bound(&self) -> bool {
+        let (unbounded, values) = (self.unbounded(), self.values());
+        MODES
+            .into_iter()
+            .take(modes(self.law))
+            .any(|(_, log_rate)| unbounded.get(log_rate) != values.get(log_rate))
+    }
+
     /// Whether the values can be a contact: finite, and a spring that pushes.
     pub(super) fn is_sound(&self) -> bool {
         let values = self.unbounded();
