@@ -107,11 +107,12 @@ fn workflow(
     let thresholds = &options.thresholds;
     let mut notes = input_notes(model, logs, &thresholds.input)?;
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
-    let (logs, shortened) = budget::within(logs, thresholds.rest);
+    let whole = logs;
+    let (logs, shortened) = budget::within(whole, thresholds.rest);
     notes.extend(shortened);
     let floor = |log: &Cow<'_, UniformLog>| NoiseFloor::of(log, &thresholds.floor);
     let floors: Vec<NoiseFloor> = logs.par_iter().map(floor).collect();
-    let (filtered, thinned) = fit_data(&logs, low_pass, thresholds.rest);
+    let (filtered, thinned) = fit_data((whole, &logs), low_pass, thresholds.rest);
     notes.extend(thinned);
     let samples: usize = filtered.iter().map(FitData::len).sum();
     let coarse = at_most(&filtered, samples, SEARCHED_SAMPLES);
@@ -168,10 +169,10 @@ fn input_notes(
     Ok(notes)
 }
 
-/// The logs with speeds and accelerations and through the low-pass, with notes on what was left out or thinned.
+/// The logs, of which the `whole` ones are known too, with speeds and accelerations and through the low-pass, with notes on what was left out or thinned.
 /// With a low-pass nothing is: it needs equally spaced samples, and takes what rings away.
 fn fit_data(
-    logs: &[Cow<'_, UniformLog>],
+    (whole, logs): (&[UniformLog], &[Cow<'_, UniformLog>]),
     low_pass: Option<LowPass>,
     decide: Rest,
 ) -> (Vec<FitData>, Vec<String>) {
@@ -181,6 +182,7 @@ fn fit_data(
         _ => FitData::of(log),
     };
     let mut data: Vec<FitData> = logs.par_iter().map(of).collect();
+    budget::leave_lead_in_out(&mut data, whole);
     let mut notes = Vec::new();
     if low_pass.is_none() {
         notes.extend(ringing::left_out(&mut data));

@@ -9,3 +9,4 @@ mod held_out;
 mod prediction;
 pub(crate) mod rivals;
 pub(crate) mod selection;
+mod slow;

@@ -170,6 +170,13 @@ thresholds! {
             /// second does not say what the noise does in ten: of 64 floors of pink noise the lowest was 0.82
             /// of the truth. `floor.sigmas` standard errors of the floor count instead where they are more.
             coloured: 1.25 over 1.0,
+            /// What is left is no noise where means of 32 samples in motion have this many times the power that white
+            /// noise gives them. Of 160 of the harder rigs that were answered rightly over white noise two were above (8.0
+            /// and 7.2); three wrong answers had 6.1 to 10.3.
+            slow: 4.0 over 1.0,
+            /// They are no slow noise where they have this many times the power of those at rest, too. True answers
+            /// above `slow` had 0.5 to 1.8 times, wrong ones 2.7 to 4.1.
+            slow_over_rest: 2.0 over 1.0,
         }
 
         /// Whether an effect is named though something remains that no effect explains.

@@ -138,6 +138,7 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
             "before": number(finding.ratio_before),
             "after": number(finding.ratio_after),
         },
+        "slow_remainder": finding.slow_remainder.map(number),
         "base": {
             "before": parameters(&finding.base_before),
             "after": parameters(&finding.base_after),

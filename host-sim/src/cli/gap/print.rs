@@ -30,6 +30,7 @@ pub fn summary(finding: &Finding) -> String {
     for words in changes_in_words(finding.changed.as_deref()) {
         line(&mut text, "changed", &words);
     }
+    line(&mut text, "slow", &finding.slow_remainder_in_words());
     // Without effects the remaining regions are those above.
     if !finding.effects.is_empty() {
         line(&mut text, "remains", &regions_in_words(&finding.remaining));
@@ -70,13 +71,16 @@ fn partly_explained(finding: &Finding, names: &str) -> String {
         1 => "explains",
         _ => "explain",
     };
-    let share = finding.explained_share().unwrap_or(0.0);
-    let text = format!(
-        "partly explained: {names} {explains} {} of the disagreement; {:.1} times what noise and the motion's \
-         errors allow remains",
-        share_in_words(share),
-        finding.ratio_after
-    );
+    let share = share_in_words(finding.explained_share().unwrap_or(0.0));
+    let remains = match finding.slow_remainder {
+        Some(_) => "what remains is no noise".into(),
+        None => format!(
+            "{:.1} times what noise and the motion's errors allow remains",
+            finding.ratio_after
+        ),
+    };
+    let text =
+        format!("partly explained: {names} {explains} {share} of the disagreement; {remains}");
     match regions_in_words(finding.remaining.get(..1).unwrap_or_default()) {
         words if words.is_empty() => text,
         words => format!("{text}: {}", words.replace("of the excess ", "of it ")),

@@ -24,6 +24,9 @@ const SLOWEST_HZ: f64 = 100.0;
 /// Longest stretch (s): the 5,000 samples of the search are then 40 ms apart. At 240 ms, as twenty minutes have them, a
 /// relaxation of 2.4/s was no longer looked for, and an hour that lacked nothing remained unexplained.
 const LONGEST_STRETCH_S: f64 = 200.0;
+/// The first of a stretch (s) that begins in the middle of a log: what relaxes, softens or sets has come to where it is
+/// before, and gets there within this time. A relaxation of 0.1/s is within 2 % then.
+const LEAD_IN_S: f64 = 40.0;
 /// The step between samples within a rest, as a share of the time since it began.
 const STEP_GROWTH: f64 = 3e-3;
 /// Whether a sample stands still is decided on so many samples on either side.
@@ -56,6 +59,12 @@ fn within_budget(log: &UniformLog, decide: Rest) -> (Cow<'_, UniformLog>, Option
             setting(cut.time_s[0], "s"),
             setting(cut.period_s() * cut.len() as f64, "s"),
         ));
+        if cut.time_s[0] - log.time_s[0] >= LEAD_IN_S {
+            note.push_str(&format!(
+                ", of which the first {} only bring the material to where it is",
+                setting(LEAD_IN_S, "s")
+            ));
+        }
         averaged(&cut, factor(stretch))
     };
     let factor = (log.rate_hz / shorter.rate_hz).round();
@@ -67,6 +76,22 @@ fn within_budget(log: &UniformLog, decide: Rest) -> (Cow<'_, UniformLog>, Option
     }
     let changed = shorter.len() < log.len();
     (Cow::Owned(shorter), Some(note).filter(|_| changed))
+}
+
+/// Takes the first of each log out of the count that begins later than the `whole` one.
+pub(crate) fn leave_lead_in_out(logs: &mut [FitData], whole: &[UniformLog]) {
+    for (log, whole) in logs.iter_mut().zip(whole) {
+        let begins = |times: &[f64]| times.first().copied().unwrap_or(0.0);
+        let start_s = begins(&log.time_s);
+        // Means of some samples begin half of them later.
+        if start_s - begins(&whole.time_s) < LEAD_IN_S {
+            continue;
+        }
+        let lead_in = log
+            .time_s
+            .partition_point(|time_s| *time_s < start_s + LEAD_IN_S);
+        log.count[..lead_in].fill(0.0);
+    }
 }
 
 /// Averages a log over blocks of `factor` samples, and drops an incomplete block at its end.
@@ -237,6 +262,28 @@ mod tests {
             "{note}"
         );
         assert!(note.contains("moves most"), "{note}");
+    }
+
+    #[test]
+    fn a_stretch_from_the_middle_has_a_lead_in() {
+        // GIVEN 10 minutes at 500 Hz, of which all but the first 200 s, or those, move most
+        for (late, counted_from_s) in [(true, LEAD_IN_S), (false, 0.0)] {
+            let amplitude_m = |t: f64| if (t > 200.0) == late { 4e-3 } else { 1e-3 };
+            let whole = [log(300_000, 500.0, |t| amplitude_m(t) * (6.3 * t).sin())];
+            let (shorter, notes) = within(&whole, Rest::default());
+            let mut data = [FitData::of(&shorter[0])];
+            leave_lead_in_out(&mut data, &whole);
+            // THEN what relaxes comes to where it is before the first sample that counts; at the start of the log it is.
+            let first = data[0].count.iter().position(|count| *count > 0.0).unwrap();
+            let after_s = data[0].time_s[first] - data[0].time_s[0];
+            assert!((after_s - counted_from_s).abs() < 0.01, "{after_s}");
+            assert_eq!(
+                notes[0].contains("bring the material"),
+                late,
+                "{}",
+                notes[0]
+            );
+        }
     }
 
     #[test]

@@ -109,6 +109,7 @@ mod tests {
             least_rmse_n: 1.0,
             evidence: Vec::new(),
             ratio: (2.0, 1.0),
+            slow: None,
             variances: vec![1.0; SAMPLES],
             held_out: vec![false; SAMPLES],
             correlation: 1.0,

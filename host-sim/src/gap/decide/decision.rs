@@ -34,6 +34,9 @@ pub(crate) struct Decision {
     pub(crate) evidence: Vec<Evidence>,
     /// Residuals on the held-out part over what is allowed, before and after.
     pub(crate) ratio: (f64, f64),
+    /// How many times as large (rms) means of the residuals are in motion as noise makes them, where that alone speaks
+    /// against the fit.
+    pub(crate) slow: Option<f64>,
     /// The variances (N²) that the residuals should have.
     pub(crate) variances: Vec<f64>,
     /// Whether each sample was held out.

@@ -6,6 +6,7 @@ use super::adequacy::is_explained;
 use super::decision::Decision;
 use super::held_out::{HeldOutError, held_out, held_out_error, trained, weights_of};
 use super::rivals::{Rivals, rivals};
+use super::slow::slow_remainder;
 use crate::gap::finding::Verdict;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem, weights::weights};
 use crate::gap::search::run::SearchResult;
@@ -43,7 +44,11 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         better,
     } = rivals(&all, &best, result, correlation, decide);
     let is_ambiguous = alternatives.iter().any(|ids| !ids.is_empty());
-    let is_explained = is_explained(dataset, &all, &best, after.ratio, &held_out);
+    let is_small = is_explained(dataset, &all, &best, after.ratio, &held_out);
+    let slow = is_small
+        .then(|| slow_remainder(dataset, &all, &best))
+        .flatten();
+    let is_explained = is_small && slow.is_none();
     Decision {
         verdict: verdict(is_explained, !without.is_empty(), is_ambiguous),
         thresholds: *dataset.thresholds,
@@ -54,6 +59,7 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         least_rmse_n: after.rmse_n,
         evidence: Vec::new(),
         ratio: (before.ratio, after.ratio),
+        slow,
         base,
         best,
         better,

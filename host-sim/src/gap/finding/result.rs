@@ -162,6 +162,9 @@ pub struct Finding {
     pub ratio_before: f64,
     /// The same with the effects.
     pub ratio_after: f64,
+    /// How many times as large (rms) means of the residuals are in motion as noise makes them, where the residuals are as
+    /// small as noise but too slow for it.
+    pub slow_remainder: Option<f64>,
     /// Parameters of the base, refitted without the effects.
     pub base_before: Vec<ParameterEstimate>,
     /// Parameters of the base, refitted with the effects.
@@ -189,6 +192,16 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// What is no noise though it may be as small, in words; empty where there is none.
+    pub fn slow_remainder_in_words(&self) -> String {
+        self.slow_remainder.map_or_else(String::new, |times| {
+            format!(
+                "what remains in motion is too slow for noise: means of 32 samples are {times:.1} times as large as \
+                 noise makes them"
+            )
+        })
+    }
+
     /// The share of the disagreement that the named effects explain: 1 − (after² − floor²)/(before² − floor²);
     /// `None` where the base leaves no more than the noise.
     pub fn explained_share(&self) -> Option<f64> {

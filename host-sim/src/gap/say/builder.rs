@@ -46,6 +46,7 @@ pub(crate) fn finding(
         floors: dataset.floors.to_vec(),
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,
+        slow_remainder: decision.slow,
         base_before: Estimates::of(&decision.base, &base_errors).of_base(),
         changed: changes(model, &base_after, &dataset.thresholds.changes),
         base_after,

@@ -97,6 +97,7 @@ fn finding(verdict: Verdict) -> Finding {
         }],
         ratio_before: 20.0,
         ratio_after: 1.005,
+        slow_remainder: None,
         base_before: vec![
             known("stiffness", 1100.0, Some(3.0), "N/m"),
             known("exponent", 1.0, None, "1"),

@@ -34,7 +34,7 @@ pub(super) fn sentence(finding: &Finding) -> String {
         },
         times(finding.ratio_after)
     );
-    match finding.verdict {
+    let text = match finding.verdict {
         Verdict::NoMissingEffect => format!(
             "The base model explains the measurement once its parameters are fitted: its error on \
              held-out parts is {after}, {}.",
@@ -55,6 +55,10 @@ pub(super) fn sentence(finding: &Finding) -> String {
              the catalogue explains. {shrinks}",
             spaced(&share_in_words(finding.explained_share().unwrap_or(0.0)))
         ),
+    };
+    match finding.slow_remainder_in_words() {
+        words if words.is_empty() => text,
+        words => format!("{text} But {words}."),
     }
 }
 
