@@ -3,6 +3,7 @@
 pub(crate) mod coloured;
 pub(crate) mod floor;
 mod free_air;
+mod high_pass;
 pub(crate) mod line;
 mod lines;
 mod rest;

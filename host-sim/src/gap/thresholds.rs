@@ -45,6 +45,9 @@ thresholds! {
             /// Noise is coloured if it is larger at rest than second differences say by this factor, and the
             /// estimate at rest is then the right one. Not measured.
             coloured: 1.06 over 1.0,
+            /// Second differences see the motion where they say so many times what fourth ones say, and more than there is at
+            /// rest. Noise whose increments are white says 1.08 times as much.
+            sees_motion: 1.15 over 1.0,
             /// What is at rest is a disturbance and no noise if it is larger than second differences say by more
             /// than this factor. First-order noise with a corner of 1 Hz at 1 kHz: 8; a chirp or a chaos at
             /// rest: 14 and more.

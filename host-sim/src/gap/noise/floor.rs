@@ -10,6 +10,7 @@
 use std::ops::Range;
 
 use crate::gap::noise::free_air::rests;
+use crate::gap::noise::high_pass::HighPass;
 use crate::gap::noise::line::Line;
 use crate::gap::noise::lines::{MOST_LINES, lines_in_free_air, without_lines_at_rest};
 use crate::gap::noise::rest;
@@ -17,12 +18,11 @@ use crate::gap::noise::rest_power::{COLOUR_HZ, RestNoise};
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::rms;
 
 /// The noise of a measured force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseFloor {
-    /// Standard deviation (N) from second differences.
+    /// Standard deviation (N) from differences.
     pub high_pass_n: f64,
     /// Standard deviation (N) at rest in free air without the lines; `None` without such a rest.
     pub rest_n: Option<f64>,
@@ -141,10 +141,16 @@ impl NoiseFloor {
         rests: &[Range<usize>],
         decide: &Floor,
     ) -> NoiseFloor {
-        let high_pass_n = high_pass_noise_n(log, raw.code_n, decide.spike_sigmas);
-        let rest = RestNoise::of(log, rests, high_pass_n, decide);
+        let mut high_pass = HighPass::second(log, raw.code_n, decide.spike_sigmas);
+        let mut rest = RestNoise::of(log, rests, high_pass.noise_n, decide);
+        let is_quieter = |rest: &RestNoise| rest.power_n2() < high_pass.noise_n.powi(2);
+        if rest.as_ref().is_some_and(is_quieter) {
+            high_pass = high_pass.beside_motion(log, decide);
+            rest = RestNoise::of(log, rests, high_pass.noise_n, decide);
+        }
+        let high_pass_n = high_pass.noise_n;
         let rest_n = rest.as_ref().map(RestNoise::noise_n);
-        let (used_n, why) = used(log, raw, rests, (high_pass_n, rest_n), decide);
+        let (used_n, why) = used(log, raw, rests, (high_pass, rest_n), decide);
         let coloured = used_n > decide.coloured * high_pass_n;
         let (at_rest, agreeing) = match &rest {
             Some(rest) if coloured => (Some(rest), None),
@@ -182,12 +188,16 @@ fn used(
     log: &UniformLog,
     raw: Raw<'_>,
     rests: &[Range<usize>],
-    (high_pass_n, rest_n): (f64, Option<f64>),
+    (high_pass, rest_n): (HighPass, Option<f64>),
     decide: &Floor,
 ) -> (f64, &'static str) {
+    let high_pass_n = high_pass.noise_n;
     let slower_noise_n = || match (log.rate_hz / COLOUR_HZ) as usize {
         0 | 1 => high_pass_n,
-        step => high_pass_noise_n(&forces_at_every(log, step), raw.code_n, decide.spike_sigmas),
+        step => {
+            let slower = forces_at_every(log, step);
+            HighPass::second(&slower, raw.code_n, decide.spike_sigmas).noise_n
+        }
     };
     let quiet_n = rest::quiet_n(log, rests, (high_pass_n, raw.code_n), decide);
     match (quiet_n, rest_n) {
@@ -200,11 +210,14 @@ fn used(
             "from second differences: there is no rest in free air",
         ),
         (None, Some(rest)) if rest <= decide.coloured * high_pass_n => {
-            // Both see the same noise; second differences take it from all samples.
-            (
-                high_pass_n,
-                "from second differences, and rest in free air agrees",
-            )
+            // Both see the same noise; differences take it from all samples.
+            let why = match high_pass.is_fourth {
+                true => {
+                    "from fourth differences, and rest in free air agrees: second differences see the motion"
+                }
+                false => "from second differences, and rest in free air agrees",
+            };
+            (high_pass_n, why)
         }
         (None, Some(rest_n))
             if !rest::is_noise(raw.unlined_n, rests, rest_n / slower_noise_n(), decide) =>
@@ -227,22 +240,11 @@ fn forces_at_every(log: &UniformLog, step: usize) -> UniformLog {
     }
 }
 
-/// The mean square of the second differences that are no spikes, with the standard deviation of
-/// [`signal::noise`]. That function takes the median, which for a channel with coarse steps is good to half a step only.
-fn high_pass_noise_n(log: &UniformLog, code_n: f64, spike_sigmas: f64) -> f64 {
-    // Of pink noise of half a code at 5 kHz more than half of the differences are 0; without a line that is no
-    // difference at all, and the floor was 0.8 nN of 8 mN.
-    let coarse = log.force_noise_n().max(code_n / 12.0_f64.sqrt());
-    let limit = spike_sigmas * coarse * 6.0_f64.sqrt();
-    let differences = signal::second_differences_of_measured(&log.force_n, &log.in_gap);
-    let fine = rms(differences.filter(|own| own.abs() <= limit)) / 6.0_f64.sqrt();
-    if fine > 0.0 { fine } else { coarse }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::log::Log;
+    use crate::stats::rms;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use std::f64::consts::TAU;
@@ -355,6 +357,28 @@ mod tests {
             "{floor:?}"
         );
         assert_near(&floor, SIGMA_N, 0.1);
+    }
+
+    #[test]
+    fn fast_strokes_at_a_slow_rate_are_no_noise() {
+        // GIVEN 4 s of rest, then strokes of 2 N at 5 Hz, 200 samples a second
+        let count = 3000;
+        let time_s: Vec<f64> = (0..count).map(|at| at as f64 * 5e-3).collect();
+        let depth = |t: &f64| match *t {
+            ..4.0 => -1.0,
+            t => -(TAU * 5.0 * (t - 4.0)).cos(),
+        };
+        let position_m = time_s.iter().map(|t| 1e-3 * depth(t)).collect();
+        let noise = normals(count, 11);
+        let pushed = |(t, noise): (&f64, &f64)| 2.0 * depth(t).max(0.0) + SIGMA_N * noise;
+        let force_n = time_s.iter().zip(&noise).map(pushed).collect();
+        let log = Log::from_channels(time_s.clone(), position_m, force_n);
+        let floor = NoiseFloor::of(&log.uniform().unwrap(), &Floor::default());
+        // THEN the floor is that of the noise, which the median of second differences takes for 1.7 times as much.
+        let second_n = signal::noise(&log.force_n);
+        assert!(second_n > 1.5 * SIGMA_N, "{second_n}");
+        assert!((floor.used_n / SIGMA_N - 1.0).abs() < 0.1, "{floor:?}");
+        assert!(!floor.coloured, "{floor:?}");
     }
 
     #[test]

@@ -83,6 +83,11 @@ impl RestNoise {
         self.noise_n2.sqrt()
     }
 
+    /// Power (N²) with the lines.
+    pub(super) fn power_n2(&self) -> f64 {
+        self.noise_n2 + self.lines_n2
+    }
+
     /// Standard error of the standard deviation, as a share of it.
     pub(super) fn error(&self) -> f64 {
         0.5 * self.error_n2 / self.noise_n2.max(f64::MIN_POSITIVE)
