@@ -361,12 +361,12 @@ mod tests {
 
     #[test]
     fn fast_strokes_at_a_slow_rate_are_no_noise() {
-        // GIVEN 4 s of rest, then strokes of 2 N at 5 Hz, 200 samples a second
+        // GIVEN 4 s of rest, then strokes of ± 2 N in contact at 5 Hz, 200 samples a second
         let count = 3000;
         let time_s: Vec<f64> = (0..count).map(|at| at as f64 * 5e-3).collect();
         let depth = |t: &f64| match *t {
             ..4.0 => -1.0,
-            t => -(TAU * 5.0 * (t - 4.0)).cos(),
+            t => 1.5 - (TAU * 5.0 * (t - 4.0)).cos(),
         };
         let position_m = time_s.iter().map(|t| 1e-3 * depth(t)).collect();
         let noise = normals(count, 11);
