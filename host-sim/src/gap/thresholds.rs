@@ -174,11 +174,12 @@ thresholds! {
             /// of the truth. `floor.sigmas` standard errors of the floor count instead where they are more.
             coloured: 1.25 over 1.0,
             /// What is left is no noise where means of 32 samples in motion have this many times the power that white
-            /// noise gives them. Of 160 of the harder rigs that were answered rightly over white noise two were above (8.0
-            /// and 7.2); three wrong answers had 6.1 to 10.3.
+            /// noise gives them. Of 125 of the harder rigs that were answered rightly over white noise five were above,
+            /// with 6.0 to 9.7; three wrong answers had 6.1 to 10.3.
             slow: 4.0 over 1.0,
-            /// They are no slow noise where they have this many times the power of those at rest, too. True answers
-            /// above `slow` had 0.5 to 1.8 times, wrong ones 2.7 to 4.1.
+            /// They are no slow noise where they have this many times the power of those at rest, too. Of the five three
+            /// had 0.6 to 1.8 times and two too short a rest, the wrong ones 2.7 to 4.2 times; the two keep their
+            /// names, as strong ones.
             slow_over_rest: 2.0 over 1.0,
         }
 
