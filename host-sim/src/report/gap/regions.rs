@@ -22,6 +22,9 @@ pub(super) fn place(finding: &Finding) -> Section {
             section.text("All of it lies within the uncertainty of the noise floor itself.")
         }
         (_, true, _) => section,
+        (_, _, true) if finding.slow_remainder.is_some() => {
+            section.text("What remains with the effects stands out in no part more than in others.")
+        }
         (_, _, true) => section.text("With the effects, nothing significant remains anywhere."),
         _ => section.text(spaced(&format!(
             "With the effects {} of the excess remains.",

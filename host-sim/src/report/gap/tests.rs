@@ -193,6 +193,18 @@ fn every_verdict_gives_a_well_formed_page_that_says_it_first() {
 }
 
 #[test]
+fn a_remainder_that_is_as_small_as_noise_and_slower_is_said() {
+    let slow = Finding {
+        slow_remainder: Some(2.4),
+        remaining: Vec::new(),
+        ..finding(Verdict::PartlyExplained)
+    };
+    let said = html(&slow).replace(['\u{a0}', '\u{202f}'], " ");
+    assert!(said.contains("too slow for noise: means of 32 samples are 2.4 times as large"));
+    assert!(!said.contains("nothing significant remains"));
+}
+
+#[test]
 fn the_page_shows_what_moved_what_was_tried_and_every_picture() {
     let html = html(&finding(Verdict::Ambiguous)).replace(['\u{a0}', '\u{202f}'], " ");
     for words in [
