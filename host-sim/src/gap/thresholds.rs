@@ -178,8 +178,8 @@ thresholds! {
             /// with 6.0 to 9.7; three wrong answers had 6.1 to 10.3.
             slow: 4.0 over 1.0,
             /// They are no slow noise where they have this many times the power of those at rest, too. Of the five three
-            /// had 0.6 to 1.8 times and two too short a rest, the wrong ones 2.7 to 4.2 times; the two keep their
-            /// names, as strong ones.
+            /// had 0.6 to 1.8 times and two hardly a rest, the wrong ones 2.7 to 4.2 times. Without a rest in free air
+            /// it is not asked.
             slow_over_rest: 2.0 over 1.0,
         }
 

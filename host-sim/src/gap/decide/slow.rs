@@ -5,6 +5,7 @@
 //! they were 6 times as large (in power) in motion as white noise makes them, and 1.9 times in holds.
 
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
+use crate::gap::noise::floor::NoiseFloor;
 
 /// Samples of a mean: at 1 kHz a tenth of a stroke.
 const MEAN_OF: usize = 32;
@@ -12,9 +13,12 @@ const MEAN_OF: usize = 32;
 const FEWEST: f64 = 8.0;
 
 /// How many times as large (rms) means of the residuals are in motion as noise makes them; `None` where they are as
-/// noise is, and where the noise itself is slow.
+/// noise is, and where the noise itself is slow or may be.
 pub(super) fn slow_remainder(dataset: &Dataset<'_>, all: &Problem<'_>, best: &Fit) -> Option<f64> {
-    if dataset.floors.iter().any(|floor| floor.coloured) {
+    // Without a rest in free air nobody knows whether the noise is slow; and the errors of a lever's motion, which never
+    // rests, are.
+    let is_known = |floor: &NoiseFloor| !floor.coloured && floor.rest_n.is_some();
+    if !dataset.floors.iter().all(is_known) {
         return None;
     }
     let residuals = all.residuals(&best.shape, &best.numbers);
