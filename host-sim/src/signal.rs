@@ -35,13 +35,22 @@ pub(crate) fn noise_of_measured(channel: &[f64], invented: &[bool]) -> f64 {
 }
 
 /// Second differences between neighbours none of which is invented.
-pub(crate) fn second_differences_of_measured(
-    channel: &[f64],
-    invented: &[bool],
+pub(crate) fn second_differences_of_measured<'a>(
+    channel: &'a [f64],
+    invented: &'a [bool],
 ) -> impl Iterator<Item = f64> {
-    let windows = channel.windows(3).zip(invented.windows(3));
+    measured_windows(channel, invented, 3).map(second_difference)
+}
+
+/// Neighbours, so many at a time, none of which is invented.
+pub(crate) fn measured_windows<'a>(
+    channel: &'a [f64],
+    invented: &'a [bool],
+    size: usize,
+) -> impl Iterator<Item = &'a [f64]> {
+    let windows = channel.windows(size).zip(invented.windows(size));
     let measured = windows.filter(|(_, invented)| !invented.contains(&true));
-    measured.map(|(window, _)| second_difference(window))
+    measured.map(|(window, _)| window)
 }
 
 fn second_difference(window: &[f64]) -> f64 {

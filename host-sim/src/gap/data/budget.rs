@@ -59,7 +59,7 @@ fn within_budget(log: &UniformLog, decide: Rest) -> (Cow<'_, UniformLog>, Option
             setting(cut.time_s[0], "s"),
             setting(cut.period_s() * cut.len() as f64, "s"),
         ));
-        if cut.time_s[0] - log.time_s[0] >= LEAD_IN_S {
+        if begins_later(&cut.time_s, log) {
             note.push_str(&format!(
                 ", of which the first {} only bring the material to where it is",
                 setting(LEAD_IN_S, "s")
@@ -81,16 +81,23 @@ fn within_budget(log: &UniformLog, decide: Rest) -> (Cow<'_, UniformLog>, Option
 /// Takes the first of each log out of the count that begins later than the `whole` one.
 pub(crate) fn leave_lead_in_out(logs: &mut [FitData], whole: &[UniformLog]) {
     for (log, whole) in logs.iter_mut().zip(whole) {
-        let begins = |times: &[f64]| times.first().copied().unwrap_or(0.0);
-        let start_s = begins(&log.time_s);
-        // Means of some samples begin half of them later.
-        if start_s - begins(&whole.time_s) < LEAD_IN_S {
+        if !begins_later(&log.time_s, whole) {
             continue;
         }
+        let start_s = log.time_s[0];
         let lead_in = log
             .time_s
             .partition_point(|time_s| *time_s < start_s + LEAD_IN_S);
         log.count[..lead_in].fill(0.0);
+    }
+}
+
+/// Whether a part begins so much later than the whole log that it needs a lead-in. Means of some samples begin half of
+/// them later than what they are means of.
+fn begins_later(times_s: &[f64], whole: &UniformLog) -> bool {
+    match (times_s.first(), whole.time_s.first()) {
+        (Some(part_s), Some(whole_s)) => part_s - whole_s >= LEAD_IN_S,
+        _ => false,
     }
 }
 

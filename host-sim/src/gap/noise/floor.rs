@@ -146,6 +146,8 @@ impl NoiseFloor {
         let is_quieter = |rest: &RestNoise| rest.power_n2() < high_pass.noise_n.powi(2);
         if rest.as_ref().is_some_and(is_quieter) {
             high_pass = high_pass.beside_motion(log, decide);
+        }
+        if high_pass.is_fourth {
             rest = RestNoise::of(log, rests, high_pass.noise_n, decide);
         }
         let high_pass_n = high_pass.noise_n;

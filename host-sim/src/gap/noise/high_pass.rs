@@ -37,9 +37,8 @@ impl HighPass {
     /// What second differences would say where nothing moves: fourth ones see a hundredth of a motion of which second
     /// ones see a tenth. Strokes at 200 Hz made the floor 1.9 times what it was, and a stiffening seemed to be noise.
     pub(super) fn beside_motion(self, log: &UniformLog, decide: &Floor) -> HighPass {
-        let windows = log.force_n.windows(5).zip(log.in_gap.windows(5));
-        let measured = windows.filter(|(_, in_gap)| !in_gap.contains(&true));
-        let differences = measured.map(|(f, _)| f[0] - 4.0 * (f[1] + f[3]) + 6.0 * f[2] + f[4]);
+        let windows = signal::measured_windows(&log.force_n, &log.in_gap, 5);
+        let differences = windows.map(|f| f[0] - 4.0 * (f[1] + f[3]) + 6.0 * f[2] + f[4]);
         let fourth_n = noise_n(differences, FOURTH, decide.spike_sigmas * self.noise_n);
         if fourth_n > 0.0 && self.noise_n > decide.sees_motion * fourth_n {
             HighPass {
