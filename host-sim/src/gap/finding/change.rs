@@ -36,18 +36,24 @@ pub(crate) fn changes(
     decide: &Changes,
 ) -> Option<Vec<Change>> {
     let known = known(model);
-    let changes = known.iter().filter_map(|(name, value, error)| {
-        let now = now.iter().find(|now| now.name == *name)?;
-        now.std_error?;
-        Some(Change {
-            was: (*value, *error),
-            now: now.clone(),
-        })
-    });
+    let changes = known
+        .iter()
+        .enumerate()
+        .filter_map(|(at, (name, value, error))| {
+            // Modes of a spectrum share their names, and stand in the order of the model.
+            let earlier = known[..at].iter().filter(|other| other.0 == *name).count();
+            let now = now.iter().filter(|now| now.name == *name).nth(earlier)?;
+            now.std_error?;
+            Some(Change {
+                was: (*value, (*error)?),
+                now: now.clone(),
+            })
+        });
     let is_other = |change: &Change| {
         change.share().abs() > decide.share && change.std_errors() > decide.sigmas
     };
-    (!known.is_empty()).then(|| changes.filter(is_other).collect())
+    let is_identified = known.iter().any(|(_, _, error)| error.is_some());
+    is_identified.then(|| changes.filter(is_other).collect())
 }
 
 /// What has changed since the base model was identified, a sentence each; nothing where it never was.
@@ -76,21 +82,19 @@ pub fn changes_in_words(changed: Option<&[Change]>) -> Vec<String> {
     each.collect()
 }
 
-/// Names, values and standard errors of the parameters that a model file has an error of, named as in
+/// Names, values and, where the model file has them, standard errors of the parameters, named as in
 /// [`Finding::base_after`](super::Finding::base_after).
-fn known(model: &Model) -> Vec<(String, f64, f64)> {
+fn known(model: &Model) -> Vec<(String, f64, Option<f64>)> {
     // Where the rig stands is no property of it.
     let of_law = model.environment.parameters().into_iter();
-    let of_law = of_law
-        .filter(|own| own.name != "surface")
-        .filter_map(|own| {
-            let error = error_of(&model.environment.fit.std_error, &own.name)?;
-            Some((own.name, own.value, error))
-        });
+    let of_law = of_law.filter(|own| own.name != "surface").map(|own| {
+        let error = error_of(&model.environment.fit.std_error, &own.name);
+        (own.name, own.value, error)
+    });
     let of_effects = model.effects.iter().flat_map(|effect| {
-        effect.parameters.iter().filter_map(|(name, value)| {
-            let error = error_of(&effect.fit.std_error, name)?;
-            Some((format!("{}.{name}", effect.id), *value, error))
+        effect.parameters.iter().map(|(name, value)| {
+            let error = error_of(&effect.fit.std_error, name);
+            (format!("{}.{name}", effect.id), *value, error)
         })
     });
     of_law.chain(of_effects).collect()
@@ -141,6 +145,31 @@ mod tests {
         // As much more with an error of 3 N, or where it is not free, is nothing.
         assert_eq!(changed(&model, friction(26.0, Some(3.0))), Some(0));
         assert_eq!(changed(&model, friction(26.0, None)), Some(0));
+    }
+
+    #[test]
+    fn modes_that_share_a_name_are_compared_each_with_its_own() {
+        let toml = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1.0\ndamping = 0.1\n"
+            .to_string()
+            + &mode(0.579, 94.0, "std_error = { fraction = 0.015 }\n")
+            + &mode(0.2, 20.0, "")
+            + &mode(0.091, 5.3, "std_error = { fraction = 0.008 }\n");
+        let path = Path::new("model.toml");
+        let model = Model::from_toml(&TomlFile::parse(toml.into(), path).unwrap(), path).unwrap();
+        let now = [0.57, 0.2, 0.16].map(|value| ParameterEstimate {
+            name: "stress_relaxation.fraction".into(),
+            unit: "",
+            ..friction(value, Some(0.01))
+        });
+        let changes = changes(&model, &now, &Thresholds::default().changes).unwrap();
+        assert_eq!(changes.len(), 1);
+        assert_eq!((changes[0].was.0, changes[0].now.value), (0.091, 0.16));
+    }
+
+    fn mode(fraction: f64, rate: f64, error: &str) -> String {
+        format!(
+            "[[effect]]\nid = \"stress_relaxation\"\nfraction = {fraction}\nrate = {rate}\n{error}"
+        )
     }
 
     #[test]
