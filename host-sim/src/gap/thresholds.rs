@@ -228,6 +228,9 @@ thresholds! {
             /// Effects are named together if they explain this share of the base's excess, and no other effect
             /// could stand in the place of one. Not measured.
             together: 0.95 over 1.0,
+            /// Several are if one of them has no evidence of its own: a friction made 97 % of an adhesion whose form
+            /// is in no catalogue, a spectrum, an exponent and a bond 99 % of a cell's relaxation.
+            together_unsound: 0.98 over 1.0,
             /// Of effects that are named together the best set without one leaves at least this many times as
             /// many squares: what fitted a fatigue of the material, 95 % of it, reached 1.13, the exponent of
             /// cells under a cantilever 1.17.
@@ -245,6 +248,10 @@ thresholds! {
             /// An effect may as well be 0 if its size is below this many standard errors. Of 810 effects that
             /// were right one was that badly known, of 36 wrong ones ten.
             size_sigmas: 3.0,
+            /// A friction of a richer form is certain if its size is known to this many standard errors, and may be
+            /// Coulomb's otherwise: where bristles were hidden the stiffness of Bouc and Wen's loop, which is how it
+            /// sticks, was known to 3 and 6.
+            form_sigmas: 8.0,
             /// An effect is worth telling from another if it takes more than this share off the held-out
             /// squares. Not measured.
             missed: 0.1,

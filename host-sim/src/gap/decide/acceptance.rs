@@ -1,5 +1,7 @@
 //! Effects of a decision that take nothing off, or whose size may as well be 0.
 
+use estimator_core::physics::effect::EffectId;
+
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
 use crate::gap::model::{dataset::Dataset, fit::Fit, shape::Owner, weights::weights};
 use crate::gap::search::{forms::in_plain_form, sets::is_repeated};
@@ -22,13 +24,8 @@ pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
 /// the held-out part hardly misses it.
 pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
     let decide = &decision.thresholds.acceptance;
-    let (best, std_errors) = (&decision.best, &decision.std_errors);
-    let is_known = |number: usize| {
-        let owner = Owner::Effect(number, 0);
-        let at = best.shape.free.iter().position(|free| free.owner == owner);
-        at.and_then(|at| Some((best.shape.natural(at, best.numbers[at]), std_errors[at]?)))
-            .is_none_or(|(size, error)| size.abs() >= decide.size_sigmas * error)
-    };
+    let best = &decision.best;
+    let is_known = |number: usize| has_size(decision, number, decide.size_sigmas);
     // Modes of one spectrum share their size, and no name depends on one of them.
     let is_single = |number: usize| !is_repeated(best.shape.terms[number].id, best);
     let rivalry = decision.alternatives.iter().zip(&decision.gains);
@@ -37,6 +34,30 @@ pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
         let is_open = !alternatives.is_empty() && *gain > decide.missed;
         !is_open && is_single(number) && !is_known(number)
     })
+}
+
+/// The places of the added effects that may as well be the simpler effect of their family, and that: their form
+/// takes off more, and its size is hardly known.
+pub(crate) fn effects_of_uncertain_form(decision: &Decision) -> Vec<(usize, EffectId)> {
+    let sigmas = decision.thresholds.acceptance.form_sigmas;
+    let added = decision.best.added().into_iter().enumerate();
+    let simpler = added.filter_map(|(at, number)| {
+        let info = decision.best.shape.terms[number].id.info();
+        let simpler = EffectId::from_name(info.simpler?)?;
+        (!has_size(decision, number, sigmas)).then_some((at, simpler))
+    });
+    simpler.collect()
+}
+
+/// Whether an effect's size differs from 0 by so many standard errors; one at a bound, or that is held, has none.
+fn has_size(decision: &Decision, number: usize, sigmas: f64) -> bool {
+    let (best, owner) = (&decision.best, Owner::Effect(number, 0));
+    let at = best.shape.free.iter().position(|free| free.owner == owner);
+    at.and_then(|at| {
+        let error = decision.std_errors[at]?;
+        Some((best.shape.natural(at, best.numbers[at]), error))
+    })
+    .is_none_or(|(size, error)| size.abs() >= sigmas * error)
 }
 
 /// The fit with an added effect in its plain form, if that is nearer to the best than to the fit without it: the
@@ -139,6 +160,20 @@ mod tests {
             effect_without_size(&decision(&[0.5, 0.5], &[2e4, 2e4])),
             None
         );
+    }
+
+    #[test]
+    fn a_loop_that_is_hardly_known_may_be_coulombs_friction() {
+        // GIVEN a loop of Bouc and Wen's whose stiffness of 1 is known to a ninth, and to a seventh
+        let known_to = |std_error: f64| {
+            let mut decision = decision(&[std_error], &[2e4]);
+            decision.best.shape.terms[0].id = EffectId::BoucWen;
+            effects_of_uncertain_form(&decision)
+        };
+        assert_eq!(known_to(1.0 / 9.0), []);
+        assert_eq!(known_to(1.0 / 7.0), [(0, EffectId::CoulombFriction)]);
+        // An offset has no simpler form.
+        assert_eq!(effects_of_uncertain_form(&decision(&[0.3], &[2e4])), []);
     }
 
     #[test]

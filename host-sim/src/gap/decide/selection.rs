@@ -1,7 +1,9 @@
 //! From the result of a search to a decision: rivals that explain more take over, and effects that do
 //! not stand up to the evaluation are dropped, until what is left does.
 
-use super::acceptance::{effect_without_size, fit_in_plain_form, fit_without_idle_effect};
+use super::acceptance::{
+    effect_without_size, effects_of_uncertain_form, fit_in_plain_form, fit_without_idle_effect,
+};
 use super::decision::Decision;
 use super::evaluate::{evaluate, held_out_rmse_n};
 use crate::gap::finding::Verdict;
@@ -36,9 +38,20 @@ pub(crate) fn decide(
                 let best = plain.unwrap_or_else(|| decision.without.swap_remove(at));
                 result = SearchResult::alone(best);
             }
-            None => return decision,
+            None => return open_where_form_is_uncertain(decision),
         }
     }
+}
+
+/// A richer form whose size the log hardly knows may as well be the simpler one of its family.
+fn open_where_form_is_uncertain(mut decision: Decision) -> Decision {
+    for (at, simpler) in effects_of_uncertain_form(&decision) {
+        decision.alternatives[at].push(simpler);
+        if decision.verdict == Verdict::MissingEffects {
+            decision.verdict = Verdict::Ambiguous;
+        }
+    }
+    decision
 }
 
 /// Takes the bias of the motion's errors off the numbers, and finds their standard errors.
@@ -110,14 +123,19 @@ fn is_strong_together(decision: &Decision) -> bool {
     let decide = &decision.thresholds.evidence;
     let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
     let left = excess(decision.ratio.1) / excess(decision.ratio.0).max(f64::MIN_POSITIVE);
-    let added = decision.best.added().into_iter();
-    let is_needed = |number: usize| {
-        let id = decision.best.shape.terms[number].id;
-        let mut evidence = decision.evidence.iter();
-        evidence.any(|evidence| evidence.id == id && evidence.is_needed)
+    let added = decision.best.added();
+    let of = |number: &usize| {
+        let id = decision.best.shape.terms[*number].id;
+        decision.evidence.iter().find(|evidence| evidence.id == id)
+    };
+    let each = || added.iter().map(of);
+    let is_sound = added.len() == 1 || each().all(|own| own.is_some_and(|own| own.is_strong_group));
+    let least = match is_sound {
+        true => decide.together,
+        false => decide.together_unsound,
     };
     let is_unambiguous = decision.alternatives.iter().all(Vec::is_empty);
-    1.0 - left >= decide.together && is_unambiguous && added.into_iter().all(is_needed)
+    1.0 - left >= least && is_unambiguous && each().all(|own| own.is_some_and(|own| own.is_needed))
 }
 
 /// The best fit with the effects that are named though something remains, and whether others were dropped.
