@@ -78,7 +78,7 @@ pub(crate) fn fit_in_plain_form(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::gap::data::fit_data::FitData;
     use crate::gap::data::scales::Scales;
@@ -95,7 +95,7 @@ mod tests {
     const SAMPLES: usize = 10_000;
 
     /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
-    fn decision(errors: &[f64], without: &[f64]) -> Decision {
+    pub(in crate::gap::decide) fn decision(errors: &[f64], without: &[f64]) -> Decision {
         let path = Path::new("model.toml");
         let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
         let file = TomlFile::parse(text.into(), path).unwrap();

@@ -164,3 +164,46 @@ fn with_strong_effects(dataset: &Dataset<'_>, best: &Fit, evidence: &[Evidence])
     let problem = dataset.problem(&weights);
     (problem.fit(&start.shape, start.numbers), dropped)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::acceptance::tests::decision;
+    use super::*;
+    use crate::gap::finding::Support;
+    use estimator_core::physics::effect::EffectId;
+
+    const IDS: [EffectId; 2] = [EffectId::Adhesion, EffectId::StribeckFriction];
+
+    /// Whether effects that explain so much are named together, each with evidence of its own or not.
+    fn is_together(share: f64, sound: &[bool]) -> bool {
+        let mut decision = decision(&vec![0.1; sound.len()], &vec![2e4; sound.len()]);
+        let terms = &mut decision.best.shape.terms;
+        terms
+            .iter_mut()
+            .zip(IDS)
+            .for_each(|(term, id)| term.id = id);
+        let evidence = |(id, is_sound): (EffectId, &bool)| Evidence {
+            id,
+            support: Support::default(),
+            alternatives: Vec::new(),
+            is_strong: *is_sound,
+            is_strong_group: *is_sound,
+            is_needed: true,
+            faint_waves: Vec::new(),
+        };
+        decision.evidence = IDS.into_iter().zip(sound).map(evidence).collect();
+        decision.ratio = (10.0, (1.0 + 99.0 * (1.0 - share)).sqrt());
+        is_strong_together(&decision)
+    }
+
+    #[test]
+    fn a_companion_without_evidence_of_its_own_needs_nearly_all_to_be_explained() {
+        assert!(is_together(0.96, &[true, true]));
+        assert!(!is_together(0.94, &[true, true]));
+        // A friction beside an adhesion of no catalogue's form made 97 % of it.
+        assert!(!is_together(0.97, &[true, false]));
+        assert!(is_together(0.99, &[false, false]));
+        // One effect is not called so for a companion.
+        assert!(is_together(0.96, &[false]));
+    }
+}
