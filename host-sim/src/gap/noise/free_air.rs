@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::gap::noise::rest_power::shortest_rest;
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
@@ -28,7 +27,7 @@ fn deepest_in_free_air_m(position_m: &[f64], decide: &Floor) -> f64 {
 pub(super) fn rests(log: &UniformLog, decide: &Floor) -> Vec<Range<usize>> {
     let position = &log.position_m;
     let deepest_m = deepest_in_free_air_m(position, decide);
-    let counts = |samples: usize| samples as f64 >= shortest_rest(log.rate_hz, decide);
+    let counts = |samples: usize| samples as f64 >= decide.shortest_rest;
     let still_m =
         decide.rest_steps * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
     let mut rests = Vec::new();

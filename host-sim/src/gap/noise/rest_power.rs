@@ -17,11 +17,6 @@ const FAST: f64 = 1.0 / 16.0;
 /// the same noise. First-order noise with a corner of 38 Hz at 10 kHz was eight times what they said, and no noise.
 pub(super) const COLOUR_HZ: f64 = 1000.0;
 
-/// Fewest samples of a rest that counts.
-pub(super) fn shortest_rest(rate_hz: f64, decide: &Floor) -> f64 {
-    decide.shortest_rest * (rate_hz / COLOUR_HZ).clamp(0.5, 1.0)
-}
-
 /// The noise at rest.
 pub(super) struct RestNoise {
     /// Power of the noise (N²).
@@ -41,11 +36,10 @@ impl RestNoise {
     ) -> Option<RestNoise> {
         let times = (log.rate_hz / COLOUR_HZ).max(1.0);
         let longest = (times * LONGEST_WINDOW as f64) as usize;
-        let shortest = shortest_rest(log.rate_hz, decide);
         let spectra: Vec<Spectrum> = rests
             .iter()
             .flat_map(|rest| log.force_n[rest::settled(rest)].chunks(longest))
-            .filter(|window| 2.0 * window.len() as f64 >= shortest)
+            .filter(|window| 2.0 * window.len() as f64 >= decide.shortest_rest)
             .map(|window| Spectrum::of(window, noise_n, decide))
             .collect();
         if spectra.is_empty() {

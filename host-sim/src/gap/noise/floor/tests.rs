@@ -139,30 +139,6 @@ fn fast_strokes_at_a_slow_rate_are_no_noise() {
 }
 
 #[test]
-fn half_seconds_of_rest_at_a_slow_rate_show_slow_noise() {
-    // GIVEN 200 samples a second, 12 s in contact between two rests of half a second, and slow noise with a fifth of
-    // white: 100 samples at rest each
-    let count = 2600;
-    let time_s: Vec<f64> = (0..count).map(|at| at as f64 * 5e-3).collect();
-    let depth = |t: &f64| match *t {
-        ..0.5 => -1.0,
-        ..12.5 => 1.5 - (TAU * 0.25 * (t - 0.5)).cos(),
-        _ => -1.0,
-    };
-    let position_m = time_s.iter().map(|t| 1e-3 * depth(t)).collect();
-    // Its corner is at 8 Hz, as `slow` counts at 1 kHz.
-    let both = slow(40.0, count, 5).into_iter().zip(normals(count, 6));
-    let noise: Vec<f64> = both.map(|(a, b)| SIGMA_N * (a + 0.2 * b)).collect();
-    let pushed = |(t, noise): (&f64, &f64)| 2.0 * depth(t).max(0.0) + noise;
-    let force_n = time_s.iter().zip(&noise).map(pushed).collect();
-    let log = Log::from_channels(time_s.clone(), position_m, force_n);
-    let floor = NoiseFloor::of(&log.uniform().unwrap(), &Floor::default());
-    // THEN the floor is that noise and not the half of it that second differences see.
-    assert!(floor.coloured, "{floor:?}");
-    assert_near(&floor, rms(noise), 0.25);
-}
-
-#[test]
 fn a_rest_that_is_too_short_does_not_say_that_a_noise_is_white() {
     let of = |samples: usize| {
         let noise: Vec<f64> = normals(samples, 0).iter().map(|n| SIGMA_N * n).collect();
