@@ -62,8 +62,8 @@ thresholds! {
             /// A force whose code is more than this many standard deviations of its noise is quiet or not as its
             /// level lies between the codes. Derived: half of a code is then 0.7 of them.
             fine_code: 1.5,
-            /// A rest with fewer samples does not count. With half as many at slow rates a servo's record, which holds for
-            /// a third of a second at the end of its travel, had a floor as large as what is missing in it.
+            /// A rest with fewer samples does not count. With 64 at 190 Hz a servo's record, which holds for 0.3 s
+            /// at the end of its travel, had a floor as large as what is missing in it.
             shortest_rest: 128.0,
             /// The position of a rest stays within this many steps of the encoder. Derived: two counts, and a
             /// margin of half of one.
