@@ -155,7 +155,7 @@ mod tests {
             + &mode(0.2, 20.0, "")
             + &mode(0.091, 5.3, "std_error = { fraction = 0.008 }\n");
         let path = Path::new("model.toml");
-        let model = Model::from_toml(&TomlFile::parse(toml.into(), path).unwrap(), path).unwrap();
+        let model = Model::from_toml(&TomlFile::parse(toml, path).unwrap(), path).unwrap();
         let now = [0.57, 0.2, 0.16].map(|value| ParameterEstimate {
             name: "stress_relaxation.fraction".into(),
             unit: "",
