@@ -36,8 +36,8 @@ pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
     })
 }
 
-/// The places of the added effects that may as well be the simpler effect of their family, and that: their form
-/// takes off more, and its size is hardly known.
+/// The places of the added effects that may as well be the simpler effect of their family, with that effect: their
+/// form takes off more, but its size is hardly known.
 pub(crate) fn effects_of_uncertain_form(decision: &Decision) -> Vec<(usize, EffectId)> {
     let sigmas = decision.thresholds.acceptance.form_sigmas;
     let added = decision.best.added().into_iter().enumerate();

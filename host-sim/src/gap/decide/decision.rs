@@ -44,3 +44,11 @@ pub(crate) struct Decision {
     /// Samples for each independent residual.
     pub(crate) correlation: f64,
 }
+
+impl Decision {
+    /// What speaks for an effect of the best fit, by the number of its term.
+    pub(crate) fn evidence_for(&self, number: usize) -> Option<&Evidence> {
+        let id = self.best.shape.terms[number].id;
+        self.evidence.iter().find(|evidence| evidence.id == id)
+    }
+}

@@ -124,11 +124,7 @@ fn is_strong_together(decision: &Decision) -> bool {
     let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
     let left = excess(decision.ratio.1) / excess(decision.ratio.0).max(f64::MIN_POSITIVE);
     let added = decision.best.added();
-    let of = |number: &usize| {
-        let id = decision.best.shape.terms[*number].id;
-        decision.evidence.iter().find(|evidence| evidence.id == id)
-    };
-    let each = || added.iter().map(of);
+    let each = || added.iter().map(|number| decision.evidence_for(*number));
     let is_sound = added.len() == 1 || each().all(|own| own.is_some_and(|own| own.is_strong_group));
     let least = match is_sound {
         true => decide.together,

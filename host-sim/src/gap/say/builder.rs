@@ -141,7 +141,7 @@ impl<'a> FindingBuilder<'a> {
             .map(|(number, ((alternatives, gain), without))| {
                 let forces = self.problem.forces(&without.shape, &without.numbers);
                 let id = decision.best.shape.terms[number].id;
-                let evidence = decision.evidence.iter().find(|evidence| evidence.id == id);
+                let evidence = decision.evidence_for(number);
                 let (grade, alternatives) = graded(decision.verdict, evidence, alternatives);
                 MissingEffect {
                     id,
