@@ -12,6 +12,7 @@
 //!   effect against what the best set leaves.
 //! - `decide` refits at the log's own rate, checks on held-out parts, and compares with rivals. Where something
 //!   remains, the effects with strong evidence stand, each for itself.
+//! - `rounds` asks again for what remains beside what is named, until nothing more is.
 //! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
 //! - `say` makes the `finding` of it: regions, estimates, advice.
 //!
@@ -28,6 +29,7 @@ mod model;
 mod noise;
 mod options;
 mod progress;
+mod rounds;
 mod say;
 mod search;
 pub mod thresholds;
@@ -53,9 +55,8 @@ use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, input, orientation, ringing};
-use decide::selection::decide;
+use rounds::{Answer, Rounds};
 use say::{builder, plausibility};
-use search::run::Search;
 use thresholds::{Input, Rest};
 
 use crate::diagnostic::Diagnostic;
@@ -127,28 +128,18 @@ fn workflow(
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);
     let catalogue = options.catalogue_of(kind::of_words());
-    let mut search = Search {
-        dataset: dataset(&coarse),
-        weights: vec![1.0; coarse.iter().map(FitData::len).sum()],
-        base: &model.environment,
-        given: &given,
+    let rounds = Rounds {
+        coarse: dataset(&coarse),
+        fine: dataset(&fine),
         ids: &catalogue,
-        progress,
-        noise_cost: 0.0,
-        tried: Vec::new(),
         correlation: largest_correlation(&floors, step),
+        progress,
     };
-    progress.at(0.05, "fitting the base");
-    let base = search.base_fit();
-    search.weigh(&base);
-    let base = search.refitted(&base);
-    let result = search.run(base.clone());
-    let ladder = search.ladder(&base, &result);
-    let evidence = search.evidence(&base, &result);
-    progress.at(0.8, "held-out part and rivals");
-    let decision = decide(&dataset(&fine), &base, result, &evidence);
+    let Answer {
+        decision, ladder, ..
+    } = rounds.answer(&model.environment, &given);
     progress.at(0.95, "regions and errors");
-    let mut finding = builder::finding(model, &dataset(&fine), &decision, ladder, options);
+    let mut finding = builder::finding(model, &rounds.fine, &decision, ladder, options);
     let another_unit = thresholds.regions.another_unit;
     notes.extend(plausibility::implausible(model, &finding, another_unit));
     finding.notes.splice(0..0, notes);

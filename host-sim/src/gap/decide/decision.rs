@@ -51,4 +51,37 @@ impl Decision {
         let id = self.best.shape.terms[number].id;
         self.evidence.iter().find(|evidence| evidence.id == id)
     }
+    /// The effects that are named, in the order of the terms of the best fit.
+    pub(crate) fn ids(&self) -> Vec<EffectId> {
+        let added = self.best.added().into_iter();
+        added
+            .map(|number| self.best.shape.terms[number].id)
+            .collect()
+    }
+
+    /// What speaks for those that are named.
+    pub(crate) fn named_evidence(&self) -> Vec<Evidence> {
+        let named = self.ids();
+        let own = self.evidence.iter();
+        own.filter(|evidence| named.contains(&evidence.id))
+            .cloned()
+            .collect()
+    }
+
+    /// Takes over what earlier decisions on parts of the effects found that these could be as well.
+    pub(crate) fn join_alternatives(&mut self, parts: &[&Decision]) {
+        for (id, own) in self.ids().into_iter().zip(&mut self.alternatives) {
+            let known = parts
+                .iter()
+                .flat_map(|part| part.ids().into_iter().zip(&part.alternatives));
+            let others = known.filter(|(other, _)| *other == id);
+            own.extend(others.flat_map(|(_, others)| others.iter().copied()));
+            own.sort();
+            own.dedup();
+        }
+        let is_open = self.alternatives.iter().any(|own| !own.is_empty());
+        if self.verdict == Verdict::MissingEffects && is_open {
+            self.verdict = Verdict::Ambiguous;
+        }
+    }
 }
