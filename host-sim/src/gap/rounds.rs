@@ -18,7 +18,7 @@ use super::search::run::{Search, SearchResult};
 use super::search::sets::keep_first;
 use crate::model::Environment;
 
-/// Most rounds: a drive's record needed two, no record more than three.
+/// Most rounds, each of which takes a search: a foam's record needed two, and a third that found nothing.
 const MOST_ROUNDS: usize = 4;
 
 /// What every round is asked with.
@@ -155,4 +155,27 @@ fn joined(first: &[Candidate], mut second: Vec<Candidate>, named: &[EffectId]) -
     second.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
     keep_first(&mut second, |candidate| candidate.ids.clone());
     second
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_of_a_second_round_stand_beside_what_the_first_named() {
+        let (friction, drift) = (EffectId::CoulombFriction, EffectId::ForceDrift);
+        let candidate = |ids: &[EffectId], ratio: f64| Candidate {
+            ids: ids.to_vec(),
+            ratio,
+        };
+        let first = [candidate(&[friction], 3.0), candidate(&[], 9.0)];
+        // GIVEN the friction as the second round's base, and a drift beside it
+        let second = vec![candidate(&[drift], 2.0), candidate(&[], 2.9)];
+        let joined = joined(&first, second, &[friction]);
+        // THEN each set stands once, with what it leaves at best.
+        let ids: Vec<&[EffectId]> = joined.iter().map(|own| own.ids.as_slice()).collect();
+        let both: [&[EffectId]; 3] = [&[friction, drift], &[friction], &[]];
+        assert_eq!(ids, both);
+        assert_eq!(joined[1].ratio, 2.9);
+    }
 }

@@ -85,3 +85,25 @@ impl Decision {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::acceptance::tests::decision;
+    use super::*;
+
+    #[test]
+    fn what_a_part_could_be_as_well_stays_open_in_the_whole() {
+        let mut whole = decision(&[0.1, 0.1], &[2e4, 2e4]);
+        whole.best.shape.terms[1].id = EffectId::ForceLag;
+        let mut part = decision(&[0.1], &[2e4]);
+        part.best.shape.terms[0].id = EffectId::ForceLag;
+        // GIVEN a lag that was certain THEN nothing is open
+        whole.join_alternatives(&[&part]);
+        assert_eq!(whole.verdict, Verdict::MissingEffects);
+        // AND one that may be a delay is open, once, and the offset beside it is not.
+        part.alternatives[0] = vec![EffectId::TimeDelay];
+        whole.join_alternatives(&[&part, &part]);
+        assert_eq!(whole.alternatives, [vec![], vec![EffectId::TimeDelay]]);
+        assert_eq!(whole.verdict, Verdict::Ambiguous);
+    }
+}

@@ -88,14 +88,28 @@ fn alternatives(
             continue;
         };
         let more = fit.cost - best.cost;
-        let is_open = are_late(id, other)
+        let is_late = are_late(id, other)
             && more < decide.late * best.cost
             && !is_worse_throughout(all, best, fit, decide.throughout_sigmas);
-        if (more < margin || is_open) && !related(id, other) && !alternatives.contains(&other) {
+        let is_open = match related(id, other) {
+            true => is_richer(other, id) && is_form_open(best.cost, fit.cost, margin, decide),
+            false => more < margin || is_late,
+        };
+        if is_open && !alternatives.contains(&other) {
             alternatives.push(other);
         }
     }
     alternatives
+}
+
+/// Whether a richer form takes so much off that it may be the right one; the simpler one suffices.
+fn is_form_open(simple: f64, rich: f64, margin: f64, decide: &Rivalry) -> bool {
+    simple - rich > margin.max(decide.richer * simple)
+}
+
+/// Whether one effect has another as its special case.
+fn is_richer(one: EffectId, other: EffectId) -> bool {
+    one.info().simpler == Some(other.name())
 }
 
 /// The rival with the best score, if that beats the best fit by more than the margin; a free number costs
@@ -144,5 +158,23 @@ fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<Ef
     match rest[..] {
         [other] if other != id => Some(other),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_richer_friction_that_takes_a_twentieth_off_leaves_the_form_open() {
+        let (coulomb, stribeck) = (EffectId::CoulombFriction, EffectId::StribeckFriction);
+        assert!(is_richer(stribeck, coulomb) && is_richer(EffectId::BoucWen, coulomb));
+        assert!(!is_richer(coulomb, stribeck));
+        let is_open =
+            |rich: f64, margin: f64| is_form_open(1000.0, rich, margin, &Rivalry::default());
+        assert!(is_open(940.0, 12.0));
+        assert!(!is_open(960.0, 12.0));
+        // AND what scatter alone may take off leaves nothing open.
+        assert!(!is_open(940.0, 70.0));
     }
 }

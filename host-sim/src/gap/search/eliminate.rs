@@ -60,10 +60,16 @@ impl Search<'_> {
         let fits = only_simpler.expanded(&self.without(&result.best, at));
         let threshold = |cost: f64| self.effect_threshold(id, cost, &result.best, base_cost);
         match fits.into_iter().next() {
-            Some(fit) if fit.cost - result.best.cost < threshold(fit.cost) => SearchResult {
-                best: fit,
-                ..result
-            },
+            Some(fit) if fit.cost - result.best.cost < threshold(fit.cost) => {
+                // What is too little for another effect may leave the form open.
+                let mut rivals = result.rivals;
+                rivals.push(vec![result.best]);
+                SearchResult {
+                    best: fit,
+                    rivals,
+                    ..result
+                }
+            }
             _ => result,
         }
     }
