@@ -111,7 +111,11 @@ fn workflow(
     let whole = logs;
     let (logs, shortened) = budget::within(whole, thresholds.rest);
     notes.extend(shortened);
-    let floor = |log: &Cow<'_, UniformLog>| NoiseFloor::of(log, &thresholds.floor);
+    let floor_decides = match model.environment.is_free() {
+        true => thresholds.floor.without_free_air(),
+        false => thresholds.floor,
+    };
+    let floor = |log: &Cow<'_, UniformLog>| NoiseFloor::of(log, &floor_decides);
     let floors: Vec<NoiseFloor> = logs.par_iter().map(floor).collect();
     let (filtered, thinned) = fit_data((whole, &logs), low_pass, thresholds.rest);
     notes.extend(thinned);

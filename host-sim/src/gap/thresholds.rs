@@ -62,9 +62,14 @@ thresholds! {
             /// A force whose code is more than this many standard deviations of its noise is quiet or not as its
             /// level lies between the codes. Derived: half of a code is then 0.7 of them.
             fine_code: 1.5,
-            /// A rest with fewer samples does not count. With 64 at 190 Hz a servo's record, which holds for 0.3 s
-            /// at the end of its travel, had a floor as large as what is missing in it.
+            /// A rest with as many samples counts, however short it is. Not measured.
             shortest_rest: 128.0,
+            /// So does one with as many that lasts `least_rest_s`, unless the rig touches nothing: a servo that turns a
+            /// pendulum holds it for 0.3 s, 64 samples, at the end of its travel, and had a floor as large as what is
+            /// missing in it. At 10 kHz 64 are a turn of the motion.
+            fewest_at_rest: 64.0,
+            /// A rest of few samples lasts as long (s): at 200 Hz most rigs rest for 0.5 s between strokes.
+            least_rest_s: 0.3,
             /// The position of a rest stays within this many steps of the encoder. Derived: two counts, and a
             /// margin of half of one.
             rest_steps: 2.5,
@@ -320,6 +325,16 @@ thresholds! {
             sure: 3.0 over 1.0,
             /// A motion that is this many times as fast as the log is said to be faster. Not measured.
             faster: 1.5 over 1.0,
+        }
+    }
+}
+
+impl Floor {
+    /// What decides where nothing is touched: the outermost part of the travel may be an end that is held.
+    pub(crate) fn without_free_air(self) -> Floor {
+        Floor {
+            fewest_at_rest: self.shortest_rest,
+            ..self
         }
     }
 }

@@ -27,7 +27,10 @@ fn deepest_in_free_air_m(position_m: &[f64], decide: &Floor) -> f64 {
 pub(super) fn rests(log: &UniformLog, decide: &Floor) -> Vec<Range<usize>> {
     let position = &log.position_m;
     let deepest_m = deepest_in_free_air_m(position, decide);
-    let counts = |samples: usize| samples as f64 >= decide.shortest_rest;
+    let counts = |samples: usize| {
+        let is_long = samples as f64 >= decide.least_rest_s * log.rate_hz;
+        samples as f64 >= decide.shortest_rest || is_long && samples as f64 >= decide.fewest_at_rest
+    };
     let still_m =
         decide.rest_steps * signal::step(position).unwrap_or(signal::noise(position) * 4.0);
     let mut rests = Vec::new();

@@ -330,3 +330,29 @@ fn white_noise_is_white() {
     assert!(!floor.coloured && floor.uncertainty == 0.0, "{floor:?}");
     assert_near(&floor, SIGMA_N, 0.02);
 }
+
+#[test]
+fn half_a_second_at_200_hz_is_a_rest_unless_nothing_is_touched() {
+    // GIVEN slow noise, of which second differences at 5 ms see half
+    let noise_n: Vec<f64> = slow(5.0, SAMPLES, 3)
+        .iter()
+        .map(|own| SIGMA_N * own)
+        .collect();
+    let fast = log(&noise_n, |_, _| 0.0, 1e-6);
+    let thin = |column: &[f64]| column.iter().copied().step_by(5).collect::<Vec<f64>>();
+    let log = UniformLog {
+        rate_hz: 200.0,
+        time_s: thin(&fast.time_s),
+        force_n: thin(&fast.force_n),
+        position_m: thin(&fast.position_m),
+        in_gap: vec![false; SAMPLES / 5],
+        ..UniformLog::default()
+    };
+    // THEN its rests of 100 samples show it, and are none where they may be an end that is held.
+    let decide = Floor::default();
+    let floor = NoiseFloor::of(&log, &decide);
+    assert!(floor.rest_n.is_some() && floor.coloured, "{floor:?}");
+    let of_machine = NoiseFloor::of(&log, &decide.without_free_air());
+    assert_eq!(of_machine.rest_n, None);
+    assert!(of_machine.used_n < 0.7 * floor.used_n, "{of_machine:?}");
+}
