@@ -274,7 +274,10 @@ fn foam_relaxes_over_decades_and_bends_and_does_not_stick() {
     assert!(names.iter().all(|id| known.contains(id)), "{names:?}");
     assert!(names.contains(&known[1]), "{names:?}");
     let (before, after) = (finding.rmse_before_n, finding.rmse_after_n);
-    assert!(after < 0.05 * before, "{before} N to {after} N");
+    assert!(
+        (0.6..0.8).contains(&before) && (0.02..0.03).contains(&after),
+        "{before} N to {after} N"
+    );
     // Half an hour of hold after 8 s of ramp: most of the hold is thinned, and said to be.
     let notes = finding.notes.join(" ");
     assert!(notes.contains("of the log is rest"), "{notes}");
