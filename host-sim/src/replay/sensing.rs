@@ -135,14 +135,28 @@ impl<'a> Readings<'a> {
                 self.bridge(at - LATE, fault);
             }
             Fault::PositionJump => self.mark(at - LATE..at - LATE + 1, fault),
-            Fault::PositionStuck => self.mark(since(&log.position_m, at - LATE - 1), fault),
-            Fault::ForceStuck => self.mark(since(&log.force_n, at), fault),
+            Fault::PositionStuck => self.mark_since(&log.position_m, at - LATE - 1, fault),
+            Fault::ForceStuck => self.mark_since(&log.force_n, at, fault),
             _ => self.mark(at..at + 1, fault),
         }
     }
 
     fn mark(&mut self, samples: Range<usize>, fault: Fault) {
         samples.for_each(|sample| self.faults.add(sample, fault));
+    }
+
+    /// Marks the samples up to one that read the same as it does, back to those that are marked already: the board
+    /// says it at each of them, and a channel may hang for an hour.
+    fn mark_since(&mut self, channel: &[f64], at: usize, fault: Fault) {
+        let run = (0..=at)
+            .rev()
+            .take_while(|sample| channel[*sample] == channel[at]);
+        for sample in run {
+            if self.faults.at(sample).has(fault) {
+                break;
+            }
+            self.faults.add(sample, fault);
+        }
     }
 
     fn bridge(&mut self, at: usize, fault: Fault) {
@@ -214,14 +228,6 @@ fn watched(log: &UniformLog) -> impl Iterator<Item = Faults> + '_ {
     })
 }
 
-/// The samples up to this one that read the same as it does.
-fn since(channel: &[f64], at: usize) -> Range<usize> {
-    let differs = channel[..at]
-        .iter()
-        .rposition(|value| *value != channel[at]);
-    differs.map_or(0, |before| before + 1)..at + 1
-}
-
 /// The mean of the neighbours of a sample.
 fn between(channel: &[f64], at: usize) -> f64 {
     0.5 * (channel[at - 1] + channel[at + 1])
@@ -232,4 +238,36 @@ fn is_back(readings: &[f64]) -> bool {
     let way = readings[1] - readings[0];
     let off = |at: usize| (readings[at] - readings[1] - (at - 1) as f64 * way).abs();
     off(3) < 0.5 * off(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Log;
+
+    #[test]
+    fn a_channel_that_hangs_for_minutes_is_marked_once_from_where_it_began() {
+        // GIVEN strokes of 2 mm into 2 N/mm, and 7 min in which the force reads the same all the time; going over all
+        // that is marked at each of them took 10¹⁰ steps for 100 s
+        const MOVES: usize = 4000;
+        let time: Vec<f64> = (0..400_000).map(|at| f64::from(at) * 1e-3).collect();
+        let x = |t: f64| 1e-3 * (6.0 * t).sin();
+        let position: Vec<f64> = time.iter().map(|t| (1e6 * x(*t)).round() * 1e-6).collect();
+        let noise_n = |at: usize| (at * at % 97) as f64 * 1e-3;
+        let each = position.iter().enumerate();
+        let mut force: Vec<f64> = each
+            .map(|(at, x)| (2000.0 * x.max(0.0) / 1e-3).round() * 1e-3 + noise_n(at))
+            .collect();
+        force[MOVES..].fill(3.2105);
+        let log = Log::from_channels(time, position, force).uniform().unwrap();
+        let readings = Readings::of(&log);
+        // THEN it is stuck from its first sample on, and was not before.
+        let is_stuck = |at: &usize| readings.faults.at(*at).has(Fault::ForceStuck);
+        let stuck: Vec<usize> = (0..log.len()).filter(is_stuck).collect();
+        assert!(
+            stuck.iter().copied().eq(MOVES..log.len()),
+            "{:?}",
+            stuck.first()
+        );
+    }
 }
