@@ -1,9 +1,9 @@
 //! A search and its decision, asked until nothing more is named.
 //!
-//! Where something remains, an effect is weighed against all of it: beside a friction that explains 97 % of a tool's
-//! record a drift and a delay of 3 % had no evidence. With the friction in the model they have, so that its owner
-//! would be told of them only if he asked again. What is named is therefore made part of the model, and what remains
-//! is asked for by itself.
+//! Where something remains, an effect is weighed against all of it: beside a relaxation that explains 99.5 % of a
+//! foam's record a curve that bends, 0.4 % of it, had no evidence. With the relaxation in the model it has, so that
+//! an owner would be told of it only if he asked again. What is named is therefore made part of the model, and what
+//! remains is asked for by itself.
 
 use estimator_core::physics::effect::EffectId;
 
@@ -115,16 +115,9 @@ impl Rounds<'_> {
             ..
         } = more;
         // Only what the owner gave is given.
-        let mut terms = beside.best.shape.terms_at(&beside.best.numbers);
-        let was = terms.iter_mut().zip(&shape.terms);
+        let mut both = beside.best.clone();
+        let was = both.shape.terms.iter_mut().zip(&shape.terms);
         was.for_each(|(term, before)| term.given = before.given);
-        let (shape, numbers) = beside.best.with_terms(terms, self.fine.scales);
-        let cost = beside.best.cost;
-        let both = Fit {
-            shape,
-            numbers,
-            cost,
-        };
         let evidence = [before.named_evidence(), beside.named_evidence()].concat();
         let mut decision = decide(
             &self.fine,
@@ -133,18 +126,18 @@ impl Rounds<'_> {
             &evidence,
         );
         let is_more = decision.without.len() > before.without.len()
-            && before.ids().iter().all(|id| decision.ids().contains(id));
+            && named
+                .added_ids()
+                .iter()
+                .all(|id| decision.best.added_ids().contains(id));
         if !is_more {
             return None;
         }
         decision.join_alternatives(&[before, &beside]);
-        decision.least_rmse_n = [before, &beside]
-            .iter()
-            .fold(decision.least_rmse_n, |least, one| {
-                least.min(one.least_rmse_n)
-            });
+        let least_rmse_n = before.least_rmse_n.min(beside.least_rmse_n);
+        decision.least_rmse_n = decision.least_rmse_n.min(least_rmse_n);
         Some(Answer {
-            ladder: joined(&answer.ladder, ladder, &before.ids()),
+            ladder: joined(&answer.ladder, ladder, &named.added_ids()),
             decision,
             base: answer.base.clone(),
         })

@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_channel_that_hangs_for_minutes_is_marked_once_from_where_it_began() {
-        // GIVEN strokes of 2 mm into 2 N/mm, and 7 min in which the force reads the same all the time; going over all
+        // GIVEN strokes of 1 mm into 2 N/mm, and 7 min in which the force reads the same all the time; going over all
         // that is marked at each of them took 10¹⁰ steps for 100 s
         const MOVES: usize = 4000;
         let time: Vec<f64> = (0..400_000).map(|at| f64::from(at) * 1e-3).collect();

@@ -4,7 +4,7 @@ use estimator_core::physics::effect::EffectId;
 
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
 use crate::gap::model::{dataset::Dataset, fit::Fit, shape::Owner, weights::weights};
-use crate::gap::search::{forms::in_plain_form, sets::is_repeated};
+use crate::gap::search::{forms::in_plain_form, relatives::simpler, sets::is_repeated};
 
 /// The fit without the effect that is needed least, if that effect takes nothing off.
 pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
@@ -42,8 +42,7 @@ pub(crate) fn effects_of_uncertain_form(decision: &Decision) -> Vec<(usize, Effe
     let sigmas = decision.thresholds.acceptance.form_sigmas;
     let added = decision.best.added().into_iter().enumerate();
     let simpler = added.filter_map(|(at, number)| {
-        let info = decision.best.shape.terms[number].id.info();
-        let simpler = EffectId::from_name(info.simpler?)?;
+        let simpler = simpler(decision.best.shape.terms[number].id)?;
         (!has_size(decision, number, sigmas)).then_some((at, simpler))
     });
     simpler.collect()

@@ -1,5 +1,7 @@
 //! What the decision comes to.
 
+use std::collections::BTreeSet;
+
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::finding::Verdict;
@@ -51,17 +53,10 @@ impl Decision {
         let id = self.best.shape.terms[number].id;
         self.evidence.iter().find(|evidence| evidence.id == id)
     }
-    /// The effects that are named, in the order of the terms of the best fit.
-    pub(crate) fn ids(&self) -> Vec<EffectId> {
-        let added = self.best.added().into_iter();
-        added
-            .map(|number| self.best.shape.terms[number].id)
-            .collect()
-    }
 
     /// What speaks for those that are named.
     pub(crate) fn named_evidence(&self) -> Vec<Evidence> {
-        let named = self.ids();
+        let named = self.best.added_ids();
         let own = self.evidence.iter();
         own.filter(|evidence| named.contains(&evidence.id))
             .cloned()
@@ -70,17 +65,22 @@ impl Decision {
 
     /// Takes over what earlier decisions on parts of the effects found that these could be as well.
     pub(crate) fn join_alternatives(&mut self, parts: &[&Decision]) {
-        for (id, own) in self.ids().into_iter().zip(&mut self.alternatives) {
+        for (at, id) in self.best.added_ids().into_iter().enumerate() {
             let known = parts
                 .iter()
-                .flat_map(|part| part.ids().into_iter().zip(&part.alternatives));
+                .flat_map(|part| part.best.added_ids().into_iter().zip(&part.alternatives));
             let others = known.filter(|(other, _)| *other == id);
-            own.extend(others.flat_map(|(_, others)| others.iter().copied()));
-            own.sort();
-            own.dedup();
+            let others: BTreeSet<EffectId> = others.flat_map(|(_, ids)| ids).copied().collect();
+            others.into_iter().for_each(|other| self.open(at, other));
         }
-        let is_open = self.alternatives.iter().any(|own| !own.is_empty());
-        if self.verdict == Verdict::MissingEffects && is_open {
+    }
+
+    /// Leaves open whether an added effect is another one: the verdict is no longer certain.
+    pub(crate) fn open(&mut self, at: usize, other: EffectId) {
+        if !self.alternatives[at].contains(&other) {
+            self.alternatives[at].push(other);
+        }
+        if self.verdict == Verdict::MissingEffects {
             self.verdict = Verdict::Ambiguous;
         }
     }

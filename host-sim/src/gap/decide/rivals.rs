@@ -5,7 +5,7 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, problem::Problem};
-use crate::gap::search::relatives::{are_late, related};
+use crate::gap::search::relatives::{are_late, related, simpler};
 use crate::gap::search::{run::SearchResult, sets::added_effects};
 use crate::gap::thresholds::Rivalry;
 
@@ -92,7 +92,7 @@ fn alternatives(
             && more < decide.late * best.cost
             && !is_worse_throughout(all, best, fit, decide.throughout_sigmas);
         let is_open = match related(id, other) {
-            true => is_richer(other, id) && is_form_open(best.cost, fit.cost, margin, decide),
+            true => simpler(other) == Some(id) && is_form_open(best.cost, fit.cost, margin, decide),
             false => more < margin || is_late,
         };
         if is_open && !alternatives.contains(&other) {
@@ -105,11 +105,6 @@ fn alternatives(
 /// Whether a richer form takes so much off that it may be the right one; the simpler one suffices.
 fn is_form_open(simple: f64, rich: f64, margin: f64, decide: &Rivalry) -> bool {
     simple - rich > margin.max(decide.richer * simple)
-}
-
-/// Whether one effect has another as its special case.
-fn is_richer(one: EffectId, other: EffectId) -> bool {
-    one.info().simpler == Some(other.name())
 }
 
 /// The rival with the best score, if that beats the best fit by more than the margin; a free number costs
@@ -168,8 +163,9 @@ mod tests {
     #[test]
     fn a_richer_friction_that_takes_a_twentieth_off_leaves_the_form_open() {
         let (coulomb, stribeck) = (EffectId::CoulombFriction, EffectId::StribeckFriction);
-        assert!(is_richer(stribeck, coulomb) && is_richer(EffectId::BoucWen, coulomb));
-        assert!(!is_richer(coulomb, stribeck));
+        assert_eq!(simpler(stribeck), Some(coulomb));
+        assert_eq!(simpler(EffectId::BoucWen), Some(coulomb));
+        assert_eq!(simpler(coulomb), None);
         let is_open =
             |rich: f64, margin: f64| is_form_open(1000.0, rich, margin, &Rivalry::default());
         assert!(is_open(940.0, 12.0));

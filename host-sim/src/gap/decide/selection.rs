@@ -46,10 +46,7 @@ pub(crate) fn decide(
 /// A richer form whose size the log hardly knows may as well be the simpler one of its family.
 fn open_where_form_is_uncertain(mut decision: Decision) -> Decision {
     for (at, simpler) in effects_of_uncertain_form(&decision) {
-        decision.alternatives[at].push(simpler);
-        if decision.verdict == Verdict::MissingEffects {
-            decision.verdict = Verdict::Ambiguous;
-        }
+        decision.open(at, simpler);
     }
     decision
 }

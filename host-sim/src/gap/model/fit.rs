@@ -1,5 +1,7 @@
 //! The least squares of a rig to logs.
 
+use estimator_core::physics::effect::EffectId;
+
 use crate::gap::data::scales::Scales;
 use crate::gap::model::{problem::Problem, shape::Shape, shape::Term};
 use crate::lsq::minimize::{Minimizer, System};
@@ -30,6 +32,12 @@ impl Fit {
         (0..self.shape.terms.len())
             .filter(|at| !self.shape.terms[*at].given)
             .collect()
+    }
+
+    /// The effects that the base model does not have, in the order of their terms.
+    pub(crate) fn added_ids(&self) -> Vec<EffectId> {
+        let added = self.added().into_iter();
+        added.map(|at| self.shape.terms[at].id).collect()
     }
 
     /// For each free number, whether it is at a bound.

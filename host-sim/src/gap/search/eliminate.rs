@@ -4,6 +4,7 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, shape::Shape};
+use crate::gap::search::relatives::simpler;
 use crate::gap::search::run::{Search, SearchResult};
 
 impl Search<'_> {
@@ -46,7 +47,7 @@ impl Search<'_> {
     ) -> SearchResult {
         let mut relatives = result.best.added().into_iter().filter_map(|at| {
             let id = result.best.shape.terms[at].id;
-            Some((at, id, EffectId::from_name(id.info().simpler?)?))
+            Some((at, id, simpler(id)?))
         });
         let Some((at, id, simpler)) = relatives.next() else {
             return result;

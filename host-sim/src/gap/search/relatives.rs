@@ -9,6 +9,11 @@ pub(crate) fn related(one: EffectId, other: EffectId) -> bool {
     one == other || (family.is_nested() && family == other.info().family)
 }
 
+/// The simpler effect of the family that an effect has as a special case.
+pub(crate) fn simpler(id: EffectId) -> Option<EffectId> {
+    EffectId::from_name(id.info().simpler?)
+}
+
 /// Whether both effects only make the force late: in slow motion they differ by less than the errors of
 /// a rig.
 pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {

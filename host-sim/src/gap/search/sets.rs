@@ -7,8 +7,7 @@ use crate::gap::search::relatives::related;
 
 /// The effects that a fit adds to the base model, in the order of the catalogue.
 pub(crate) fn added_effects(fit: &Fit) -> Vec<EffectId> {
-    let added = fit.added().into_iter();
-    let mut ids: Vec<EffectId> = added.map(|at| fit.shape.terms[at].id).collect();
+    let mut ids = fit.added_ids();
     ids.sort();
     ids
 }
