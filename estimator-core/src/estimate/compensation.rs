@@ -42,7 +42,7 @@ use crate::estimate::sample::Sample;
 use crate::maths::scalar::{Real, Scalar, seconds};
 use crate::physics::effect::{Effect, EffectId, LoadPathMemory, Motion};
 use crate::physics::load_path::{cables_n, play_m, share_of_load, without_load_friction_n};
-use crate::physics::rig::MOST_EFFECTS;
+use crate::physics::rig::{Effects, MOST_EFFECTS};
 use delay::{ChannelDelay, DelayLine};
 use faults::LingeringFaults;
 use window::{Window, WindowMean, WindowState, resting_at};
@@ -60,9 +60,7 @@ const LINGERING: Faults = Faults::NONE
 /// The effects of a rig that are removed from its readings, ready to use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensation<T> {
-    effects: [Option<Effect<T>>; MOST_EFFECTS],
-    /// Number of slots up to the last effect.
-    used: usize,
+    effects: Effects<T>,
     period_us: u64,
     delay: ChannelDelay<T>,
     /// The window, if an effect needs a derivative.
@@ -94,19 +92,18 @@ impl<T: Real> Compensation<T> {
     /// # Errors
     /// The rate is not between 0 and 1 MHz, or the delay is longer than [`MAX_DELAY_SAMPLES`].
     pub fn new(
-        effects: &[Option<Effect<f64>>; MOST_EFFECTS],
+        effects: &Effects<f64>,
         rate_hz: f32,
         position_step_m: f64,
     ) -> Result<Self, ConfigError> {
-        let rigs = |effect: &Effect<f64>| effect.id().belongs_to_rig();
-        let effects = effects.map(|slot| slot.filter(rigs).map(|effect| cast(&effect)));
-        Compensation::from_rig_effects(effects, rate_hz, position_step_m)
+        let rigs = effects.iter().filter(|effect| effect.id().belongs_to_rig());
+        Compensation::from_rig_effects(rigs.map(cast).collect(), rate_hz, position_step_m)
     }
 
     /// Makes a compensation as [`Compensation::new`] does, of effects that all belong to the rig and
     /// have its precision: a board stores no others.
     pub(crate) fn from_rig_effects(
-        effects: [Option<Effect<T>>; MOST_EFFECTS],
+        effects: Effects<T>,
         rate_hz: f32,
         position_step_m: f64,
     ) -> Result<Self, ConfigError> {
@@ -114,19 +111,17 @@ impl<T: Real> Compensation<T> {
             rate_hz > 0.0 && rate_hz <= 1e6, "rate_hz", rate_hz, "must lie between 0 and 1 MHz";
         }
         let rate = f64::from(rate_hz);
-        let delays = effects.iter().flatten().map(|effect| match effect {
+        let delays = effects.iter().map(|effect| match effect {
             Effect::TimeDelay(delay) => delay.delay_s.to_f64(),
             _ => 0.0,
         });
         let delay_s: f64 = delays.sum();
         let delay = ChannelDelay::new(delay_s, rate)?;
-        let moving = effects.iter().flatten().any(needs_derivative);
+        let moving = effects.iter().any(needs_derivative);
         let window = moving.then(|| Window::new(rate, position_step_m));
         let window_samples = window.map_or(0, |window| window.delay_samples());
-        let last = effects.iter().rposition(Option::is_some);
         let delay_s = window_samples as f64 / rate + delay_s.max(0.0);
         Ok(Compensation {
-            used: last.map_or(0, |last| last + 1),
             effects,
             period_us: (1e6 / rate) as u64,
             delay,
@@ -142,7 +137,7 @@ impl<T: Real> Compensation<T> {
     }
 
     fn effects(&self) -> impl Iterator<Item = &Effect<T>> {
-        self.effects.iter().take(self.used).flatten()
+        self.effects.iter()
     }
 
     /// Delay of a result behind the newest sample (s).
@@ -236,13 +231,7 @@ impl<T: Real> Compensation<T> {
         let change_m = motion.position_m - state.motor_m;
         state.motor_m = motion.position_m;
         let mut force_n = T::zero();
-        for (effect, memory) in self
-            .effects
-            .iter()
-            .take(self.used)
-            .zip(&mut state.load_path)
-        {
-            let Some(effect) = effect else { continue };
+        for (effect, memory) in self.effects.iter().zip(&mut state.load_path) {
             force_n += match &self.window {
                 // A force that depends on the travel has its state at one end of the window only.
                 Some(window) if !effect.depends_on_travel() => window.mean_force_n(mean, |at| {

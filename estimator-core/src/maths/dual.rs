@@ -156,9 +156,10 @@ impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
             return Self::zero();
         }
         // ∂d^n/∂d = n d^n / d and ∂d^n/∂n = d^n ln d: both finite for d > 0.
-        let value = self.value.pow_positive(exponent.value);
+        let ln = self.value.ln();
+        let value = (exponent.value * ln).exp();
         let by_base = exponent.value * value / self.value;
-        let by_exponent = value * self.value.ln();
+        let by_exponent = value * ln;
         Dual {
             value,
             gradient: self.combine(by_base, exponent, by_exponent),

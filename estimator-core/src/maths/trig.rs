@@ -11,14 +11,19 @@ const MAX_HALF_TURNS: f32 = 32_768.0;
 /// π in three parts, of which the first two are exact when multiplied by a number of half turns.
 const PI: [f32; 3] = [3.140_625, 9.675_026e-4, 1.509_958e-7];
 
+/// The sine and the cosine of an angle (rad).
+pub(super) fn sin_cos(angle: f32) -> (f32, f32) {
+    (sine(angle), cosine(angle))
+}
+
 /// The sine of an angle (rad).
-pub(super) fn sine(angle: f32) -> f32 {
+fn sine(angle: f32) -> f32 {
     let half_turns = libm::floorf(angle * core::f32::consts::FRAC_1_PI + 0.5);
     reduced(angle, half_turns, half_turns)
 }
 
 /// The cosine of an angle (rad).
-pub(super) fn cosine(angle: f32) -> f32 {
+fn cosine(angle: f32) -> f32 {
     let half_turns = libm::floorf(angle * core::f32::consts::FRAC_1_PI);
     -reduced(angle, half_turns + 0.5, half_turns)
 }

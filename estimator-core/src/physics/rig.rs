@@ -10,10 +10,12 @@
 //! this rig moved as it was T_d ago.
 
 mod contact;
+mod effects;
 
 pub use super::law::{Damping, Environment, MOST_MODES};
 use contact::Contact;
-pub use contact::{ContactState, MOST_EFFECTS, Touch};
+pub use contact::{ContactState, Touch};
+pub use effects::{Effects, MOST_EFFECTS};
 
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::{Effect, LoadPathMemory, Motion};
@@ -25,7 +27,7 @@ pub struct Rig<S> {
     /// What is touched.
     pub environment: Environment<S>,
     /// What the rig adds, in any order: each effect enters at its stage of the chain.
-    pub effects: [Option<Effect<S>>; MOST_EFFECTS],
+    pub effects: Effects<S>,
 }
 
 /// What a rig remembers.
@@ -76,22 +78,20 @@ impl<S: Scalar> Rig<S> {
     pub fn bare(environment: Environment<S>) -> Rig<S> {
         Rig {
             environment,
-            effects: [None; MOST_EFFECTS],
+            effects: Effects::none(),
         }
     }
 
     /// The same rig with one effect more; unchanged if it has [`MOST_EFFECTS`].
     #[must_use]
     pub fn with(mut self, effect: Effect<S>) -> Rig<S> {
-        if let Some(free) = self.effects.iter_mut().find(|slot| slot.is_none()) {
-            *free = Some(effect);
-        }
+        self.effects.push(effect);
         self
     }
 
     /// The effects that the rig adds.
     pub fn effects(&self) -> impl Iterator<Item = &Effect<S>> + Clone {
-        self.effects.iter().flatten()
+        self.effects.iter()
     }
 
     /// How late the force is read (s), of all `time_delay`, for the caller to shift the motion by;
@@ -246,7 +246,6 @@ impl<S: Scalar> Rig<S> {
             force_n = share * (contact_n + cables_n).abs();
         }
         for (effect, memory) in self.effects.iter().zip(&mut state.load_path) {
-            let Some(effect) = effect else { continue };
             force_n = force_n + effect.load_n(memory, motor, change_m, play_m);
         }
         force_n

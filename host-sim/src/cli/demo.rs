@@ -189,7 +189,7 @@ fn hidden(args: &DemoArgs) -> Result<Finding, Box<dyn Error>> {
         transition_mps: FRICTION_TRANSITION_MPS,
     };
     let mut rig = Rig::default();
-    rig.effects[0] = Some(Effect::CoulombFriction(friction));
+    rig.effects.push(Effect::CoulombFriction(friction));
     let once = Motion::palpation(GEL.peak_depth_m);
     let run = rig.run(
         &Stage::throughout(GEL.at(0.0)),

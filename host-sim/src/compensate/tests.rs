@@ -2,7 +2,7 @@
 
 use estimator_core::Config;
 use estimator_core::estimate::method::Method;
-use estimator_core::physics::{effect::Effect, effect::EffectId, rig::MOST_EFFECTS};
+use estimator_core::physics::{effect::Effect, effect::EffectId, rig::Effects};
 
 use super::*;
 use crate::estimate::{Choices, estimate};
@@ -168,9 +168,8 @@ fn a_force_at_the_limit_is_not_learned_from() {
 #[test]
 fn a_delay_that_is_too_long_is_refused_with_its_rate() {
     let model = model("[[effect]]\nid = \"time_delay\"\ndelay = 0.2\n");
-    let mut slots = [None; MOST_EFFECTS];
-    slots[0] = Some(Effect::new(EffectId::TimeDelay, &[0.2, 0.0, 0.0, 0.0]));
-    assert_eq!(model.rig().unwrap().effects, slots);
+    let delay = Effect::new(EffectId::TimeDelay, &[0.2, 0.0, 0.0, 0.0]);
+    assert_eq!(model.rig().unwrap().effects, Effects::from_iter([delay]));
     let error = compensate(&recorded(&model), &model)
         .unwrap_err()
         .to_string();

@@ -78,7 +78,7 @@ impl Minimizer {
         let mut damping = 1e-3;
         let mut normal = normal_equations(&numbers);
         let mut stop = Stop::Budget;
-        for _ in 0..self.most_steps {
+        for left in (0..self.most_steps).rev() {
             let (step, promised) = self.step(&numbers, &normal, damping);
             if promised <= self.least_gain.max(self.least_share * normal.cost) {
                 stop = Stop::Converged;
@@ -93,6 +93,14 @@ impl Minimizer {
                 .collect();
             let cost = cost(&moved);
             if cost < normal.cost {
+                if left == 0 {
+                    // Nothing steps from here: the normal equations are most of a step's work.
+                    return Minimum {
+                        numbers: moved,
+                        cost,
+                        stop,
+                    };
+                }
                 let gained = (normal.cost - cost) / promised;
                 damping *= if gained > 0.75 { 0.1 } else { 0.5 };
                 normal = normal_equations(&moved);

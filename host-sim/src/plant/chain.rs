@@ -8,7 +8,7 @@
 //! what the cell sees of it.
 
 use estimator_core::physics::effect::{ChainStage, Effect, EncoderPeriodicError, Motion};
-use estimator_core::physics::rig::{MOST_EFFECTS, Reading, Rig, RigState};
+use estimator_core::physics::rig::{self, Reading, Rig, RigState};
 
 use super::{contact::Contact, delay::Delay, motor::MotorState};
 
@@ -17,7 +17,7 @@ use super::{contact::Contact, delay::Delay, motor::MotorState};
 const ROUNDING_MPS: f64 = 1e-12;
 
 /// The effects of a rig.
-pub type Effects = [Option<Effect<f64>>; MOST_EFFECTS];
+pub type Effects = rig::Effects<f64>;
 
 /// A material behind the effects of a rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,9 +32,8 @@ impl Chain {
     pub(super) fn new(contact: &Contact, effects: &Effects) -> Chain {
         let rig = Rig {
             environment: contact.environment(),
-            effects: effects.map(|slot| {
-                slot.filter(|own| own.id().info().stage != ChainStage::PositionReading)
-            }),
+            effects: effects
+                .filtered(|own| own.id().info().stage != ChainStage::PositionReading),
         };
         Chain {
             late_s: (-rig.delay_s().unwrap_or(0.0)).max(0.0),
@@ -82,7 +81,7 @@ impl Chain {
         // A play or a spring has no speed at its first step: the material alone is the stiffer one.
         let stiff = |own: &Effect<f64>| own.id().info().stage != ChainStage::Transmission;
         let rig = Rig {
-            effects: self.rig.effects.map(|slot| slot.filter(stiff)),
+            effects: self.rig.effects.filtered(stiff),
             ..self.rig
         };
         let moved = motion(
@@ -143,7 +142,7 @@ impl Channels {
     /// A late force is delayed, an early one has a late position: F(t − T_d) against x(t) either way.
     pub(super) fn new(effects: &Effects, step_s: f64) -> Channels {
         let (mut errors, mut delay_s) = (Vec::new(), 0.0);
-        for effect in effects.iter().flatten() {
+        for effect in effects.iter() {
             match effect {
                 Effect::EncoderPeriodicError(own) => errors.push(*own),
                 Effect::TimeDelay(own) => delay_s += own.delay_s,
@@ -173,24 +172,17 @@ mod tests {
     use super::*;
     use estimator_core::physics::effect::EffectId;
 
-    fn none() -> Effects {
-        [None; MOST_EFFECTS]
-    }
-
     #[test]
     fn the_depth_of_a_force_is_where_the_law_has_it() {
         // (F/Kδ₀)^(1/n)·δ₀
         let exact = (10.0_f64 / 1.35).powf(1.0 / 1.35) * 1e-3;
-        let depth = depth_at_m(&GEL.at(2e-3), &none(), 10.0).unwrap();
+        let depth = depth_at_m(&GEL.at(2e-3), &Effects::none(), 10.0).unwrap();
         // The surface of 2 mm is added and taken away again.
         assert!((depth - exact).abs() < 1e-17, "{depth}");
-        assert!(depth_at_m(&Contact::FREE, &none(), 1.0).is_none());
+        assert!(depth_at_m(&Contact::FREE, &Effects::none(), 1.0).is_none());
         // A spring of 10 N/mm behind it gives way by a millimetre.
-        let mut spring = none();
-        spring[3] = Some(Effect::new(
-            EffectId::SeriesCompliance,
-            &[1e4, 0.0, 0.0, 0.0],
-        ));
+        let spring = Effect::new(EffectId::SeriesCompliance, &[1e4, 0.0, 0.0, 0.0]);
+        let spring = Effects::from_iter([spring]);
         let behind = depth_at_m(&GEL.at(2e-3), &spring, 10.0).unwrap();
         assert!((behind - depth - 1e-3).abs() < 1e-15, "{behind}");
     }

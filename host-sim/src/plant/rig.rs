@@ -1,7 +1,7 @@
 //! Motor, material and sensors together: a motion in, a log and the truth out.
 
 use estimator_core::physics::effect::Motion as Moved;
-use estimator_core::physics::rig::{MOST_EFFECTS, Reading, RigState};
+use estimator_core::physics::rig::{Reading, RigState};
 
 use super::chain::{Chain, Channels, Effects, motion as moved};
 use super::contact::Contact;
@@ -31,7 +31,7 @@ impl Default for Rig {
         Rig {
             motor: Motor::default(),
             sensors: Sensors::default(),
-            effects: [None; MOST_EFFECTS],
+            effects: Effects::none(),
             substeps: 20,
         }
     }

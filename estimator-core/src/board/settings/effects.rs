@@ -5,7 +5,7 @@ use super::{key::Key, values::Invalid, values::Settings};
 use crate::board::sensing::CODES_PER_COUNT;
 use crate::estimate::{compensation::Compensation, config::Config, error::ConfigError};
 use crate::physics::{
-    effect::Effect, effect::EffectId, effect::MOST_PARAMETERS, rig::MOST_EFFECTS,
+    effect::Effect, effect::EffectId, effect::MOST_PARAMETERS, rig::Effects,
 };
 
 impl Settings {
@@ -15,23 +15,21 @@ impl Settings {
     /// The first value that cannot be used.
     #[inline(never)]
     pub(super) fn compensation(&self) -> Result<Option<Compensation<f32>>, Invalid> {
-        let mut effects = [None; MOST_EFFECTS];
-        let mut free = effects.iter_mut();
+        let mut effects = Effects::none();
         let mut numbers = 0;
         for id in Parameter::effects() {
             let Some(effect) = self.effect(id)? else {
                 continue;
             };
-            let Some(slot) = free.next() else {
+            if !effects.push(effect) {
                 return Err(self.invalid(id, 0, "0: no more than 8 effects at once"));
-            };
+            }
             numbers += effect.row().iter().filter(|value| **value != 0.0).count();
             if numbers > MOST_AT_ONCE {
                 return Err(self.invalid(id, 0, "0: no more than 20 numbers of effects at once"));
             }
-            *slot = Some(effect);
         }
-        if effects.iter().all(Option::is_none) {
+        if effects.is_empty() {
             return Ok(None);
         }
         let count_m = self.get(Key::PositionPerCode).abs() * CODES_PER_COUNT as f32;

@@ -40,7 +40,7 @@ fn remaining_errors(effects: &[(EffectId, [f64; 4])]) -> [f64; 2] {
     // The motor side is known here: the rig must not look for it behind an encoder.
     let mut chain = rig;
     let moves = |effect: &Effect<f64>| effect.id() != EffectId::EncoderPeriodicError;
-    chain.effects = chain.effects.map(|slot| slot.filter(moves));
+    chain.effects = rig.effects.filtered(moves);
     let shift_s = rig.delay_s().unwrap_or(0.0);
     let (mut now, mut late) = (chain.at_rest(), chain.at_rest());
     let mut state = compensation.at_rest();
@@ -176,15 +176,16 @@ fn every_effect_is_the_rigs_or_the_materials() {
     assert!(!EffectId::SurfaceMotion.belongs_to_rig());
 }
 
+/// A compensation of effects with a first number each.
+fn compensation<const N: usize>(effects: [(EffectId, f64); N]) -> Compensation<f32> {
+    let effect = |(id, first)| Effect::new(id, &[first, 0.0, 0.0, 0.0]);
+    let effects = effects.into_iter().map(effect).collect();
+    Compensation::new(&effects, RATE_HZ, 1e-6).unwrap()
+}
+
 #[test]
 fn friction_has_no_direction_where_the_encoder_sees_no_motion() {
-    let effects = [Some(Effect::new(
-        EffectId::CoulombFriction,
-        &[0.4, 0.0, 0.0, 0.0],
-    ))];
-    let mut slots = [None; MOST_EFFECTS];
-    slots[..1].copy_from_slice(&effects);
-    let compensation = Compensation::<f32>::new(&slots, RATE_HZ, 1e-6).unwrap();
+    let compensation = compensation([(EffectId::CoulombFriction, 0.4)]);
     let mut state = compensation.at_rest();
     for at in 0..200_u64 {
         // One count comes and goes.
@@ -206,9 +207,8 @@ fn friction_has_no_direction_where_the_encoder_sees_no_motion() {
 fn a_finite_sample_gives_a_finite_result_after_any_other() {
     let row = [0.5, 0.1, 0.05, 0.01];
     for id in EffectId::ALL {
-        let mut slots = [None; MOST_EFFECTS];
-        slots[0] = Some(Effect::new(*id, &row));
-        let Ok(compensation) = Compensation::<f32>::new(&slots, RATE_HZ, 1e-6) else {
+        let effects = Effects::from_iter([Effect::new(*id, &row)]);
+        let Ok(compensation) = Compensation::<f32>::new(&effects, RATE_HZ, 1e-6) else {
             assert_eq!(
                 *id,
                 EffectId::TimeDelay,
@@ -243,13 +243,10 @@ fn a_finite_sample_gives_a_finite_result_after_any_other() {
 
 #[test]
 fn a_force_at_the_limit_is_marked_until_the_window_has_forgotten_it() {
-    let mut slots = [None; MOST_EFFECTS];
-    slots[0] = Some(Effect::new(
-        EffectId::ForceSaturation,
-        &[3.0, 0.0, 0.0, 0.0],
-    ));
-    slots[1] = Some(Effect::new(EffectId::ViscousDrag, &[1.0, 0.0, 0.0, 0.0]));
-    let compensation = Compensation::<f32>::new(&slots, RATE_HZ, 1e-6).unwrap();
+    let compensation = compensation([
+        (EffectId::ForceSaturation, 3.0),
+        (EffectId::ViscousDrag, 1.0),
+    ]);
     let mut state = compensation.at_rest();
     let marked = (0..100_u64).filter(|at| {
         let force_n = if *at == 50 { 2.99 } else { 2.0 };
@@ -269,9 +266,7 @@ fn a_force_at_the_limit_is_marked_until_the_window_has_forgotten_it() {
 
 #[test]
 fn a_fault_of_a_sample_is_a_fault_of_every_result_that_contains_it() {
-    let mut slots = [None; MOST_EFFECTS];
-    slots[0] = Some(Effect::new(EffectId::ViscousDrag, &[1.0, 0.0, 0.0, 0.0]));
-    let compensation = Compensation::<f32>::new(&slots, RATE_HZ, 1e-6).unwrap();
+    let compensation = compensation([(EffectId::ViscousDrag, 1.0)]);
     // (at instant 50: the fault, the time that is missing (µs), the fault that lingers)
     for (fault, missing_us, lingers) in [
         (Some(Fault::ForceSaturated), 0, Fault::ForceSaturated),

@@ -3,9 +3,7 @@
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::Effect;
 use crate::physics::law::{Damping, Environment, MOST_MODES, RelaxationMode, high_passed};
-
-/// Most effects of a rig.
-pub const MOST_EFFECTS: usize = 8;
+use crate::physics::rig::effects::{Effects, MOST_EFFECTS};
 
 /// A contact at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +19,7 @@ pub struct Touch<S> {
 /// What is touched, with the effects that change the contact.
 pub(super) struct Contact<'a, S> {
     pub(super) environment: &'a Environment<S>,
-    pub(super) effects: &'a [Option<Effect<S>>; MOST_EFFECTS],
+    pub(super) effects: &'a Effects<S>,
 }
 
 /// What a contact remembers.
@@ -69,14 +67,14 @@ impl<S: Scalar> Contact<'_, S> {
             pushed_n = pushed_n + damping.force_n(depth_m, speed_mps);
         }
         for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
-            if let Some(Effect::HystereticDamping(hysteresis)) = effect {
+            if let Effect::HystereticDamping(hysteresis) = effect {
                 pushed_n = pushed_n + hysteresis.force_n(memory, depth_m, change_m);
             }
         }
         let touches = depth_m > S::zero() && pushed_n > S::zero();
         let mut force_n = if touches { pushed_n } else { S::zero() };
         for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
-            if let Some(Effect::Adhesion(adhesion)) = effect {
+            if let Effect::Adhesion(adhesion) = effect {
                 force_n = if adhesion.bond > S::zero() {
                     adhesion.bonded_n(memory, depth_m, pushed_n)
                 } else {
@@ -99,7 +97,7 @@ impl<S: Scalar> Contact<'_, S> {
             state.deepest_m = raw_m;
         }
         let (mut depth_m, mut speed_mps) = (raw_m, tip.1);
-        for effect in self.effects.iter().flatten() {
+        for effect in self.effects.iter() {
             match effect {
                 Effect::SurfaceMotion(motion) => {
                     let (displacement_m, rate_mps) = motion.displacement(time_s);
@@ -127,14 +125,13 @@ impl<S: Scalar> Contact<'_, S> {
         if depth_m <= S::zero() {
             return S::zero();
         }
-        for effect in self.effects.iter().flatten() {
+        for effect in self.effects.iter() {
             if let Effect::PowerLawStiffness(power) = effect {
                 elastic = power.bend(elastic);
             }
         }
         let (mut factor, mut layers_n) = (S::one(), S::zero());
         for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
-            let Some(effect) = effect else { continue };
             match effect {
                 Effect::ExponentialStiffening(stiffening) => {
                     factor = factor * stiffening.factor(depth_m)
@@ -169,7 +166,7 @@ impl<S: Scalar> Contact<'_, S> {
             }
         }
         for (effect, w) in self.effects.iter().zip(&mut state.effects) {
-            if let Some(Effect::StressRelaxation(relaxation)) = effect {
+            if let Effect::StressRelaxation(relaxation) = effect {
                 relax(&relaxation.mode(), w);
             }
         }
@@ -179,7 +176,7 @@ impl<S: Scalar> Contact<'_, S> {
     /// The environment's damping, with the exponent that an effect gives it.
     fn damping(&self) -> Option<Damping<S>> {
         let mut damping = self.environment.damping?;
-        for effect in self.effects.iter().flatten() {
+        for effect in self.effects.iter() {
             if let Effect::DepthDependentDamping(dependence) = effect {
                 damping.exponent = dependence.exponent;
             }

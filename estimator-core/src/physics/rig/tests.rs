@@ -172,7 +172,7 @@ fn gradients_agree_with_central_differences() {
             });
             let rig = Rig {
                 environment: lift(base(id)),
-                effects: [None; MOST_EFFECTS],
+                effects: Effects::none(),
             };
             let rig = bare(id).effects().fold(rig, |rig, other| {
                 rig.with(Effect::new(other.id(), &other.row().map(One::constant)))

@@ -7,7 +7,6 @@ use estimator_core::Config;
 use estimator_core::estimate::Estimated;
 use estimator_core::physics::effect::{Effect, EffectId};
 use estimator_core::physics::law::{KelvinVoigt, Law};
-use estimator_core::physics::rig::MOST_EFFECTS;
 
 use crate::batch::{Family, Options, batch};
 use crate::diagnostic::Diagnostic;
@@ -126,12 +125,9 @@ pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
     let touched = touched(id);
     let (contact, family) = (touched.contact, touched.family);
     let palpated = |effect: Option<Effect<f64>>| -> Result<UniformLog, Diagnostic> {
-        let mut effects = [None; MOST_EFFECTS];
-        effects[0] = effect;
         let example = |id: EffectId| Effect::new(id, &id.info().example);
-        effects[1] = id.needs().map(example);
         let rig = Rig {
-            effects,
+            effects: effect.into_iter().chain(id.needs().map(example)).collect(),
             ..Rig::default()
         };
         let motion = Motion::palpation(touched.peak_m);

@@ -11,6 +11,7 @@
 use std::ops::Range;
 
 use estimator_core::physics::effect::{ChainStage, Repeats};
+use rayon::prelude::*;
 
 use crate::gap::model::{
     attenuation::bias, basis::add_column, fit::Fit, fit::RIDGE, problem::Linearization,
@@ -40,6 +41,7 @@ pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
     let residuals = ResidualStatistics::new(problem, fit, &linear, &at_bound);
     let bias = bias(problem, fit);
     (0..n)
+        .into_par_iter()
         .map(|at| {
             if at_bound[at] {
                 return None;

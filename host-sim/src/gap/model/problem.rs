@@ -1,15 +1,17 @@
 //! The weighted least-squares problem: cost, residuals, Jacobian and normal equations.
 //!
-//! The Jacobian is exact: the rig itself runs over the whole log in dual numbers, eight columns at a time.
+//! The Jacobian is exact: the rig itself runs over the whole log in dual numbers, up to twelve columns at a time.
 
 use estimator_core::maths::Dual;
+use rayon::prelude::*;
 
 use crate::gap::data::{fit_data::FitData, low_pass::LowPass};
 use crate::gap::model::{basis::dot, shape::Shape, simulate::forces, simulate::run_rig};
 use crate::lsq::NormalEquations;
 
-/// Columns of the Jacobian that one run of the rig gives.
-const LANES: usize = 8;
+/// Most columns of the Jacobian that one run of the rig gives. The value of an exponential takes as long as eight
+/// derivatives of it, so that two runs of fewer columns take longer.
+const MOST_LANES: usize = 12;
 
 /// Logs, and the weight of each of their samples.
 #[derive(Clone, Copy, Debug)]
@@ -81,39 +83,34 @@ impl Problem<'_> {
 
     /// Residuals and Jacobian.
     pub(crate) fn linearize(&self, shape: &Shape, numbers: &[f64]) -> Linearization {
-        let count = self.weights.len();
-        let mut linear = Linearization {
-            residuals: vec![0.0; count],
-            columns: vec![vec![0.0; count]; numbers.len()],
-        };
-        let mut from = 0;
-        while from < numbers.len().max(1) {
-            match numbers.len() - from {
-                0..=4 => self.fill_columns::<4>(shape, numbers, from, &mut linear),
-                _ => self.fill_columns::<LANES>(shape, numbers, from, &mut linear),
+        let mut columns = vec![vec![0.0; self.weights.len()]; numbers.len()];
+        let fill = |(run, columns): (usize, &mut [Vec<f64>])| {
+            let from = run * MOST_LANES;
+            match columns.len() {
+                0..=4 => self.fill_columns::<4>(shape, numbers, from, columns),
+                5..=8 => self.fill_columns::<8>(shape, numbers, from, columns),
+                _ => self.fill_columns::<MOST_LANES>(shape, numbers, from, columns),
             }
-            from += LANES;
-        }
-        if self.low_pass.is_some() {
-            // The force of the logs has been filtered already, so that the prediction alone is filtered
-            // here.
-            linear.residuals = self.residuals(shape, numbers);
-            linear
-                .columns
-                .iter_mut()
-                .for_each(|column| self.filter(column));
-        }
-        linear
+        };
+        let runs = columns.par_chunks_mut(MOST_LANES).enumerate();
+        let residuals: Vec<Vec<f64>> = runs.map(fill).collect();
+        columns.iter_mut().for_each(|column| self.filter(column));
+        let residuals = match residuals.into_iter().next() {
+            // The force of the logs has been filtered already, and not that of these runs.
+            Some(residuals) if self.low_pass.is_none() => residuals,
+            _ => self.residuals(shape, numbers),
+        };
+        Linearization { residuals, columns }
     }
 
-    /// Fills the residuals and `N` columns of the Jacobian, beginning at column `from`.
+    /// Fills at most `N` columns of the Jacobian, of which the first is column `from`. Returns the residuals.
     fn fill_columns<const N: usize>(
         &self,
         shape: &Shape,
         numbers: &[f64],
         from: usize,
-        linear: &mut Linearization,
-    ) {
+        columns: &mut [Vec<f64>],
+    ) -> Vec<f64> {
         let dual: Vec<Dual<f64, N>> = numbers
             .iter()
             .enumerate()
@@ -122,18 +119,18 @@ impl Problem<'_> {
                 _ => Dual::constant(*value),
             })
             .collect();
-        let mut row = 0;
+        let mut residuals = Vec::with_capacity(self.weights.len());
         for log in self.logs {
             run_rig(shape, &dual, log, |at, reading| {
                 let force = reading.force_n;
-                linear.residuals[row] = log.force_n[at] - force.value;
-                for (column, slope) in linear.columns[from..].iter_mut().zip(force.gradient) {
+                for (column, slope) in columns.iter_mut().zip(force.gradient) {
                     // At a corner of a law the slope may be infinite; it then says nothing.
-                    column[row] = if slope.is_finite() { slope } else { 0.0 };
+                    column[residuals.len()] = if slope.is_finite() { slope } else { 0.0 };
                 }
-                row += 1;
+                residuals.push(log.force_n[at] - force.value);
             });
         }
+        residuals
     }
 
     /// The normal equations of a linearization.

@@ -41,8 +41,8 @@ fn what_is_not_given_is_usual_and_what_is_given_counts() {
     assert_eq!(row, [0.4, 0.0, 0.0, 0.0]);
     let spring = parse("[[effect]]\nid = \"series_compliance\"\nstiffness = 12e3\n").unwrap();
     assert_eq!(
-        spring.rig().unwrap().effects[0],
-        Some(effect::Effect::SeriesCompliance(SeriesCompliance {
+        spring.rig().unwrap().effects().next(),
+        Some(&effect::Effect::SeriesCompliance(SeriesCompliance {
             hardening_n: 0.0,
             stiffness_n_per_m: 12e3
         }))

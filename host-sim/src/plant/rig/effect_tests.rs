@@ -12,13 +12,10 @@ const SEED: u64 = 7;
 
 /// A rig with perfect sensors and these effects.
 fn rig<const N: usize>(effects: [(EffectId, [f64; 4]); N]) -> Rig {
-    let mut slots = [None; MOST_EFFECTS];
-    for (slot, (id, row)) in slots.iter_mut().zip(effects) {
-        *slot = Some(Effect::new(id, &row));
-    }
+    let effect = |(id, row): (EffectId, [f64; 4])| Effect::new(id, &row);
     Rig {
         sensors: Sensors::PERFECT,
-        effects: slots,
+        effects: effects.into_iter().map(effect).collect(),
         ..Rig::default()
     }
 }
