@@ -159,7 +159,7 @@ pub(crate) struct Smoother<'a> {
 
 impl<'a> Smoother<'a> {
     pub(crate) fn of(log: &'a UniformLog) -> Smoother<'a> {
-        let mut position_m = signal::without_toggling(&log.position_m);
+        let mut position_m = signal::measured_without_toggling(&log.position_m, &log.in_gap);
         let missing = log.in_gap.iter().filter(|gap| **gap).count();
         // What was measured of a log that is mostly missing is how it moved, and says nothing of its thinned holds.
         let is_taken_as_it_is = 2 * missing >= log.len();
@@ -238,7 +238,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
-    let held = held(channel);
+    let held = held(channel, &log.in_gap);
     // A position that has read the same for a while, or will, moves by less than a count in that time. The length of
     // the run says less: what settles after a stop does so in its first samples.
     let each = speed_noise_mps.iter_mut().zip(&speed_mps);
@@ -292,15 +292,21 @@ fn moving_noise(channel: &[f64], in_gap: &[bool]) -> Option<f64> {
     (noises.len() >= FEWEST_BLOCKS).then(|| median(noises))
 }
 
-/// Length of the run of equal positions that each sample stands in.
-fn held(channel: &[f64]) -> Vec<f64> {
-    let Some(step) = signal::step(channel) else {
-        return vec![1.0; channel.len()];
+/// Length of the run of equal positions that each sample stands in, of what was measured.
+fn held(channel: &[f64], in_gap: &[bool]) -> Vec<f64> {
+    let taken: Vec<usize> = (0..channel.len()).filter(|at| !in_gap[*at]).collect();
+    let measured: Vec<f64> = taken.iter().map(|at| channel[*at]).collect();
+    let mut held = vec![1.0; channel.len()];
+    let Some(step) = signal::step(&measured) else {
+        return held;
     };
-    let same = |a: &f64, b: &f64| (a - b).abs() < 0.5 * step;
-    let runs = channel.chunk_by(same);
-    runs.flat_map(|run| std::iter::repeat_n(run.len() as f64, run.len()))
-        .collect()
+    let same = |a: &usize, b: &usize| (channel[*a] - channel[*b]).abs() < 0.5 * step;
+    for run in taken.chunk_by(same) {
+        if let [first, .., last] = run {
+            held[*first..=*last].fill((last + 1 - first) as f64);
+        }
+    }
+    held
 }
 
 /// Samples from each to the nearer end of its run; `held` are their lengths.
@@ -390,6 +396,17 @@ mod tests {
         let speed = |at: usize| 2e-3 * 9.42 * (9.42 * log.time_s[at]).sin();
         let error_mps = rms((20..3970).map(|at| found.speed_mps[at] - speed(at)));
         assert!(error_mps < 4e-5, "{error_mps:e}");
+    }
+
+    #[test]
+    fn what_is_missing_of_a_run_is_in_it_and_what_is_between_two_is_not() {
+        let channel: Vec<f64> = [0.0, 1.0, 1.0, 1.0, 1.5, 2.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+            .into_iter()
+            .chain((8..20).map(f64::from))
+            .collect();
+        let in_gap: Vec<bool> = (0..channel.len()).map(|at| at == 2 || at == 4).collect();
+        let held = held(&channel, &in_gap);
+        assert_eq!(held[..8], [1.0, 3.0, 3.0, 3.0, 1.0, 2.0, 2.0, 1.0]);
     }
 
     #[test]

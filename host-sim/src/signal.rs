@@ -1,15 +1,11 @@
 //! What a channel says about itself, before any model.
 
-use std::borrow::Cow;
+mod toggling;
+
+pub(crate) use toggling::measured_without_toggling;
+pub use toggling::{toggles, without_toggling};
 
 use crate::stats::{lowest, range, robust_deviation};
-
-/// Fewer toggles than this, and than one in so many samples, are motion: 40 simulated palpations with
-/// a silent encoder have up to 4 in 30 000 samples, 54 with a toggling one at least 34 in 16 000.
-const FEWEST_TOGGLES: usize = 8;
-const SAMPLES_A_TOGGLE: usize = 2000;
-/// Noise of a toggling channel, over its step: one that toggles at every sample reads 0.6.
-const TOGGLING_NOISE: f64 = 0.7;
 
 /// Standard deviation of the noise of a channel, from second differences: x(h) − 2x(h−1) + x(h−2)
 /// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
@@ -83,46 +79,6 @@ pub fn step(channel: &[f64]) -> Option<f64> {
     (count >= 10 && 10 * whole >= 9 * count).then_some(smallest)
 }
 
-/// How often a channel goes one step there and back again: three changes of one step in a row, each
-/// against the one before. A turning motion reverses once; an encoder that stands on the edge between
-/// two counts, with a little noise, toggles.
-pub fn toggles(channel: &[f64]) -> usize {
-    step(channel).map_or(0, |step| toggles_of(channel, step))
-}
-
-fn toggles_of(channel: &[f64], step: f64) -> usize {
-    let changes = channel.windows(2).map(|pair| (pair[1] - pair[0]) / step);
-    let (mut alternating, mut before, mut toggles) = (0, 0.0, 0);
-    for change in changes.map(f64::round).filter(|change| *change != 0.0) {
-        let back = change.abs() == 1.0 && change == -before;
-        alternating = if back { alternating + 1 } else { 0 };
-        toggles += usize::from(alternating >= 2);
-        before = change;
-    }
-    toggles
-}
-
-/// A channel with one step of hysteresis if it toggles, so that its rate is not that of the toggling:
-/// a change of one step against the last change is not followed until it has become two. A channel that
-/// does not toggle stays as it is.
-pub fn without_toggling(channel: &[f64]) -> Cow<'_, [f64]> {
-    let fewest = FEWEST_TOGGLES.max(channel.len() / SAMPLES_A_TOGGLE);
-    let step = step(channel).filter(|step| toggles_of(channel, *step) >= fewest);
-    // With more noise than a step, the noise and not the edge between two counts makes the changes.
-    let Some(step) = step.filter(|own| noise_beside(step, channel) < TOGGLING_NOISE * own) else {
-        return Cow::Borrowed(channel);
-    };
-    let (mut held, mut direction) = (channel[0], 0.0);
-    let followed = channel.iter().map(|value| {
-        let steps = ((value - held) / step).round();
-        if steps != 0.0 && steps != -direction {
-            (held, direction) = (*value, steps.signum());
-        }
-        held
-    });
-    Cow::Owned(followed.collect())
-}
-
 /// Value and rate, at sample `at`, of the parabola through the `2·half_width + 1` samples around it
 /// (fewer at the ends of the channel), which are `period_s` apart.
 pub fn parabola(channel: &[f64], at: usize, half_width: usize, period_s: f64) -> (f64, f64) {
@@ -191,28 +147,6 @@ mod tests {
         assert!((step(&noisy(0.02, 5e-3)).unwrap() - 5e-3).abs() < 1e-12);
         assert_eq!(step(&noisy(0.02, 1e-12)), None);
         assert_eq!(step(&[1.0; 100]), None);
-    }
-
-    #[test]
-    fn one_step_of_hysteresis_silences_a_toggling_channel_and_leaves_every_other_alone() {
-        // GIVEN a slow press to 100 counts and back, with 0.15 counts of noise before rounding
-        let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED_NOISE);
-        let normal = Normal::new(0.0, 0.15).unwrap();
-        let way = |i: i32| 0.05 * f64::from(2000 - (i - 2000).abs());
-        let silent: Vec<f64> = (0..4000).map(|i| way(i).round() * 1e-6).collect();
-        let noisy = (0..4000).map(|i| (way(i) + normal.sample(&mut rng)).round() * 1e-6);
-        let noisy: Vec<f64> = noisy.collect();
-        // WHEN its toggles are counted, THEN there are some in every count, and none without noise.
-        assert!(toggles(&noisy) > 100, "{}", toggles(&noisy));
-        assert_eq!(toggles(&silent), 0);
-        // AND the hysteresis leaves one that it was not made for bit for bit as it was,
-        assert!(matches!(without_toggling(&silent), Cow::Borrowed(_)));
-        // and of the other a staircase within a count of what was read.
-        let followed = without_toggling(&noisy);
-        assert_eq!(toggles(&followed), 0);
-        assert!(followed[..2000].windows(2).all(|pair| pair[1] >= pair[0]));
-        let worst = followed.iter().zip(&noisy).map(|(a, b)| (a - b).abs());
-        assert!(worst.fold(0.0, f64::max) < 1.001e-6);
     }
 
     #[test]

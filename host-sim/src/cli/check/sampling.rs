@@ -94,7 +94,7 @@ fn pieces(facts: &Sampling) -> Option<String> {
 fn toggling(facts: &Sampling) -> Option<String> {
     (facts.toggles > 0).then(|| {
         format!(
-            "the position goes one count there and back {}: one count of hysteresis keeps that out of \
+            "the position goes one count there and back {}: a path with as few turns as possible keeps that out of \
              the speed",
             counted(facts.toggles, "time")
         )

@@ -111,7 +111,7 @@ fn averaged(log: &UniformLog, factor: usize) -> UniformLog {
     let times = log.time_s.chunks_exact(factor);
     let gaps = log.in_gap.chunks_exact(factor);
     // Means of counts are finer than counts, and no better where the position stands or creeps.
-    let position_m = signal::without_toggling(&log.position_m);
+    let position_m = signal::measured_without_toggling(&log.position_m, &log.in_gap);
     let position_step_m = log
         .position_step_m
         .or_else(|| signal::step(&log.position_m));
@@ -167,7 +167,7 @@ fn standing_still(position_m: &[f64], noise_m: f64, decide: Rest) -> Vec<bool> {
 /// The sample at which the stretch of so many samples with the most travel begins.
 fn start_of_most_travel(log: &UniformLog, samples: usize) -> usize {
     // Counts that toggle at rest travel nowhere.
-    let position_m = signal::without_toggling(&log.position_m);
+    let position_m = signal::measured_without_toggling(&log.position_m, &log.in_gap);
     let steps = position_m.windows(2);
     let travel: Vec<f64> = std::iter::once(0.0)
         .chain(steps.map(|pair| (pair[1] - pair[0]).abs()))
