@@ -7,6 +7,7 @@
 
 use estimator_core::physics::effect::EffectId;
 
+use super::data::fit_data::FitData;
 use super::decide::decision::Decision;
 use super::decide::selection::decide;
 use super::finding::{Candidate, Verdict};
@@ -25,6 +26,8 @@ const MOST_ROUNDS: usize = 4;
 pub(super) struct Rounds<'a> {
     /// The logs at the search's resolution.
     pub(super) coarse: Dataset<'a>,
+    /// Those at the resolution of the first steps.
+    pub(super) screened: &'a [FitData],
     /// The logs at that of the last fits.
     pub(super) fine: Dataset<'a>,
     /// The catalogue.
@@ -71,6 +74,7 @@ impl Rounds<'_> {
     fn round(&self, environment: &Environment, given: &[Term], progress: &dyn Progress) -> Answer {
         let mut search = Search {
             dataset: self.coarse,
+            screened: self.screened,
             weights: vec![1.0; self.coarse.logs.iter().map(|log| log.len()).sum()],
             base: environment,
             given,

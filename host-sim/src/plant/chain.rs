@@ -32,8 +32,7 @@ impl Chain {
     pub(super) fn new(contact: &Contact, effects: &Effects) -> Chain {
         let rig = Rig {
             environment: contact.environment(),
-            effects: effects
-                .filtered(|own| own.id().info().stage != ChainStage::PositionReading),
+            effects: effects.filtered(|own| own.id().info().stage != ChainStage::PositionReading),
         };
         Chain {
             late_s: (-rig.delay_s().unwrap_or(0.0)).max(0.0),

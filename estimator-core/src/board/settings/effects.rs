@@ -4,9 +4,7 @@ use super::compensation::{MOST_AT_ONCE, Parameter};
 use super::{key::Key, values::Invalid, values::Settings};
 use crate::board::sensing::CODES_PER_COUNT;
 use crate::estimate::{compensation::Compensation, config::Config, error::ConfigError};
-use crate::physics::{
-    effect::Effect, effect::EffectId, effect::MOST_PARAMETERS, rig::Effects,
-};
+use crate::physics::{effect::Effect, effect::EffectId, effect::MOST_PARAMETERS, rig::Effects};
 
 impl Settings {
     /// The compensation of the samples; `None` if no effect is on.

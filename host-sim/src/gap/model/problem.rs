@@ -3,10 +3,11 @@
 //! The Jacobian is exact: the rig itself runs over the whole log in dual numbers, up to twelve columns at a time.
 
 use estimator_core::maths::Dual;
+use estimator_core::physics::rig::Rig;
 use rayon::prelude::*;
 
 use crate::gap::data::{fit_data::FitData, low_pass::LowPass};
-use crate::gap::model::{basis::dot, shape::Shape, simulate::forces, simulate::run_rig};
+use crate::gap::model::{basis::dot, shape::Shape, simulate::forces_of, simulate::run_rig};
 use crate::lsq::NormalEquations;
 
 /// Most columns of the Jacobian that one run of the rig gives. The value of an exponential takes as long as eight
@@ -65,7 +66,12 @@ impl Problem<'_> {
 
     /// The predicted forces (N), log after log, through the low-pass.
     pub(crate) fn forces(&self, shape: &Shape, numbers: &[f64]) -> Vec<f64> {
-        let mut forces = forces(shape, numbers, self.logs);
+        self.forces_of(&shape.rig(numbers))
+    }
+
+    /// The forces (N) that a rig predicts, log after log, through the low-pass.
+    pub(crate) fn forces_of(&self, rig: &Rig<f64>) -> Vec<f64> {
+        let mut forces = forces_of(rig, self.logs);
         self.filter(&mut forces);
         forces
     }
@@ -119,9 +125,10 @@ impl Problem<'_> {
                 _ => Dual::constant(*value),
             })
             .collect();
+        let rig = shape.rig(&dual);
         let mut residuals = Vec::with_capacity(self.weights.len());
         for log in self.logs {
-            run_rig(shape, &dual, log, |at, reading| {
+            run_rig(&rig, log, |at, reading| {
                 let force = reading.force_n;
                 for (column, slope) in columns.iter_mut().zip(force.gradient) {
                     // At a corner of a law the slope may be infinite; it then says nothing.

@@ -1,19 +1,17 @@
 //! The force that a law with effects predicts along the motion of a log.
 
 use estimator_core::maths::Scalar;
-use estimator_core::physics::rig::Reading;
+use estimator_core::physics::rig::{Reading, Rig};
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::model::shape::Shape;
 
 /// Runs a rig along a log and hands over its reading at each sample.
 pub(crate) fn run_rig<S: Scalar>(
-    shape: &Shape,
-    numbers: &[S],
+    rig: &Rig<S>,
     log: &FitData,
     mut each: impl FnMut(usize, Reading<S>),
 ) {
-    let rig = shape.rig(numbers);
     let mut state = rig.at_rest();
     let delay_s = rig.delay_s();
     for at in 0..log.len() {
@@ -28,11 +26,14 @@ pub(crate) fn run_rig<S: Scalar>(
 
 /// The predicted forces (N), log after log.
 pub(crate) fn forces(shape: &Shape, numbers: &[f64], logs: &[FitData]) -> Vec<f64> {
+    forces_of(&shape.rig(numbers), logs)
+}
+
+/// The forces (N) that a rig predicts, log after log.
+pub(crate) fn forces_of(rig: &Rig<f64>, logs: &[FitData]) -> Vec<f64> {
     let mut forces = Vec::with_capacity(logs.iter().map(FitData::len).sum());
     for log in logs {
-        run_rig(shape, numbers, log, |_, reading| {
-            forces.push(reading.force_n)
-        });
+        run_rig(rig, log, |_, reading| forces.push(reading.force_n));
     }
     forces
 }
@@ -51,9 +52,10 @@ pub(crate) fn forces_of_changed(
 
 /// The predicted penetrations (m) at each sample, for each log.
 pub(crate) fn depths(shape: &Shape, numbers: &[f64], logs: &[FitData]) -> Vec<Vec<f64>> {
+    let rig = shape.rig(numbers);
     let depths_of = |log: &FitData| {
         let mut depths = Vec::with_capacity(log.len());
-        run_rig(shape, numbers, log, |_, reading: Reading<f64>| {
+        run_rig(&rig, log, |_, reading| {
             depths.push(reading.touch.depth_m);
         });
         depths

@@ -21,10 +21,11 @@ pub(crate) fn variances(
         with_acceleration_error(log, sign * ACCELERATION_ERROR_FACTOR)
     });
     let contact = !fit.shape.base.is_free();
+    let rig = fit.shape.rig(&fit.numbers);
     let mut variances = Vec::with_capacity(of_position.len());
     for (log, floor) in logs.iter().zip(floors) {
         let share = low_pass.map_or(1.0, |low_pass| low_pass.variance_share(log.period_s));
-        run_rig(&fit.shape, &fit.numbers, log, |at, reading| {
+        run_rig(&rig, log, |at, reading| {
             let row = variances.len();
             // Within a sample of the surface a force that jumps is somewhere in between.
             let near_m = log.step_s(at) * log.speed_mps[at].abs() + 2.0 * log.position_noise_m;

@@ -1,13 +1,14 @@
 //! Where a candidate effect starts, and what it promises: the change it makes to the force, projected
 //! off what the model can do already, compared with the residuals.
 
-use estimator_core::physics::effect::{EffectId, Role, Sign};
+use estimator_core::physics::effect::{ChainStage, Effect, EffectId, Role, Sign};
+use estimator_core::physics::rig::{Environment, Rig};
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
 use crate::gap::model::{
-    basis::add_column, basis::dot, basis::project_out, fit::Fit, problem::Problem, shape::Shape,
-    shape::Term, start::starts,
+    basis::add_column, basis::dot, basis::project_out, fit::Fit, problem::Problem, shape::Term,
+    start::starts,
 };
 use crate::lsq::minimize::blocked;
 
@@ -24,8 +25,11 @@ pub(crate) struct LinearizedModel<'a> {
     pub(super) problem: Problem<'a>,
     pub(super) fit: &'a Fit,
     pub(super) scales: &'a Scales,
-    /// Predicted forces (N).
+    /// The rig that is fitted, and the forces (N) that it predicts.
+    rig: Rig<f64>,
     forces: Vec<f64>,
+    /// The rig without what a force between contact and load cell does not change, if it changes nothing else.
+    path: Option<Rig<f64>>,
     /// √w r, projected off the basis.
     pub(super) residuals: Vec<f64>,
     /// Orthonormal columns, in units of √w r.
@@ -56,11 +60,14 @@ impl<'a> LinearizedModel<'a> {
         }
         let mut residuals = weighted(&linear.residuals);
         project_out(&mut residuals, &basis);
+        let rig = fit.shape.rig(&fit.numbers);
         LinearizedModel {
             problem,
             fit,
             scales,
-            forces: problem.forces(&fit.shape, &fit.numbers),
+            forces: problem.forces_of(&rig),
+            path: path(&rig),
+            rig,
             residuals,
             basis,
             roots,
@@ -116,20 +123,50 @@ impl<'a> LinearizedModel<'a> {
 
     /// The change (√w N) that an effect makes to the predicted force.
     fn change_by(&self, term: &Term) -> Vec<f64> {
-        let mut terms = self.fit.shape.terms_at(&self.fit.numbers);
-        terms.push(term.clone());
-        let shape = Shape {
-            terms,
-            ..self.fit.shape.clone()
+        let effect = Effect::new(term.id, &term.row);
+        let mut change = match self.path.filter(|_| is_added_to_the_load(term.id)) {
+            Some(path) => self.problem.forces_of(&path.with(effect)),
+            None => {
+                let mut with = self.problem.forces_of(&self.rig.with(effect));
+                let each = with.iter_mut().zip(&self.forces);
+                each.for_each(|(with, without)| *with -= without);
+                with
+            }
         };
-        let changed = self.problem.forces(&shape, &self.fit.numbers);
-        changed
-            .iter()
-            .zip(&self.forces)
-            .zip(&self.roots)
-            .map(|((with, without), root)| root * (with - without))
-            .collect()
+        let each = change.iter_mut().zip(&self.roots);
+        each.for_each(|(change, root)| *change *= root);
+        change
     }
+}
+
+/// Whether an effect adds a force between contact and load cell that depends on the motion alone.
+fn is_added_to_the_load(id: EffectId) -> bool {
+    let info = id.info();
+    info.stage == ChainStage::LoadPath && !changes_the_load(id)
+}
+
+/// Whether an effect makes other effects of the load path change, or depends on the contact's force.
+fn changes_the_load(id: EffectId) -> bool {
+    matches!(id, EffectId::LoadFriction | EffectId::DriveBacklash)
+}
+
+/// A rig's path from the contact to the reading, which is all that a force in it has to pass: the contact takes most
+/// of the time of a run. `None` if what it does to a force depends on the others.
+fn path(rig: &Rig<f64>) -> Option<Rig<f64>> {
+    let is_linear = |effect: &Effect<f64>| {
+        effect.id() != EffectId::ForceSaturation && !changes_the_load(effect.id())
+    };
+    let stays = |effect: &Effect<f64>| {
+        let stage = effect.id().info().stage;
+        matches!(
+            stage,
+            ChainStage::PositionReading | ChainStage::ForceReading
+        )
+    };
+    rig.effects().all(is_linear).then(|| Rig {
+        environment: Environment::free(),
+        effects: rig.effects.filtered(stays),
+    })
 }
 
 /// Multiplies the sizes of an effect by what the residuals ask for, where its force is proportional to them.
@@ -151,4 +188,67 @@ fn scaled(mut term: Term, share: f64) -> Term {
         }
     }
     term
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::data::fit_data::FitData;
+    use crate::gap::model::simulate::forces_of;
+    use crate::log::Log;
+    use estimator_core::physics::law::HuntCrossley;
+
+    #[test]
+    fn the_path_of_a_rig_changes_a_force_as_the_whole_rig_does() {
+        // GIVEN presses of a millimetre into a material behind whatever a force in the load path has to pass
+        let time: Vec<f64> = (0..800).map(|at| 2e-3 * f64::from(at)).collect();
+        let position = time.iter().map(|t| 1e-3 * (9.0 * t).sin()).collect();
+        let log = Log::from_channels(time, position, vec![0.0; 800]);
+        let logs = [FitData::of(&log.uniform().unwrap())];
+        let material = HuntCrossley {
+            stiffness_n_per_m: 2e3,
+            damping_ns_per_m: 5.0,
+            exponent: 1.4,
+            damping_exponent: 1.4,
+            reference_depth_m: 1e-3,
+        };
+        let example = |id: EffectId| Effect::new(id, &id.info().example);
+        let rig = Rig {
+            environment: Environment::from(material),
+            effects: [
+                EffectId::EncoderPeriodicError,
+                EffectId::CoulombFriction,
+                EffectId::ForceLag,
+                EffectId::TimeDelay,
+            ]
+            .map(example)
+            .into_iter()
+            .collect(),
+        };
+        let before = forces_of(&rig, &logs);
+        let path = path(&rig).unwrap();
+        let added = EffectId::ALL.iter().filter(|id| is_added_to_the_load(**id));
+        let mut count = 0;
+        for id in added {
+            let whole = forces_of(&rig.with(example(*id)), &logs);
+            let alone = forces_of(&path.with(example(*id)), &logs);
+            let largest = alone
+                .iter()
+                .fold(0.0_f64, |most, force| most.max(force.abs()));
+            for ((whole, before), alone) in whole.iter().zip(&before).zip(&alone) {
+                let error_n = (whole - before - alone).abs();
+                assert!(
+                    error_n < 1e-9 * largest.max(1.0),
+                    "{}: {error_n:e} N",
+                    id.name()
+                );
+            }
+            count += usize::from(largest > 0.0);
+        }
+        assert!(count >= 10, "{count} effects");
+        // A friction that grows with the load and a limit of the reading see the contact as well.
+        for id in [EffectId::LoadFriction, EffectId::ForceSaturation] {
+            assert_eq!(super::path(&rig.with(example(id))), None);
+        }
+    }
 }

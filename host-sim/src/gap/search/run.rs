@@ -4,6 +4,7 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
+use crate::gap::data::fit_data::FitData;
 use crate::gap::finding::Candidate;
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, problem::Problem, shape::Owner, shape::Shape, shape::Term,
@@ -24,6 +25,8 @@ const MOST_ADDED: usize = 5;
 /// A search over the catalogue on one resolution of the logs.
 pub(crate) struct Search<'a> {
     pub(crate) dataset: Dataset<'a>,
+    /// The logs of the dataset at the resolution of the first steps.
+    pub(crate) screened: &'a [FitData],
     /// 1/N² for each sample, from the best fit so far.
     pub(crate) weights: Vec<f64>,
     /// The environment of the base model.

@@ -186,6 +186,7 @@ mod tests {
             noise_cost: 0.0,
             correlation: 1.0,
             tried: Vec::new(),
+            screened: &[],
         };
         let fit = search.base_fit();
         search.weights = search.dataset.weights(&fit);
