@@ -57,7 +57,7 @@ use data::scales::Scales;
 use data::{budget, input, orientation, ringing};
 use rounds::{Answer, Rounds};
 use say::{builder, plausibility};
-use search::expand::SCREENING_STEP;
+use search::screened::Screened;
 use thresholds::{Input, Rest};
 
 use crate::diagnostic::Diagnostic;
@@ -133,12 +133,9 @@ fn workflow(
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);
     let catalogue = options.catalogue_of(kind::of_words());
-    let screened: Vec<FitData> = (coarse.iter())
-        .map(|log| log.thinned(SCREENING_STEP))
-        .collect();
     let rounds = Rounds {
         coarse: dataset(&coarse),
-        screened: &screened,
+        screened: &Screened::of(&coarse),
         fine: dataset(&fine),
         ids: &catalogue,
         correlation: largest_correlation(&floors, step),

@@ -7,7 +7,6 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use super::data::fit_data::FitData;
 use super::decide::decision::Decision;
 use super::decide::selection::decide;
 use super::finding::{Candidate, Verdict};
@@ -16,6 +15,7 @@ use super::model::fit::Fit;
 use super::model::shape::Term;
 use super::progress::{Progress, Within};
 use super::search::run::{Search, SearchResult};
+use super::search::screened::Screened;
 use super::search::sets::keep_first;
 use crate::model::Environment;
 
@@ -26,8 +26,8 @@ const MOST_ROUNDS: usize = 4;
 pub(super) struct Rounds<'a> {
     /// The logs at the search's resolution.
     pub(super) coarse: Dataset<'a>,
-    /// Those at the resolution of the first steps.
-    pub(super) screened: &'a [FitData],
+    /// What the first steps of a refit take of them.
+    pub(super) screened: &'a Screened,
     /// The logs at that of the last fits.
     pub(super) fine: Dataset<'a>,
     /// The catalogue.

@@ -3,7 +3,6 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use crate::gap::data::fit_data::FitData;
 use crate::gap::model::fit::{Fit, MOST_STEPS};
 use crate::gap::model::problem::Problem;
 use crate::gap::model::shape::{Shape, Term};
@@ -15,8 +14,6 @@ use crate::gap::search::sets::{added_effects, is_last_repeated, keep_kinds, trun
 
 /// Effects that are refitted jointly in a forward step.
 const REFITTED: usize = 8;
-/// The first steps of a joint refit take every second sample: what is followed is followed on all.
-pub(crate) const SCREENING_STEP: usize = 2;
 /// Fits that are followed further, and those of them that are followed to their minimum.
 const FOLLOWED: [usize; 2] = [5, 3];
 /// Effects whose fits also start from the values of the model file: a base that ran away alone drags a joint
@@ -31,9 +28,9 @@ type Start = (Shape, Vec<f64>, usize);
 impl Search<'_> {
     /// The best fit with each effect that promises anything added to `from`, the best first.
     pub(crate) fn expanded(&self, from: &Fit) -> Vec<Fit> {
-        let weights = self.screened_weights();
+        let weights = self.screened.of_all(&self.weights, self.dataset.logs);
         let screened = Problem {
-            logs: self.screened,
+            logs: &self.screened.logs,
             weights: &weights,
             ..self.problem()
         };
@@ -52,18 +49,6 @@ impl Search<'_> {
         let mut done = self.continued(fits, MOST_STEPS);
         done.retain(|fit| is_physical(fit, self.dataset.scales));
         done
-    }
-
-    /// The weights of the samples of the first steps.
-    fn screened_weights(&self) -> Vec<f64> {
-        let mut weights = self.weights.as_slice();
-        let mut kept = Vec::with_capacity(weights.len() / SCREENING_STEP);
-        for log in self.dataset.logs {
-            let (own, others) = weights.split_at(log.len());
-            kept.extend(FitData::kept(log.len(), SCREENING_STEP).map(|at| own[at]));
-            weights = others;
-        }
-        kept
     }
 
     /// Continues fits for some steps, and sorts them with the best first.

@@ -4,12 +4,12 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use crate::gap::data::fit_data::FitData;
 use crate::gap::finding::Candidate;
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, problem::Problem, shape::Owner, shape::Shape, shape::Term,
 };
 use crate::gap::progress::Progress;
+use crate::gap::search::screened::Screened;
 use crate::gap::search::{
     physical::is_fourier_series, sets::added_effects, sets::keep_first,
     sets::keep_simplest_of_each_kind,
@@ -25,8 +25,8 @@ const MOST_ADDED: usize = 5;
 /// A search over the catalogue on one resolution of the logs.
 pub(crate) struct Search<'a> {
     pub(crate) dataset: Dataset<'a>,
-    /// The logs of the dataset at the resolution of the first steps.
-    pub(crate) screened: &'a [FitData],
+    /// What the first steps of a refit take of the logs.
+    pub(crate) screened: &'a Screened,
     /// 1/N² for each sample, from the best fit so far.
     pub(crate) weights: Vec<f64>,
     /// The environment of the base model.

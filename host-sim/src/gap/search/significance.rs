@@ -104,6 +104,7 @@ mod tests {
     use crate::gap::model::dataset::Dataset;
     use crate::gap::model::start::whole;
     use crate::gap::progress::Silent;
+    use crate::gap::search::screened::Screened;
     use crate::gap::{NoiseFloor, Options};
     use crate::log::UniformLog;
     use crate::model::{Environment, Fit as Kept, Parameter};
@@ -186,7 +187,7 @@ mod tests {
             noise_cost: 0.0,
             correlation: 1.0,
             tried: Vec::new(),
-            screened: &[],
+            screened: &Screened::of(&logs),
         };
         let fit = search.base_fit();
         search.weights = search.dataset.weights(&fit);
