@@ -57,7 +57,6 @@ use data::scales::Scales;
 use data::{budget, input, orientation, ringing};
 use rounds::{Answer, Rounds};
 use say::{builder, plausibility};
-use search::screened::Screened;
 use thresholds::{Input, Rest};
 
 use crate::diagnostic::Diagnostic;
@@ -135,7 +134,6 @@ fn workflow(
     let catalogue = options.catalogue_of(kind::of_words());
     let rounds = Rounds {
         coarse: dataset(&coarse),
-        screened: &Screened::of(&coarse),
         fine: dataset(&fine),
         ids: &catalogue,
         correlation: largest_correlation(&floors, step),

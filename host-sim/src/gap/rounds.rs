@@ -15,7 +15,6 @@ use super::model::fit::Fit;
 use super::model::shape::Term;
 use super::progress::{Progress, Within};
 use super::search::run::{Search, SearchResult};
-use super::search::screened::Screened;
 use super::search::sets::keep_first;
 use crate::model::Environment;
 
@@ -26,8 +25,6 @@ const MOST_ROUNDS: usize = 4;
 pub(super) struct Rounds<'a> {
     /// The logs at the search's resolution.
     pub(super) coarse: Dataset<'a>,
-    /// What the first steps of a refit take of them.
-    pub(super) screened: &'a Screened,
     /// The logs at that of the last fits.
     pub(super) fine: Dataset<'a>,
     /// The catalogue.
@@ -74,7 +71,6 @@ impl Rounds<'_> {
     fn round(&self, environment: &Environment, given: &[Term], progress: &dyn Progress) -> Answer {
         let mut search = Search {
             dataset: self.coarse,
-            screened: self.screened,
             weights: vec![1.0; self.coarse.logs.iter().map(|log| log.len()).sum()],
             base: environment,
             given,

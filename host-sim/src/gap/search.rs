@@ -13,7 +13,6 @@ pub(crate) mod proposals;
 pub(crate) mod relatives;
 mod remainder;
 pub(crate) mod run;
-pub(crate) mod screened;
 pub(crate) mod sets;
 pub(crate) mod significance;
 pub(crate) mod swap;

@@ -118,13 +118,8 @@ impl FitData {
     pub(crate) fn thinned(&self, step: usize) -> FitData {
         FitData {
             period_s: self.period_s * step as f64,
-            ..self.picked(FitData::kept(self.len(), step))
+            ..self.picked((step / 2..self.len()).step_by(step))
         }
-    }
-
-    /// The indices of the samples that thinning keeps of so many.
-    pub(crate) fn kept(count: usize, step: usize) -> impl Iterator<Item = usize> + Clone {
-        (step / 2..count).step_by(step)
     }
 
     /// Keeps the samples at some indices.

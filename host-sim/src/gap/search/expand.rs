@@ -4,7 +4,6 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::fit::{Fit, MOST_STEPS};
-use crate::gap::model::problem::Problem;
 use crate::gap::model::shape::{Shape, Term};
 use crate::gap::model::start::starts_from_file;
 use crate::gap::search::physical::is_physical;
@@ -28,16 +27,10 @@ type Start = (Shape, Vec<f64>, usize);
 impl Search<'_> {
     /// The best fit with each effect that promises anything added to `from`, the best first.
     pub(crate) fn expanded(&self, from: &Fit) -> Vec<Fit> {
-        let weights = self.screened.of_all(&self.weights, self.dataset.logs);
-        let screened = Problem {
-            logs: &self.screened.logs,
-            weights: &weights,
-            ..self.problem()
-        };
         let begun: Vec<Fit> = self
             .starts(from)
             .into_par_iter()
-            .map(|(shape, start, steps)| screened.fit_briefly(&shape, start, steps))
+            .map(|(shape, start, steps)| self.problem().fit_briefly(&shape, start, steps))
             .collect();
         let mut fits = best_of_each_set(begun);
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));

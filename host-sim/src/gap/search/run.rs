@@ -9,7 +9,6 @@ use crate::gap::model::{
     dataset::Dataset, fit::Fit, problem::Problem, shape::Owner, shape::Shape, shape::Term,
 };
 use crate::gap::progress::Progress;
-use crate::gap::search::screened::Screened;
 use crate::gap::search::{
     physical::is_fourier_series, sets::added_effects, sets::keep_first,
     sets::keep_simplest_of_each_kind,
@@ -25,8 +24,6 @@ const MOST_ADDED: usize = 5;
 /// A search over the catalogue on one resolution of the logs.
 pub(crate) struct Search<'a> {
     pub(crate) dataset: Dataset<'a>,
-    /// What the first steps of a refit take of the logs.
-    pub(crate) screened: &'a Screened,
     /// 1/N² for each sample, from the best fit so far.
     pub(crate) weights: Vec<f64>,
     /// The environment of the base model.

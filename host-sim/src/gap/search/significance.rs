@@ -104,7 +104,6 @@ mod tests {
     use crate::gap::model::dataset::Dataset;
     use crate::gap::model::start::whole;
     use crate::gap::progress::Silent;
-    use crate::gap::search::screened::Screened;
     use crate::gap::{NoiseFloor, Options};
     use crate::log::UniformLog;
     use crate::model::{Environment, Fit as Kept, Parameter};
@@ -187,7 +186,6 @@ mod tests {
             noise_cost: 0.0,
             correlation: 1.0,
             tried: Vec::new(),
-            screened: &Screened::of(&logs),
         };
         let fit = search.base_fit();
         search.weights = search.dataset.weights(&fit);
