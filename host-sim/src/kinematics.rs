@@ -294,12 +294,11 @@ fn moving_noise(channel: &[f64], in_gap: &[bool]) -> Option<f64> {
 
 /// Length of the run of equal positions that each sample stands in, of what was measured.
 fn held(channel: &[f64], in_gap: &[bool]) -> Vec<f64> {
-    let taken: Vec<usize> = (0..channel.len()).filter(|at| !in_gap[*at]).collect();
-    let measured: Vec<f64> = taken.iter().map(|at| channel[*at]).collect();
     let mut held = vec![1.0; channel.len()];
-    let Some(step) = signal::step(&measured) else {
+    let Some(step) = signal::step(&signal::measured(channel, in_gap)) else {
         return held;
     };
+    let taken: Vec<usize> = (0..channel.len()).filter(|at| !in_gap[*at]).collect();
     let same = |a: &usize, b: &usize| (channel[*a] - channel[*b]).abs() < 0.5 * step;
     for run in taken.chunk_by(same) {
         if let [first, .., last] = run {

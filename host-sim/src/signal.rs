@@ -2,7 +2,7 @@
 
 mod toggling;
 
-pub(crate) use toggling::measured_without_toggling;
+pub(crate) use toggling::{measured_without_toggling, toggling};
 pub use toggling::{toggles, without_toggling};
 
 use crate::stats::{lowest, range, robust_deviation};
@@ -24,10 +24,14 @@ pub(crate) fn noise_of_measured(channel: &[f64], invented: &[bool]) -> f64 {
     if !invented.contains(&true) {
         return noise(channel);
     }
-    let each = channel.iter().zip(invented);
-    let taken: Vec<f64> = each.filter(|(_, out)| !**out).map(|(x, _)| *x).collect();
     let sigma = sigma(second_differences_of_measured(channel, invented));
-    sigma.max(step(&taken).unwrap_or(0.0) / 12.0_f64.sqrt())
+    sigma.max(step(&measured(channel, invented)).unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+/// The samples of a channel that are not invented.
+pub(crate) fn measured(channel: &[f64], invented: &[bool]) -> Vec<f64> {
+    let each = channel.iter().zip(invented);
+    each.filter(|(_, out)| !**out).map(|(x, _)| *x).collect()
 }
 
 /// Second differences between neighbours none of which is invented.

@@ -155,7 +155,8 @@ impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
         if self.value <= T::zero() {
             return Self::zero();
         }
-        // ∂d^n/∂d = n d^n / d and ∂d^n/∂n = d^n ln d: both finite for d > 0.
+        // ∂d^n/∂d = n d^n / d and ∂d^n/∂n = d^n ln d: both finite for d > 0. The value is that of a real number to the
+        // bit, whose power takes the same logarithm.
         let ln = self.value.ln();
         let value = (exponent.value * ln).exp();
         let by_base = exponent.value * value / self.value;

@@ -11,8 +11,6 @@ mod evidence;
 mod numbering;
 mod resolution;
 
-use std::borrow::Cow;
-
 use super::record::Log;
 use super::timing::{Gap, Timing, snapped};
 use crate::signal;
@@ -138,10 +136,7 @@ impl Log {
             segments: segments(&self.time_s, timing),
             position_step_m: signal::step(&self.position_m),
             force_step_n: signal::step(&self.force_n),
-            toggles: match signal::without_toggling(&self.position_m) {
-                Cow::Borrowed(_) => 0,
-                Cow::Owned(_) => signal::toggles(&self.position_m),
-            },
+            toggles: signal::toggling(&self.position_m).map_or(0, |(_, toggles)| toggles),
         }
     }
 }

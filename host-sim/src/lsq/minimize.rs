@@ -95,11 +95,8 @@ impl Minimizer {
             if cost < normal.cost {
                 if left == 0 {
                     // Nothing steps from here: the normal equations are most of a step's work.
-                    return Minimum {
-                        numbers: moved,
-                        cost,
-                        stop,
-                    };
+                    (numbers, normal.cost) = (moved, cost);
+                    break;
                 }
                 let gained = (normal.cost - cost) / promised;
                 damping *= if gained > 0.75 { 0.1 } else { 0.5 };

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{noise_beside, step};
+use super::{measured, noise_beside, step};
 
 /// Fewer toggles than this, and than one in so many samples, are motion: 40 simulated palpations with
 /// a silent encoder have up to 4 in 30 000 samples, 54 with a toggling one at least 34 in 16 000.
@@ -11,8 +11,8 @@ const SAMPLES_A_TOGGLE: usize = 2000;
 /// Noise of a toggling channel, over its step: one that toggles at every sample reads 0.6.
 const TOGGLING_NOISE: f64 = 0.7;
 /// What a turn costs, in samples that are read a count off: what goes one count there and back is followed if it
-/// stays for twice as long. Of the readings of an encoder on an edge, 0 or 1 in no order, so many are more often the
-/// one than the other once in 10⁴.
+/// stays for twice as long. Readings of an encoder on an edge, one count or the next in no order, take 10⁴ to
+/// be that many more often the one.
 const TURN: u32 = 50;
 
 /// How often a channel goes one step there and back again: three changes of one step in a row, each
@@ -38,13 +38,21 @@ fn toggles_of(channel: &[f64], step: f64) -> usize {
 /// was read, as seldom off as it may be, and turning no more often than it must. A channel that does not toggle stays
 /// as it is.
 pub fn without_toggling(channel: &[f64]) -> Cow<'_, [f64]> {
-    let fewest = FEWEST_TOGGLES.max(channel.len() / SAMPLES_A_TOGGLE);
-    let step = step(channel).filter(|step| toggles_of(channel, *step) >= fewest);
-    // With more noise than a step, the noise and not the edge between two counts makes the changes.
-    match step.filter(|own| noise_beside(step, channel) < TOGGLING_NOISE * own) {
-        Some(step) => Cow::Owned(with_few_turns(channel, step)),
+    match toggling(channel) {
+        Some((step, _)) => Cow::Owned(with_few_turns(channel, step)),
         None => Cow::Borrowed(channel),
     }
+}
+
+/// The step of a channel that toggles, and how often it does; `None` for one that does not.
+pub(crate) fn toggling(channel: &[f64]) -> Option<(f64, usize)> {
+    let fewest = FEWEST_TOGGLES.max(channel.len() / SAMPLES_A_TOGGLE);
+    let step = step(channel)?;
+    let toggles = toggles_of(channel, step);
+    // With more noise than a step, the noise and not the edge between two counts makes the changes.
+    let is_toggling =
+        toggles >= fewest && noise_beside(Some(step), channel) < TOGGLING_NOISE * step;
+    is_toggling.then_some((step, toggles))
 }
 
 /// The channel within a step of what was read that costs least, a sample that is a step off 1 and a turn [`TURN`]:
@@ -86,18 +94,16 @@ fn with_few_turns(channel: &[f64], step: f64) -> Vec<f64> {
         came_from.push(froms);
     }
     let mut place = (0..PLACES).min_by_key(|place| costs[*place]).unwrap_or(1);
-    let mut offsets = vec![0; channel.len()];
-    for (at, own) in offsets.iter_mut().enumerate().rev() {
-        *own = offset(place);
+    let mut path = channel.to_vec();
+    for (at, value) in path.iter_mut().enumerate().rev() {
+        *value += offset(place) as f64 * step;
         place = at
             .checked_sub(1)
             .map_or(place, |before| came_from[before][place].into());
     }
-    let mut path = channel.to_vec();
-    for (at, own) in offsets.iter().enumerate() {
-        path[at] += *own as f64 * step;
-        // To the bit, or what rests would change in its last digits.
-        if at > 0 && (path[at] - path[at - 1]).abs() < 0.5 * step {
+    // To the bit, or what rests would change in its last digits.
+    for at in 1..path.len() {
+        if (path[at] - path[at - 1]).abs() < 0.5 * step {
             path[at] = path[at - 1];
         }
     }
@@ -114,8 +120,7 @@ pub(crate) fn measured_without_toggling<'a>(
         return without_toggling(channel);
     }
     let taken: Vec<usize> = (0..channel.len()).filter(|at| !invented[*at]).collect();
-    let measured: Vec<f64> = taken.iter().map(|at| channel[*at]).collect();
-    let Cow::Owned(followed) = without_toggling(&measured) else {
+    let Cow::Owned(followed) = without_toggling(&measured(channel, invented)) else {
         return Cow::Borrowed(channel);
     };
     let mut whole = channel.to_vec();

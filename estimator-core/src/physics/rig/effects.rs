@@ -8,8 +8,7 @@ pub const MOST_EFFECTS: usize = 8;
 
 /// The effects of a rig, at most [`MOST_EFFECTS`], in the order in which they were added.
 ///
-/// They are gone through a dozen times a sample, a stage of the chain each time, which is most of the time that a
-/// rig with one effect takes if the empty slots are gone through as well.
+/// They are gone through a dozen times a sample, once for each stage of the chain: empty slots are not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effects<S> {
     slots: [Option<Effect<S>>; MOST_EFFECTS],

@@ -10,8 +10,8 @@ use crate::gap::data::{fit_data::FitData, low_pass::LowPass};
 use crate::gap::model::{basis::dot, shape::Shape, simulate::forces_of, simulate::run_rig};
 use crate::lsq::NormalEquations;
 
-/// Most columns of the Jacobian that one run of the rig gives. The value of an exponential takes as long as eight
-/// derivatives of it, so that two runs of fewer columns take longer.
+/// Most columns of the Jacobian that one run of the rig gives. A run with four to eight took 2.2 times as long as one
+/// without: values are half of it, and two runs compute them twice.
 const MOST_LANES: usize = 12;
 
 /// Logs, and the weight of each of their samples.

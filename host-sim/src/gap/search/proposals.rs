@@ -145,9 +145,10 @@ fn is_added_to_the_load(id: EffectId) -> bool {
     info.stage == ChainStage::LoadPath && !changes_the_load(id)
 }
 
-/// Whether an effect makes other effects of the load path change, or depends on the contact's force.
+/// Whether an effect of the load path acts through others, or depends on the contact's force: it adds nothing by
+/// itself in free air.
 fn changes_the_load(id: EffectId) -> bool {
-    matches!(id, EffectId::LoadFriction | EffectId::DriveBacklash)
+    id.needs().is_some()
 }
 
 /// A rig's path from the contact to the reading, which is all that a force in it has to pass: the contact takes most
