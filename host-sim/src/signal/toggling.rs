@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{measured, noise_beside, step};
+use super::noise::{measured, noise_beside, step};
 
 /// Fewer toggles than this, and than one in so many samples, are motion: 40 simulated palpations with
 /// a silent encoder have up to 4 in 30 000 samples, 54 with a toggling one at least 34 in 16 000.

@@ -1,0 +1,132 @@
+//! The noise of a channel and its step, and those of its samples that were measured.
+
+use crate::stats::{lowest, range, robust_deviation};
+
+/// Standard deviation of the noise of a channel, from second differences: x(h) − 2x(h−1) + x(h−2)
+/// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
+/// out; a channel whose noise is below its step reads step/√12, the quantisation's own.
+pub fn noise(channel: &[f64]) -> f64 {
+    noise_beside(step(channel), channel)
+}
+
+pub(super) fn noise_beside(step: Option<f64>, channel: &[f64]) -> f64 {
+    let sigma = sigma(channel.windows(3).map(second_difference));
+    sigma.max(step.unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+/// The same of a channel in which some samples are invented: differences across one mean nothing.
+pub(crate) fn noise_of_measured(channel: &[f64], invented: &[bool]) -> f64 {
+    if !invented.contains(&true) {
+        return noise(channel);
+    }
+    let sigma = sigma(second_differences_of_measured(channel, invented));
+    sigma.max(step(&measured(channel, invented)).unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+/// The samples of a channel that are not invented.
+pub(crate) fn measured(channel: &[f64], invented: &[bool]) -> Vec<f64> {
+    let each = channel.iter().zip(invented);
+    each.filter(|(_, out)| !**out).map(|(x, _)| *x).collect()
+}
+
+/// Second differences between neighbours none of which is invented.
+pub(crate) fn second_differences_of_measured<'a>(
+    channel: &'a [f64],
+    invented: &'a [bool],
+) -> impl Iterator<Item = f64> {
+    measured_windows(channel, invented, 3).map(second_difference)
+}
+
+/// Neighbours, so many at a time, none of which is invented.
+pub(crate) fn measured_windows<'a>(
+    channel: &'a [f64],
+    invented: &'a [bool],
+    size: usize,
+) -> impl Iterator<Item = &'a [f64]> {
+    let windows = channel.windows(size).zip(invented.windows(size));
+    let measured = windows.filter(|(_, invented)| !invented.contains(&true));
+    measured.map(|(window, _)| window)
+}
+
+fn second_difference(window: &[f64]) -> f64 {
+    window[2] - 2.0 * window[1] + window[0]
+}
+
+/// The standard deviation of white noise with these second differences.
+fn sigma(differences: impl Iterator<Item = f64>) -> f64 {
+    robust_deviation(differences) / 6.0_f64.sqrt()
+}
+
+/// The resolution of a channel: the smallest change between neighbours, if nine tenths of the
+/// changes are whole multiples of it. `None` for a channel that is not quantised.
+pub fn step(channel: &[f64]) -> Option<f64> {
+    let span = range(channel);
+    // Walked through twice rather than kept: of an hour they are 29 MB.
+    let changes = || {
+        let changes = channel.windows(2).map(|w| (w[1] - w[0]).abs());
+        changes.filter(|change| *change > 1e-9 * span)
+    };
+    let smallest = lowest(changes());
+    let is_whole = |change: f64| {
+        let codes = change / smallest;
+        // Both are positive: to an integer and back is the nearest one, at a tenth of what a call of `round` costs.
+        codes < 1e4 && (codes - (codes + 0.5) as u32 as f64).abs() < 0.02
+    };
+    let (count, whole) = changes().fold((0, 0), |(count, whole), change| {
+        (count + 1, whole + usize::from(is_whole(change)))
+    });
+    (count >= 10 && 10 * whole >= 9 * count).then_some(smallest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    const SEED_NOISE: u64 = 11;
+
+    fn noisy(sigma: f64, step: f64) -> Vec<f64> {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED_NOISE);
+        let normal = Normal::new(0.0, sigma).unwrap();
+        (0..4000)
+            .map(|i| 5.0 * (f64::from(i) * 2e-3).sin() + normal.sample(&mut rng))
+            .map(|value: f64| (value / step).round() * step)
+            .collect()
+    }
+
+    #[test]
+    fn noise_is_found_under_a_slow_signal_of_hundreds_of_its_size() {
+        let sigma = noise(&noisy(0.02, 1e-9));
+        // 4000 second differences: the median is good to 2 %.
+        assert!((0.019..0.021).contains(&sigma), "{sigma}");
+    }
+
+    #[test]
+    fn a_step_is_found_and_a_channel_without_one_has_none() {
+        assert!((step(&noisy(0.02, 5e-3)).unwrap() - 5e-3).abs() < 1e-12);
+        assert_eq!(step(&noisy(0.02, 1e-12)), None);
+        assert_eq!(step(&[1.0; 100]), None);
+    }
+
+    #[test]
+    fn noise_is_that_of_what_was_measured() {
+        // GIVEN one sample of five invented half-way between their neighbours
+        let mut channel = noisy(0.02, 1e-12);
+        let invented: Vec<bool> = (0..channel.len()).map(|at| at % 5 == 3).collect();
+        for at in (3..channel.len() - 1).step_by(5) {
+            channel[at] = 0.5 * (channel[at - 1] + channel[at + 1]);
+        }
+        // THEN the noise is that of the others: a median of 1 600 differences is good to 3 %.
+        let measured = noise_of_measured(&channel, &invented);
+        assert!((measured / 0.02 - 1.0).abs() < 0.1, "{measured}");
+        let all = noise(&channel);
+        assert!(all < 0.9 * measured, "{all} with the invented ones");
+    }
+
+    #[test]
+    fn without_noise_the_step_is_the_noise() {
+        let ramp: Vec<f64> = (0..1000).map(|i| f64::from(i / 4) * 0.01).collect();
+        assert!((noise(&ramp) - 0.01 / 12.0_f64.sqrt()).abs() < 1e-12);
+    }
+}
