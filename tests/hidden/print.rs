@@ -24,7 +24,8 @@ hidden injected [--sizes 1,2,5] [--records DIR] [--only NAME[,NAME]…] [--every
              record or an effect)
 hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--brief] [--out OUT]
              (scores the library with the threshold NAME at -25 %, 0 and +25 %, on the rigs below DIR or, without
-             one, on N rigs of each kind; without NAME: all thresholds, their defaults and reasons)";
+             one, on N rigs of each kind; a line for each threshold where NAME is all;
+             without NAME: all thresholds, their defaults and reasons)";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -125,7 +126,9 @@ fn swept(arguments: &[String]) -> Result<(), String> {
         print!("{}", sweep::list());
         return Ok(());
     };
-    sweep::known(name)?;
+    if name != "all" {
+        sweep::known(name)?;
+    }
     let (cases, seed) = (
         number(arguments, "--cases", 13)?,
         number(arguments, "--seed", 1)?,
@@ -154,7 +157,17 @@ fn swept(arguments: &[String]) -> Result<(), String> {
     if rigs.is_empty() {
         return Err(format!("no truth.json below the folders given\n{USAGE}"));
     }
-    print!("{}", sweep::text(name, &rigs, jobs as usize)?);
+    if name != "all" {
+        print!("{}", sweep::text(name, &rigs, jobs as usize)?);
+        return Ok(());
+    }
+    // Line by line: it takes an hour.
+    let options = palpate::gap::Options::default();
+    let usual = run::each(&rigs, jobs as usize, |rig, _| library::score(rig, &options))?;
+    print!("{}", sweep::heading(&usual));
+    for name in sweep::names() {
+        print!("{}", sweep::row(name, &usual, &rigs, jobs as usize)?);
+    }
     Ok(())
 }
 

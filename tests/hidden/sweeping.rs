@@ -13,11 +13,6 @@ use tests::hidden::score::{library, sweep};
 /// Coulomb friction, as in `small`: named exactly with the default thresholds.
 const FRICTION: (Kind, u64, u64) = (Kind::Single, 1, 10);
 
-fn names() -> Vec<&'static str> {
-    let mut all = Thresholds::default();
-    all.all().into_iter().map(|own| own.name).collect()
-}
-
 fn friction(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("hidden-sweep-{name}"));
     let (kind, seed, index) = FRICTION;
@@ -40,7 +35,7 @@ fn sources(folder: &Path) -> String {
 
 #[test]
 fn every_threshold_has_a_name_of_its_own_a_default_and_a_reason_that_says_how_it_was_found() {
-    let names = names();
+    let names = sweep::names();
     let different: BTreeSet<&str> = names.iter().copied().collect();
     assert_eq!(different.len(), names.len());
     // A field that `all` forgets would still be in the text of the struct.
@@ -71,7 +66,7 @@ fn every_threshold_is_read_where_something_is_decided() {
     // A method of the thresholds reads two of them.
     let (_, methods) = declared.split_once("\nimpl ").unwrap();
     let text = sources(&gap) + &read(gap.with_extension("rs")) + methods;
-    for name in names() {
+    for name in sweep::names() {
         let (_, field) = name.split_once('.').unwrap();
         let read = text.match_indices(&format!(".{field}")).any(|(at, found)| {
             let next = text[at + found.len()..].chars().next();
@@ -121,13 +116,23 @@ fn a_sweep_scores_three_values_and_says_what_each_changes() {
             ["1", "1", "1", "0", "0", "0", "0", "0"]
         );
     }
-    // Where the answers differ the rig is named with both marks.
     let folder = friction("marks");
     let with = |factor: f64| {
         let mut options = Options::default();
         options.thresholds.set("significance.chi2", factor).unwrap();
         vec![library::score(&folder, &options).unwrap()]
     };
+    // In a line: none becomes right, none ceases to be.
+    let (usual, rig) = (with(1.0), [friction("line")]);
+    let line = sweep::row("significance.chi2", &usual, &rig, 1).unwrap();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    assert_eq!(words[1..], ["25", "0", "0", "+0", "0", "0", "+0"], "{line}");
+    assert!(sweep::heading(&usual).starts_with("1 rigs, 1 of them right"));
+    // What ceases to be right is counted at once.
+    let other = sweep::row("significance.chi2", &with(1e9), &rig, 1).unwrap();
+    let words: Vec<&str> = other.split_whitespace().collect();
+    assert_eq!(words[2..4], ["1", "0"], "{other}");
+    // Where the answers differ the rig is named with both marks.
     let text = sweep::table(
         "chi2",
         &[("0", 25.0, with(1.0)), ("+25 %", 2.5e10, with(1e9))],

@@ -120,18 +120,16 @@ impl Rig {
         let world = world(&mut case, group.world, random);
         // What the base leaves beside the noise stays; the floor is another one.
         let beyond = (case.base_rmse_n.powi(2) - case.floor_n.powi(2)).max(0.0);
+        if group.world == Sampling::Hour {
+            case.track = an_hour(&case, random);
+        }
         let recorded = world.record(&case.plant, &case.track, random);
         case.floor_n = recorded.floor_n;
         case.base_rmse_n = (beyond + recorded.floor_n.powi(2)).sqrt();
-        let mut rows = recorded.rows;
-        if group.world == Sampling::Hour {
-            let bound = case.material.surface;
-            lengthen(&mut rows, &case, bound, &world, random);
-        }
         Rig {
             case,
             world,
-            rows,
+            rows: recorded.rows,
             group: group.name,
         }
     }
@@ -256,32 +254,13 @@ fn world(case: &mut Case, sampling: Sampling, random: &mut Random) -> World {
     }
 }
 
-/// Goes on for an hour with motions of the same kind; in free air the probe moves to the next one's start.
-fn lengthen(
-    rows: &mut Vec<[f64; 3]>,
-    case: &Case,
-    surface: f64,
-    world: &World,
-    random: &mut Random,
-) {
+/// An hour of motions of the same kind, one after another: what remembers one is pressed again by the next.
+fn an_hour(case: &Case, random: &mut Random) -> Track {
+    let surface = case.material.surface;
     let depth_m = case.track.range_m().1 - surface;
-    let dt = 1.0 / world.rate_hz;
-    while rows[rows.len() - 1][0] < 3600.0 {
-        let track = Track::draw(Profile::Mixed, surface, depth_m, random);
-        let next = world.record(&case.plant, &track, random).rows;
-        let [last_s, last_m, _] = rows[rows.len() - 1];
-        let steps = world.rate_hz as usize;
-        for k in 1..steps {
-            let share = k as f64 / steps as f64;
-            let x = last_m + share * (next[0][1] - last_m);
-            let force = world.noise_n * random.normal();
-            rows.push([
-                last_s + k as f64 * dt,
-                (x / world.count_m).round() * world.count_m,
-                (force / world.code_n).round() * world.code_n,
-            ]);
-        }
-        let from = last_s + 1.0;
-        rows.extend(next.iter().map(|[t, x, f]| [from + t, *x, *f]));
+    let mut hour = case.track.clone();
+    while hour.seconds() < 3600.0 {
+        hour.go_on(&Track::draw(Profile::Mixed, surface, depth_m, random));
     }
+    hour
 }

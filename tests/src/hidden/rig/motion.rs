@@ -217,6 +217,27 @@ impl Track {
         track
     }
 
+    /// Goes on with another motion, after a second on the way from where this one ends to where that begins.
+    pub fn go_on(&mut self, next: &Track) {
+        let end = (self.seconds() * FINE_HZ).round() as usize;
+        let from_m = self.x[end];
+        for channel in [&mut self.x, &mut self.v, &mut self.a] {
+            channel.truncate(end);
+        }
+        let half = 0.5 * (next.x[0] - from_m);
+        let turn = std::f64::consts::PI;
+        for k in 0..FINE_HZ as usize {
+            let (sin, cos) = (turn * k as f64 / FINE_HZ).sin_cos();
+            self.x.push(from_m + half * (1.0 - cos));
+            self.v.push(turn * half * sin);
+            self.a.push(turn * turn * half * cos);
+        }
+        self.x.extend(&next.x);
+        self.v.extend(&next.v);
+        self.a.extend(&next.a);
+        self.samples += 1000 + next.samples - 1;
+    }
+
     /// The largest speed (m/s).
     pub(crate) fn fastest_mps(&self) -> f64 {
         self.v.iter().fold(0.0, |top, v| v.abs().max(top))
@@ -232,7 +253,7 @@ impl Track {
     }
 
     /// The recorded time (s).
-    pub(crate) fn seconds(&self) -> f64 {
+    pub fn seconds(&self) -> f64 {
         (self.samples - 1) as f64 * 1e-3
     }
 }

@@ -36,6 +36,12 @@ pub fn list() -> String {
     text
 }
 
+/// The names of all thresholds.
+pub fn names() -> Vec<&'static str> {
+    let mut all = Thresholds::default();
+    all.all().into_iter().map(|own| own.name).collect()
+}
+
 /// Checks the name of a threshold.
 ///
 /// # Errors
@@ -72,6 +78,54 @@ pub fn text(name: &str, rigs: &[PathBuf], jobs: usize) -> Result<String, String>
 
 /// The scores at one factor: its name, the value of the threshold, the runs.
 type Swept = (&'static str, f64, Vec<Scored>);
+
+/// What heads the rows of [`row`].
+pub fn heading(usual: &[Scored]) -> String {
+    let right = usual.iter().filter(|one| is_right(one.mark())).count();
+    format!(
+        "{} rigs, {right} of them right (or, without being adequate, right and alone); the numbers are of those that\n\
+         become right, that cease to be, and of wrong names more (+) or fewer\n\
+         {:<32}{:>10}   {:<21}+25 %\n",
+        usual.len(),
+        "threshold",
+        "value",
+        "-25 %"
+    )
+}
+
+/// What a threshold's change by a quarter either way does to the answers, in a line.
+///
+/// # Errors
+/// No threshold has this name, or a truth.json cannot be read.
+pub fn row(name: &str, usual: &[Scored], rigs: &[PathBuf], jobs: usize) -> Result<String, String> {
+    let mut text = format!("{name:<32}{:>10}", with(name, 1.0)?.1);
+    for (factor, _) in FACTORS {
+        if factor == 1.0 {
+            continue;
+        }
+        let options = with(name, factor)?.0;
+        let changed = run::each(rigs, jobs, |rig, _| library::score(rig, &options))?;
+        let pairs = || changed.iter().zip(usual);
+        let gained = pairs().filter(|(one, usual)| is_right(one.mark()) && !is_right(usual.mark()));
+        let lost = pairs().filter(|(one, usual)| !is_right(one.mark()) && is_right(usual.mark()));
+        let wrong = |all: &[Scored]| {
+            let wrong = all.iter().filter(|one| one.mark() == Mark::ConfidentWrong);
+            wrong.count() as i64
+        };
+        let wrong = wrong(&changed) - wrong(usual);
+        let _ = write!(
+            text,
+            "   {:>3} {:>3} {wrong:>+3}      ",
+            gained.count(),
+            lost.count()
+        );
+    }
+    Ok(text.trim_end().to_string() + "\n")
+}
+
+fn is_right(mark: Mark) -> bool {
+    [Mark::Exact, Mark::NotAdequate].contains(&mark)
+}
 
 /// A row for each kind and factor, then the rigs that are answered in another way than at 0.
 pub fn table(name: &str, runs: &[Swept]) -> String {
