@@ -98,7 +98,10 @@ impl GapReport<'_> {
                 self.finding.curves.len()
             ));
         }
-        let mut by = Section::new(heading("By depth, speed and frequency"));
+        let mut by = Section::new(heading(&format!(
+            "By {}, speed and frequency",
+            log.place().name
+        )));
         for map in map::maps(&log) {
             by = by.heat_map(map);
         }

@@ -48,15 +48,15 @@ pub(crate) fn effects_of_uncertain_form(decision: &Decision) -> Vec<(usize, Effe
     simpler.collect()
 }
 
-/// Whether an effect's size differs from 0 by so many standard errors; one at a bound, or that is held, has none.
+/// Whether an effect's size differs from 0 by so many standard errors. One that is held does; of one at a bound, or
+/// that the log does not determine, nobody knows.
 fn has_size(decision: &Decision, number: usize, sigmas: f64) -> bool {
     let (best, owner) = (&decision.best, Owner::Effect(number, 0));
     let at = best.shape.free.iter().position(|free| free.owner == owner);
-    at.and_then(|at| {
-        let error = decision.std_errors[at]?;
-        Some((best.shape.natural(at, best.numbers[at]), error))
+    at.is_none_or(|at| {
+        let size = best.shape.natural(at, best.numbers[at]);
+        decision.std_errors[at].is_some_and(|error| size.abs() >= sigmas * error)
     })
-    .is_none_or(|(size, error)| size.abs() >= sigmas * error)
 }
 
 /// The fit with an added effect in its plain form, if that is nearer to the best than to the fit without it: the
@@ -159,6 +159,18 @@ pub(super) mod tests {
             effect_without_size(&decision(&[0.5, 0.5], &[2e4, 2e4])),
             None
         );
+    }
+
+    #[test]
+    fn an_effect_whose_size_has_no_standard_error_is_none() {
+        // GIVEN a newton at a bound: a play wider than the whole travel has one
+        let mut bound = decision(&[0.1], &[2e4]);
+        bound.std_errors.pop();
+        bound.std_errors.push(None);
+        assert_eq!(effect_without_size(&bound), Some(0));
+        // THEN one that is held is what it is.
+        bound.best.shape.free.pop();
+        assert_eq!(effect_without_size(&bound), None);
     }
 
     #[test]

@@ -6,7 +6,8 @@ use crate::number::quantity;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// `free`, `touch`, `loading`, `hold`, `unloading`, `lift_off`, `depth_low`, `depth_mid`,
-    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line` or `pitch`.
+    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line` or `pitch`; where nothing is touched `forward`, `backward`,
+    /// `travel_low`, `travel_mid` and `travel_high` instead of phases and depths.
     pub id: &'static str,
     /// The region's share of the energy above the noise; a line's share of the whole residual.
     pub share: f64,
@@ -20,8 +21,17 @@ pub struct Region {
     pub pitch_m: Option<f64>,
 }
 
-/// The phases of the contact; every sample is in one.
-const PHASES: [&str; 6] = ["free", "touch", "loading", "hold", "unloading", "lift_off"];
+/// The phases of the contact, or the ways it goes; every sample is in one.
+const PHASES: [&str; 8] = [
+    "free",
+    "touch",
+    "loading",
+    "hold",
+    "unloading",
+    "lift_off",
+    "forward",
+    "backward",
+];
 /// A region is mentioned beside the phase if its share of the excess is this many times its share of the
 /// samples.
 const TELLING: f64 = 1.3;
@@ -75,6 +85,11 @@ fn place(id: &str) -> &'static str {
         "depth_low" => "in the shallowest third",
         "depth_mid" => "in the middle third",
         "depth_high" => "in the deepest third",
+        "forward" => "on the way forward",
+        "backward" => "on the way back",
+        "travel_low" => "in the lowest third of the travel",
+        "travel_mid" => "in the middle third of the travel",
+        "travel_high" => "in the highest third of the travel",
         "slow" => "at the slower half of the speeds",
         "fast" => "at the faster half of the speeds",
         "early" => "in the first half of the log",

@@ -50,8 +50,11 @@ pub(crate) fn forces_of_changed(
     forces(shape, numbers, &changed)
 }
 
-/// The predicted penetrations (m) at each sample, for each log.
+/// The predicted penetrations (m) at each sample, for each log; 0 where there is nothing to touch.
 pub(crate) fn depths(shape: &Shape, numbers: &[f64], logs: &[FitData]) -> Vec<Vec<f64>> {
+    if shape.base.is_free() {
+        return logs.iter().map(|log| vec![0.0; log.len()]).collect();
+    }
     let rig = shape.rig(numbers);
     let depths_of = |log: &FitData| {
         let mut depths = Vec::with_capacity(log.len());

@@ -1,5 +1,6 @@
 //! Where a model and the logs disagree: the energy of the residuals above the noise, by the phase of the
-//! contact, by depth, by speed and by time.
+//! contact, by depth, by speed and by time. Where nothing is touched, by the way it goes instead of the phase and by
+//! its place in the travel instead of the depth.
 //!
 //! A region is named when its excess is significant against the noise. Benjamini and Hochberg's
 //! procedure keeps the share of false names among them low.
@@ -7,7 +8,7 @@
 use crate::gap::finding::Region;
 use crate::gap::say::{lines::lines, log_residuals::LogResiduals};
 use crate::gap::thresholds::Regions;
-use crate::stats::{median, quantile};
+use crate::stats::{lowest, median, quantile, range};
 
 /// Depths below this share of the deepest are touch and lift-off.
 const NEAR: f64 = 0.05;
@@ -16,18 +17,25 @@ const STILL: f64 = 0.02;
 /// The quantile of the speeds that is fast.
 const FAST: f64 = 0.95;
 
-/// The phase of the contact at a depth (m) and a speed (m/s). `fast_mps` is the 95 % quantile of the speeds.
+/// The phase of the contact at a depth (m) and a speed (m/s), or the way it goes where nothing is touched. `fast_mps`
+/// is the 95 % quantile of the speeds.
 pub(crate) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, fast_mps: f64) -> &'static str {
+    let is_still = speed_mps.abs() <= STILL * fast_mps;
+    if deepest_m <= 0.0 {
+        return match speed_mps > 0.0 {
+            _ if is_still => "hold",
+            true => "forward",
+            false => "backward",
+        };
+    }
     let near_m = NEAR * deepest_m;
     if depth_m <= -near_m {
         "free"
-    } else if depth_m < near_m && speed_mps > STILL * fast_mps {
-        "touch"
-    } else if depth_m < near_m && speed_mps < -STILL * fast_mps {
-        "lift_off"
+    } else if depth_m < near_m && !is_still {
+        if speed_mps > 0.0 { "touch" } else { "lift_off" }
     } else if depth_m <= 0.0 {
         "free"
-    } else if speed_mps.abs() <= STILL * fast_mps {
+    } else if is_still {
         "hold"
     } else if speed_mps > 0.0 {
         "loading"
@@ -92,6 +100,10 @@ impl Tallies {
             variances,
         } = residuals;
         let deepest_m = depth_m.iter().copied().fold(0.0, f64::max);
+        let (lowest_m, travel_m) = (
+            lowest(log.position_m.iter().copied()),
+            range(&log.position_m),
+        );
         let speeds = log.speed_mps.iter().map(|v| v.abs());
         let fast_mps = quantile(speeds.clone(), FAST);
         let median_mps = median(speeds.filter(|v| *v > STILL * fast_mps));
@@ -100,9 +112,11 @@ impl Tallies {
             let (square, variance) = (residuals[at].powi(2), variances[at]);
             let mut add = |id: &'static str| self.add(id, square, variance);
             add(phase(depth, speed, deepest_m, fast_mps));
-            if depth > 0.0 && deepest_m > 0.0 {
-                let third = (3.0 * depth / deepest_m) as usize;
-                add(["depth_low", "depth_mid", "depth_high"][third.min(2)]);
+            if depth > 0.0 {
+                add(["depth_low", "depth_mid", "depth_high"][third(depth / deepest_m)]);
+            } else if deepest_m <= 0.0 && travel_m > 0.0 {
+                let share = (log.position_m[at] - lowest_m) / travel_m;
+                add(["travel_low", "travel_mid", "travel_high"][third(share)]);
             }
             if speed.abs() > STILL * fast_mps {
                 let is_slow = speed.abs() < median_mps;
@@ -124,6 +138,11 @@ impl Tallies {
             }
         }
     }
+}
+
+/// The third in which a share lies.
+fn third(share: f64) -> usize {
+    ((3.0 * share) as usize).min(2)
 }
 
 /// Sums over the samples of a region.
@@ -159,5 +178,38 @@ impl Tally {
             hz: None,
             pitch_m: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_is_in_a_phase_of_the_contact_or_on_a_way() {
+        // GIVEN a millimetre of depth at 10 mm/s
+        let phase_at = |depth_m, speed_mps| phase(depth_m, speed_mps, 1e-3, 1e-2);
+        let phases = [
+            (-1e-3, 1e-2, "free"),
+            (-1e-5, 0.0, "free"),
+            (-1e-5, 1e-2, "touch"),
+            (1e-5, -1e-2, "lift_off"),
+            (5e-4, 1e-2, "loading"),
+            (5e-4, 1e-4, "hold"),
+            (5e-4, -1e-2, "unloading"),
+        ];
+        for (depth_m, speed_mps, expected) in phases {
+            assert_eq!(
+                phase_at(depth_m, speed_mps),
+                expected,
+                "{depth_m} {speed_mps}"
+            );
+        }
+        // THEN where nothing is touched there is no air, and no depth.
+        let ways = [(1e-2, "forward"), (-1e-2, "backward"), (1e-4, "hold")];
+        for (speed_mps, expected) in ways {
+            assert_eq!(phase(0.0, speed_mps, 0.0, 1e-2), expected);
+        }
+        assert_eq!([0.0, 0.34, 0.99, 1.0].map(third), [0, 1, 2, 2]);
     }
 }

@@ -1,7 +1,7 @@
 //! The residuals of a log, and their means over depth or speed, which a scatter plot would hide.
 
 use crate::gap::{Curves, phase};
-use crate::stats::{median, quantile};
+use crate::stats::{highest, lowest, median, quantile};
 
 /// A mean is taken over at least this many samples.
 const FEWEST: usize = 8;
@@ -25,6 +25,20 @@ pub(super) struct LogCurves<'a> {
     pub(super) fast_mps: f64,
     /// Median of the speeds of samples that move (m/s).
     pub(super) typical_mps: f64,
+}
+
+/// Where the rig is in its travel: how deep it presses or, where nothing is touched, its position.
+pub(super) struct Place<'a> {
+    /// The word in titles.
+    pub(super) name: &'static str,
+    /// The name of an axis.
+    pub(super) axis: &'static str,
+    /// The place at every sample (m).
+    pub(super) each_m: &'a [f64],
+    /// The first place of the maps (m).
+    pub(super) from_m: f64,
+    /// The last (m).
+    pub(super) to_m: f64,
 }
 
 impl<'a> LogCurves<'a> {
@@ -87,6 +101,27 @@ impl<'a> LogCurves<'a> {
             before = *out;
         }
         parts
+    }
+
+    /// Where the rig is.
+    pub(super) fn place(&self) -> Place<'a> {
+        let position_m = &self.curves.position_m;
+        match self.deepest_m > 0.0 {
+            true => Place {
+                name: "depth",
+                axis: "Depth δ",
+                each_m: &self.curves.depth_m,
+                from_m: 0.0,
+                to_m: self.deepest_m,
+            },
+            false => Place {
+                name: "position",
+                axis: "Position x",
+                each_m: position_m,
+                from_m: lowest(position_m.iter().copied()),
+                to_m: highest(position_m.iter().copied()),
+            },
+        }
     }
 
     /// The direction of motion at a sample: −1 outward, 0 still, 1 inward.

@@ -62,8 +62,8 @@ pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
 
 const ALLOWED: &str =
     "Grey: two standard deviations of what noise and the errors of the motion allow.";
-const SHADED: &str = "Strip: grey free air, purple loading, yellow hold, green unloading. Shaded: the \
-    held-out parts, on which the errors of the verdict were taken.";
+const SHADED: &str = "Strip: grey free air, purple loading (or forward, where nothing is touched), yellow hold, green \
+    unloading (or back). Shaded: the held-out parts, on which the errors of the verdict were taken.";
 
 /// An axis that shows all but the worst thousandth of the residuals.
 fn axis(shown: &[&[f64]]) -> Axis {
@@ -77,6 +77,8 @@ fn span((phase, from, to): (&str, f64, f64)) -> Span {
         "loading" => ("in", StripTone::Info),
         "hold" => ("hold", StripTone::Warning),
         "unloading" => ("out", StripTone::Good),
+        "forward" => ("forward", StripTone::Info),
+        "backward" => ("back", StripTone::Good),
         _ => ("free", StripTone::Neutral),
     };
     Span {
@@ -132,42 +134,42 @@ fn last(log: &LogCurves<'_>) -> &'static str {
 
 /// The loop of one touch, and mean residuals over depth and speed.
 pub(super) fn by_depth_and_speed<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
-    let mut figures = vec![hysteresis(log)];
-    if log.deepest_m > 0.0 {
-        figures.push(over_depth(log));
+    let mut figures = vec![loops(log), over_place(log)];
+    if log.deepest_m <= 0.0 {
+        let (all, speed) = (0..log.curves.time_s.len(), &log.curves.speed_mps);
+        let chart = Chart::new(
+            Axis::new("Speed", "m/s"),
+            Axis::new("Force F", "N").with_zero(),
+        );
+        let figure = Figure::new("Force over speed", &models(log, chart, all, speed));
+        figures.push(figure.caption("The forces over the speed of the motor side."));
     }
     figures.push(over_speed(log));
     figures
 }
 
-/// Force over depth in the touch where the base model is furthest off, or over speed without contact.
-fn hysteresis<'a>(log: &'a LogCurves<'a>) -> Figure {
+/// Force over depth in the touch where the base model is furthest off, or over position where nothing is touched.
+fn loops<'a>(log: &'a LogCurves<'a>) -> Figure {
     let curves = log.curves;
-    let worst = worst_touch(log);
-    let (range, x, axis, title) = match &worst {
-        Some(range) => (
-            range.clone(),
-            &curves.depth_m,
-            Axis::new("Depth δ", "m"),
+    let (place, worst) = (log.place(), worst_touch(log));
+    let range = worst.clone().unwrap_or(0..curves.time_s.len());
+    let chart = Chart::new(
+        Axis::new(place.axis, "m"),
+        Axis::new("Force F", "N").with_zero(),
+    );
+    let chart = models(log, chart, range.clone(), &place.each_m[range.clone()]);
+    let (title, caption) = match (worst, &curves.time_s[range]) {
+        (Some(_), [from, .., to]) => (
             "Hysteresis loop",
+            format!(
+                "The touch from {from:.2} to {to:.2} s, where the base model is furthest off. The area inside \
+                 a loop is the work that the contact dissipates."
+            ),
         ),
-        None => (
-            0..curves.time_s.len(),
-            &curves.speed_mps,
-            Axis::new("Speed", "m/s"),
-            "Force over speed",
+        _ => (
+            "Force over position",
+            "The forces over the whole travel. The area inside a loop is the work that the machine takes.".into(),
         ),
-    };
-    let part = |channel: &'a [f64]| &channel[range.clone()];
-    let x = part(x);
-    let chart = Chart::new(axis, Axis::new("Force F", "N").with_zero());
-    let chart = models(log, chart, range.clone(), x);
-    let caption = match (worst, part(&curves.time_s)) {
-        (Some(_), [from, .., to]) => format!(
-            "The touch from {from:.2} to {to:.2} s, where the base model is furthest off. The area inside \
-             a loop is the work that the contact dissipates."
-        ),
-        _ => "The forces over the speed of the motor side.".into(),
     };
     Figure::new(title, &chart).caption(caption)
 }
@@ -197,23 +199,31 @@ fn worst_touch(log: &LogCurves<'_>) -> Option<Range<usize>> {
     best.map(|(_, range)| range)
 }
 
-fn over_depth<'a>(log: &'a LogCurves<'a>) -> Figure {
-    let range = (-0.1 * log.deepest_m, log.deepest_m);
+fn over_place<'a>(log: &'a LogCurves<'a>) -> Figure {
+    let place = log.place();
+    // A little of the free air before a touch, too.
+    let range = (place.from_m - 0.1 * log.deepest_m, place.to_m);
+    let ways = match log.deepest_m > 0.0 {
+        true => ["in", "out"],
+        false => ["forward", "back"],
+    };
     let mut chart = Chart::new(
-        Axis::new("Depth δ", "m"),
+        Axis::new(place.axis, "m"),
         Axis::new("Mean residual", "N").with_zero(),
     );
     for (name, ink, residuals) in both(log) {
-        for (way, direction, stroke) in [("in", 1, Stroke::Solid), ("out", -1, Stroke::Dashed)] {
+        for (way, direction, stroke) in [(0, 1, Stroke::Solid), (1, -1, Stroke::Dashed)] {
+            let way = ways[way];
             let wanted = |at: usize| log.direction(at) == direction;
-            let (x, y) = log.means(residuals, &log.curves.depth_m, range, BINS, wanted);
+            let (x, y) = log.means(residuals, place.each_m, range, BINS, wanted);
             chart = chart.series(Series::new(format!("{name}, {way}"), ink, stroke, x, y));
         }
     }
-    Figure::new("Residual over depth", &chart).caption(
-        "Means over the samples of the same depth, on the way in and on the way out. Two lines of \
+    let (name, [there, back]) = (place.name, ways);
+    Figure::new(format!("Residual over {name}"), &chart).caption(format!(
+        "Means over the samples of the same {name}, on the way {there} and on the way {back}. Two lines of \
          opposite sign mean friction, play or a delay; one common shape means another law or compliance.",
-    )
+    ))
 }
 
 fn over_speed<'a>(log: &'a LogCurves<'a>) -> Figure {
@@ -244,7 +254,7 @@ fn over_speed<'a>(log: &'a LogCurves<'a>) -> Figure {
         }
     }
     Figure::new("Residual over speed", &chart).caption(
-        "Means over the samples of the same speed; inward is positive. A step at zero means \
+        "Means over the samples of the same speed; inward (or forward) is positive. A step at zero means \
          friction, a slope means drag.",
     )
 }

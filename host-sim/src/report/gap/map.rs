@@ -4,9 +4,17 @@ use super::bins::LogCurves;
 use crate::number::quantity;
 use crate::report::{HeatMap, HeatScale, Shaded};
 
-/// The number of rows in contact; each covers the same range of depths.
-const DEPTHS: usize = 5;
+/// The number of rows in contact, or of the whole travel where nothing is touched; each covers the same range.
+const PLACES: usize = 5;
 const COLUMNS: [&str; 5] = ["out, fast", "out, slow", "still", "in, slow", "in, fast"];
+/// The same where nothing is touched.
+const WAYS: [&str; 5] = [
+    "back, fast",
+    "back, slow",
+    "still",
+    "forward, slow",
+    "forward, fast",
+];
 /// A cell is shown if it has at least this many samples.
 const FEWEST: f64 = 20.0;
 /// The ratios of no shade and of the darkest.
@@ -45,12 +53,14 @@ pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
 
 fn tally(log: &LogCurves<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {
     let curves = log.curves;
-    let mut tallies = vec![[Tally::default(); COLUMNS.len()]; DEPTHS + 1];
+    let mut tallies = vec![[Tally::default(); COLUMNS.len()]; PLACES + 1];
+    let (contact, place) = (log.deepest_m > 0.0, log.place());
+    let width_m = (place.to_m - place.from_m).max(f64::MIN_POSITIVE);
     for (at, residual) in residuals.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-        let deep = DEPTHS as f64 * curves.depth_m[at] / log.deepest_m.max(f64::MIN_POSITIVE);
-        let row = match curves.depth_m[at] > 0.0 {
-            true => 1 + (deep as usize).min(DEPTHS - 1),
-            false => 0,
+        let within_m = place.each_m[at] - place.from_m;
+        let row = match contact && within_m <= 0.0 {
+            true => 0,
+            false => 1 + ((PLACES as f64 * within_m / width_m) as usize).min(PLACES - 1),
         };
         let fast = curves.speed_mps[at].abs() > log.typical_mps;
         let column = match (log.direction(at), fast) {
@@ -74,10 +84,14 @@ fn map(log: &LogCurves<'_>, tallies: &[[Tally; COLUMNS.len()]], all_n2: f64) -> 
         .enumerate()
         .filter(|(_, row)| row.iter().any(|tally| tally.count >= FEWEST));
     filled.fold(
-        HeatMap::new("depth \\ motion", COLUMNS, scale()),
+        HeatMap::new(
+            format!("{} \\ motion", log.place().name),
+            columns(log),
+            scale(),
+        ),
         |map, (at, row)| {
             let cells = row.iter().map(|tally| cell(tally, all_n2)).collect();
-            map.row(depth(at, log), cells)
+            map.row(row_name(at, log), cells)
         },
     )
 }
@@ -95,9 +109,18 @@ fn scale() -> HeatScale {
     }
 }
 
-/// The name of a row: free air, or the depth at its lower end.
-fn depth(row: usize, log: &LogCurves<'_>) -> String {
-    let end = |at: usize| at as f64 / DEPTHS as f64 * log.deepest_m;
+fn columns(log: &LogCurves<'_>) -> [&'static str; 5] {
+    match log.deepest_m > 0.0 {
+        true => COLUMNS,
+        false => WAYS,
+    }
+}
+
+/// The name of a row: free air, or its lower end.
+fn row_name(row: usize, log: &LogCurves<'_>) -> String {
+    let place = log.place();
+    let width_m = place.to_m - place.from_m;
+    let end = |at: usize| place.from_m + at as f64 / PLACES as f64 * width_m;
     match row {
         0 => "free air".into(),
         1 => format!("to {}", quantity(end(1), 2, "m")),

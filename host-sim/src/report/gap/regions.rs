@@ -45,17 +45,22 @@ fn remaining_share(finding: &Finding) -> String {
     }
 }
 
-/// The order of the rows: phases of the contact, depth, speed, time, lines of the spectrum.
-const ORDER: [&str; 15] = [
+/// The order of the rows: phases of the contact or ways, depth or place, speed, time, lines of the spectrum.
+const ORDER: [&str; 20] = [
     "free",
     "touch",
     "loading",
     "hold",
     "unloading",
     "lift_off",
+    "forward",
+    "backward",
     "depth_low",
     "depth_mid",
     "depth_high",
+    "travel_low",
+    "travel_mid",
+    "travel_high",
     "slow",
     "fast",
     "early",
@@ -145,6 +150,11 @@ fn name(region: &Region) -> String {
         "depth_low" => "Shallow third",
         "depth_mid" => "Middle third",
         "depth_high" => "Deep third",
+        "forward" => "Way forward",
+        "backward" => "Way back",
+        "travel_low" => "Lowest third of the travel",
+        "travel_mid" => "Middle third of the travel",
+        "travel_high" => "Highest third of the travel",
         "slow" => "Slower half of the speeds",
         "fast" => "Faster half of the speeds",
         "early" => "First half of the log",

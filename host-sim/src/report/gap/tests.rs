@@ -244,6 +244,28 @@ fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() 
 }
 
 #[test]
+fn a_rig_that_touches_nothing_has_a_travel_and_no_depth() {
+    // GIVEN the same rig with a law of free motion
+    let mut free = finding(Verdict::MissingEffects);
+    free.curves[0].depth_m.fill(0.0);
+    let html = html(&free);
+    // THEN its loops and maps are of the position, and nothing is in air or touched.
+    for words in [
+        "Force over position",
+        "Residual over position",
+        "position \\ motion",
+        "Force over speed",
+        "forward, fast",
+        "By position, speed and frequency",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
+    for words in ["Hysteresis loop", "<th>free air", "out, fast"] {
+        assert!(!html.contains(words), "{words}");
+    }
+}
+
+#[test]
 fn an_effect_that_the_model_had_already_is_shown_with_its_base() {
     let html = html(&finding(Verdict::NoMissingEffect));
     assert!(html.contains("<caption>Tool inertia</caption>"), "{html}");
