@@ -86,7 +86,11 @@ impl Shape {
         }
         for (number, term) in terms.iter().enumerate() {
             for at in (0..term.id.info().parameters.len()).filter(|at| term.free[*at]) {
-                free.push(of_effect(term.id, number, at, scales, depth_m));
+                let own = of_effect(term.id, number, at, scales, depth_m);
+                free.push(match term.given {
+                    true => own.around(term.row[at]),
+                    false => own,
+                });
             }
         }
         Shape {
@@ -197,6 +201,32 @@ impl Free {
         number.clamp(self.lowest, self.highest)
     }
 
+    /// The bounds with those around a value that the user gave, from half of it to twice it where it lies without:
+    /// he may know what this log is too short to show.
+    fn around(self, natural: f64) -> Free {
+        let number = |natural: f64| match self.logarithmic {
+            true => natural.ln(),
+            false => natural,
+        };
+        let (own, ends) = (number(natural), [0.5, 2.0].map(|of| number(of * natural)));
+        if !own.is_finite() || (self.lowest..=self.highest).contains(&own) {
+            return self;
+        }
+        if self.lowest == self.highest {
+            return Free {
+                lowest: own,
+                highest: own,
+                ..self
+            };
+        }
+        let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        Free {
+            lowest: self.lowest.min(low),
+            highest: self.highest.max(high),
+            ..self
+        }
+    }
+
     /// Whether a free number lies at its bound: a parameter that wants to be what it cannot be.
     pub(in crate::gap) fn is_at_bound(&self, number: f64) -> bool {
         // A number without a highest value has no range to be near the end of.
@@ -288,5 +318,48 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
         FitRange::Linear(low, high) => linear(owner, low.value(size), high.value(size)),
         FitRange::Logarithmic(low, high) => logarithmic(owner, low.value(size), high.value(size)),
         FitRange::Fixed(value) => linear(owner, value, value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_the_user_gave_is_within_the_bounds() {
+        let owner = Owner::Effect(0, 1);
+        let natural = |free: Free| {
+            let of = |number: f64| {
+                if free.logarithmic {
+                    number.exp()
+                } else {
+                    number
+                }
+            };
+            [of(free.lowest), of(free.highest)]
+        };
+        let is_near = |own: [f64; 2], expected: [f64; 2]| {
+            let each = own.iter().zip(expected);
+            each.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12
+        };
+        // GIVEN a pitch that may be 0.1 to 0.9 mm long, and is given as 1.6 mm
+        for free in [linear(owner, 1e-4, 9e-4), logarithmic(owner, 1e-4, 9e-4)] {
+            // THEN it is where it was put, and not at a bound.
+            let wider = free.around(1.6e-3);
+            assert!(is_near(natural(wider), [1e-4, 3.2e-3]));
+            assert!(!wider.is_at_bound(wider.number(1.6e-3)));
+            assert!(is_near(natural(free.around(2e-5)), [1e-5, 9e-4]));
+            // AND one within them changes nothing, as 0 does not where a number is a logarithm.
+            assert_eq!(free.around(5e-4), free);
+        }
+        assert_eq!(
+            logarithmic(owner, 1.0, 2.0).around(0.0),
+            logarithmic(owner, 1.0, 2.0)
+        );
+        // A number that no fit moves is held where the user has it.
+        assert!(is_near(
+            natural(linear(owner, 2.0, 2.0).around(1.5)),
+            [1.5, 1.5]
+        ));
     }
 }
