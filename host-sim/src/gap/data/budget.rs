@@ -196,8 +196,13 @@ pub(crate) fn thin_rests(logs: &mut [FitData], most: usize, decide: Rest) -> Opt
     }
     for (log, still) in logs.iter_mut().zip(&still) {
         let kept = kept_samples(log, still);
+        let longest_rest_s = log.period_s * longest_run(still) as f64;
+        let spacing = Spacing::Thinned {
+            longest_rest_s,
+            longest_step_s: STEP_GROWTH * longest_rest_s,
+        };
         *log = FitData {
-            spacing: Spacing::Thinned,
+            spacing,
             ..log.picked(kept.iter().copied())
         };
     }
@@ -207,6 +212,12 @@ pub(crate) fn thin_rests(logs: &mut [FitData], most: usize, decide: Rest) -> Opt
          steps of 0.3 % of the time since they began",
         (100.0 * resting as f64 / before as f64).round()
     ))
+}
+
+/// How many samples in a row stand still at most.
+fn longest_run(still: &[bool]) -> usize {
+    let runs = still.split(|still| !still);
+    runs.map(<[bool]>::len).max().unwrap_or(0)
 }
 
 /// The samples to keep: all that move, and ever fewer of a rest the longer it lasts.
@@ -370,5 +381,30 @@ mod tests {
         // and the steps between samples add up to the time.
         let sum: f64 = (1..thinned.len()).map(|at| thinned.step_s(at)).sum();
         assert!((sum - (thinned.time_s[thinned.len() - 1] - thinned.time_s[0])).abs() < 1e-6);
+        // No wave is looked for: it would be the course of the hold.
+        assert_eq!(thinned.fastest_wave_hz(), None);
+    }
+
+    #[test]
+    fn waves_go_on_through_short_rests_and_the_motion_still_repeats() {
+        // GIVEN 17 strokes of 0.25 s to and fro, with a second of rest at either end, at 2 kHz
+        let way = |t: f64| match t.rem_euclid(2.5) {
+            into if into < 0.25 => 4e-3 * into,
+            into if into < 1.25 => 1e-3,
+            into if into < 1.5 => 4e-3 * (1.5 - into),
+            _ => 0.0,
+        };
+        let mut data = [FitData::of(&log(88_000, 2000.0, way))];
+        let before = crate::gap::data::repetition::of(&data[0]);
+        thin_rests(&mut data, 30_000, Rest::default()).unwrap();
+        assert!(data[0].len() < 60_000, "{}", data[0].len());
+        // THEN steps of up to 3 ms show waves of up to 40 Hz,
+        let fastest_hz = data[0].fastest_wave_hz().unwrap();
+        assert!((35.0..50.0).contains(&fastest_hz), "{fastest_hz}");
+        // and it is still known that lines at 0.4 Hz and its harmonics are the motion's.
+        let after = crate::gap::data::repetition::of(&data[0]);
+        for hz in [before.unwrap(), after.unwrap()] {
+            assert!((hz - 0.4).abs() < 2e-3, "{hz}");
+        }
     }
 }

@@ -24,10 +24,12 @@ pub(super) fn of(log: &FitData) -> Option<f64> {
     let middle_m = log.position_m.iter().sum::<f64>() / log.len() as f64;
     let moved = || log.position_m.iter().map(|x| x - middle_m);
     let variance = moved().map(|x| x * x).sum::<f64>() / log.len() as f64;
-    if !log.is_nearly_even() || variance <= 0.0 {
+    if variance <= 0.0 {
         return None;
     }
-    let series = log.in_slots(moved());
+    // Where waves are looked for in time it has to be known.
+    log.fastest_wave_hz()?;
+    let series = log.held_in_slots(moved());
     let padded = (4 * series.len()).next_power_of_two();
     let power = spectral::power(series, padded);
     let strongest = (1..padded / 2).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;

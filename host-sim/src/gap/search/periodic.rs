@@ -80,16 +80,16 @@ impl LinearizedModel<'_> {
     fn waves_in_time(&self, carrier: &[f64]) -> Vec<Wave> {
         let log = &self.problem.logs[0];
         let n = log.len();
-        // Between the samples of a thinned rest waves fit the rest's own course: a line of 11 Hz under a cantilever
-        // would be found, and a foam would lose its bond to waves.
-        if !log.is_nearly_even() {
+        let Some(fastest_hz) = log.fastest_wave_hz() else {
             return Vec::new();
-        }
+        };
         let weighted = (0..n).map(|at| self.residuals[at] * self.roots[at] * carrier[at]);
         let series = log.in_slots(weighted);
-        let padded = (2 * series.len()).next_power_of_two();
-        let power = &spectral::power(series, padded)[..padded / 2];
+        let slots = series.len();
+        let padded = (2 * slots).next_power_of_two();
         let bin_hz = 1.0 / (padded as f64 * log.period_s);
+        let bins = ((fastest_hz / bin_hz) as usize).min(padded / 2);
+        let power = &spectral::power(series, padded)[..bins];
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
         let wave = |at: usize| {
             let hz = at as f64 * bin_hz;
@@ -101,7 +101,7 @@ impl LinearizedModel<'_> {
                 phase,
             })
         };
-        let peaks = peaks(power, lowest.max(1), padded / n);
+        let peaks = peaks(power, lowest.max(1), padded / slots);
         peaks.into_iter().filter_map(wave).collect()
     }
 
