@@ -13,8 +13,17 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The kinds of rigs without `--kind`: of each group of figures one.
-pub const KINDS: [&str; 5] = ["single", "mismatched", "pair", "none", "unknown"];
+/// The kinds of rigs without `--kind`: of each group of figures one, and what is foreign, weak or a machine's.
+pub const KINDS: [&str; 8] = [
+    "single",
+    "mismatched",
+    "pair",
+    "none",
+    "unknown",
+    "foreign",
+    "weak",
+    "machine",
+];
 
 /// The factors on what a threshold has over its origin, with their names.
 const FACTORS: [(f64, &str); 3] = [(0.75, "-25 %"), (1.0, "0"), (1.25, "+25 %")];
