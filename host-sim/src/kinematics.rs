@@ -233,11 +233,8 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         // Where three samples go through a bend what they leave out is no bias within the noise but most of the error: a
         // motor of 25 Hz that stops, sampled at 100 Hz, was 2.4 mm/s off at one sample, known to 0.02, and an hour with
         // nothing missing stayed unexplained for twenty such samples.
-        // Between samples that were not measured a bend is how they were filled in.
-        let beside = at.saturating_sub(2)..(at + 3).min(channel.len());
-        let is_bend =
-            window.is_some_and(|own| own.half_width == 1) && !log.in_gap[beside].contains(&true);
-        let unresolved = if is_bend { left[1] } else { 0.0 };
+        let is_narrowest = window.is_some_and(|own| own.half_width == 1);
+        let unresolved = if is_narrowest { left[1] } else { 0.0 };
         speed_noise_mps.push((noise[0] * noise_m).hypot(unresolved) * log.rate_hz);
         acceleration_noise_mps2.push(bend_noise * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);
