@@ -35,6 +35,7 @@ mod search;
 pub mod thresholds;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
+pub(crate) use finding::PHASES;
 pub use finding::{
     AdvisedMotion, Candidate, Change, Curves, Finding, Grade, MOTION, MissingEffect, Next,
     ParameterEstimate, Region, Support, Verdict, changes_in_words, regions_in_words,

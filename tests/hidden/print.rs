@@ -161,7 +161,7 @@ fn swept(arguments: &[String]) -> Result<(), String> {
         print!("{}", sweep::text(name, &rigs, jobs as usize)?);
         return Ok(());
     }
-    // Line by line: it takes an hour.
+    // Line by line: it takes half an hour.
     let options = palpate::gap::Options::default();
     let usual = run::each(&rigs, jobs as usize, |rig, _| library::score(rig, &options))?;
     print!("{}", sweep::heading(&usual));

@@ -122,7 +122,8 @@ impl FitData {
         }
     }
 
-    fn duration_s(&self) -> f64 {
+    /// The time from the first sample to the last (s).
+    pub(crate) fn duration_s(&self) -> f64 {
         match (self.time_s.first(), self.time_s.last()) {
             (Some(first), Some(last)) => last - first,
             _ => 0.0,
@@ -135,13 +136,19 @@ impl FitData {
         if self.spacing == Spacing::Even {
             return channel.collect();
         }
-        let first_s = self.time_s.first().copied().unwrap_or(0.0);
-        let slot = |time_s: &f64| ((time_s - first_s) / self.period_s).round().max(0.0) as usize;
-        let mut slots = vec![0.0; self.time_s.last().map_or(0, slot) + 1];
-        let each = self.time_s.iter().map(slot).zip(channel);
+        let mut slots = vec![0.0; self.slots().next_back().unwrap_or(0) + 1];
+        let each = self.slots().zip(channel);
         let last = slots.len() - 1;
         each.for_each(|(slot, value)| slots[slot.min(last)] += value);
         slots
+    }
+
+    /// The slot of each sample's instant.
+    fn slots(&self) -> impl DoubleEndedIterator<Item = usize> {
+        let first_s = self.time_s.first().copied().unwrap_or(0.0);
+        let slot =
+            move |time_s: &f64| ((time_s - first_s) / self.period_s).round().max(0.0) as usize;
+        self.time_s.iter().map(slot)
     }
 
     /// The same of a channel that stays as it is until the next sample, where rests are thinned.
@@ -149,10 +156,8 @@ impl FitData {
         if self.is_nearly_even() {
             return self.in_slots(channel);
         }
-        let first_s = self.time_s.first().copied().unwrap_or(0.0);
         let mut slots = Vec::new();
-        for (time_s, value) in self.time_s.iter().zip(channel) {
-            let slot = ((time_s - first_s) / self.period_s).round().max(0.0) as usize;
+        for (slot, value) in self.slots().zip(channel) {
             let before = slots.last().copied().unwrap_or(value);
             slots.resize(slot.max(slots.len()), before);
             slots.push(value);

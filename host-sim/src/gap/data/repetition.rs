@@ -20,11 +20,11 @@ const NEAR: f64 = 0.25;
 
 /// The frequency (Hz) at which the motion of a log repeats.
 pub(super) fn of(log: &FitData) -> Option<f64> {
-    let duration_s = log.time_s.last()? - log.time_s.first()?;
+    let duration_s = log.duration_s();
     let middle_m = log.position_m.iter().sum::<f64>() / log.len() as f64;
     let moved = || log.position_m.iter().map(|x| x - middle_m);
     let variance = moved().map(|x| x * x).sum::<f64>() / log.len() as f64;
-    if variance <= 0.0 {
+    if duration_s <= 0.0 || variance <= 0.0 {
         return None;
     }
     // Where waves are looked for in time it has to be known.

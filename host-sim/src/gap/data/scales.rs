@@ -86,6 +86,7 @@ impl Scales {
         let accelerating = accelerations
             .map(|acceleration| acceleration.abs())
             .filter(|acceleration| *acceleration > 0.0);
+        let duration_s = logs.iter().map(|log| log.duration_s() + log.period_s);
         let (lowest_m, deepest_m) = (quantile(position(), 0.0), quantile(position(), 1.0));
         Scales {
             travel_m: deepest_m - lowest_m,
@@ -94,7 +95,7 @@ impl Scales {
             lowest_n: quantile(force(), 0.0),
             speed_mps: quantile(moving, 0.95),
             acceleration_mps2: quantile(accelerating, 0.95),
-            duration_s: logs.iter().map(duration_s).fold(0.0, f64::max),
+            duration_s: duration_s.fold(0.0, f64::max),
             period_s: first.period_s,
             position_noise_m: first.position_noise_m,
             speed_noise_mps,
@@ -112,11 +113,4 @@ fn evenly_spaced_quantiles(numbers: impl Iterator<Item = f64>) -> [f64; QUANTILE
     sorted.sort_by(f64::total_cmp);
     let last = sorted.len().saturating_sub(1);
     std::array::from_fn(|at| sorted.get(at * last / (QUANTILES - 1)).map_or(0.0, |x| *x))
-}
-
-fn duration_s(log: &FitData) -> f64 {
-    match (log.time_s.first(), log.time_s.last()) {
-        (Some(first), Some(last)) => last - first + log.period_s,
-        _ => 0.0,
-    }
 }

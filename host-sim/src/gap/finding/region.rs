@@ -22,7 +22,7 @@ pub struct Region {
 }
 
 /// The phases of the contact, or the ways it goes; every sample is in one.
-const PHASES: [&str; 8] = [
+pub(crate) const PHASES: [&str; 8] = [
     "free",
     "touch",
     "loading",

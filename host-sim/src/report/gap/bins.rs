@@ -12,7 +12,6 @@ const STILL: f64 = 0.02;
 /// The curves of a log, and what the figures derive from them.
 pub(super) struct LogCurves<'a> {
     pub(super) curves: &'a Curves,
-    /// How the rig moves.
     /// Measured force minus that of the base model (N); NaN where the sample has no weight.
     pub(super) before_n: Vec<f64>,
     /// Measured force minus that of the model with the effects (N).
@@ -103,10 +102,15 @@ impl<'a> LogCurves<'a> {
         parts
     }
 
+    /// Whether anything is touched.
+    pub(super) fn touches(&self) -> bool {
+        self.deepest_m > 0.0
+    }
+
     /// Where the rig is.
     pub(super) fn place(&self) -> Place<'a> {
         let position_m = &self.curves.position_m;
-        match self.deepest_m > 0.0 {
+        match self.touches() {
             true => Place {
                 name: "depth",
                 axis: "Depth δ",

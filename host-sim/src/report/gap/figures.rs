@@ -135,7 +135,7 @@ fn last(log: &LogCurves<'_>) -> &'static str {
 /// The loop of one touch, and mean residuals over depth and speed.
 pub(super) fn by_depth_and_speed<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     let mut figures = vec![loops(log), over_place(log)];
-    if log.deepest_m <= 0.0 {
+    if !log.touches() {
         let (all, speed) = (0..log.curves.time_s.len(), &log.curves.speed_mps);
         let chart = Chart::new(
             Axis::new("Speed", "m/s"),
@@ -203,7 +203,7 @@ fn over_place<'a>(log: &'a LogCurves<'a>) -> Figure {
     let place = log.place();
     // A little of the free air before a touch, too.
     let range = (place.from_m - 0.1 * log.deepest_m, place.to_m);
-    let ways = match log.deepest_m > 0.0 {
+    let [there, back] = match log.touches() {
         true => ["in", "out"],
         false => ["forward", "back"],
     };
@@ -212,14 +212,13 @@ fn over_place<'a>(log: &'a LogCurves<'a>) -> Figure {
         Axis::new("Mean residual", "N").with_zero(),
     );
     for (name, ink, residuals) in both(log) {
-        for (way, direction, stroke) in [(0, 1, Stroke::Solid), (1, -1, Stroke::Dashed)] {
-            let way = ways[way];
+        for (way, direction, stroke) in [(there, 1, Stroke::Solid), (back, -1, Stroke::Dashed)] {
             let wanted = |at: usize| log.direction(at) == direction;
             let (x, y) = log.means(residuals, place.each_m, range, BINS, wanted);
             chart = chart.series(Series::new(format!("{name}, {way}"), ink, stroke, x, y));
         }
     }
-    let (name, [there, back]) = (place.name, ways);
+    let name = place.name;
     Figure::new(format!("Residual over {name}"), &chart).caption(format!(
         "Means over the samples of the same {name}, on the way {there} and on the way {back}. Two lines of \
          opposite sign mean friction, play or a delay; one common shape means another law or compliance.",
@@ -232,7 +231,7 @@ fn over_speed<'a>(log: &'a LogCurves<'a>) -> Figure {
         Axis::new("Speed", "m/s"),
         Axis::new("Mean residual", "N").with_zero(),
     );
-    let contact = log.deepest_m > 0.0;
+    let contact = log.touches();
     let depth = &log.curves.depth_m;
     for (name, ink, residuals) in both(log) {
         for (place, stroke, deep) in [

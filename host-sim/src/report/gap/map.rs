@@ -54,7 +54,7 @@ pub(super) fn maps(log: &LogCurves<'_>) -> Vec<HeatMap> {
 fn tally(log: &LogCurves<'_>, residuals: &[f64]) -> Vec<[Tally; COLUMNS.len()]> {
     let curves = log.curves;
     let mut tallies = vec![[Tally::default(); COLUMNS.len()]; PLACES + 1];
-    let (contact, place) = (log.deepest_m > 0.0, log.place());
+    let (contact, place) = (log.touches(), log.place());
     let width_m = (place.to_m - place.from_m).max(f64::MIN_POSITIVE);
     for (at, residual) in residuals.iter().enumerate().filter(|(_, r)| r.is_finite()) {
         let within_m = place.each_m[at] - place.from_m;
@@ -110,7 +110,7 @@ fn scale() -> HeatScale {
 }
 
 fn columns(log: &LogCurves<'_>) -> [&'static str; 5] {
-    match log.deepest_m > 0.0 {
+    match log.touches() {
         true => COLUMNS,
         false => WAYS,
     }

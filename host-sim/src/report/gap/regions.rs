@@ -1,6 +1,6 @@
 //! The regions in which the base model and the log disagree, and those that remain with the effects.
 
-use crate::gap::{Finding, Region, Verdict};
+use crate::gap::{Finding, PHASES, Region, Verdict};
 use crate::number::{column, fixed, quantity, spaced};
 use crate::report::{Cell, Section, Table};
 
@@ -45,16 +45,9 @@ fn remaining_share(finding: &Finding) -> String {
     }
 }
 
-/// The order of the rows: phases of the contact or ways, depth or place, speed, time, lines of the spectrum.
-const ORDER: [&str; 20] = [
-    "free",
-    "touch",
-    "loading",
-    "hold",
-    "unloading",
-    "lift_off",
-    "forward",
-    "backward",
+/// The order of the rows after the phases of the contact or the ways: depth or place, speed, time, lines of the
+/// spectrum.
+const AFTER_PHASES: [&str; 12] = [
     "depth_low",
     "depth_mid",
     "depth_high",
@@ -74,8 +67,9 @@ fn table(finding: &Finding) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);
     let of = |regions: &[Region], id: &str| regions.iter().find(|region| region.id == id).cloned();
-    let mut rows: Vec<(Option<Region>, Option<Region>)> = ORDER
+    let mut rows: Vec<(Option<Region>, Option<Region>)> = PHASES
         .iter()
+        .chain(&AFTER_PHASES)
         .map(|id| (of(before, id), of(after, id).filter(|_| !only_base)))
         .collect();
     rows.retain(|(before, after)| before.is_some() || after.is_some());

@@ -108,10 +108,7 @@ pub fn heading(usual: &[Scored]) -> String {
 /// No threshold has this name, or a truth.json cannot be read.
 pub fn row(name: &str, usual: &[Scored], rigs: &[PathBuf], jobs: usize) -> Result<String, String> {
     let mut text = format!("{name:<32}{:>10}", with(name, 1.0)?.1);
-    for (factor, _) in FACTORS {
-        if factor == 1.0 {
-            continue;
-        }
+    for (factor, _) in FACTORS.into_iter().filter(|(factor, _)| *factor != 1.0) {
         let options = with(name, factor)?.0;
         let changed = run::each(rigs, jobs, |rig, _| library::score(rig, &options))?;
         let pairs = || changed.iter().zip(usual);
