@@ -95,6 +95,7 @@ fn small(only: &[&str], every: usize) -> Vec<Examined> {
         sizes: vec![5.0],
         only: only.iter().map(|name| (*name).to_string()).collect(),
         every,
+        keep: None,
     };
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     examine(&question, &[data], &|_| {})

@@ -19,9 +19,9 @@ hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--
 hidden hard [DIR…] [--rigs N] [--only NAME[,NAME]…] [--seed S] [--out OUT] [--jobs J] [--list]
              (the library's answers to harder rigs, by group: those below DIR or, without one, N fresh ones of
              each group whose name contains a NAME)
-hidden injected [--sizes 1,2,5] [--records DIR] [--only NAME[,NAME]…] [--every N]
+hidden injected [--sizes 1,2,5] [--records DIR] [--only NAME[,NAME]…] [--every N] [--keep OUT]
              (effects put into measured records, of the repository and of DIR; NAME: a part of the name of a
-             record or an effect)
+             record or an effect; OUT gets the logs and models that are asked)
 hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--brief] [--out OUT]
              (scores the library with the threshold NAME at -25 %, 0 and +25 %, on the rigs below DIR or, without
              one, on N rigs of each kind; a line for each threshold where NAME is all;
@@ -239,6 +239,7 @@ fn inject(arguments: &[String]) -> Result<(), String> {
             names.split(',').map(String::from).collect()
         }),
         every: number(arguments, "--every", 1)?.max(1) as usize,
+        keep: option(arguments, "--keep").map(PathBuf::from),
     };
     let mut roots = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("data")];
     roots.extend(option(arguments, "--records").map(PathBuf::from));

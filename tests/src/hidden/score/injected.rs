@@ -12,7 +12,7 @@ use palpate::gap::{Options, gap};
 use palpate::log::Log;
 use palpate::model::Model;
 use std::panic::AssertUnwindSafe;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Below this multiple of the error on the clean record the owner's model explains the effect itself.
 pub const WORSE: f64 = 1.4;
@@ -29,6 +29,8 @@ pub struct Question {
     pub only: Vec<String>,
     /// Every how many samples of the records are kept.
     pub every: usize,
+    /// The folder that gets every record with its effect and the model that is asked, to look at by hand.
+    pub keep: Option<PathBuf>,
 }
 
 /// What became of a record.
@@ -133,7 +135,7 @@ pub fn examine(question: &Question, roots: &[PathBuf], say: &dyn Fn(&str)) -> Ve
 
 fn one_record<'a>(
     record: &Record,
-    folder: &std::path::Path,
+    folder: &Path,
     question: &Question,
     ids: impl Iterator<Item = &'a (&'static str, bool)>,
     say: &dyn Fn(&str),
@@ -165,7 +167,12 @@ fn one_record<'a>(
             let free = owner.environment.is_free();
             let outcome = match *needs_contact && free {
                 true => Err("nothing is touched".into()),
-                false => altered(id, *size, &log, &clean, &owner, &options),
+                false => {
+                    let keep = question.keep.as_ref();
+                    let keep =
+                        keep.map(|keep| keep.join(record.name()).join(format!("{id}-{size}")));
+                    altered(id, *size, &log, &clean, &owner, &options, keep.as_deref())
+                }
             };
             examined.injected.push(Injected {
                 id,
@@ -222,6 +229,7 @@ fn altered(
     clean: &Clean,
     owner: &Model,
     options: &Options,
+    keep: Option<&Path>,
 ) -> Result<Outcome, String> {
     let record = inject::Record {
         t: log.time_s.clone(),
@@ -241,6 +249,9 @@ fn altered(
     if worse < WORSE {
         return Err("a refit of the owner's model follows it".into());
     }
+    if let Some(keep) = keep {
+        kept(keep, &log, owner).map_err(|e| format!("{}: {e}", keep.display()))?;
+    }
     Ok(match asked(&log, owner, options) {
         Ok((answer, _)) => judged(id, &injection, &answer, worse, over(answer.rmse_after_n)),
         Err(error) => Outcome {
@@ -254,6 +265,13 @@ fn altered(
             label: error.lines().next().unwrap_or_default().to_string(),
         },
     })
+}
+
+/// Writes what is asked into a folder.
+fn kept(folder: &Path, log: &Log, owner: &Model) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    log.write_csv(&folder.join("measured.csv"))?;
+    std::fs::write(folder.join("base.toml"), owner.to_toml())
 }
 
 fn judged(id: &str, injection: &Injection, answer: &Answer, worse: f64, left: f64) -> Outcome {
