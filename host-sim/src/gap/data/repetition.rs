@@ -11,8 +11,9 @@ const CELLS: usize = 32;
 /// A motion repeats if less than this share of its variance is left within the cells: a sine leaves 0.3 % of
 /// it there, strokes at three speeds half.
 const LEFT: f64 = 0.03;
-/// Fewest periods: with two, half of the log is compared with the other.
-const FEWEST_PERIODS: f64 = 3.0;
+/// Fewest periods. Two that are alike to [`LEFT`] are no chance, and a surgical tool that turned to and fro twice in
+/// 20 s was told of a line at three times its frequency.
+const FEWEST_PERIODS: f64 = 1.9;
 /// The highest harmonic that counts.
 const HARMONICS: f64 = 10.0;
 /// How far a line may be from a harmonic, over the width 1/T that the log resolves.

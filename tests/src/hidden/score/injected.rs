@@ -187,7 +187,16 @@ fn one_record<'a>(
 
 fn thinned(log: &Log, every: usize) -> Log {
     let thin = |column: &[f64]| column.iter().copied().step_by(every.max(1)).collect();
-    Log::from_channels(thin(&log.time_s), thin(&log.position_m), thin(&log.force_n))
+    let thin = Log::from_channels(thin(&log.time_s), thin(&log.position_m), thin(&log.force_n));
+    like(log, thin)
+}
+
+/// Another log of the same machine: one that turns has other effects in its catalogue.
+fn like(log: &Log, other: Log) -> Log {
+    Log {
+        kind: log.kind,
+        ..other
+    }
 }
 
 /// The model that `gap` finds on the clean record, read back from its text, and what it is asked again.
@@ -238,7 +247,8 @@ fn altered(
     };
     let injection = inject(id, &record, size * clean.remainder_n)?;
     let Injection { record, .. } = &injection;
-    let log = Log::from_channels(record.t.clone(), record.x.clone(), record.f.clone());
+    let changed = Log::from_channels(record.t.clone(), record.x.clone(), record.f.clone());
+    let log = like(log, changed);
     let nothing = Options {
         catalogue: Vec::new(),
         ..options.clone()
