@@ -2,6 +2,7 @@
 //! off Σ w r² to stay.
 
 mod alone;
+mod blocks;
 pub(crate) mod eliminate;
 pub(crate) mod evidence;
 pub(crate) mod expand;

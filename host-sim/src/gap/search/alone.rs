@@ -8,7 +8,7 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, start::repeats};
-use crate::gap::search::evidence::{BLOCKS, blocks};
+use crate::gap::search::blocks::Blocks;
 use crate::gap::search::parts::Parts;
 use crate::gap::search::relatives::stands_for;
 use crate::gap::search::remainder::Remainder;
@@ -18,7 +18,12 @@ use crate::gap::search::sets::{added_effects, keep_first};
 impl Search<'_> {
     /// The effect that alone leaves least, if the next that does not stand for it is clearly behind; `all` are fits of
     /// any size. No wave is one, since several together fit any curve that wanders.
-    pub(super) fn effect_alone(&self, base: &Fit, all: &[Fit]) -> Option<EffectId> {
+    pub(super) fn effect_alone(
+        &self,
+        base: &Fit,
+        all: &[Fit],
+        blocks: &Blocks,
+    ) -> Option<EffectId> {
         let decide = &self.dataset.thresholds.evidence;
         let singles = self.singles(all);
         let fit = singles.first()?;
@@ -34,10 +39,10 @@ impl Search<'_> {
             return None;
         }
         let [more, less] = [&next, fit].map(|fit| self.weighted_residuals(fit));
-        let (times, sigmas) = Remainder::of(&less).gain(&more, &less, BLOCKS);
+        let (times, sigmas) = Remainder::of(&less).gain(&more, &less, blocks);
         // A damping that grows with the square of the speed, which is in no catalogue, was followed by a quadratic
         // drag in 86 % of them.
-        let is_clear = blocks(&more, &less) >= decide.sharp_blocks
+        let is_clear = blocks.better(&more, &less) >= decide.sharp_blocks
             && times >= decide.beside
             && sigmas >= decide.beside_sigmas
             && Parts::of(&self.dataset, &self.weights, fit).agree(fit, id, decide);

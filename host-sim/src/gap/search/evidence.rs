@@ -13,6 +13,7 @@ use estimator_core::physics::effect::{ChainStage, EffectId};
 
 use crate::gap::finding::{Next, Support};
 use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
+use crate::gap::search::blocks::Blocks;
 use crate::gap::search::parts::Parts;
 use crate::gap::search::physical::is_fourier_series;
 use crate::gap::search::relatives::{are_alike, stands_for};
@@ -20,11 +21,6 @@ use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::{Search, SearchResult};
 use crate::gap::search::sets::{added_effects, is_repeated};
 use crate::gap::thresholds;
-
-/// Blocks of the logs: a palpation of 15 s has about as many strokes.
-pub(super) const BLOCKS: usize = 24;
-/// An effect acts in a block if it changes the forces there by at least this share of the mean square.
-const ACTS: f64 = 0.2;
 
 /// What speaks for one effect of the best set.
 #[derive(Clone, Debug)]
@@ -66,13 +62,15 @@ impl Search<'_> {
             .collect();
         let plain: Vec<Fit> = ids.iter().map(|id| self.without_kind(best, *id)).collect();
         all.extend_from_slice(&plain);
-        let alone = self.effect_alone(base, &all);
+        let blocks = Blocks::of(&self.dataset, best);
+        let alone = self.effect_alone(base, &all, &blocks);
         let weighing = Weighing {
             best,
             all: &all,
             alone,
             parts: Parts::of(&self.dataset, &self.weights, best),
             remainder: Remainder::of(&self.weighted_residuals(best)),
+            blocks,
         };
         let each = ids.iter().zip(&plain);
         each.map(|(id, plain)| self.evidence_for(*id, plain, &weighing))
@@ -185,11 +183,11 @@ impl Search<'_> {
         let residuals = [more, less].map(|fit| self.weighted_residuals(fit));
         let beside = weighing
             .remainder
-            .gain(&residuals[0], &residuals[1], BLOCKS);
+            .gain(&residuals[0], &residuals[1], &weighing.blocks);
         Gain {
             share: self.share(more, less),
             lead: more.cost / less.cost,
-            blocks: blocks(&residuals[0], &residuals[1]),
+            blocks: weighing.blocks.better(&residuals[0], &residuals[1]),
             beside,
         }
     }
@@ -204,6 +202,7 @@ struct Weighing<'a> {
     alone: Option<EffectId>,
     parts: Parts,
     remainder: Remainder,
+    blocks: Blocks,
 }
 
 /// What an effect takes off.
@@ -244,28 +243,6 @@ impl Gain {
             && sigmas > 1.0;
         self.is_large(decide) || is_sharp || is_everywhere
     }
-}
-
-/// The fraction of blocks in which one fit leaves more than the other, of those in which they differ.
-pub(super) fn blocks(more: &[f64], less: &[f64]) -> f64 {
-    let rows: Vec<[f64; 2]> = more
-        .iter()
-        .zip(less)
-        .map(|(a, b)| [a * a - b * b, (a - b).powi(2)])
-        .collect();
-    let sum = |block: &[[f64; 2]]| {
-        block
-            .iter()
-            .fold([0.0; 2], |sum, row| [sum[0] + row[0], sum[1] + row[1]])
-    };
-    let blocks: Vec<[f64; 2]> = rows
-        .chunks(rows.len().div_ceil(BLOCKS).max(1))
-        .map(sum)
-        .collect();
-    let mean = blocks.iter().map(|block| block[1]).sum::<f64>() / blocks.len().max(1) as f64;
-    let acting = blocks.iter().filter(|block| block[1] > ACTS * mean);
-    let better = acting.clone().filter(|block| block[0] > 0.0).count();
-    better as f64 / acting.count().max(1) as f64
 }
 
 /// The best fit with an effect, of any size as those without it.

@@ -4,6 +4,8 @@
 //! took 60 % off the squares, and 6 % of what a prediction from the last samples leaves. What a record has put
 //! into it (a play, a lag, a cogging) is sharper than its remainder and keeps its gain there.
 
+use crate::gap::search::blocks::Blocks;
+
 /// Samples that predict the next one.
 const ORDER: usize = 6;
 
@@ -51,12 +53,11 @@ impl Remainder {
     }
 
     /// How many times as many squares one fit leaves as another beside the process, and how many standard errors
-    /// its logarithm is from 0, from the scatter of `blocks` blocks.
-    pub(super) fn gain(&self, more: &[f64], less: &[f64], blocks: usize) -> (f64, f64) {
+    /// its logarithm is from 0, from the scatter of the blocks.
+    pub(super) fn gain(&self, more: &[f64], less: &[f64], blocks: &Blocks) -> (f64, f64) {
         let (more, less) = (self.unpredicted(more), self.unpredicted(less));
         let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
-        let size = more.len().div_ceil(blocks).max(1);
-        let pairs = more.chunks(size).zip(less.chunks(size));
+        let pairs = blocks.each(&more, ORDER).zip(blocks.each(&less, ORDER));
         let ratios: Vec<f64> = pairs
             .map(|(more, less)| squares(more) / squares(less))
             .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
@@ -120,8 +121,8 @@ mod tests {
         };
         // THEN the wave takes off hardly anything beside the process, and the friction does in every block:
         // a step of 14 shocks in each 100 samples.
-        let (slow, _) = process.gain(&with(&slow), &wandering, 24);
-        let (sharp, sigmas) = process.gain(&with(&sharp), &wandering, 24);
+        let (slow, _) = process.gain(&with(&slow), &wandering, &Blocks::windows(4800));
+        let (sharp, sigmas) = process.gain(&with(&sharp), &wandering, &Blocks::windows(4800));
         assert!(slow < 1.02, "{slow}");
         assert!(sharp > 1.5 && sigmas > 10.0, "{sharp} {sigmas}");
     }
@@ -129,7 +130,7 @@ mod tests {
     #[test]
     fn residuals_that_are_nothing_gain_nothing() {
         let process = Remainder::of(&[0.0; 100]);
-        let (ratio, sigmas) = process.gain(&[0.0; 100], &[0.0; 100], 24);
+        let (ratio, sigmas) = process.gain(&[0.0; 100], &[0.0; 100], &Blocks::windows(100));
         assert!(
             ratio.is_nan() && sigmas.is_nan(),
             "no evidence: {ratio} {sigmas}"
