@@ -5,8 +5,8 @@ use std::fmt::Write;
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{
-    Finding, MissingEffect, ParameterEstimate, Verdict, changes_in_words, regions_in_words,
-    share_in_words, times_larger,
+    Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, changes_in_words,
+    regions_in_words, share_in_words, times_larger,
 };
 use crate::number::{Measured, column, quantity, spaced};
 use crate::wrap::wrapped;
@@ -23,6 +23,13 @@ pub fn summary(finding: &Finding) -> String {
     line(&mut text, "error", &error(finding));
     line(&mut text, "floor", &floor(finding));
     line(&mut text, "where", &regions_in_words(&finding.disagreement));
+    if let Some(best) = closest(finding) {
+        line(
+            &mut text,
+            "closest",
+            &closest_in_words(best, &finding.ladder),
+        );
+    }
     for missing in &finding.effects {
         effect(&mut text, missing);
     }
@@ -58,6 +65,9 @@ pub(super) fn verdict(finding: &Finding) -> String {
         Verdict::MissingEffects => format!("missing: {names}"),
         Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
         Verdict::PartlyExplained => partly_explained(finding, &names),
+        Verdict::Unexplained if closest(finding).is_some() => {
+            "unexplained: something is missing, and no effect of the catalogue stands out".into()
+        }
         Verdict::Unexplained => {
             "unexplained: something is missing that is not in the catalogue".into()
         }
@@ -85,6 +95,35 @@ fn partly_explained(finding: &Finding, names: &str) -> String {
         words if words.is_empty() => text,
         words => format!("{text}: {}", words.replace("of the excess ", "of it ")),
     }
+}
+
+/// The set of effects that came closest to a log that is not explained, if it takes off most of what noise does not.
+fn closest(finding: &Finding) -> Option<&Candidate> {
+    let is_unexplained = finding.verdict == Verdict::Unexplained;
+    nearest(&finding.ladder).filter(|_| is_unexplained)
+}
+
+/// The first set of a ladder, if it takes most of the base's excess off.
+fn nearest(ladder: &[Candidate]) -> Option<&Candidate> {
+    let excess = |set: &Candidate| (set.ratio * set.ratio - 1.0).max(0.0);
+    let base = ladder.iter().find(|set| set.ids.is_empty())?;
+    let best = ladder.iter().find(|set| !set.ids.is_empty())?;
+    (excess(best) < 0.5 * excess(base)).then_some(best)
+}
+
+/// The closest set, with the next that has none of its effects if that is hardly behind.
+fn closest_in_words(best: &Candidate, ladder: &[Candidate]) -> String {
+    let leaves = |set: &Candidate| format!("{} ({:.1} times)", listed(&set.ids), set.ratio);
+    let is_rival = |set: &&Candidate| {
+        !set.ids.is_empty()
+            && set.ratio < 1.5 * best.ratio
+            && best.ids.iter().all(|id| !set.ids.contains(id))
+    };
+    let why = match ladder.iter().find(is_rival) {
+        Some(rival) => format!("hardly behind is {}", leaves(rival)),
+        None => "not all of the log bears it out".into(),
+    };
+    format!("{}, not named: {why}", leaves(best))
 }
 
 /// The names of effects, each once: a spectrum has its effect several times.
@@ -230,6 +269,28 @@ mod tests {
             "1 ± 19\u{a0}1/s (slower than this log shows)"
         );
         assert_eq!(rate(0.50, 0.02), "0.500 ± 0.020\u{a0}1/s");
+    }
+
+    #[test]
+    fn a_set_that_takes_most_off_is_told_with_what_is_hardly_behind() {
+        use EffectId as E;
+        let set = |ids: &[E], ratio: f64| Candidate {
+            ids: ids.to_vec(),
+            ratio,
+        };
+        // GIVEN a drag and an offset that a cantilever's record does not tell apart
+        let (drag, base) = (set(&[E::AsymmetricDrag], 4.4), set(&[], 27.0));
+        let ladder = [drag, set(&[E::ForceOffset], 4.5), base];
+        let words = nearest(&ladder).map(|best| closest_in_words(best, &ladder));
+        let both =
+            "asymmetric_drag (4.4 times), not named: hardly behind is force_offset (4.5 times)";
+        assert_eq!(words.as_deref(), Some(both));
+        // AND one that has no rival
+        let alone = [ladder[0].clone(), ladder[2].clone()];
+        let words = nearest(&alone).map(|best| closest_in_words(best, &alone));
+        assert!(words.is_some_and(|words| words.ends_with("not all of the log bears it out")));
+        // THEN what takes little off is not told.
+        assert_eq!(nearest(&[set(&[E::Cogging], 2.5), set(&[], 3.0)]), None);
     }
 
     #[test]
