@@ -40,6 +40,10 @@ pub(crate) struct Kinematics {
     pub(crate) acceleration_mps2: Vec<f64>,
     /// Standard deviations of the noise of the speed (m/s) and of the acceleration (m/s²).
     pub(crate) speed_noise_mps: Vec<f64>,
+    /// What three samples leave out of the speed where they go through a bend (m/s); 0 elsewhere. There that is no bias
+    /// within the noise but most of the error: a motor of 25 Hz that stops, sampled at 100 Hz, was 2.4 mm/s off at one
+    /// sample, known to 0.02, and an hour with nothing missing stayed unexplained for twenty such samples.
+    pub(crate) unresolved_mps: Vec<f64>,
     pub(crate) acceleration_noise_mps2: Vec<f64>,
     /// What smoothing leaves out of position (m) and speed (m/s), each under a noise of its own.
     pub(crate) position_left_m: Vec<f64>,
@@ -223,6 +227,11 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
     let (mut position_left_m, mut speed_left_mps) = (Vec::new(), Vec::new());
+    let mut unresolved_mps = Vec::new();
+    // Where most samples are filled in, the noise of the position is that of straight lines, and everything is a bend: a
+    // foam's hold that was thinned to a fortieth had none left.
+    let filled_in = log.in_gap.iter().filter(|gap| **gap).count();
+    let is_mostly_measured = 2 * filled_in < log.in_gap.len();
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
         let ([position, slope, bend], window) = smoother.cubic(at);
@@ -235,6 +244,8 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         position_m.push(position);
         position_left_m.push(left[0]);
         speed_left_mps.push(left[1] * log.rate_hz);
+        let is_bend = is_mostly_measured && window.is_some_and(|own| own.half_width == 1);
+        unresolved_mps.push(if is_bend { left[1] * log.rate_hz } else { 0.0 });
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
@@ -252,6 +263,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         speed_mps,
         acceleration_mps2,
         speed_noise_mps,
+        unresolved_mps,
         acceleration_noise_mps2,
         position_left_m,
         speed_left_mps,
@@ -373,6 +385,40 @@ mod tests {
         // THEN the speed is as good or better: white noise would make it √5 times as good, counts are not white.
         let (slow, fast) = (rms_of(1000.0), rms_of(5000.0));
         assert!(fast < 0.8 * slow, "{fast:e} at 5 kHz, {slow:e} at 1 kHz");
+    }
+
+    #[test]
+    fn a_stop_between_two_samples_is_not_known_to_a_count() {
+        // GIVEN strokes at 20 mm/s that a motor of 25 Hz stops, in counts of 1 µm at 100 Hz
+        let turn = std::f64::consts::TAU * 25.0;
+        let (ramp_s, mps) = (0.2, 0.02);
+        // What a critically damped motor lags behind a ramp, and the stop of it.
+        let behind = |t: f64| mps * (t - 2.0 / turn + (t + 2.0 / turn) * (-turn * t).exp());
+        let way = |t: f64| match t.rem_euclid(1.003) {
+            into if into < ramp_s => behind(into),
+            into => behind(into) - behind(into - ramp_s),
+        };
+        let speed = |t: f64| (way(t + 1e-6) - way(t - 1e-6)) / 2e-6;
+        let time: Vec<f64> = (0..3000).map(|i| f64::from(i) * 1e-2).collect();
+        let position = time
+            .iter()
+            .map(|t| (way(*t) * 1e6).round() * 1e-6)
+            .collect();
+        let log = Log::from_channels(time.clone(), position, vec![0.0; time.len()]);
+        let found = kinematics(&log.uniform().unwrap());
+        // THEN where the speed is 1 mm/s off and more its error says so, within a factor of 4; as white noise it would
+        // be 20 µm/s.
+        let off = |at: &usize| (found.speed_mps[*at] - speed(time[*at])).abs();
+        let within = |at: &usize| time[*at].rem_euclid(1.003) > 0.02;
+        let far: Vec<usize> = (5..2995)
+            .filter(within)
+            .filter(|at| off(at) > 1e-3)
+            .collect();
+        assert!(far.len() > 10, "{}", far.len());
+        let known = far
+            .iter()
+            .filter(|at| off(at) < 4.0 * found.unresolved_mps[**at]);
+        assert!(10 * known.count() > 9 * far.len());
     }
 
     #[test]

@@ -59,6 +59,12 @@ impl FitData {
     pub(crate) fn of(log: &UniformLog) -> FitData {
         let mut motion = kinematics(log);
         standstill::shrink_speeds(&mut motion);
+        // After the shrinking: a stop that the sampling does not resolve is a motion, however badly it is known.
+        let each = motion
+            .speed_noise_mps
+            .iter_mut()
+            .zip(&motion.unresolved_mps);
+        each.for_each(|(noise, unresolved)| *noise = noise.hypot(*unresolved));
         FitData {
             period_s: log.period_s(),
             spacing: Spacing::Even,
