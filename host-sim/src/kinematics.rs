@@ -415,9 +415,9 @@ mod tests {
             .filter(|at| off(at) > 1e-3)
             .collect();
         assert!(far.len() > 10, "{}", far.len());
-        let known = far
-            .iter()
-            .filter(|at| off(at) < 4.0 * found.unresolved_mps[**at]);
+        let known = far.iter().filter(|at| {
+            off(at) < 4.0 * found.speed_noise_mps[**at].hypot(found.unresolved_mps[**at])
+        });
         assert!(10 * known.count() > 9 * far.len());
     }
 
