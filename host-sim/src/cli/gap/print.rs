@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::effect::{EffectId, Repeats};
 
 use crate::gap::{
     Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, changes_in_words,
@@ -103,24 +103,32 @@ fn closest(finding: &Finding) -> Option<&Candidate> {
     nearest(&finding.ladder).filter(|_| is_unexplained)
 }
 
-/// The first set of a ladder, if it takes most of the base's excess off.
+/// The first set of a ladder that says something, if it takes most of the base's excess off.
 fn nearest(ladder: &[Candidate]) -> Option<&Candidate> {
     let excess = |set: &Candidate| (set.ratio * set.ratio - 1.0).max(0.0);
     let base = ladder.iter().find(|set| set.ids.is_empty())?;
-    let best = ladder.iter().find(|set| !set.ids.is_empty())?;
+    let best = ladder.iter().find(|set| says_something(set))?;
     (excess(best) < 0.5 * excess(base)).then_some(best)
+}
+
+/// Whether a set has effects, and none of them is a series of waves, which follows any curve.
+fn says_something(set: &Candidate) -> bool {
+    let often = |id: &EffectId| set.ids.iter().filter(|other| *other == id).count() > 1;
+    let mut each = set.ids.iter();
+    !set.ids.is_empty() && !each.any(|id| id.info().repeats != Repeats::Never && often(id))
 }
 
 /// The closest set, with the next that has none of its effects if that is hardly behind.
 fn closest_in_words(best: &Candidate, ladder: &[Candidate]) -> String {
-    let leaves = |set: &Candidate| format!("{} ({:.1} times)", listed(&set.ids), set.ratio);
+    let leaves =
+        |set: &Candidate| format!("{} ({:.1} times the noise)", listed(&set.ids), set.ratio);
     let is_rival = |set: &&Candidate| {
-        !set.ids.is_empty()
+        says_something(set)
             && set.ratio < 1.5 * best.ratio
             && best.ids.iter().all(|id| !set.ids.contains(id))
     };
     let why = match ladder.iter().find(is_rival) {
-        Some(rival) => format!("hardly behind is {}", leaves(rival)),
+        Some(rival) => format!("closely followed by {}", leaves(rival)),
         None => "not all of the log bears it out".into(),
     };
     format!("{}, not named: {why}", leaves(best))
@@ -282,14 +290,16 @@ mod tests {
         let (drag, base) = (set(&[E::AsymmetricDrag], 4.4), set(&[], 27.0));
         let ladder = [drag, set(&[E::ForceOffset], 4.5), base];
         let words = nearest(&ladder).map(|best| closest_in_words(best, &ladder));
-        let both =
-            "asymmetric_drag (4.4 times), not named: hardly behind is force_offset (4.5 times)";
+        let both = "asymmetric_drag (4.4 times the noise), not named: closely followed by \
+            force_offset (4.5 times the noise)";
         assert_eq!(words.as_deref(), Some(both));
         // AND one that has no rival
         let alone = [ladder[0].clone(), ladder[2].clone()];
         let words = nearest(&alone).map(|best| closest_in_words(best, &alone));
         assert!(words.is_some_and(|words| words.ends_with("not all of the log bears it out")));
-        // THEN what takes little off is not told.
+        // THEN what takes little off is not told, and no series of waves.
+        let series = set(&[E::SurfaceMotion, E::SurfaceMotion], 1.1);
+        assert_eq!(nearest(&[series, set(&[], 27.0)]), None);
         assert_eq!(nearest(&[set(&[E::Cogging], 2.5), set(&[], 3.0)]), None);
     }
 
