@@ -40,11 +40,11 @@ pub(crate) struct Kinematics {
     pub(crate) acceleration_mps2: Vec<f64>,
     /// Standard deviations of the noise of the speed (m/s) and of the acceleration (m/s²).
     pub(crate) speed_noise_mps: Vec<f64>,
+    pub(crate) acceleration_noise_mps2: Vec<f64>,
     /// What three samples leave out of the speed where they go through a bend (m/s); 0 elsewhere. There that is no bias
     /// within the noise but most of the error: a motor of 25 Hz that stops, sampled at 100 Hz, was 2.4 mm/s off at one
     /// sample, known to 0.02, and an hour with nothing missing stayed unexplained for twenty such samples.
     pub(crate) unresolved_mps: Vec<f64>,
-    pub(crate) acceleration_noise_mps2: Vec<f64>,
     /// What smoothing leaves out of position (m) and speed (m/s), each under a noise of its own.
     pub(crate) position_left_m: Vec<f64>,
     pub(crate) speed_left_mps: Vec<f64>,
@@ -152,6 +152,8 @@ impl Window {
 /// What smooths the position of a log, sample by sample.
 pub(crate) struct Smoother<'a> {
     position_m: Cow<'a, [f64]>,
+    /// Whether most of the log is missing, so that what is filled in counts as measured.
+    is_taken_as_it_is: bool,
     rate_hz: f64,
     noise_m: f64,
     /// Its noise while it moves; `None` if it hardly does.
@@ -186,6 +188,7 @@ impl<'a> Smoother<'a> {
             missing::fill(position_m.to_mut(), &in_gap, &all, noise_m);
         }
         Smoother {
+            is_taken_as_it_is,
             rate_hz: log.rate_hz,
             noise_m,
             moving_m,
@@ -228,10 +231,6 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         (Vec::new(), Vec::new(), Vec::new());
     let (mut position_left_m, mut speed_left_mps) = (Vec::new(), Vec::new());
     let mut unresolved_mps = Vec::new();
-    // Where most samples are filled in, the noise of the position is that of straight lines, and everything is a bend: a
-    // foam's hold that was thinned to a fortieth had none left.
-    let filled_in = log.in_gap.iter().filter(|gap| **gap).count();
-    let is_mostly_measured = 2 * filled_in < log.in_gap.len();
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
         let ([position, slope, bend], window) = smoother.cubic(at);
@@ -244,7 +243,9 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         position_m.push(position);
         position_left_m.push(left[0]);
         speed_left_mps.push(left[1] * log.rate_hz);
-        let is_bend = is_mostly_measured && window.is_some_and(|own| own.half_width == 1);
+        // The noise of a log that is mostly missing is that of the straight lines across it, beside which everything is
+        // a bend: a foam's hold that was thinned to a fortieth.
+        let is_bend = !smoother.is_taken_as_it_is && window.is_some_and(|own| own.half_width == 1);
         unresolved_mps.push(if is_bend { left[1] * log.rate_hz } else { 0.0 });
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
@@ -263,8 +264,8 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         speed_mps,
         acceleration_mps2,
         speed_noise_mps,
-        unresolved_mps,
         acceleration_noise_mps2,
+        unresolved_mps,
         position_left_m,
         speed_left_mps,
         noise_m,

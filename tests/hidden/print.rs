@@ -241,6 +241,10 @@ fn inject(arguments: &[String]) -> Result<(), String> {
         every: number(arguments, "--every", 1)?.max(1) as usize,
         keep: option(arguments, "--keep").map(PathBuf::from),
     };
+    // Before the ten minutes that it takes.
+    if let Some(keep) = &question.keep {
+        std::fs::create_dir_all(keep).map_err(|e| format!("--keep {}: {e}", keep.display()))?;
+    }
     let mut roots = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("data")];
     roots.extend(option(arguments, "--records").map(PathBuf::from));
     let examined = injected::examine(&question, &roots, &|at| eprint!("\r\x1b[K{at} "));

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use estimator_core::physics::effect::{EffectId, Repeats};
+use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{
     Candidate, Finding, MissingEffect, ParameterEstimate, Verdict, changes_in_words,
@@ -115,7 +115,7 @@ fn nearest(ladder: &[Candidate]) -> Option<&Candidate> {
 fn says_something(set: &Candidate) -> bool {
     let often = |id: &EffectId| set.ids.iter().filter(|other| *other == id).count() > 1;
     let mut each = set.ids.iter();
-    !set.ids.is_empty() && !each.any(|id| id.info().repeats != Repeats::Never && often(id))
+    !set.ids.is_empty() && !each.any(|id| id.info().repeats.has_spectrum() && often(id))
 }
 
 /// The closest set, with the next that has none of its effects if that is hardly behind.

@@ -90,6 +90,9 @@ mod tests {
         let stroke = |t: f64| 1e-3 * (2.0 * (TAU * 0.5 * t).sin()).clamp(-1.0, 1.0);
         let strokes = found(stroke).unwrap();
         assert!((strokes - 0.5).abs() < 2e-3, "{strokes}");
+        // Two turns in the 20 s of the log repeat, and one and a half do not.
+        assert!(found(|t| (TAU * 0.1 * t).sin()).is_some_and(|hz| (hz - 0.1).abs() < 2e-3));
+        assert_eq!(found(|t| (TAU * 0.075 * t).sin()), None);
         assert_eq!(found(|t| 1e-3 * (TAU * (0.2 + 0.05 * t) * t).sin()), None);
         let two = |t: f64| (TAU * 0.31 * t).sin() + (TAU * 0.7212 * t).sin();
         assert_eq!(found(|t| 1e-3 * two(t)), None);

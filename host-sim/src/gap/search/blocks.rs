@@ -1,23 +1,24 @@
 //! The pieces of the logs in which an effect must speak for itself.
 //!
-//! What acts at lift-off acts in every touch, and in a third of as many windows of one length: an adhesion with another
-//! neck than the catalogue's took off 83 % of what stood without it, in 56 % of 24 windows and in every touch. A block is
-//! therefore a touch, or a turn to and fro of what touches nothing; a window where there are too few of these.
+//! What acts at lift-off acts in every touch, and not in every window of one length: an adhesion with another neck than
+//! the catalogue's took off 83 % of what stood without it, in 56 % of 24 windows and in every touch. A block is therefore
+//! a touch, or a turn to and fro of what touches nothing; a window where there are too few of these.
 
 use std::ops::Range;
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::model::{dataset::Dataset, fit::Fit, simulate::depths};
+use crate::stats::{extent, highest};
 
-/// Blocks of the logs, where windows are taken and as many as touches are put together to: a palpation of 15 s has
-/// about as many strokes.
-const MOST: usize = 24;
+/// Windows of the logs, and blocks that touches are put together to where they are twice as many: a palpation of 15 s
+/// has about as many strokes.
+const USUAL: usize = 24;
 /// Fewest touches: with fewer a share of them says little. Rigs press 4 to 7 times in 15 s.
 const FEWEST: usize = 4;
 /// A touch begins where this share of the greatest depth is reached, so that the noise of the position at the surface is
 /// none.
 const TOUCHED: f64 = 0.05;
-/// A turn begins above this share of the travel and ends as far below the upper end.
+/// A turn begins this share of the travel above its lower end, and ends as far below its upper end.
 const TURNED: f64 = 0.6;
 
 /// An effect acts in a block if it changes the forces there by at least this share of the mean square.
@@ -32,7 +33,7 @@ impl Blocks {
     /// The touches in the logs as a fit sees them.
     pub(super) fn of(dataset: &Dataset<'_>, fit: &Fit) -> Blocks {
         let depths = depths(&fit.shape, &fit.numbers, dataset.logs);
-        let deepest = depths.iter().flatten().copied().fold(0.0, f64::max);
+        let deepest = highest(depths.iter().flatten().copied());
         let (mut cuts, mut from) = (vec![0], 0);
         for (log, depths) in dataset.logs.iter().zip(&depths) {
             let own = match deepest > 0.0 {
@@ -52,7 +53,7 @@ impl Blocks {
         if cuts.len() <= FEWEST {
             return Blocks::windows(len);
         }
-        let together = ((cuts.len() - 1) / MOST).max(1);
+        let together = ((cuts.len() - 1) / USUAL).max(1);
         let mut kept: Vec<usize> = cuts[..cuts.len() - 1]
             .iter()
             .copied()
@@ -67,7 +68,7 @@ impl Blocks {
 
     /// Windows of one length.
     pub(super) fn windows(len: usize) -> Blocks {
-        let size = len.div_ceil(MOST).max(1);
+        let size = len.div_ceil(USUAL).max(1);
         let starts = (0..len).step_by(size);
         Blocks {
             ranges: starts.map(|from| from..(from + size).min(len)).collect(),
@@ -122,11 +123,7 @@ fn between(values: &[f64], begin: f64, end: f64) -> Vec<usize> {
 }
 
 fn turns(log: &FitData) -> Vec<usize> {
-    let positions = || log.position_m.iter().copied();
-    let (least, most) = (
-        positions().fold(f64::INFINITY, f64::min),
-        positions().fold(f64::NEG_INFINITY, f64::max),
-    );
+    let (least, most) = extent(&log.position_m);
     let at = |share: f64| least + share * (most - least);
     between(&log.position_m, at(TURNED), at(1.0 - TURNED))
 }
