@@ -56,9 +56,10 @@ use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, input, orientation, ringing};
+use noise::floors::Floors;
 use rounds::{Answer, Rounds};
 use say::{builder, plausibility};
-use thresholds::{Input, Rest};
+use thresholds::{Floor, Input, Rest};
 
 use crate::diagnostic::Diagnostic;
 use crate::kind;
@@ -116,8 +117,7 @@ fn workflow(
         true => thresholds.floor.without_free_air(),
         false => thresholds.floor,
     };
-    let floor = |log: &Cow<'_, UniformLog>| NoiseFloor::of(log, &floor_decides);
-    let floors: Vec<NoiseFloor> = logs.par_iter().map(floor).collect();
+    let floors = floors(&logs, low_pass, &floor_decides);
     let (filtered, thinned) = fit_data((whole, &logs), low_pass, thresholds.rest);
     notes.extend(thinned);
     let samples: usize = filtered.iter().map(FitData::len).sum();
@@ -126,29 +126,47 @@ fn workflow(
     let scales = Scales::of(&coarse);
     let dataset = |logs| Dataset {
         logs,
-        floors: &floors,
+        floors: &floors.fast,
         low_pass,
         scales: &scales,
         thresholds,
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);
     let catalogue = options.catalogue_of(kind::of_words());
-    let rounds = Rounds {
+    let mut rounds = Rounds {
         coarse: dataset(&coarse),
         fine: dataset(&fine),
         ids: &catalogue,
-        correlation: largest_correlation(&floors, step),
+        correlation: largest_correlation(&floors.fast, step),
         progress,
     };
+    let mut answer = rounds.answer(&model.environment, &given);
+    if answer.leaves_what_may_be_noise(floors.times()) {
+        rounds = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
+        answer = rounds.answer(&model.environment, &given);
+    }
     let Answer {
         decision, ladder, ..
-    } = rounds.answer(&model.environment, &given);
+    } = answer;
     progress.at(0.95, "regions and errors");
     let mut finding = builder::finding(model, &rounds.fine, &decision, ladder, options);
     let another_unit = thresholds.regions.another_unit;
     notes.extend(plausibility::implausible(model, &finding, another_unit));
     finding.notes.splice(0..0, notes);
     Ok(finding)
+}
+
+/// The noise floors of the forces that are fitted.
+fn floors(logs: &[Cow<'_, UniformLog>], low_pass: Option<LowPass>, decide: &Floor) -> Floors {
+    let of = |log: &Cow<'_, UniformLog>| NoiseFloor::of(log, decide);
+    let each = logs.par_iter().map(of).collect();
+    Floors::of(each, |at, floor| match low_pass {
+        Some(low_pass) => {
+            let (filtered, white_share) = low_pass.behind(&logs[at]);
+            floor.in_band((&logs[at], &filtered), white_share, decide)
+        }
+        None => floor,
+    })
 }
 
 /// What looks wrong in the logs, and what their reader noted.

@@ -5,6 +5,7 @@
 //! once, 10 MB a step for 100 000 rows of 12 columns. Each caller accumulates them in its own way from the
 //! exact gradients of dual numbers.
 
+pub(crate) mod basis;
 pub(crate) mod covariance;
 pub(crate) mod dense;
 pub(crate) mod minimize;

@@ -2,7 +2,6 @@
 //! errors.
 
 pub(crate) mod attenuation;
-pub(crate) mod basis;
 pub(crate) mod dataset;
 pub(crate) mod error;
 pub(crate) mod fit;

@@ -2,6 +2,7 @@
 
 pub(crate) mod coloured;
 pub(crate) mod floor;
+pub(crate) mod floors;
 mod free_air;
 mod high_pass;
 pub(crate) mod line;
@@ -9,3 +10,4 @@ mod lines;
 mod rest;
 mod rest_power;
 pub(crate) mod spectrum;
+mod stretches;

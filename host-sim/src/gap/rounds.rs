@@ -13,6 +13,7 @@ use super::finding::{Candidate, Verdict};
 use super::model::dataset::Dataset;
 use super::model::fit::Fit;
 use super::model::shape::Term;
+use super::noise::floor::NoiseFloor;
 use super::progress::{Progress, Within};
 use super::search::run::{Search, SearchResult};
 use super::search::sets::keep_first;
@@ -20,6 +21,9 @@ use crate::model::Environment;
 
 /// Most rounds, each of which takes a search: a foam's record needed two, and a third that found nothing.
 const MOST_ROUNDS: usize = 4;
+
+/// What remains may be slow noise if it is at most this many times as much: it is known to a quarter.
+const NEARLY: f64 = 1.5;
 
 /// What every round is asked with.
 pub(super) struct Rounds<'a> {
@@ -43,7 +47,36 @@ pub(super) struct Answer {
     base: Fit,
 }
 
-impl Rounds<'_> {
+impl Answer {
+    /// Whether what remains beside the best set is at most about so many `times` the noise, and more than once.
+    pub(super) fn leaves_what_may_be_noise(&self, times: f64) -> bool {
+        let remains = matches!(
+            self.decision.verdict,
+            Verdict::PartlyExplained | Verdict::Unexplained
+        );
+        let sets = self.ladder.iter().map(|set| set.ratio);
+        let least = sets.fold(self.decision.ratio.1, f64::min);
+        remains && times > 1.0 && least <= NEARLY * times
+    }
+}
+
+impl<'a> Rounds<'a> {
+    /// The same with other noise floors.
+    pub(super) fn with(&self, floors: &'a [NoiseFloor], correlation: f64) -> Rounds<'a> {
+        Rounds {
+            coarse: Dataset {
+                floors,
+                ..self.coarse
+            },
+            fine: Dataset {
+                floors,
+                ..self.fine
+            },
+            correlation,
+            ..*self
+        }
+    }
+
     /// What is missing in an environment with effects.
     pub(super) fn answer(&self, environment: &Environment, given: &[Term]) -> Answer {
         let mut answer = self.round(environment, given, &Within::new(self.progress, 0.05, 0.9));
@@ -83,7 +116,7 @@ impl Rounds<'_> {
         progress.at(0.0, "fitting the base");
         let base = search.base_fit();
         search.weigh(&base);
-        let base = search.refitted(&base);
+        let base = search.unstuck(search.refitted(&base));
         let result = search.run(base.clone());
         let ladder = search.ladder(&base, &result);
         let evidence = search.evidence(&base, &result);

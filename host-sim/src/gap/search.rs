@@ -2,6 +2,7 @@
 //! off Σ w r² to stay.
 
 mod alone;
+mod base;
 mod blocks;
 pub(crate) mod eliminate;
 pub(crate) mod evidence;

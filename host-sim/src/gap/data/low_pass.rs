@@ -1,6 +1,8 @@
 //! The zero-phase low-pass of `--bandwidth`. Measured and predicted force go through it alike, so that
 //! what is above its corner does not count.
 
+use crate::log::UniformLog;
+
 /// Butterworth's low-pass of second order, run forwards and backwards: −6 dB at the corner, no delay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LowPass {
@@ -24,6 +26,16 @@ impl LowPass {
         channel.reverse();
         pass(channel, b, a);
         channel.reverse();
+    }
+
+    /// A log behind the filter, at its even samples, and the share of the variance of white noise that is left there.
+    pub(crate) fn behind(self, log: &UniformLog) -> (UniformLog, f64) {
+        let mut filtered = UniformLog {
+            taken: None,
+            ..log.clone()
+        };
+        self.apply(&mut filtered.force_n, log.period_s());
+        (filtered, self.variance_share(log.period_s()))
     }
 
     /// The share of the variance of white noise that is left behind the filter.

@@ -105,6 +105,8 @@ mod tests {
             uncertainty,
             unseen,
             correlation: 1.0,
+            band_share: 1.0,
+            slow: None,
             why: String::new(),
         }
     }

@@ -5,8 +5,9 @@
 //! by 12 mN though every effect was right.
 
 use crate::gap::model::{
-    basis::dot, error::rests, fit::Fit, fit::RIDGE, problem::Linearization, problem::Problem,
+    error::rests, fit::Fit, fit::RIDGE, problem::Linearization, problem::Problem,
 };
+use crate::lsq::basis::dot;
 use crate::lsq::covariance::inverse;
 use crate::lsq::dense::{product, quadratic};
 

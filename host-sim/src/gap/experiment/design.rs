@@ -8,6 +8,7 @@ use crate::gap::experiment::excitations::{Excitation, ExcitationRange, excitatio
 use crate::gap::experiment::plan::{FurtherMotion, best_excitation};
 use crate::gap::experiment::recordings::{Recordings, Sensor};
 use crate::gap::model::{dataset::Dataset, fit::Fit, simulate::forces};
+use crate::gap::noise::floor::NoiseFloor;
 
 /// Samples of the log that are kept.
 const SAMPLES: usize = 2_000;
@@ -39,7 +40,8 @@ impl ExperimentDesign {
         ExperimentDesign {
             recordings: Recordings {
                 repeats: vec![step as f64; logs.len()],
-                floors: dataset.floors.to_vec(),
+                // A design asks for raw forces.
+                floors: dataset.floors.iter().map(NoiseFloor::raw).collect(),
                 logs,
             },
             sensor,

@@ -11,10 +11,10 @@ use estimator_core::physics::fit_range::Scale;
 use rayon::prelude::*;
 
 use crate::gap::model::{
-    basis::add_column, basis::dot, basis::project_out, dataset::Dataset, fit::Fit, shape::Shape,
-    shape::Term, simulate::depths, simulate::forces, start::is_possible, start::starts,
-    start::whole,
+    dataset::Dataset, fit::Fit, shape::Shape, shape::Term, simulate::depths, simulate::forces,
+    start::is_possible, start::starts, start::whole,
 };
+use crate::lsq::basis::{add_column, dot, project_out};
 
 /// Samples on either side of a touch that a thinned motion says nothing of.
 const UNRESOLVED: usize = 3;

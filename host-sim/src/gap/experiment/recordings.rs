@@ -47,6 +47,8 @@ impl Recordings {
             uncertainty: 0.0,
             unseen: 1.0,
             used_n: sensor.noise_n,
+            band_share: 1.0,
+            slow: None,
             coloured: false,
             correlation: 1.0,
             why: "given".into(),

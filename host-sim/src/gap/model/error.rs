@@ -14,10 +14,11 @@ use estimator_core::physics::effect::{ChainStage, Repeats};
 use rayon::prelude::*;
 
 use crate::gap::model::{
-    attenuation::bias, basis::add_column, fit::Fit, fit::RIDGE, problem::Linearization,
-    problem::Problem, shape::Owner, simulate::forces, simulate::forces_of_changed,
+    attenuation::bias, fit::Fit, fit::RIDGE, problem::Linearization, problem::Problem,
+    shape::Owner, simulate::forces, simulate::forces_of_changed,
 };
 use crate::gap::noise::coloured::ResidualSpectrum;
+use crate::lsq::basis::add_column;
 use crate::lsq::covariance::{inverse, long_run_variance};
 use crate::stats::correlation;
 

@@ -7,8 +7,8 @@ use estimator_core::physics::rig::Rig;
 use rayon::prelude::*;
 
 use crate::gap::data::{fit_data::FitData, low_pass::LowPass};
-use crate::gap::model::{basis::dot, shape::Shape, simulate::forces_of, simulate::run_rig};
-use crate::lsq::NormalEquations;
+use crate::gap::model::{shape::Shape, simulate::forces_of, simulate::run_rig};
+use crate::lsq::{NormalEquations, basis::dot};
 
 /// Most columns of the Jacobian that one run of the rig gives. A run with four to eight took 2.2 times as long as one
 /// without: values are half of it, and two runs compute them twice.

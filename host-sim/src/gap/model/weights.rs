@@ -35,7 +35,7 @@ pub(crate) fn variances(
             variances.push(if log.count[at] == 0.0 || touching {
                 0.0
             } else {
-                share * (floor.used_n.powi(2) + motion)
+                floor.noise_n().powi(2) + share * motion
             });
         });
     }

@@ -75,7 +75,7 @@ fn bins(series: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::model::basis::add_column;
+    use crate::lsq::basis::add_column;
 
     /// First-order noise of unit variance.
     fn coloured(keep: f64, seed: u64, count: usize) -> Vec<f64> {
@@ -113,7 +113,7 @@ mod tests {
             let mut noise = coloured(keep, seed * 7919, count);
             let mean: f64 = noise.iter().zip(&columns[0]).map(|(a, b)| a * b).sum();
             true_square += mean * mean / 200.0;
-            crate::gap::model::basis::project_out(&mut noise, &columns);
+            crate::lsq::basis::project_out(&mut noise, &columns);
             found += ResidualSpectrum::of(&noise, &columns).variance(&columns[0]) / 200.0;
         }
         // THEN the variance found for the mean is the true one, 99 times that of white noise.

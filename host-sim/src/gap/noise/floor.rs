@@ -15,6 +15,7 @@ use crate::gap::noise::line::Line;
 use crate::gap::noise::lines::{MOST_LINES, lines_in_free_air, without_lines_at_rest};
 use crate::gap::noise::rest;
 use crate::gap::noise::rest_power::{COLOUR_HZ, RestNoise};
+use crate::gap::noise::stretches::SlowNoise;
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
@@ -39,6 +40,10 @@ pub struct NoiseFloor {
     pub unseen: f64,
     /// Samples for each independent one.
     pub correlation: f64,
+    /// The share of its variance that a low-pass leaves; 1 without one.
+    pub band_share: f64,
+    /// Slower noise that stretches of the motion show where there is no rest.
+    pub(crate) slow: Option<SlowNoise>,
     /// Which estimate is used, and why, in words.
     pub why: String,
 }
@@ -79,6 +84,65 @@ impl NoiseFloor {
             }
         }
         floor
+    }
+
+    /// The same behind a low-pass that leaves a share of the variance of white noise: noise that is slow already keeps
+    /// more. `filtered` is the log behind it.
+    pub(crate) fn in_band(
+        self,
+        (log, filtered): (&UniformLog, &UniformLog),
+        white_share: f64,
+        decide: &Floor,
+    ) -> NoiseFloor {
+        let is_noise_at_rest = |rest_n: f64| rest_n <= decide.coloured * self.used_n;
+        let taken_n2 = match (self.rest_n, self.slow) {
+            (Some(rest_n), _) if is_noise_at_rest(rest_n) => {
+                let rests = rests(log, decide);
+                let seen = |log, noise_n| {
+                    RestNoise::of(log, &rests, noise_n, decide).map(|rest| rest.seen_n2)
+                };
+                let least_n = white_share.sqrt() * self.high_pass_n;
+                let both = seen(log, self.high_pass_n).zip(seen(filtered, least_n));
+                both.map(|(log, filtered)| log - filtered)
+            }
+            (None, Some(slow)) if self.coloured => slow.taken_n2(log, filtered),
+            _ => None,
+        };
+        let share = |taken_n2: f64| 1.0 - taken_n2 / self.used_n.powi(2).max(f64::MIN_POSITIVE);
+        NoiseFloor {
+            band_share: taken_n2.map_or(white_share, |taken_n2| {
+                share(taken_n2).clamp(white_share.min(1.0), 1.0)
+            }),
+            ..self
+        }
+    }
+
+    /// The same with the slow noise of stretches, if there is one.
+    pub(crate) fn with_slow_noise(&self) -> NoiseFloor {
+        let Some(slow) = self.slow else {
+            return self.clone();
+        };
+        NoiseFloor {
+            used_n: slow.noise_n,
+            coloured: true,
+            correlation: slow.correlation,
+            uncertainty: slow.error,
+            why: "from stretches of the motion: there is no rest in free air, and the noise is coloured".into(),
+            ..self.clone()
+        }
+    }
+
+    /// Standard deviation (N) of the noise of the force that is fitted.
+    pub(crate) fn noise_n(&self) -> f64 {
+        self.used_n * self.band_share.sqrt()
+    }
+
+    /// The same without a low-pass.
+    pub(crate) fn raw(&self) -> NoiseFloor {
+        NoiseFloor {
+            band_share: 1.0,
+            ..self.clone()
+        }
     }
 
     /// Without rests: the floor without the lines that stand out of the second differences. What is so fast and
@@ -154,6 +218,10 @@ impl NoiseFloor {
         let rest_n = rest.as_ref().map(RestNoise::noise_n);
         let (used_n, why) = used(log, raw, rests, (high_pass, rest_n), decide);
         let coloured = used_n > decide.coloured * high_pass_n;
+        let slow = || {
+            SlowNoise::of(log, decide)
+                .filter(|slow| slow.is_all && slow.noise_n > decide.slower * high_pass_n)
+        };
         let (at_rest, agreeing) = match &rest {
             Some(rest) if coloured => (Some(rest), None),
             Some(rest) if rest.noise_n() <= decide.coloured * used_n => (None, Some(rest)),
@@ -173,6 +241,8 @@ impl NoiseFloor {
             }),
             high_pass_n,
             rest_n,
+            band_share: 1.0,
+            slow: if rest.is_none() { slow() } else { None },
             lines_n: rest.map_or(0.0, |rest| rest.lines_n2.sqrt()),
             used_n,
             why: why.into(),
@@ -194,6 +264,8 @@ fn used(
     decide: &Floor,
 ) -> (f64, &'static str) {
     let high_pass_n = high_pass.noise_n;
+    let slow =
+        || SlowNoise::of(log, decide).filter(|slow| slow.noise_n > decide.slower * high_pass_n);
     let slower_noise_n = || match (log.rate_hz / COLOUR_HZ) as usize {
         0 | 1 => high_pass_n,
         step => {
@@ -211,25 +283,33 @@ fn used(
             high_pass_n,
             "from second differences: there is no rest in free air",
         ),
-        (None, Some(rest)) if rest <= decide.coloured * high_pass_n => {
-            // Both see the same noise; differences take it from all samples.
-            let why = match high_pass.is_fourth {
+        // Both see the same noise; differences take it from all samples.
+        (None, Some(rest)) if rest <= decide.coloured * high_pass_n => (
+            high_pass_n,
+            match high_pass.is_fourth {
                 true => {
                     "from fourth differences, and rest in free air agrees: second differences see the motion"
                 }
                 false => "from second differences, and rest in free air agrees",
-            };
-            (high_pass_n, why)
-        }
+            },
+        ),
         (None, Some(rest_n))
-            if !rest::is_noise(raw.unlined_n, rests, rest_n / slower_noise_n(), decide) =>
+            if {
+                let off = rest::kurtosis_off(raw.unlined_n, rests, decide);
+                // Behind a filter noise is many times what differences say, and is in stretches of the motion as well.
+                let is_filtered = || {
+                    off.abs() <= 1.0
+                        && slow().is_some_and(|slow| rest_n <= decide.slight_colour * slow.noise_n)
+                };
+                rest::is_noise(rest_n / slower_noise_n(), off, decide) || is_filtered()
+            } =>
         {
-            (
-                high_pass_n,
-                "from second differences: what is there at rest in free air is larger, and no noise",
-            )
+            (rest_n, "from rest in free air: the noise is coloured")
         }
-        (None, Some(rest)) => (rest, "from rest in free air: the noise is coloured"),
+        (None, Some(_)) => (
+            high_pass_n,
+            "from second differences: what is there at rest in free air is larger, and no noise",
+        ),
     }
 }
 

@@ -12,14 +12,15 @@ use crate::stats::{correlation, correlation_of_fourths, median, quantile, rms};
 /// Samples of a block in which the noise is read from second differences: to 12 %.
 const BLOCK: usize = 64;
 
-/// Whether what is there is noise, `times` as large as second differences say. The forces are those without the lines
-/// that stay in phase: a hum of half of the power makes a kurtosis of 2.6.
-pub(super) fn is_noise(
-    force_n: &[f64],
-    rests: &[Range<usize>],
-    times: f64,
-    decide: &Floor,
-) -> bool {
+/// Whether what is there is noise, `times` as large as second differences say, with the kurtosis of
+/// [`kurtosis_off`].
+pub(super) fn is_noise(times: f64, off: f64, decide: &Floor) -> bool {
+    times <= decide.largest_colour && off >= -1.0 && (times <= decide.slight_colour || off <= 1.0)
+}
+
+/// How far the kurtosis of what is there is from that of normal noise, in `decide.sigmas` standard errors. The forces
+/// are those without the lines that stay in phase: a hum of half of the power makes a kurtosis of 2.6.
+pub(super) fn kurtosis_off(force_n: &[f64], rests: &[Range<usize>], decide: &Floor) -> f64 {
     let each = rests.iter().map(settled);
     let count: usize = each.clone().map(|rest| rest.len()).sum();
     let stretches = each.map(|rest| detrended(&force_n[rest]));
@@ -32,8 +33,7 @@ pub(super) fn is_noise(
     // Of normal noise the squares say nothing once the variance is taken out, and Hermite's fourth polynomial has
     // the autocorrelation 24 ρ⁴.
     let error = (24.0 * longest(force_n, rests, correlation_of_fourths) / count).sqrt();
-    let off = (kurtosis - 3.0) / (decide.sigmas * error);
-    times <= decide.largest_colour && off >= -1.0 && (times <= decide.slight_colour || off <= 1.0)
+    (kurtosis - 3.0) / (decide.sigmas * error)
 }
 
 /// Standard deviation (N) of the quiet part of the rests, from second differences, if there is one: a tenth or more

@@ -21,6 +21,8 @@ pub(super) const COLOUR_HZ: f64 = 1000.0;
 pub(super) struct RestNoise {
     /// Power of the noise (N²).
     pub(super) noise_n2: f64,
+    /// What of it is not slower than the rests show (N²).
+    pub(super) seen_n2: f64,
     /// Power of the lines (N²).
     pub(super) lines_n2: f64,
     /// Standard error of `noise_n2` (N²).
@@ -72,6 +74,7 @@ impl RestNoise {
         let correction = fast_of_log.map_or(0.0, |power| power - fast);
         Some(RestNoise {
             noise_n2: (all + below + correction).max(0.0),
+            seen_n2: all + correction,
             lines_n2: mean(&|one| one.lines_n2),
             // The power below the windows is extrapolated, and good to half of it.
             error_n2: error_n2(0.0).hypot(0.5 * below),

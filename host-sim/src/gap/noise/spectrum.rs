@@ -68,11 +68,44 @@ fn without_line(power: &[f64], at: usize, line: f64) -> f64 {
 /// The straight line through the logarithms of density and frequency over the lowest sixteenth of the
 /// spectra of all windows, as much as that is at 1 kHz: noise that rises towards low frequencies as f^−a.
 /// All windows share one line, because the slope of one short window scatters by 0.4, and the mean of
-/// what that adds would be too much.
+/// what that adds would be too much. Where the lowest bins rise less the noise has a corner, as behind a filter, and
+/// their line is right: with a corner of 10 Hz the floor was 1.9 times the noise.
 #[derive(Default)]
 pub(crate) struct LowFrequencySlope {
+    low: LogLine,
+    lowest: LogLine,
+}
+
+/// Sums for a line through logarithms.
+#[derive(Default)]
+struct LogLine {
     sums: [f64; 5],
 }
+
+impl LogLine {
+    fn add(&mut self, x: f64, y: f64) {
+        let terms = [1.0, x, y, x * x, x * y];
+        let each = self.sums.iter_mut().zip(terms);
+        each.for_each(|(sum, term)| *sum += term);
+    }
+
+    /// The slope and its standard error: the logarithm of an exponential number has the variance π²/6.
+    fn slope(&self) -> Option<(f64, f64)> {
+        let [n, sx, sy, sxx, sxy] = self.sums;
+        let determinant = n * sxx - sx * sx;
+        (determinant > 0.0).then(|| {
+            let error = (BINS_PER_INDEPENDENT * std::f64::consts::PI.powi(2) / 6.0 * n
+                / determinant)
+                .sqrt();
+            ((n * sxy - sx * sy) / determinant, error)
+        })
+    }
+}
+
+/// Lowest bins of a window that say whether noise has a corner.
+const LOWEST: usize = 8;
+/// Standard errors by which their slope differs then.
+const BENT: f64 = 3.0;
 
 impl LowFrequencySlope {
     /// Adds the spectrum of a window of a log that is so many `times` as fast as 1 kHz. Below 300 Hz first-order
@@ -80,23 +113,31 @@ impl LowFrequencySlope {
     pub(crate) fn add(&mut self, spectrum: &Spectrum, times: f64) {
         let (power, n) = (&spectrum.power, spectrum.samples as f64);
         let lowest = (power.len() as f64 / (16.0 * times)) as usize;
-        let low = &power[..lowest.max(8).min(power.len())];
+        let low = &power[..lowest.max(LOWEST).min(power.len())];
         for (at, p) in low.iter().enumerate().filter(|(_, p)| **p > 0.0) {
             let (x, y) = (((at + 1) as f64 / n).ln(), (p * n).ln());
-            let terms = [1.0, x, y, x * x, x * y];
-            let each = self.sums.iter_mut().zip(terms);
-            each.for_each(|(sum, term)| *sum += term);
+            self.low.add(x, y);
+            if at < LOWEST {
+                self.lowest.add(x, y);
+            }
         }
     }
 
     /// Power (N²) below the lowest bin of a window, down to one period in the log; both lengths in samples.
     pub(crate) fn power_below(&self, window: usize, log: usize, decide: &Floor) -> f64 {
-        let [n, sx, sy, sxx, sxy] = self.sums;
-        let determinant = n * sxx - sx * sx;
-        if determinant <= 0.0 || log <= window {
+        let (Some((all, _)), Some((end, error))) = (self.low.slope(), self.lowest.slope()) else {
+            return 0.0;
+        };
+        if log <= window {
             return 0.0;
         }
-        let slope = (n * sxy - sx * sy) / determinant;
+        let is_bent = end - all > BENT * error;
+        let (line, slope) = if is_bent {
+            (&self.lowest, end)
+        } else {
+            (&self.low, all)
+        };
+        let [n, sx, sy, ..] = line.sums;
         let exponent = (-slope).min(decide.largest_slope);
         if exponent < decide.least_slope {
             return 0.0;

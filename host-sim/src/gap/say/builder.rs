@@ -216,10 +216,8 @@ impl<'a> FindingBuilder<'a> {
     /// The noise (N) of the force that was fitted, all logs together.
     fn noise_floor_n(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
-        let low_pass = self.dataset.low_pass;
         for (log, floor) in self.dataset.logs.iter().zip(self.dataset.floors) {
-            let share = low_pass.map_or(1.0, |low_pass| low_pass.variance_share(log.period_s));
-            sum += log.len() as f64 * share * floor.used_n.powi(2);
+            sum += log.len() as f64 * floor.noise_n().powi(2);
             count += log.len() as f64;
         }
         (sum / count).sqrt()

@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Repeats};
 
-use crate::gap::model::basis::{dot, project_out};
 use crate::gap::model::shape::Term;
 use crate::gap::model::simulate::{forces, forces_of_changed};
 use crate::gap::model::start::{is_possible, repeats, whole};
 use crate::gap::search::proposals::LinearizedModel;
+use crate::lsq::basis::{dot, project_out};
 use crate::spectral;
 use crate::stats::median;
 

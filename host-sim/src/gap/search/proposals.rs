@@ -6,10 +6,8 @@ use estimator_core::physics::rig::{Environment, Rig};
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
-use crate::gap::model::{
-    basis::add_column, basis::dot, basis::project_out, fit::Fit, problem::Problem, shape::Term,
-    start::starts,
-};
+use crate::gap::model::{fit::Fit, problem::Problem, shape::Term, start::starts};
+use crate::lsq::basis::{add_column, dot, project_out};
 use crate::lsq::minimize::blocked;
 
 /// An effect with numbers to start from.

@@ -5,9 +5,7 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::finding::Candidate;
-use crate::gap::model::{
-    dataset::Dataset, fit::Fit, problem::Problem, shape::Owner, shape::Shape, shape::Term,
-};
+use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem, shape::Term};
 use crate::gap::progress::Progress;
 use crate::gap::search::{
     physical::is_fourier_series, sets::added_effects, sets::keep_first,
@@ -248,33 +246,6 @@ impl Search<'_> {
             ladder.truncate(base + 1);
         }
         ladder
-    }
-
-    /// Fits the base model with nothing added, from several places of the surface.
-    pub(crate) fn base_fit(&self) -> Fit {
-        let scales = self.dataset.scales;
-        let shape = Shape::new(self.base, self.given.to_vec(), scales);
-        let start = shape.start();
-        let parameters = self.base.parameters();
-        let surface = parameters.iter().position(|own| own.name == "surface");
-        let is_surface = |owner: Owner| surface.is_some_and(|at| owner == Owner::Environment(at));
-        let moved = |share: f64| {
-            let mut start = start.clone();
-            for (number, free) in start.iter_mut().zip(&shape.free) {
-                if is_surface(free.owner) {
-                    *number = (*number + share * scales.travel_m).clamp(free.lowest, free.highest);
-                }
-            }
-            start
-        };
-        let shares = [0.0, 0.07, -0.07, 0.2, -0.2];
-        let fits = shares
-            .par_iter()
-            .map(|share| self.problem().fit_briefly(&shape, moved(*share), 8))
-            .collect::<Vec<_>>();
-        let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let numbers = best.map_or(start.clone(), |fit| fit.numbers);
-        self.problem().fit(&shape, numbers)
     }
 
     /// The cost with a penalty on free numbers: BIC in units of independent residuals.

@@ -91,6 +91,8 @@ fn finding(verdict: Verdict) -> Finding {
             uncertainty: 0.0,
             unseen: 1.0,
             used_n: 0.02,
+            band_share: 1.0,
+            slow: None,
             coloured: false,
             correlation: 1.0,
             why: "from second differences".into(),

@@ -356,3 +356,125 @@ fn half_a_second_at_200_hz_is_a_rest_unless_nothing_is_touched() {
     assert_eq!(of_machine.rest_n, None);
     assert!(of_machine.used_n < 0.7 * floor.used_n, "{of_machine:?}");
 }
+
+/// The same noise twice through a low-pass of first order, with unit variance.
+fn filtered(corner_hz: f64, count: usize, stream: u64) -> Vec<f64> {
+    let keep = (-TAU * corner_hz * 1e-3).exp();
+    let mut state = 0.0;
+    let once = slow(corner_hz, count, stream).into_iter();
+    let twice: Vec<f64> = once
+        .map(|own| {
+            state = keep * state + (1.0 - keep) * own;
+            state
+        })
+        .collect();
+    let size = rms(twice.iter().copied());
+    twice.into_iter().map(|own| own / size).collect()
+}
+
+/// 20 s at 1 kHz of a motion that never rests and never leaves 0.9 kN/m and 5 N s/m, with counts of 1 µm.
+fn never_at_rest(noise_n: &[f64], else_n: impl Fn(f64, f64) -> f64) -> UniformLog {
+    let place = |t: f64| 2e-3 + 8e-4 * (4.4 * t).sin() + 3e-4 * (14.5 * t).sin();
+    let speed = |t: f64| 3.52e-3 * (4.4 * t).cos() + 4.35e-3 * (14.5 * t).cos();
+    let time_s: Vec<f64> = (0..noise_n.len()).map(|at| 1e-3 * at as f64).collect();
+    let force = |(t, noise): (&f64, &f64)| {
+        900.0 * place(*t) + 5.0 * speed(*t) + else_n(place(*t), speed(*t)) + noise
+    };
+    UniformLog {
+        rate_hz: 1000.0,
+        force_n: time_s.iter().zip(noise_n).map(force).collect(),
+        position_m: time_s
+            .iter()
+            .map(|t| (1e6 * place(*t)).round() * 1e-6)
+            .collect(),
+        in_gap: vec![false; time_s.len()],
+        time_s,
+        ..UniformLog::default()
+    }
+}
+
+#[test]
+fn noise_behind_a_filter_is_noise_whether_anything_rests_or_not() {
+    // GIVEN noise twice behind a corner of 100 or of 30 Hz: second differences see a third of it, or a sixteenth
+    for (corner_hz, seen) in [(100.0, 0.4), (30.0, 0.1)] {
+        let noise: Vec<f64> = filtered(corner_hz, 20_000, 5)
+            .iter()
+            .map(|own| 5.0 * SIGMA_N * own)
+            .collect();
+        for log in [
+            never_at_rest(&noise, |_, _| 0.0),
+            log(&noise, |_, _| 0.0, 1e-6),
+        ] {
+            let floor = NoiseFloor::of(&log, &Floor::default()).with_slow_noise();
+            // THEN the floor is the noise, to a tenth.
+            assert!(floor.high_pass_n < seen * 5.0 * SIGMA_N, "{floor:?}");
+            assert_near(&floor, 5.0 * SIGMA_N, 0.1);
+            assert!(floor.coloured && floor.correlation > 3.0, "{floor:?}");
+        }
+    }
+}
+
+#[test]
+fn what_an_effect_adds_to_a_motion_without_rest_is_no_noise() {
+    // GIVEN white noise or none at all, and a friction, or a cogging of 0.2 mm, ten times as large as the noise
+    let (friction, cogging) = (
+        |_: f64, v: f64| 10.0 * SIGMA_N * v.signum(),
+        |x: f64, _: f64| 14.0 * SIGMA_N * (TAU * x / 2e-4).sin(),
+    );
+    for size in [SIGMA_N, 0.0] {
+        let noise: Vec<f64> = normals(20_000, 7).iter().map(|own| size * own).collect();
+        for log in [
+            never_at_rest(&noise, friction),
+            never_at_rest(&noise, cogging),
+        ] {
+            let floor = NoiseFloor::of(&log, &Floor::default());
+            assert!(floor.slow.is_none() && !floor.coloured, "{floor:?}");
+        }
+    }
+}
+
+#[test]
+fn a_low_pass_leaves_more_of_slow_noise_than_of_white() {
+    // GIVEN white noise and noise behind corners of 100 and 10 Hz, with rests and without, and a low-pass of 20 Hz
+    let sized = |noise: Vec<f64>| -> Vec<f64> { noise.iter().map(|own| SIGMA_N * own).collect() };
+    // Rests of half a second do not show noise of 10 Hz, and say a third too much.
+    let (noises, decide) = (
+        [
+            (normals(20_000, 9), true),
+            (filtered(100.0, 20_000, 10), true),
+            (filtered(10.0, 20_000, 11), false),
+        ],
+        Floor::default(),
+    );
+    for (noise, rests_show_it) in noises {
+        let noise = sized(noise);
+        let left_n = rms(smoothed(&noise));
+        let mut logs = vec![never_at_rest(&noise, |_, _| 0.0)];
+        logs.extend(rests_show_it.then(|| log(&noise, |_, _| 0.0, 1e-6)));
+        for log in logs {
+            let filtered = UniformLog {
+                force_n: smoothed(&log.force_n),
+                ..log.clone()
+            };
+            let floor = NoiseFloor::of(&log, &decide).with_slow_noise();
+            let floor = floor.in_band((&log, &filtered), 0.032, &decide);
+            let ratio = floor.noise_n() / left_n;
+            // THEN the floor is the noise that is left, to a quarter.
+            assert!((0.75..1.25).contains(&ratio), "{ratio}: {floor:?}");
+        }
+    }
+}
+
+/// A channel forwards and backwards through a first-order low-pass of 20 Hz.
+fn smoothed(channel: &[f64]) -> Vec<f64> {
+    let mut channel = channel.to_vec();
+    for _ in 0..2 {
+        let mut state = channel.first().copied().unwrap_or(0.0);
+        for sample in &mut channel {
+            state += (1.0 - (-TAU * 0.02).exp()) * (*sample - state);
+            *sample = state;
+        }
+        channel.reverse();
+    }
+    channel
+}

@@ -1,0 +1,39 @@
+//! The noise floors of all logs, with slow noise where stretches of the motion show it and without.
+//!
+//! Far from the noise it is enough that a floor is small: what remains of a record counts, and weights that a slow
+//! noise levels lost a relaxation under a cantilever. Near it the slow noise decides. A log is therefore asked with second
+//! differences first, and again with the slow noise where that may be all that remains.
+
+use crate::gap::noise::floor::NoiseFloor;
+
+/// The noise floors of all logs.
+pub(crate) struct Floors {
+    /// As second differences and rests have them.
+    pub(crate) fast: Vec<NoiseFloor>,
+    /// With the slow noise of stretches, where there is one.
+    pub(crate) slow: Vec<NoiseFloor>,
+}
+
+impl Floors {
+    /// Both of the floors of logs, each `behind` a low-pass.
+    pub(crate) fn of(
+        floors: Vec<NoiseFloor>,
+        behind: impl Fn(usize, NoiseFloor) -> NoiseFloor,
+    ) -> Floors {
+        let all = |floors: Vec<NoiseFloor>| {
+            let each = floors.into_iter().enumerate();
+            each.map(|(at, floor)| behind(at, floor)).collect()
+        };
+        Floors {
+            slow: all(floors.iter().map(NoiseFloor::with_slow_noise).collect()),
+            fast: all(floors),
+        }
+    }
+
+    /// How many times as large the noise is with slow noise, where that is most.
+    pub(crate) fn times(&self) -> f64 {
+        let each = self.slow.iter().zip(&self.fast);
+        each.map(|(slow, fast)| slow.noise_n() / fast.noise_n().max(f64::MIN_POSITIVE))
+            .fold(1.0, f64::max)
+    }
+}
