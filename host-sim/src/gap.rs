@@ -3,8 +3,8 @@
 //! The rooms, from the ground up:
 //!
 //! - `data` checks the logs, brings them within a budget, and gives them speed, acceleration and scales.
-//! - `noise` says without any model what the noise of the force is: from second differences and from the spectrum at
-//!   rest, without disturbances that are lines.
+//! - `noise` says without any model what the noise of the force is: from second differences, from the spectrum at
+//!   rest, without disturbances that are lines, and from stretches of the motion where nothing rests.
 //! - `model` holds the law with effects and its free numbers, where their fits start, the least squares, the
 //!   weights of the residuals, standard errors, and the bias that errors of the motion cause.
 //! - `search` proposes effects from a linearized fit, then adds, swaps and drops them. Each time everything is

@@ -1,12 +1,16 @@
 //! Harder rigs: what sensors and sampling do to a log, and that the harder kinds exist.
 
+use palpate::gap::Options;
 use std::collections::BTreeSet;
+use std::path::Path;
 use tests::hidden::rig::case::{Case, LEAST_RATIO};
 use tests::hidden::rig::fit::rms;
 use tests::hidden::rig::harder::{GROUPS, Group, Rig};
 use tests::hidden::rig::kind::Kind;
 use tests::hidden::rig::motion::{FINE_HZ, Profile, Track};
 use tests::hidden::rig::random::Random;
+use tests::hidden::score::judge::Mark;
+use tests::hidden::score::library;
 use tests::hidden::score::truth::Truth;
 
 const SEED: u64 = 1;
@@ -42,6 +46,19 @@ fn the_same_seed_gives_the_same_harder_rig_and_its_truth_is_read() {
         (truth.kind.as_str(), truth.label.as_str()),
         ("none", "none")
     );
+}
+
+#[test]
+fn noise_behind_a_filter_is_no_missing_effect() {
+    // GIVEN noise behind corners of 10 to 100 Hz, of which second differences see a twentieth to a third
+    for name in ["filtered", "filtered, no rest"] {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("hidden-{name}"));
+        let written = Rig::draw(group(name), SEED, 3).save(&folder);
+        written.unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        // THEN nothing is missing.
+        let one = library::score(&folder, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(one.mark(), Mark::Exact, "{name}: {:?}", one.answer);
+    }
 }
 
 #[test]

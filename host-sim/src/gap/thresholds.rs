@@ -94,18 +94,18 @@ thresholds! {
             /// Noise is slower than second differences see if stretches of smooth motion have so many times as much of it:
             /// 1.2 times where a line was taken out of uneven samples, 1.6 behind a first-order corner at a tenth of the rate.
             slower: 1.25 over 1.0,
-            /// Stretches have all of the noise where twice as long ones have at most this many times as much. White noise
-            /// behind a filter of second order with a corner at a tenth of the rate: 1.08 from 64 samples to 128.
-            level: 1.1 over 1.0,
-            /// Where no longer ones do, those are taken that grow least, and by no more than this: with a corner at a
-            /// hundredth of the rate by 1.27 from 512 samples to 1024.
-            most_growth: 1.3 over 1.0,
+            /// Stretches have most of the noise where it is at most this many times as much in twice as long ones: with a
+            /// corner at a hundredth of the rate 1.27 to 1.31 from 256 or 512 samples to twice as many.
+            most_growth: 1.35 over 1.0,
+            /// What is left in stretches is no noise if its kurtosis is smaller. Derived: 1.5 for a sine, 1.8 for the codes of
+            /// a converter, 3 for normal noise.
+            least_kurtosis: 1.7,
             /// What is left in stretches is noise if those that move further have as much of it, within this many standard
-            /// errors: filtered noise stayed within 2, events and missing effects of records were 4 to 12 off.
-            stretch_sigmas: 3.0,
+            /// errors: filtered noise stayed within 3, events and missing effects of records were 4 to 12 off.
+            stretch_sigmas: 4.0,
             /// It is noise if the upper quarter of stretches has at most this many times the mean square of the lower
-            /// quarter: noise behind a filter up to 3.1, records with friction or play 10 to 1000.
-            stretch_scatter: 3.5 over 1.0,
+            /// quarter: noise behind a filter up to 4, records with friction or play 10 to 1000.
+            stretch_scatter: 4.5 over 1.0,
             /// A density f^−a rises towards low frequencies if its exponent a is larger; a smaller one is
             /// scatter. Not measured.
             least_slope: 0.3,

@@ -1,10 +1,11 @@
 //! The noise floor of the force, without a model.
 //!
-//! Two estimates are compared. Second differences are a high-pass and see white noise only. Rests in
+//! Estimates are compared. Second differences are a high-pass and see white noise only. Rests in
 //! free air show the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
 //! disturbance) are not noise and are cut to the level of their neighbours, and a line that runs through
 //! all free air is taken out first. Where the two differ the noise is coloured, and the estimate at rest
-//! is right; its fast part is better known from the whole log. What is there at rest may be no noise at all,
+//! is right; its fast part is better known from the whole log. Where nothing rests, or noise behind a filter is
+//! more than differences and rests can agree on, stretches of the motion ([`super::stretches`]) say how large slow noise is. What is there at rest may be no noise at all,
 //! as a chirp or a burst: then the floor is that of second differences, of the quiet part where they come and go.
 
 use std::ops::Range;
@@ -218,10 +219,6 @@ impl NoiseFloor {
         let rest_n = rest.as_ref().map(RestNoise::noise_n);
         let (used_n, why) = used(log, raw, rests, (high_pass, rest_n), decide);
         let coloured = used_n > decide.coloured * high_pass_n;
-        let slow = || {
-            SlowNoise::of(log, decide)
-                .filter(|slow| slow.is_all && slow.noise_n > decide.slower * high_pass_n)
-        };
         let (at_rest, agreeing) = match &rest {
             Some(rest) if coloured => (Some(rest), None),
             Some(rest) if rest.noise_n() <= decide.coloured * used_n => (None, Some(rest)),
@@ -242,7 +239,10 @@ impl NoiseFloor {
             high_pass_n,
             rest_n,
             band_share: 1.0,
-            slow: if rest.is_none() { slow() } else { None },
+            slow: match rest {
+                Some(_) => None,
+                None => SlowNoise::beside(high_pass_n, log, decide).filter(|slow| slow.is_all),
+            },
             lines_n: rest.map_or(0.0, |rest| rest.lines_n2.sqrt()),
             used_n,
             why: why.into(),
@@ -264,15 +264,6 @@ fn used(
     decide: &Floor,
 ) -> (f64, &'static str) {
     let high_pass_n = high_pass.noise_n;
-    let slow =
-        || SlowNoise::of(log, decide).filter(|slow| slow.noise_n > decide.slower * high_pass_n);
-    let slower_noise_n = || match (log.rate_hz / COLOUR_HZ) as usize {
-        0 | 1 => high_pass_n,
-        step => {
-            let slower = forces_at_every(log, step);
-            HighPass::second(&slower, raw.code_n, decide.spike_sigmas).noise_n
-        }
-    };
     let quiet_n = rest::quiet_n(log, rests, (high_pass_n, raw.code_n), decide);
     match (quiet_n, rest_n) {
         (Some(quiet_n), _) => (
@@ -294,15 +285,7 @@ fn used(
             },
         ),
         (None, Some(rest_n))
-            if {
-                let off = rest::kurtosis_off(raw.unlined_n, rests, decide);
-                // Behind a filter noise is many times what differences say, and is in stretches of the motion as well.
-                let is_filtered = || {
-                    off.abs() <= 1.0
-                        && slow().is_some_and(|slow| rest_n <= decide.slight_colour * slow.noise_n)
-                };
-                rest::is_noise(rest_n / slower_noise_n(), off, decide) || is_filtered()
-            } =>
+            if is_noise_at_rest(log, raw, rests, (high_pass_n, rest_n), decide) =>
         {
             (rest_n, "from rest in free air: the noise is coloured")
         }
@@ -311,6 +294,29 @@ fn used(
             "from second differences: what is there at rest in free air is larger, and no noise",
         ),
     }
+}
+
+/// Whether what is there at rest is noise, though more than second differences see.
+fn is_noise_at_rest(
+    log: &UniformLog,
+    raw: Raw<'_>,
+    rests: &[Range<usize>],
+    (high_pass_n, rest_n): (f64, f64),
+    decide: &Floor,
+) -> bool {
+    let slower_n = match (log.rate_hz / COLOUR_HZ) as usize {
+        0 | 1 => high_pass_n,
+        step => {
+            let slower = forces_at_every(log, step);
+            HighPass::second(&slower, raw.code_n, decide.spike_sigmas).noise_n
+        }
+    };
+    let off = rest::kurtosis_off(raw.unlined_n, rests, decide);
+    // Behind a filter noise is many times what differences say, and stretches of the motion have it as well.
+    let in_stretches = || SlowNoise::beside(high_pass_n, log, decide);
+    rest::is_noise(rest_n / slower_n, off, decide)
+        || off.abs() <= 1.0
+            && in_stretches().is_some_and(|slow| rest_n <= decide.slight_colour * slow.noise_n)
 }
 
 /// The forces of a log at every so many samples.

@@ -2,8 +2,8 @@
 //!
 //! Second differences see noise that is as fast as the samples. Most forces come through a filter, and behind one of 30 Hz
 //! second differences at 1 kHz see a sixteenth of their noise: a log in which nothing was missing was 15 times its noise.
-//! Over a stretch a smooth law makes of a smooth motion a cubic of time and some of the position and its change; what is
-//! left of the force is noise, as far as that is faster than the stretch. It grows with the length until no noise is
+//! Over a stretch a smooth law makes of a smooth motion a cubic of time and some of the position, of its change, and of
+//! both times the position; what is left of the force is noise, as far as that is faster than the stretch. It grows with the length until no noise is
 //! slower. How large it is has nothing to do with how far the stretch moves: what an event or a missing effect leaves
 //! has.
 
@@ -15,14 +15,12 @@ use crate::log::UniformLog;
 use crate::lsq::basis::{add_column, dot, project_out};
 use crate::stats::{correlation, median, quantile, range, robust_deviation};
 
-/// Samples of the shortest stretch: six columns leave ten of them.
+/// Samples of the shortest stretch: eight columns leave as many of them.
 const SHORTEST: usize = 16;
 /// Fewest stretches, side by side: the quarters of fewer say nothing.
 const FEWEST: usize = 12;
 /// Most stretches of a length: their median is then known to 2 % and better.
 const MOST: usize = 400;
-/// The growth from one length to the next scatters by as much, where noise of 10 Hz is seen in stretches of 0.5 s.
-const SCATTER: f64 = 0.1;
 /// Parts of a stretch over which the position's change is taken.
 const PARTS: usize = 8;
 
@@ -48,8 +46,13 @@ impl SlowNoise {
         Some(left(log)? - left(filtered)?)
     }
 
-    /// The noise of the shortest stretches that have all of it, or of those that come nearest. `None` where what is left
-    /// in stretches is no noise before.
+    /// The same where it is clearly more than second differences see.
+    pub(super) fn beside(high_pass_n: f64, log: &UniformLog, decide: &Floor) -> Option<SlowNoise> {
+        SlowNoise::of(log, decide).filter(|slow| slow.noise_n > decide.slower * high_pass_n)
+    }
+
+    /// The noise of the longest stretches in which no more than a part of it is slower, or of the longest of all. `None`
+    /// where even in the shortest ones what is left is no noise.
     pub(super) fn of(log: &UniformLog, decide: &Floor) -> Option<SlowNoise> {
         let mut lengths = successors(Some(SHORTEST), |length| Some(2 * length));
         let mut noise = || {
@@ -59,21 +62,16 @@ impl SlowNoise {
             Stretches::of(log, length).filter(|all| all.are_noise(decide))
         };
         let mut half = noise()?;
-        let (mut nearest, mut least) = (None, f64::INFINITY);
+        let mut found: Option<SlowNoise> = None;
         while let Some(all) = noise() {
             let growth = (all.square_n2 / half.square_n2).sqrt();
-            if growth < least {
-                least = growth;
-                nearest = Some(all.extrapolated(&half, growth <= decide.most_growth));
-            }
-            // Where it grows more again something else begins.
-            let grows_again = least <= decide.most_growth && growth > least + SCATTER;
-            if growth <= decide.level || grows_again {
-                break;
+            let own = all.extrapolated(&half, growth <= decide.most_growth);
+            if own.is_all || found.is_none_or(|found| !found.is_all) {
+                found = Some(own);
             }
             half = all;
         }
-        nearest
+        found
     }
 }
 
@@ -83,6 +81,8 @@ struct Stretches {
     each: Vec<(f64, f64)>,
     /// The median of the mean squares (N²).
     square_n2: f64,
+    /// 3 for normal noise, 1.5 for a sine.
+    kurtosis: f64,
     /// Samples for each independent one.
     correlation: f64,
     /// Samples of each.
@@ -102,13 +102,15 @@ impl Stretches {
         let step = (length / 2).max(last / MOST);
         let is_measured = |from: &usize| !log.in_gap[*from..from + length].contains(&true);
         let starts = (lag..=last).step_by(step).filter(is_measured);
-        let left: Vec<(f64, f64, f64)> = starts
-            .map(|from| left(log, from..from + length, lag, &cubic))
+        let left: Vec<Left> = starts
+            .map(|from| Left::of(log, from..from + length, lag, &cubic))
             .collect();
+        let mean = |of: fn(&Left) -> f64| left.iter().map(of).sum::<f64>() / left.len() as f64;
         (left.len() >= FEWEST).then(|| Stretches {
-            square_n2: median(left.iter().map(|own| own.0)),
-            correlation: median(left.iter().map(|own| own.2)),
-            each: left.into_iter().map(|own| (own.0, own.1)).collect(),
+            square_n2: median(left.iter().map(|own| own.square_n2)),
+            kurtosis: mean(|own| own.fourth_n4) / mean(|own| own.second_n2).powi(2),
+            correlation: median(left.iter().map(|own| own.correlation)),
+            each: left.iter().map(|own| (own.square_n2, own.way_m)).collect(),
             length,
         })
     }
@@ -117,7 +119,8 @@ impl Stretches {
     fn are_noise(&self, decide: &Floor) -> bool {
         let squares = || self.each.iter().map(|own| own.0);
         let quarter = quantile(squares(), 0.25);
-        if quarter <= 0.0 || quantile(squares(), 0.75) > decide.stretch_scatter * quarter {
+        let is_even = quantile(squares(), 0.75) <= decide.stretch_scatter * quarter;
+        if quarter <= 0.0 || !is_even || self.kurtosis < decide.least_kurtosis {
             return false;
         }
         let mut by_way = self.each.clone();
@@ -148,34 +151,54 @@ impl Stretches {
     }
 }
 
-/// The mean square (N²) of what is left in a stretch, how far it moves (m), and its correlation (samples).
-fn left(
-    log: &UniformLog,
-    stretch: Range<usize>,
-    lag: usize,
-    cubic: &[Vec<f64>],
-) -> (f64, f64, f64) {
-    let position_m = &log.position_m;
-    let mut force_n = log.force_n[stretch.clone()].to_vec();
-    project_out(&mut force_n, cubic);
-    let beside = |columns: usize| (force_n.len() - cubic.len() - columns) as f64;
-    let of_time = dot(&force_n, &force_n) / beside(0);
-    let mut motion = Vec::new();
-    add_column(&mut motion, position_m[stretch.clone()].to_vec(), cubic);
-    let change = stretch
-        .clone()
-        .map(|at| position_m[at + lag] - position_m[at - lag]);
-    add_column(&mut motion, change.collect(), cubic);
-    let mut beside_motion = force_n.clone();
-    project_out(&mut beside_motion, &motion);
-    let of_motion = dot(&beside_motion, &beside_motion) / beside(motion.len());
-    let (square_n2, residuals) = match of_motion < of_time {
-        true => (of_motion, &beside_motion),
-        false => (of_time, &force_n),
-    };
-    (
-        square_n2,
-        range(&position_m[stretch]),
-        correlation(residuals),
-    )
+/// What is left in a stretch.
+struct Left {
+    /// Its mean square (N²), of as many samples as the columns leave.
+    square_n2: f64,
+    /// Means of its second and fourth powers (N², N⁴).
+    second_n2: f64,
+    fourth_n4: f64,
+    /// How far the stretch moves (m).
+    way_m: f64,
+    /// Samples for each independent one.
+    correlation: f64,
+}
+
+impl Left {
+    fn of(log: &UniformLog, stretch: Range<usize>, lag: usize, cubic: &[Vec<f64>]) -> Left {
+        let position_m = &log.position_m;
+        let mut force_n = log.force_n[stretch.clone()].to_vec();
+        project_out(&mut force_n, cubic);
+        let beside = |columns: usize| (force_n.len() - cubic.len() - columns) as f64;
+        let of_time = dot(&force_n, &force_n) / beside(0);
+        let middle_m = position_m[stretch.start.midpoint(stretch.end)];
+        let place = |at: usize| position_m[at] - middle_m;
+        let change = |at: usize| position_m[at + lag] - position_m[at - lag];
+        let columns: [&dyn Fn(usize) -> f64; 4] =
+            [&place, &change, &|at| place(at) * place(at), &|at| {
+                place(at) * change(at)
+            }];
+        let mut motion = Vec::new();
+        for column in columns {
+            add_column(&mut motion, stretch.clone().map(column).collect(), cubic);
+        }
+        let mut beside_motion = force_n.clone();
+        project_out(&mut beside_motion, &motion);
+        let of_motion = dot(&beside_motion, &beside_motion) / beside(motion.len());
+        let (square_n2, residuals) = match of_motion < of_time {
+            true => (of_motion, &beside_motion),
+            false => (of_time, &force_n),
+        };
+        let mean = |power: i32| {
+            let powers = residuals.iter().map(|own| own.powi(power));
+            powers.sum::<f64>() / residuals.len() as f64
+        };
+        Left {
+            square_n2,
+            second_n2: mean(2),
+            fourth_n4: mean(4),
+            way_m: range(&position_m[stretch]),
+            correlation: correlation(residuals),
+        }
+    }
 }

@@ -37,6 +37,10 @@ enum Sampling {
     Thinned,
     /// An hour at 100 Hz.
     Hour,
+    /// Only noise behind a filter.
+    Filtered,
+    /// The same under a motion that never rests, and stays in contact.
+    Restless,
 }
 
 const fn group(name: &'static str, kind: Kind, world: Sampling) -> Group {
@@ -49,7 +53,7 @@ const fn sampling(name: &'static str, world: Sampling) -> Group {
 
 /// The rows: groups with something hidden and without on a bench, and then nothing hidden, with one fault of
 /// the sampling each.
-pub const GROUPS: [Group; 24] = [
+pub const GROUPS: [Group; 26] = [
     group("foreign", Kind::Foreign, Sampling::Bench),
     group("mismatched", Kind::Mismatched, Sampling::Bench),
     group("single", Kind::Single, Sampling::Bench),
@@ -86,6 +90,8 @@ pub const GROUPS: [Group; 24] = [
     sampling("rate 20 kHz", Sampling::Rate(20_000.0)),
     sampling("thinned holds", Sampling::Thinned),
     sampling("an hour", Sampling::Hour),
+    sampling("filtered", Sampling::Filtered),
+    sampling("filtered, no rest", Sampling::Restless),
 ];
 
 /// A rig in its files.
@@ -122,6 +128,9 @@ impl Rig {
         let beyond = (case.base_rmse_n.powi(2) - case.floor_n.powi(2)).max(0.0);
         if group.world == Sampling::Hour {
             case.track = an_hour(&case, random);
+        }
+        if group.world == Sampling::Restless {
+            case.track = restless(&case, random);
         }
         let recorded = world.record(&case.plant, &case.track, random);
         case.floor_n = recorded.floor_n;
@@ -251,7 +260,30 @@ fn world(case: &mut Case, sampling: Sampling, random: &mut Random) -> World {
             noise: Noise::White,
             ..plain(100.0)
         },
+        Sampling::Filtered | Sampling::Restless => World {
+            noise: Noise::Filtered(random.log_between(10.0, 100.0)),
+            ..plain(1000.0)
+        },
     }
+}
+
+/// Half a second to the middle of the depth, and then two sines that stay in contact.
+fn restless(case: &Case, random: &mut Random) -> Track {
+    let (from_m, to_m) = case.track.range_m();
+    let depth_m = to_m - case.material.surface;
+    let waves = [
+        (0.22 * depth_m, random.log_between(0.4, 1.0)),
+        (0.12 * depth_m, random.log_between(1.5, 3.0)),
+    ];
+    let middle_m = case.material.surface + 0.5 * depth_m;
+    case.track.with_set_point(20.0, |t| {
+        let wave =
+            |(size_m, hz): &(f64, f64)| size_m * (std::f64::consts::TAU * hz * (t - 0.5)).sin();
+        match t < 0.5 {
+            true => from_m + (middle_m - from_m) * t / 0.5,
+            false => middle_m + waves.iter().map(wave).sum::<f64>(),
+        }
+    })
 }
 
 /// An hour of motions of the same kind, one after another: what remembers one is pressed again by the next.

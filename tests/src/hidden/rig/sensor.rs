@@ -12,6 +12,8 @@ pub(crate) enum Noise {
     White,
     /// First-order, with this corner (Hz).
     Corner(f64),
+    /// Behind an amplifier of second order, with this corner (Hz) twice.
+    Filtered(f64),
     /// Five first-order stages, 0.7–180 Hz: close to 1/f.
     Pink,
     /// White, and a share (of the power) in a broad hump: the resonance of a load cell that the floor
@@ -44,6 +46,7 @@ impl Noise {
         match self {
             Noise::White => "white".into(),
             Noise::Corner(hz) => format!("ar1_{hz:.0}_hz"),
+            Noise::Filtered(hz) => format!("filtered_{hz:.0}_hz"),
             Noise::Pink => "pink".into(),
             Noise::Hump { hz, .. } => format!("hump_{hz:.0}_hz"),
         }
@@ -54,6 +57,7 @@ impl Noise {
         match self {
             Noise::White => (0..count).map(|_| random.normal()).collect(),
             Noise::Corner(hz) => coloured(&[hz], count, dt, random),
+            Noise::Filtered(hz) => filtered(hz, count, dt, random),
             Noise::Pink => coloured(&[0.7, 2.8, 11.2, 45.0, 180.0], count, dt, random),
             Noise::Hump {
                 hz,
@@ -74,6 +78,22 @@ impl Noise {
             }
         }
     }
+}
+
+/// First-order noise behind another stage with the same corner.
+fn filtered(hz: f64, count: usize, dt: f64, random: &mut Random) -> Vec<f64> {
+    let keep = (-std::f64::consts::TAU * hz * dt).exp();
+    // What the second stage leaves of the first one's variance.
+    let left = (1.0 - keep) / (1.0 + keep) * (1.0 + keep * keep) / (1.0 - keep * keep);
+    let mut state = 0.0;
+    let behind = |own: f64| {
+        state = keep * state + (1.0 - keep) * own;
+        state / left.sqrt()
+    };
+    // A second until the second stage remembers no start.
+    let before = (1.0 / dt) as usize;
+    let first = coloured(&[hz], count + before, dt, random);
+    first.into_iter().map(behind).skip(before).collect()
 }
 
 /// The sum of first-order noises of equal power.

@@ -435,14 +435,14 @@ fn what_an_effect_adds_to_a_motion_without_rest_is_no_noise() {
 
 #[test]
 fn a_low_pass_leaves_more_of_slow_noise_than_of_white() {
-    // GIVEN white noise and noise behind corners of 100 and 10 Hz, with rests and without, and a low-pass of 20 Hz
+    // GIVEN white noise and noise behind corners of 100 and 15 Hz, with rests and without, and a low-pass of 20 Hz
     let sized = |noise: Vec<f64>| -> Vec<f64> { noise.iter().map(|own| SIGMA_N * own).collect() };
-    // Rests of half a second do not show noise of 10 Hz, and say a third too much.
+    // Rests of half a second do not show noise of 15 Hz, and say a third too much.
     let (noises, decide) = (
         [
             (normals(20_000, 9), true),
             (filtered(100.0, 20_000, 10), true),
-            (filtered(10.0, 20_000, 11), false),
+            (filtered(15.0, 20_000, 11), false),
         ],
         Floor::default(),
     );
