@@ -97,9 +97,9 @@ thresholds! {
             /// Stretches have most of the noise where it is at most this many times as much in twice as long ones: with a
             /// corner at a hundredth of the rate 1.27 to 1.31 from 256 or 512 samples to twice as many.
             most_growth: 1.35 over 1.0,
-            /// What is left in stretches is no noise if its kurtosis is smaller. Derived: 1.5 for a sine, 1.8 for the codes of
-            /// a converter, 3 for normal noise.
-            least_kurtosis: 1.7,
+            /// What is left in stretches is no noise if its kurtosis is smaller. Derived: 1.5 for a sine, 2.0 with half of
+            /// its amplitude of noise, 3 for normal noise.
+            least_kurtosis: 2.4,
             /// What is left in stretches is noise if those that move further have as much of it, within this many standard
             /// errors: filtered noise stayed within 3, events and missing effects of records were 4 to 12 off.
             stretch_sigmas: 4.0,

@@ -10,9 +10,11 @@
 use std::iter::successors;
 use std::ops::Range;
 
+use crate::gap::noise::line::Line;
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::lsq::basis::{add_column, dot, project_out};
+use crate::signal;
 use crate::stats::{correlation, median, quantile, range, robust_deviation};
 
 /// Samples of the shortest stretch: eight columns leave as many of them.
@@ -54,12 +56,13 @@ impl SlowNoise {
     /// The noise of the longest stretches in which no more than a part of it is slower, or of the longest of all. `None`
     /// where even in the shortest ones what is left is no noise.
     pub(super) fn of(log: &UniformLog, decide: &Floor) -> Option<SlowNoise> {
+        let code_n2 = signal::step(&log.force_n).unwrap_or(0.0).powi(2) / 12.0;
         let mut lengths = successors(Some(SHORTEST), |length| Some(2 * length));
         let mut noise = || {
             let length = lengths
                 .next()
                 .filter(|length| FEWEST * length <= log.len())?;
-            Stretches::of(log, length).filter(|all| all.are_noise(decide))
+            Stretches::of(log, length).filter(|all| all.are_noise(code_n2, decide))
         };
         let mut half = noise()?;
         let mut found: Option<SlowNoise> = None;
@@ -71,7 +74,25 @@ impl SlowNoise {
             }
             half = all;
         }
-        found
+        found.filter(|found| !found.is_line(log, decide))
+    }
+
+    /// Whether a line makes most of it: what stays in phase is no noise.
+    fn is_line(&self, log: &UniformLog, decide: &Floor) -> bool {
+        let cubic = cubic(self.length);
+        let lag = self.length / PARTS;
+        let last = log.len().saturating_sub(self.length + lag);
+        let (mut left, mut is_measured) = (vec![0.0; log.len()], vec![false; log.len()]);
+        for from in (lag..=last).step_by(self.length) {
+            let stretch = from..from + self.length;
+            if !log.in_gap[stretch.clone()].contains(&true) {
+                let residuals = residuals(log, stretch.clone(), lag, &cubic).1;
+                left[stretch.clone()].copy_from_slice(&residuals);
+                is_measured[stretch].fill(true);
+            }
+        }
+        let line = Line::strongest(&left, &is_measured, decide.prominence);
+        line.is_some_and(|line| line.rms_n().powi(2) > decide.disturbed * self.noise_n.powi(2))
     }
 }
 
@@ -91,12 +112,7 @@ struct Stretches {
 
 impl Stretches {
     fn of(log: &UniformLog, length: usize) -> Option<Stretches> {
-        let mut cubic = Vec::new();
-        let time = |at: usize| 2.0 * at as f64 / (length - 1) as f64 - 1.0;
-        for power in 0..4 {
-            let column = (0..length).map(|at| time(at).powi(power)).collect();
-            add_column(&mut cubic, column, &[]);
-        }
+        let cubic = cubic(length);
         let lag = length / PARTS;
         let last = log.len().checked_sub(length + lag)?;
         let step = (length / 2).max(last / MOST);
@@ -115,12 +131,15 @@ impl Stretches {
         })
     }
 
-    /// Whether what is left is noise: as large in all stretches, and however far they move.
-    fn are_noise(&self, decide: &Floor) -> bool {
+    /// Whether what is left is noise: as large in all stretches, however far they move, and normal, unless the codes of a
+    /// converter (their variance in N²) make it.
+    fn are_noise(&self, code_n2: f64, decide: &Floor) -> bool {
         let squares = || self.each.iter().map(|own| own.0);
         let quarter = quantile(squares(), 0.25);
         let is_even = quantile(squares(), 0.75) <= decide.stretch_scatter * quarter;
-        if quarter <= 0.0 || !is_even || self.kurtosis < decide.least_kurtosis {
+        let is_code = self.square_n2 < 2.0 * code_n2;
+        let is_normal = is_code || self.kurtosis >= decide.least_kurtosis;
+        if quarter <= 0.0 || !is_even || !is_normal {
             return false;
         }
         let mut by_way = self.each.clone();
@@ -153,7 +172,7 @@ impl Stretches {
 
 /// What is left in a stretch.
 struct Left {
-    /// Its mean square (N²), of as many samples as the columns leave.
+    /// Its mean square (N²), as of so many samples as the columns leave.
     square_n2: f64,
     /// Means of its second and fourth powers (N², N⁴).
     second_n2: f64,
@@ -166,29 +185,7 @@ struct Left {
 
 impl Left {
     fn of(log: &UniformLog, stretch: Range<usize>, lag: usize, cubic: &[Vec<f64>]) -> Left {
-        let position_m = &log.position_m;
-        let mut force_n = log.force_n[stretch.clone()].to_vec();
-        project_out(&mut force_n, cubic);
-        let beside = |columns: usize| (force_n.len() - cubic.len() - columns) as f64;
-        let of_time = dot(&force_n, &force_n) / beside(0);
-        let middle_m = position_m[stretch.start.midpoint(stretch.end)];
-        let place = |at: usize| position_m[at] - middle_m;
-        let change = |at: usize| position_m[at + lag] - position_m[at - lag];
-        let columns: [&dyn Fn(usize) -> f64; 4] =
-            [&place, &change, &|at| place(at) * place(at), &|at| {
-                place(at) * change(at)
-            }];
-        let mut motion = Vec::new();
-        for column in columns {
-            add_column(&mut motion, stretch.clone().map(column).collect(), cubic);
-        }
-        let mut beside_motion = force_n.clone();
-        project_out(&mut beside_motion, &motion);
-        let of_motion = dot(&beside_motion, &beside_motion) / beside(motion.len());
-        let (square_n2, residuals) = match of_motion < of_time {
-            true => (of_motion, &beside_motion),
-            false => (of_time, &force_n),
-        };
+        let (square_n2, residuals) = residuals(log, stretch.clone(), lag, cubic);
         let mean = |power: i32| {
             let powers = residuals.iter().map(|own| own.powi(power));
             powers.sum::<f64>() / residuals.len() as f64
@@ -197,8 +194,51 @@ impl Left {
             square_n2,
             second_n2: mean(2),
             fourth_n4: mean(4),
-            way_m: range(&position_m[stretch]),
-            correlation: correlation(residuals),
+            way_m: range(&log.position_m[stretch]),
+            correlation: correlation(&residuals),
         }
+    }
+}
+
+/// A cubic of time: four orthonormal columns.
+fn cubic(length: usize) -> Vec<Vec<f64>> {
+    let mut columns = Vec::new();
+    let time = |at: usize| 2.0 * at as f64 / (length - 1) as f64 - 1.0;
+    for power in 0..4 {
+        let column = (0..length).map(|at| time(at).powi(power)).collect();
+        add_column(&mut columns, column, &[]);
+    }
+    columns
+}
+
+/// The mean square (N²) of what is left in a stretch, as of so many samples as the columns leave, and that (N).
+fn residuals(
+    log: &UniformLog,
+    stretch: Range<usize>,
+    lag: usize,
+    cubic: &[Vec<f64>],
+) -> (f64, Vec<f64>) {
+    let position_m = &log.position_m;
+    let mut force_n = log.force_n[stretch.clone()].to_vec();
+    project_out(&mut force_n, cubic);
+    let beside = |columns: usize| (force_n.len() - cubic.len() - columns) as f64;
+    let of_time = dot(&force_n, &force_n) / beside(0);
+    let middle_m = position_m[stretch.start.midpoint(stretch.end)];
+    let place = |at: usize| position_m[at] - middle_m;
+    let change = |at: usize| position_m[at + lag] - position_m[at - lag];
+    let columns: [&dyn Fn(usize) -> f64; 4] =
+        [&place, &change, &|at| place(at) * place(at), &|at| {
+            place(at) * change(at)
+        }];
+    let mut motion = Vec::new();
+    for column in columns {
+        add_column(&mut motion, stretch.clone().map(column).collect(), cubic);
+    }
+    let mut beside_motion = force_n.clone();
+    project_out(&mut beside_motion, &motion);
+    let of_motion = dot(&beside_motion, &beside_motion) / beside(motion.len());
+    match of_motion < of_time {
+        true => (of_motion, beside_motion),
+        false => (of_time, force_n),
     }
 }

@@ -416,16 +416,19 @@ fn noise_behind_a_filter_is_noise_whether_anything_rests_or_not() {
 
 #[test]
 fn what_an_effect_adds_to_a_motion_without_rest_is_no_noise() {
-    // GIVEN white noise or none at all, and a friction, or a cogging of 0.2 mm, ten times as large as the noise
+    // GIVEN white noise or none at all, and a friction, a cogging of 0.2 mm or a line of 8 Hz, ten times as large
+    let line = |at: usize| 14.0 * SIGMA_N * (TAU * 8e-3 * at as f64).sin();
     let (friction, cogging) = (
         |_: f64, v: f64| 10.0 * SIGMA_N * v.signum(),
         |x: f64, _: f64| 14.0 * SIGMA_N * (TAU * x / 2e-4).sin(),
     );
     for size in [SIGMA_N, 0.0] {
         let noise: Vec<f64> = normals(20_000, 7).iter().map(|own| size * own).collect();
+        let both = noise.iter().enumerate().map(|(at, own)| own + line(at));
         for log in [
             never_at_rest(&noise, friction),
             never_at_rest(&noise, cogging),
+            never_at_rest(&both.collect::<Vec<f64>>(), |_, _| 0.0),
         ] {
             let floor = NoiseFloor::of(&log, &Floor::default());
             assert!(floor.slow.is_none() && !floor.coloured, "{floor:?}");
