@@ -4,9 +4,10 @@
 //! free air show the whole spectrum of what is there when nothing moves; sharp lines in it (a pump, a
 //! disturbance) are not noise and are cut to the level of their neighbours, and a line that runs through
 //! all free air is taken out first. Where the two differ the noise is coloured, and the estimate at rest
-//! is right; its fast part is better known from the whole log. Where nothing rests, or noise behind a filter is
-//! more than differences and rests can agree on, stretches of the motion ([`super::stretches`]) say how large slow noise is. What is there at rest may be no noise at all,
-//! as a chirp or a burst: then the floor is that of second differences, of the quiet part where they come and go.
+//! is right; its fast part is better known from the whole log. Where nothing rests, or noise behind a filter is more than
+//! differences and rests can agree on, stretches of the motion ([`super::stretches`]) say how large slow noise is. What is
+//! there at rest may be no noise at all, as a chirp or a burst: then the floor is that of second differences, of the quiet
+//! part where they come and go.
 
 use std::ops::Range;
 

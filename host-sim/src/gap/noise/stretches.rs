@@ -1,11 +1,11 @@
 //! The noise of a force from stretches of smooth motion, which need no rest and see slow noise.
 //!
-//! Second differences see noise that is as fast as the samples. Most forces come through a filter, and behind one of 30 Hz
-//! second differences at 1 kHz see a sixteenth of their noise: a log in which nothing was missing was 15 times its noise.
-//! Over a stretch a smooth law makes of a smooth motion a cubic of time and some of the position, of its change, and of
-//! both times the position; what is left of the force is noise, as far as that is faster than the stretch. It grows with the length until no noise is
-//! slower. How large it is has nothing to do with how far the stretch moves: what an event or a missing effect leaves
-//! has.
+//! Second differences see noise that is as fast as the samples. Most forces come through a filter, and behind one of
+//! 30 Hz second differences at 1 kHz see a sixteenth of their noise: a log in which nothing was missing was unexplained at
+//! 15 times its noise. Over a stretch a smooth law makes of a smooth motion a cubic of time and some of the position, of
+//! its change, and of both times the position; what is left of the force is noise, as far as that is faster than the
+//! stretch. It grows with the length until no noise is slower. How large it is has nothing to do with how far the stretch
+//! moves: what an event or a missing effect leaves has.
 
 use std::iter::successors;
 use std::ops::Range;
