@@ -158,15 +158,18 @@ fn workflow(
 
 /// The noise floors of the forces that are fitted.
 fn floors(logs: &[Cow<'_, UniformLog>], low_pass: Option<LowPass>, decide: &Floor) -> Floors {
-    let of = |log: &Cow<'_, UniformLog>| NoiseFloor::of(log, decide);
-    let each = logs.par_iter().map(of).collect();
-    Floors::of(each, |at, floor| match low_pass {
-        Some(low_pass) => {
-            let (filtered, white_share) = low_pass.behind(&logs[at]);
-            floor.in_band((&logs[at], &filtered), white_share, decide)
-        }
-        None => floor,
-    })
+    let both = |log: &Cow<'_, UniformLog>| {
+        let fast = NoiseFloor::of(log, decide);
+        let slow = fast.with_slow_noise();
+        let Some(low_pass) = low_pass else {
+            return (fast, slow);
+        };
+        let (filtered, white_share) = low_pass.behind(log);
+        let in_band = |floor: NoiseFloor| floor.in_band((log, &filtered), white_share, decide);
+        (in_band(fast), in_band(slow))
+    };
+    let (fast, slow) = logs.par_iter().map(both).unzip();
+    Floors { fast, slow }
 }
 
 /// What looks wrong in the logs, and what their reader noted.

@@ -15,21 +15,6 @@ pub(crate) struct Floors {
 }
 
 impl Floors {
-    /// Both of the floors of logs, each `behind` a low-pass.
-    pub(crate) fn of(
-        floors: Vec<NoiseFloor>,
-        behind: impl Fn(usize, NoiseFloor) -> NoiseFloor,
-    ) -> Floors {
-        let all = |floors: Vec<NoiseFloor>| {
-            let each = floors.into_iter().enumerate();
-            each.map(|(at, floor)| behind(at, floor)).collect()
-        };
-        Floors {
-            slow: all(floors.iter().map(NoiseFloor::with_slow_noise).collect()),
-            fast: all(floors),
-        }
-    }
-
     /// How many times as large the noise is with slow noise, where that is most.
     pub(crate) fn times(&self) -> f64 {
         let each = self.slow.iter().zip(&self.fast);

@@ -34,11 +34,7 @@ impl Search<'_> {
             }
             start
         };
-        let fits = MOVED
-            .par_iter()
-            .map(|share| self.problem().fit_briefly(&shape, moved(*share), BRIEF))
-            .collect::<Vec<_>>();
-        let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let best = self.best_of_brief(&shape, MOVED.map(moved).into());
         let numbers = best.map_or(start.clone(), |fit| fit.numbers);
         self.problem().fit(&shape, numbers)
     }
@@ -52,15 +48,20 @@ impl Search<'_> {
             if !self.is_far(&base) {
                 break;
             }
-            let brief = |start| self.problem().fit_briefly(&base.shape, start, BRIEF);
-            let fits: Vec<Fit> = changed(&base).into_par_iter().map(brief).collect();
-            let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+            let best = self.best_of_brief(&base.shape, changed(&base));
             match best.filter(|best| best.cost < BETTER * base.cost) {
                 Some(best) => base = self.refitted(&best),
                 None => break,
             }
         }
         base
+    }
+
+    /// The best of brief fits from these places; of equal ones the first.
+    fn best_of_brief(&self, shape: &Shape, starts: Vec<Vec<f64>>) -> Option<Fit> {
+        let brief = |start| self.problem().fit_briefly(shape, start, BRIEF);
+        let fits: Vec<Fit> = starts.into_par_iter().map(brief).collect();
+        fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 }
 
