@@ -37,10 +37,9 @@ pub(crate) struct Regularity<T> {
     known: u32,
     /// Mean increment (m).
     speed: T,
-    /// Mean of e² (m²), sums of e³, e⁶ and |v|³ (m³, m⁶).
+    /// Mean of e² (m²), sums of e³ and |v|³ (m³).
     mean_square: T,
     third: T,
-    sixth: T,
     speeds: T,
     /// Number of increments in them.
     rows: T,
@@ -93,9 +92,7 @@ impl<T: Real> Regularity<T> {
             excess
         };
         let along = along.max_of(-largest).min_of(largest);
-        let cube = along * along * along;
-        self.third = kept * self.third + cube;
-        self.sixth = kept * self.sixth + cube * cube;
+        self.third = kept * self.third + along * along * along;
         self.speeds = kept * self.speeds + cube_of_speed;
     }
 
@@ -109,14 +106,14 @@ impl<T: Real> Regularity<T> {
         hops
     }
 
-    /// Share of the rows that seem to be missing, by which every speed may be too large. Chance leaves Σe⁶
-    /// in the square of Σe³ on the mean.
+    /// Share of the rows that seem to be missing, by which every speed may be too large. What chance may have left of
+    /// Σe³, √Σe⁶, is not taken off it: of presses at two counts a sample that miss 30 % of their rows it hid half for
+    /// two seconds, with a damping that was a third too small at a claimed 2 to 7 %.
     pub(crate) fn missing_share(&self) -> T {
-        let square = self.third * self.third - self.sixth;
-        if self.third <= T::zero() || square <= T::zero() {
+        if self.third <= T::zero() || self.speeds <= T::zero() {
             return T::zero();
         }
-        square.sqrt() / (T::from_f64(LEFT) * self.speeds)
+        self.third / (T::from_f64(LEFT) * self.speeds)
     }
 }
 

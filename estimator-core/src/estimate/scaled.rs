@@ -10,7 +10,7 @@ use crate::maths::scalar::{Real, seconds};
 const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
 /// Largest number of samples that one count of the encoder is assumed to last, which bounds what a
 /// hold is worth.
-const LONGEST_COUNT: f64 = 256.0;
+const LONGEST_COUNT: f64 = 1024.0;
 /// Smallest standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
 const IMPACT_FLOOR: f64 = 5e-3;
 
