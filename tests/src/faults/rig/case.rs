@@ -109,9 +109,14 @@ impl Case {
 
     /// What the noise of the force is multiplied by from the start on.
     pub fn noise_gain(&self) -> f64 {
+        self.from_start(self.plan.force.gain)
+    }
+
+    /// A gain's size if the fault is there from the start on.
+    fn from_start(&self, gain: f64) -> f64 {
         match self.plan.onset_s > 0.0 {
             true => 1.0,
-            false => self.plan.force.gain.abs(),
+            false => gain.abs(),
         }
     }
 
@@ -126,7 +131,10 @@ impl Case {
         stage.unwrap_or(&self.stages[0]).material.numbers
     }
 
-    /// The rows of the same palpation with the same noise, steps and counts, and without the fault.
+    /// The rows of the same palpation with the same noise, steps and counts, and without the fault. A position that
+    /// is ten percent too large from the start on is rounded to counts of ten percent less of the way: how a ramp and
+    /// a hold are rounded colours the residual, and the same ramp in other counts made 4 such logs of 100 seen, though
+    /// K, λ and the surface take the scale up to the last digit.
     pub fn honest_rows(&self) -> Rows {
         let (force, position) = (&self.plan.force, &self.plan.position);
         let plan = Plan {
@@ -136,7 +144,7 @@ impl Case {
                 ..Force::default()
             },
             position: Position {
-                count_m: position.count_m,
+                count_m: position.count_m / self.from_start(position.gain),
                 ..Position::default()
             },
             clock: Clock {
