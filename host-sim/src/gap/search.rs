@@ -3,7 +3,7 @@
 
 mod alone;
 mod base;
-mod blocks;
+pub(crate) mod blocks;
 pub(crate) mod eliminate;
 pub(crate) mod evidence;
 pub(crate) mod expand;

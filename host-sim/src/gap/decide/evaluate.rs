@@ -38,11 +38,10 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         .map(|error| 1.0 - (after.rmse_n / error.rmse_n).powi(2))
         .collect();
     let correlation = correlation(&white_residuals(&all, &best));
-    let decide = &dataset.thresholds.rivalry;
     let Rivals {
         alternatives,
         better,
-    } = rivals(&all, &best, result, correlation, decide);
+    } = rivals(dataset, &all, &best, result, correlation);
     let is_ambiguous = alternatives.iter().any(|ids| !ids.is_empty());
     let is_small = is_explained(dataset, &all, &best, after.ratio, &held_out);
     let slow = is_small

@@ -4,13 +4,22 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use crate::gap::model::{fit::Fit, problem::Problem};
-use crate::gap::search::relatives::{are_late, related, simpler};
+use crate::gap::data::fit_data::FitData;
+use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
+use crate::gap::search::blocks::are_touches_few;
+use crate::gap::search::relatives::{are_late, oppose_motion, related, simpler};
 use crate::gap::search::{run::SearchResult, sets::added_effects};
 use crate::gap::thresholds::Rivalry;
+use crate::stats::{median, quantile};
 
 /// Most steps of the refit of a rival.
 const STEPS: usize = 30;
+/// Below this share of the fastest speeds a rig rests.
+const RESTING: f64 = 0.25;
+/// Speeds that differ by less than this share are one.
+const ALIKE: f64 = 0.15;
+/// And by less than so many standard deviations of their noise.
+const NOISE_SIGMAS: f64 = 2.0;
 /// Stretches of the logs for [`is_worse_throughout`].
 const STRETCHES: usize = 48;
 
@@ -38,15 +47,17 @@ type Rival<'a> = (&'a Fit, Fit);
 
 /// Refits the rivals of a search's result and compares them with the best fit.
 pub(super) fn rivals(
+    dataset: &Dataset<'_>,
     all: &Problem<'_>,
     best: &Fit,
     result: &SearchResult,
     correlation: f64,
-    decide: &Rivalry,
 ) -> Rivals {
+    let decide = &dataset.thresholds.rivalry;
     let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
     let margin = discriminability_margin(best, count, correlation, decide.margin);
-    let most = result.best.cost * decide.followed + margin;
+    let followed = followed(dataset, best);
+    let most = result.best.cost * followed + margin;
     let close: Vec<&Fit> = result
         .rivals
         .iter()
@@ -63,22 +74,103 @@ pub(super) fn rivals(
         })
         .collect();
     let per_number = correlation * (count / correlation).max(2.0).ln();
+    let at_one_speed = match is_one_speed(dataset, best) {
+        true => margin.max((decide.at_one_speed - 1.0) * best.cost),
+        false => margin,
+    };
     let added = best.added().into_iter();
     Rivals {
         alternatives: added
-            .map(|at| alternatives(all, best, at, &refitted, (margin, decide)))
+            .map(|at| alternatives(all, best, at, &refitted, (margin, at_one_speed), decide))
             .collect(),
         better: better(best, &refitted, margin, per_number),
     }
 }
 
-/// The effects that explain the logs as well as one of the best fit.
+/// How many times the Σ w r² of the best a rival may leave to be looked at.
+fn followed(dataset: &Dataset<'_>, best: &Fit) -> f64 {
+    let decide = &dataset.thresholds.rivalry;
+    match is_one_speed(dataset, best) {
+        true => decide.followed.max(decide.at_one_speed),
+        false => decide.followed,
+    }
+}
+
+/// Whether the logs move at one speed each way, and reverse so seldom that a reversal is no evidence: there a drag is a
+/// friction, beside a zero that is not known either.
+fn is_one_speed(dataset: &Dataset<'_>, best: &Fit) -> bool {
+    let noisy = |log: &FitData| {
+        let speeds = log.speed_mps.iter().zip(&log.speed_noise_mps);
+        speeds
+            .map(|(speed, noise)| (*speed, *noise))
+            .collect::<Vec<_>>()
+    };
+    let speeds: Vec<(f64, f64)> = dataset.logs.iter().flat_map(noisy).collect();
+    is_mostly_alike(&speeds, dataset.thresholds.rivalry.alike_speeds)
+        && are_touches_few(dataset, best)
+}
+
+/// Whether this share of the speeds that are no rest, each with its noise, is within [`ALIKE`] of the median of those of
+/// their sign.
+fn is_mostly_alike(speeds: &[(f64, f64)], share: f64) -> bool {
+    let resting = RESTING * quantile(speeds.iter().map(|(speed, _)| speed.abs()), 0.95);
+    let (mut alike, mut moving) = (0, 0);
+    for way in [1.0, -1.0] {
+        let own = speeds.iter().map(|(speed, noise)| (way * speed, noise));
+        let own: Vec<(f64, &f64)> = own.filter(|(speed, _)| *speed > resting).collect();
+        let usual = median(own.iter().map(|(speed, _)| *speed));
+        let is_alike = |(speed, noise): &&(f64, &f64)| {
+            (*speed - usual).abs() < ALIKE * usual + NOISE_SIGMAS * **noise
+        };
+        alike += own.iter().filter(is_alike).count();
+        moving += own.len();
+    }
+    alike as f64 >= share * moving as f64
+}
+
+/// A result whose best is now a fit without one of its effects: what stood in the place of another one stands there
+/// still. Without them a friction beside a drift was certain on a cantilever's record, which a viscous drag beside
+/// the same drift explained as well.
+pub(super) fn result_without(
+    result: SearchResult,
+    best: Fit,
+    dataset: &Dataset<'_>,
+) -> SearchResult {
+    let left = added_effects(&best);
+    let all = added_effects(&result.best);
+    let Some(gone) = all.into_iter().find(|id| !left.contains(id)) else {
+        return SearchResult::alone(best);
+    };
+    let most = result.best.cost * followed(dataset, &best);
+    let close = result.rivals.into_iter().flatten();
+    let close = close.filter(|fit| fit.cost < most);
+    let rivals = close.filter_map(|fit| {
+        let added = fit.added().into_iter();
+        let mut same = added.filter(|at| fit.shape.terms[*at].id == gone);
+        let (shape, numbers) = fit.without(same.next()?, dataset.scales);
+        let cost = fit.cost;
+        Some(Fit {
+            shape,
+            numbers,
+            cost,
+        })
+    });
+    SearchResult {
+        rivals: vec![rivals.collect()],
+        ..SearchResult::alone(best)
+    }
+}
+
+/// The effects that explain the logs as well as one of the best fit: those that leave less than the `margin` more, of
+/// drags and frictions where they are one less than `at_one_speed`, and richer forms of it that leave more than the
+/// margin less.
 fn alternatives(
     all: &Problem<'_>,
     best: &Fit,
     at: usize,
     rivals: &[Rival<'_>],
-    (margin, decide): (f64, &Rivalry),
+    (margin, at_one_speed): (f64, f64),
+    decide: &Rivalry,
 ) -> Vec<EffectId> {
     let id = best.shape.terms[at].id;
     let ids = added_effects(best);
@@ -93,7 +185,7 @@ fn alternatives(
             && !is_worse_throughout(all, best, fit, decide.throughout_sigmas);
         let is_open = match related(id, other) {
             true => simpler(other) == Some(id) && is_form_open(best.cost, fit.cost, margin, decide),
-            false => more < margin || is_late,
+            false => more < margin || is_late || oppose_motion(id, other) && more < at_one_speed,
         };
         if is_open && !alternatives.contains(&other) {
             alternatives.push(other);
@@ -159,6 +251,31 @@ fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<Ef
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_triangle_has_one_speed_each_way_and_a_sine_has_all() {
+        let speeds = |of: fn(f64) -> f64| -> Vec<(f64, f64)> {
+            let each = (0..1000).map(|at| of(f64::from(at) * 1e-3));
+            each.map(|speed| (speed, 0.01)).collect()
+        };
+        let share = Rivalry::default().alike_speeds;
+        let is_one = |of| is_mostly_alike(&speeds(of), share);
+        // GIVEN 5 mm/s down, a rest, and 8 mm/s up
+        let press = |at: f64| match at {
+            at if at < 0.45 => 5.0,
+            at if at < 0.6 => 0.0,
+            _ => -8.0,
+        };
+        assert!(is_one(press));
+        // THEN in contact it may be a little less, AND two speeds of one way are two.
+        assert!(is_one(|at| if (0.42..0.5).contains(&at) {
+            4.0
+        } else {
+            5.0
+        }));
+        assert!(!is_one(|at| if at < 0.5 { 5.0 } else { 8.0 }));
+        assert!(!is_one(|at| (6.3 * at).cos()));
+    }
 
     #[test]
     fn a_richer_friction_that_takes_a_twentieth_off_leaves_the_form_open() {

@@ -6,6 +6,7 @@ use super::acceptance::{
 };
 use super::decision::Decision;
 use super::evaluate::{evaluate, held_out_rmse_n};
+use super::rivals::result_without;
 use crate::gap::finding::Verdict;
 use crate::gap::model::{
     attenuation::corrected, dataset::Dataset, error::std_errors, fit::Fit, weights::weights,
@@ -30,14 +31,15 @@ pub(crate) fn decide(
         result = SearchResult::alone(best);
     }
     loop {
-        let accepted = accepted_decision(dataset, base, result, evidence, &mut least_rmse_n);
+        let (accepted, rest) =
+            accepted_decision(dataset, base, result, evidence, &mut least_rmse_n);
+        result = rest;
         let mut decision = with_standard_errors(dataset, accepted);
         match effect_without_size(&decision) {
-            Some(at) => {
-                let plain = fit_in_plain_form(dataset, &decision, at);
-                let best = plain.unwrap_or_else(|| decision.without.swap_remove(at));
-                result = SearchResult::alone(best);
-            }
+            Some(at) => match fit_in_plain_form(dataset, &decision, at) {
+                Some(plain) => result.best = plain,
+                None => result = result_without(result, decision.without.swap_remove(at), dataset),
+            },
             None => return open_where_form_is_uncertain(decision),
         }
     }
@@ -64,14 +66,14 @@ fn with_standard_errors(dataset: &Dataset<'_>, decision: Decision) -> Decision {
     }
 }
 
-/// Drops and swaps effects until the rest is accepted.
+/// Drops and swaps effects until the rest is accepted, and gives what the rest was chosen from.
 fn accepted_decision(
     dataset: &Dataset<'_>,
     base: &Fit,
     mut result: SearchResult,
     evidence: &[Evidence],
     least_rmse_n: &mut f64,
-) -> Decision {
+) -> (Decision, SearchResult) {
     let mut swapped = false;
     loop {
         let mut decision = evaluate(dataset, base, &result);
@@ -86,14 +88,14 @@ fn accepted_decision(
         // An effect that seemed significant on the search's samples may take nothing off at the log's
         // own rate: a delay of 2 µs moved the turn of a play by a sample.
         if let Some(best) = fit_without_idle_effect(&decision) {
-            result.best = best.clone();
+            result = result_without(result, best.clone(), dataset);
             continue;
         }
         *least_rmse_n = least_rmse_n.min(decision.rmse_n.1);
         decision.least_rmse_n = *least_rmse_n;
         decision.evidence = evidence.to_vec();
         if decision.without.is_empty() || decision.verdict != Verdict::Unexplained {
-            return decision;
+            return (decision, result);
         }
         // What makes the error larger explains no part of it, whatever its weights say.
         if decision.rmse_n.1 >= decision.rmse_n.0 {
@@ -102,13 +104,13 @@ fn accepted_decision(
         }
         if is_strong_together(&decision) {
             decision.verdict = Verdict::PartlyExplained;
-            return decision;
+            return (decision, result);
         }
         // Something remains: each effect stands for itself.
         let (best, dropped) = with_strong_effects(dataset, &decision.best, evidence);
         if !dropped {
             decision.verdict = Verdict::PartlyExplained;
-            return decision;
+            return (decision, result);
         }
         result = SearchResult::alone(best);
     }

@@ -32,19 +32,7 @@ pub(super) struct Blocks {
 impl Blocks {
     /// The touches in the logs as a fit sees them.
     pub(super) fn of(dataset: &Dataset<'_>, fit: &Fit) -> Blocks {
-        let depths = depths(&fit.shape, &fit.numbers, dataset.logs);
-        let deepest = highest(depths.iter().flatten().copied());
-        let (mut cuts, mut from) = (vec![0], 0);
-        for (log, depths) in dataset.logs.iter().zip(&depths) {
-            let own = match deepest > 0.0 {
-                true => between(depths, TOUCHED * deepest, 0.0),
-                false => turns(log),
-            };
-            cuts.extend(own.into_iter().map(|at| from + at));
-            from += log.len();
-            cuts.push(from);
-        }
-        Blocks::at(&cuts)
+        Blocks::at(&cuts(dataset, fit))
     }
 
     /// Blocks between cuts, of which the first is 0 and the last the length.
@@ -106,6 +94,29 @@ impl Blocks {
         };
         self.ranges.iter().map(within)
     }
+}
+
+/// Where the touches in the logs begin and end as a fit sees them, from 0 to the length.
+fn cuts(dataset: &Dataset<'_>, fit: &Fit) -> Vec<usize> {
+    let depths = depths(&fit.shape, &fit.numbers, dataset.logs);
+    let deepest = highest(depths.iter().flatten().copied());
+    let (mut cuts, mut from) = (vec![0], 0);
+    for (log, depths) in dataset.logs.iter().zip(&depths) {
+        let own = match deepest > 0.0 {
+            true => between(depths, TOUCHED * deepest, 0.0),
+            false => turns(log),
+        };
+        cuts.extend(own.into_iter().map(|at| from + at));
+        from += log.len();
+        cuts.push(from);
+    }
+    cuts
+}
+
+/// Whether the logs have too few touches for a share of them to say something: one press tells of a friction at one
+/// reversal.
+pub(crate) fn are_touches_few(dataset: &Dataset<'_>, fit: &Fit) -> bool {
+    cuts(dataset, fit).len() <= FEWEST
 }
 
 /// Where a log is cut so that each piece has one stay above: in the middle between one's end and the next one's begin.

@@ -21,6 +21,15 @@ pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
     one != other && is_late(one) && is_late(other)
 }
 
+/// Whether both effects oppose the motion, and differ by how they depend on its speed: at one speed they are one.
+pub(crate) fn oppose_motion(one: EffectId, other: EffectId) -> bool {
+    let opposes = |id: EffectId| {
+        let family = id.info().family;
+        matches!(family, Family::DryFriction | Family::Drag) || id == EffectId::QuadraticDrag
+    };
+    one != other && opposes(one) && opposes(other)
+}
+
 /// Whether two effects differ by less than the errors of a rig: they make the force late, or both make a loop
 /// that is a share of the load.
 pub(crate) fn are_alike(one: EffectId, other: EffectId) -> bool {
@@ -48,6 +57,9 @@ mod tests {
         }
         assert!(!are_alike(friction, friction) && stands_for(friction, friction));
         assert!(!stands_for(friction, EffectId::CoulombFriction) && !stands_for(lag, curve));
+        let (dry, wet) = (EffectId::CoulombFriction, EffectId::ViscousDrag);
+        assert!(oppose_motion(dry, wet) && oppose_motion(wet, EffectId::QuadraticDrag));
+        assert!(!oppose_motion(dry, dry) && !oppose_motion(dry, EffectId::Adhesion));
         // Only lateness may hide in the lasting errors of a rig.
         assert!(are_late(lag, delay) && !are_late(friction, curve));
     }
