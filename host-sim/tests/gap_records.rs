@@ -381,6 +381,28 @@ fn a_cell_layer_under_a_cantilever_relaxes_and_sticks() {
 }
 
 #[test]
+fn one_press_at_one_speed_does_not_tell_a_liquids_drag_from_a_friction() {
+    // GIVEN a cantilever in liquid, at 5 µm/s to and fro, where a friction of 43 pN fits 4 % better than a drag
+    let json = answer("afm_press_jpk", "data.csv.gz");
+    let effect = |id: &str| {
+        let effects = json["effects"].as_array().unwrap();
+        effects.iter().find(|effect| effect["id"] == id)
+    };
+    // THEN either is open and has the other beside it,
+    let pair = ["coulomb_friction", "viscous_drag"];
+    let at = pair.iter().position(|id| effect(id).is_some()).unwrap();
+    let (named, other) = (effect(pair[at]).unwrap(), pair[1 - at]);
+    assert_eq!(named["grade"], "open", "{named}");
+    let alternatives = named["alternatives"].as_array().unwrap();
+    assert!(alternatives.iter().any(|id| id == other), "{named}");
+    // AND that the tip sticks is certain.
+    let adhesion = effect("adhesion").unwrap();
+    assert_eq!(adhesion["grade"], "certain", "{adhesion}");
+    let pull_n = number(&adhesion["params"]["force"]["value"]);
+    assert!((3e-10..5e-10).contains(&pull_n), "{pull_n} N");
+}
+
+#[test]
 fn before_any_log_the_plan_says_what_the_drive_will_show() {
     let folder = Folder::new();
     let model = record("emps/base.toml");
