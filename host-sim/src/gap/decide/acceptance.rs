@@ -20,15 +20,12 @@ pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
         .filter(|fit| fit.cost < most)
 }
 
-/// The place of an added effect whose size may as well be 0, or that is not seen to end, if nothing else could stand in
-/// its place or the held-out part hardly misses it.
+/// The place of an added effect whose size may as well be 0, if nothing else could stand in its place or
+/// the held-out part hardly misses it.
 pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
     let decide = &decision.thresholds.acceptance;
     let best = &decision.best;
-    let is_known = |number: usize| {
-        has_size(decision, number, decide.size_sigmas)
-            && !best.shape.is_endless(number, &best.numbers)
-    };
+    let is_known = |number: usize| has_size(decision, number, decide.size_sigmas);
     // Modes of one spectrum share their size, and no name depends on one of them.
     let is_single = |number: usize| !is_repeated(best.shape.terms[number].id, best);
     let rivalry = decision.alternatives.iter().zip(&decision.gains);
@@ -96,22 +93,17 @@ pub(super) mod tests {
     /// Cost of the best fit to as many samples.
     const SAMPLES: usize = 10_000;
 
-    /// A contact, and the scales of a log that goes 1 mm to and fro.
-    fn contact() -> (Model, Scales) {
+    /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
+    pub(in crate::gap::decide) fn decision(errors: &[f64], without: &[f64]) -> Decision {
         let path = Path::new("model.toml");
         let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
         let file = TomlFile::parse(text.into(), path).unwrap();
+        let model = Model::from_toml(&file, path).unwrap();
         let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 1e-3).collect();
         let position: Vec<f64> = time.iter().map(|t| 1e-3 * (6.3 * t).sin()).collect();
         let force = position.iter().map(|x| 1e3 * x.max(0.0)).collect();
         let log = Log::from_channels(time, position, force).uniform().unwrap();
-        let model = Model::from_toml(&file, path).unwrap();
-        (model, Scales::of(&[FitData::of(&log)]))
-    }
-
-    /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
-    pub(in crate::gap::decide) fn decision(errors: &[f64], without: &[f64]) -> Decision {
-        let (model, scales) = contact();
+        let scales = Scales::of(&[FitData::of(&log)]);
         let mut row = [0.0; MOST_PARAMETERS];
         row[0] = 1.0;
         let terms = vec![whole(EffectId::ForceOffset, row, 1); errors.len()];
@@ -179,28 +171,6 @@ pub(super) mod tests {
         // THEN one that is held is what it is.
         bound.best.shape.free.pop();
         assert_eq!(effect_without_size(&bound), None);
-    }
-
-    #[test]
-    fn an_adhesion_that_is_not_seen_to_end_is_none() {
-        // GIVEN a pull of 1 N that is well known, with a neck of a fifth of the travel of 2 mm, and of all of it
-        let (_, scales) = contact();
-        let with_neck = |neck_length_m: f64| {
-            let mut decision = decision(&[0.01], &[2e4]);
-            let mut row = [0.0; MOST_PARAMETERS];
-            row[..3].copy_from_slice(&[1.0, neck_length_m, 0.5]);
-            let terms = vec![whole(EffectId::Adhesion, row, 3)];
-            let (shape, numbers) = decision.best.with_terms(terms, &scales);
-            decision.std_errors.resize(numbers.len(), Some(1e-9));
-            decision.best = Fit {
-                shape,
-                numbers,
-                cost: decision.best.cost,
-            };
-            effect_without_size(&decision)
-        };
-        assert_eq!(with_neck(4e-4), None);
-        assert_eq!(with_neck(scales.travel_m), Some(0));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
-use estimator_core::physics::fit_range::{FitRange, Scale, Scaled};
+use estimator_core::physics::fit_range::{FitRange, Scale};
 use estimator_core::physics::law::{Law, LawId};
 use estimator_core::physics::rig::{Environment, Rig};
 
@@ -161,23 +161,6 @@ impl Shape {
             }
         }
         values
-    }
-
-    /// Whether an effect goes on as far as the logs do: a length of it that may be as long as the travel is. Nobody has
-    /// seen it end: an adhesion with a neck of 50 µm under a cantilever that travels 50 µm is the drag of the liquid.
-    pub(in crate::gap) fn is_endless(&self, number: usize, numbers: &[f64]) -> bool {
-        let info = self.terms[number].id.info();
-        let ends_with_travel = |at: usize| match info.fits[at].range {
-            FitRange::Linear(_, Scaled::Times(times, Scale::Travel)) => times == 1.0,
-            _ => false,
-        };
-        let each = self.free.iter().zip(numbers);
-        each.into_iter().any(|(free, value)| match free.owner {
-            Owner::Effect(own, at) if own == number && ends_with_travel(at) => {
-                free.is_at_bound(*value) && *value > free.lowest.midpoint(free.highest)
-            }
-            _ => false,
-        })
     }
 
     /// The rig that free numbers mean.
