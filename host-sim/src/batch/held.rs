@@ -26,7 +26,11 @@ impl Held {
     /// Whether a family has every parameter that is held, in a form that can be.
     pub(super) fn suits(&self, family: Family) -> bool {
         let has = |name: &str| family.parameters().any(|info| info.name == name);
-        self.fixed.iter().all(|(name, _)| {
+        self.fixed.iter().all(|(name, value)| {
+            // No damping is none at any depth, and a law without one has none.
+            if name == "damping" && *value == 0.0 {
+                return true;
+            }
             let needs_exponent = ["stiffness", "damping"].contains(&name.as_str());
             let shape_is_held = family.exponent().is_none() || self.value("exponent").is_some();
             let is_listed = !name.starts_with("relaxation_fraction") || family.modes == 1;
@@ -99,5 +103,27 @@ impl Held {
                 }
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::physics::law::LawId;
+
+    #[test]
+    fn no_damping_is_held_without_an_exponent_and_another_one_is_not() {
+        let holds = |value: f64, law: LawId| {
+            let held = Held {
+                fixed: vec![("damping".into(), value)],
+                initial: Vec::new(),
+            };
+            Family::of(law).all(|family| held.suits(family))
+        };
+        // GIVEN a law whose damping at a depth depends on its exponent
+        assert!(holds(0.0, LawId::HuntCrossley) && !holds(5.0, LawId::HuntCrossley));
+        // AND one that has no exponent, and one that has no damping.
+        assert!(holds(5.0, LawId::KelvinVoigt));
+        assert!(holds(0.0, LawId::QuasiLinear) && !holds(5.0, LawId::QuasiLinear));
     }
 }

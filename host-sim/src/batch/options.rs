@@ -64,7 +64,7 @@ impl Options {
             .value(listed(names))
             .remedy(
                 "hold surface, exponent, stiffening_rate or relaxation rates of a law that has them; \
-                 stiffness and damping only together with the exponent, and the fraction of one mode only",
+                 stiffness and a damping other than 0 only together with the exponent, and the fraction of one mode only",
             ))
     }
 }

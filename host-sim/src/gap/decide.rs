@@ -6,6 +6,7 @@ mod adequacy;
 pub(crate) mod decision;
 mod evaluate;
 mod held_out;
+mod one_speed;
 mod prediction;
 pub(crate) mod rivals;
 pub(crate) mod selection;

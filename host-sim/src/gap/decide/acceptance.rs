@@ -93,17 +93,22 @@ pub(super) mod tests {
     /// Cost of the best fit to as many samples.
     const SAMPLES: usize = 10_000;
 
-    /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
-    pub(in crate::gap::decide) fn decision(errors: &[f64], without: &[f64]) -> Decision {
+    /// A contact, and the scales of a log that goes 1 mm to and fro.
+    pub(in crate::gap::decide) fn contact() -> (Model, Scales) {
         let path = Path::new("model.toml");
         let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
         let file = TomlFile::parse(text.into(), path).unwrap();
-        let model = Model::from_toml(&file, path).unwrap();
         let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 1e-3).collect();
         let position: Vec<f64> = time.iter().map(|t| 1e-3 * (6.3 * t).sin()).collect();
         let force = position.iter().map(|x| 1e3 * x.max(0.0)).collect();
         let log = Log::from_channels(time, position, force).uniform().unwrap();
-        let scales = Scales::of(&[FitData::of(&log)]);
+        let model = Model::from_toml(&file, path).unwrap();
+        (model, Scales::of(&[FitData::of(&log)]))
+    }
+
+    /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
+    pub(in crate::gap::decide) fn decision(errors: &[f64], without: &[f64]) -> Decision {
+        let (model, scales) = contact();
         let mut row = [0.0; MOST_PARAMETERS];
         row[0] = 1.0;
         let terms = vec![whole(EffectId::ForceOffset, row, 1); errors.len()];

@@ -4,22 +4,15 @@
 use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
-use crate::gap::data::fit_data::FitData;
+use super::one_speed::is_one_speed;
+use crate::gap::data::scales::Scales;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
-use crate::gap::search::blocks::are_touches_few;
 use crate::gap::search::relatives::{are_late, oppose_motion, related, simpler};
 use crate::gap::search::{run::SearchResult, sets::added_effects};
 use crate::gap::thresholds::Rivalry;
-use crate::stats::{median, quantile};
 
 /// Most steps of the refit of a rival.
 const STEPS: usize = 30;
-/// Below this share of the fastest speeds a rig rests.
-const RESTING: f64 = 0.25;
-/// Speeds that differ by less than this share are one.
-const ALIKE: f64 = 0.15;
-/// And by less than so many standard deviations of their noise.
-const NOISE_SIGMAS: f64 = 2.0;
 /// Stretches of the logs for [`is_worse_throughout`].
 const STRETCHES: usize = 48;
 
@@ -56,8 +49,8 @@ pub(super) fn rivals(
     let decide = &dataset.thresholds.rivalry;
     let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
     let margin = discriminability_margin(best, count, correlation, decide.margin);
-    let followed = followed(dataset, best);
-    let most = result.best.cost * followed + margin;
+    let is_one_speed = is_one_speed(dataset, best);
+    let most = result.best.cost * followed(decide, is_one_speed) + margin;
     let close: Vec<&Fit> = result
         .rivals
         .iter()
@@ -74,7 +67,7 @@ pub(super) fn rivals(
         })
         .collect();
     let per_number = correlation * (count / correlation).max(2.0).ln();
-    let at_one_speed = match is_one_speed(dataset, best) {
+    let at_one_speed = match is_one_speed {
         true => margin.max((decide.at_one_speed - 1.0) * best.cost),
         false => margin,
     };
@@ -88,44 +81,11 @@ pub(super) fn rivals(
 }
 
 /// How many times the Σ w r² of the best a rival may leave to be looked at.
-fn followed(dataset: &Dataset<'_>, best: &Fit) -> f64 {
-    let decide = &dataset.thresholds.rivalry;
-    match is_one_speed(dataset, best) {
+fn followed(decide: &Rivalry, is_one_speed: bool) -> f64 {
+    match is_one_speed {
         true => decide.followed.max(decide.at_one_speed),
         false => decide.followed,
     }
-}
-
-/// Whether the logs move at one speed each way, and reverse so seldom that a reversal is no evidence: there a drag is a
-/// friction, beside a zero that is not known either.
-fn is_one_speed(dataset: &Dataset<'_>, best: &Fit) -> bool {
-    let noisy = |log: &FitData| {
-        let speeds = log.speed_mps.iter().zip(&log.speed_noise_mps);
-        speeds
-            .map(|(speed, noise)| (*speed, *noise))
-            .collect::<Vec<_>>()
-    };
-    let speeds: Vec<(f64, f64)> = dataset.logs.iter().flat_map(noisy).collect();
-    is_mostly_alike(&speeds, dataset.thresholds.rivalry.alike_speeds)
-        && are_touches_few(dataset, best)
-}
-
-/// Whether this share of the speeds that are no rest, each with its noise, is within [`ALIKE`] of the median of those of
-/// their sign.
-fn is_mostly_alike(speeds: &[(f64, f64)], share: f64) -> bool {
-    let resting = RESTING * quantile(speeds.iter().map(|(speed, _)| speed.abs()), 0.95);
-    let (mut alike, mut moving) = (0, 0);
-    for way in [1.0, -1.0] {
-        let own = speeds.iter().map(|(speed, noise)| (way * speed, noise));
-        let own: Vec<(f64, &f64)> = own.filter(|(speed, _)| *speed > resting).collect();
-        let usual = median(own.iter().map(|(speed, _)| *speed));
-        let is_alike = |(speed, noise): &&(f64, &f64)| {
-            (*speed - usual).abs() < ALIKE * usual + NOISE_SIGMAS * **noise
-        };
-        alike += own.iter().filter(is_alike).count();
-        moving += own.len();
-    }
-    alike as f64 >= share * moving as f64
 }
 
 /// A result whose best is now a fit without one of its effects: what stood in the place of another one stands there
@@ -141,24 +101,30 @@ pub(super) fn result_without(
     let Some(gone) = all.into_iter().find(|id| !left.contains(id)) else {
         return SearchResult::alone(best);
     };
-    let most = result.best.cost * followed(dataset, &best);
+    let is_one_speed = is_one_speed(dataset, &best);
+    let most = result.best.cost * followed(&dataset.thresholds.rivalry, is_one_speed);
     let close = result.rivals.into_iter().flatten();
-    let close = close.filter(|fit| fit.cost < most);
-    let rivals = close.filter_map(|fit| {
+    let close: Vec<Fit> = close.filter(|fit| fit.cost < most).collect();
+    SearchResult {
+        rivals: vec![fits_without(&close, gone, dataset.scales)],
+        ..SearchResult::alone(best)
+    }
+}
+
+/// Where fits that have an effect start without it; their costs are those with it.
+fn fits_without(fits: &[Fit], gone: EffectId, scales: &Scales) -> Vec<Fit> {
+    let without = |fit: &Fit| {
         let added = fit.added().into_iter();
         let mut same = added.filter(|at| fit.shape.terms[*at].id == gone);
-        let (shape, numbers) = fit.without(same.next()?, dataset.scales);
+        let (shape, numbers) = fit.without(same.next()?, scales);
         let cost = fit.cost;
         Some(Fit {
             shape,
             numbers,
             cost,
         })
-    });
-    SearchResult {
-        rivals: vec![rivals.collect()],
-        ..SearchResult::alone(best)
-    }
+    };
+    fits.iter().filter_map(without).collect()
 }
 
 /// The effects that explain the logs as well as one of the best fit: those that leave less than the `margin` more, of
@@ -250,31 +216,34 @@ fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<Ef
 
 #[cfg(test)]
 mod tests {
+    use super::super::acceptance::tests::{contact, decision};
     use super::*;
 
     #[test]
-    fn a_triangle_has_one_speed_each_way_and_a_sine_has_all() {
-        let speeds = |of: fn(f64) -> f64| -> Vec<(f64, f64)> {
-            let each = (0..1000).map(|at| of(f64::from(at) * 1e-3));
-            each.map(|speed| (speed, 0.01)).collect()
+    fn what_stood_in_an_effects_place_still_does_when_another_is_dropped() {
+        let (friction, drag, drift) = (
+            EffectId::CoulombFriction,
+            EffectId::ViscousDrag,
+            EffectId::ForceDrift,
+        );
+        let fit = |ids: [EffectId; 2]| {
+            let mut fit = decision(&[0.1, 0.1], &[2e4, 2e4]).best;
+            let terms = &mut fit.shape.terms;
+            terms
+                .iter_mut()
+                .zip(ids)
+                .for_each(|(term, id)| term.id = id);
+            fit
         };
-        let share = Rivalry::default().alike_speeds;
-        let is_one = |of| is_mostly_alike(&speeds(of), share);
-        // GIVEN 5 mm/s down, a rest, and 8 mm/s up
-        let press = |at: f64| match at {
-            at if at < 0.45 => 5.0,
-            at if at < 0.6 => 0.0,
-            _ => -8.0,
-        };
-        assert!(is_one(press));
-        // THEN in contact it may be a little less, AND two speeds of one way are two.
-        assert!(is_one(|at| if (0.42..0.5).contains(&at) {
-            4.0
-        } else {
-            5.0
-        }));
-        assert!(!is_one(|at| if at < 0.5 { 5.0 } else { 8.0 }));
-        assert!(!is_one(|at| (6.3 * at).cos()));
+        // GIVEN a friction beside a drift that is dropped, with a drag in the place of the friction, and of the drift
+        let rivals = [fit([drag, drift]), fit([friction, drag])];
+        // THEN the drag alone stands for the friction alone.
+        let left = fits_without(&rivals, drift, &contact().1);
+        assert_eq!(left.len(), 1);
+        assert_eq!(
+            replacement(&[friction], &added_effects(&left[0]), friction),
+            Some(drag)
+        );
     }
 
     #[test]

@@ -109,11 +109,11 @@ impl Case {
 
     /// What the noise of the force is multiplied by from the start on.
     pub fn noise_gain(&self) -> f64 {
-        self.from_start(self.plan.force.gain)
+        self.gain_at_start(self.plan.force.gain)
     }
 
     /// A gain's size if the fault is there from the start on.
-    fn from_start(&self, gain: f64) -> f64 {
+    fn gain_at_start(&self, gain: f64) -> f64 {
         match self.plan.onset_s > 0.0 {
             true => 1.0,
             false => gain.abs(),
@@ -144,7 +144,7 @@ impl Case {
                 ..Force::default()
             },
             position: Position {
-                count_m: position.count_m / self.from_start(position.gain),
+                count_m: position.count_m / self.gain_at_start(position.gain),
                 ..Position::default()
             },
             clock: Clock {
