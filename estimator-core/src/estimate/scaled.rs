@@ -9,7 +9,8 @@ use crate::maths::scalar::{Real, seconds};
 /// Standard deviation of the quantization error, in counts: 1/√12.
 const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
 /// Largest number of samples that one count of the encoder is assumed to last, which bounds what a
-/// hold is worth.
+/// hold is worth. A ramp of half a count a sample lasts two seconds: with 256 the damping of a plastic was 13 % off
+/// at a claimed 3.8 %.
 const LONGEST_COUNT: f64 = 1024.0;
 /// Smallest standard error of a surface from an impact, over the reference depth: 5 µm at 1 mm.
 const IMPACT_FLOOR: f64 = 5e-3;

@@ -290,13 +290,14 @@ thresholds! {
             /// the best at the search's resolution, since its distance may shrink: a compliance that follows in
             /// 2 ms, seen every 4 ms, was off by 14 %.
             followed: 1.20 over 1.0,
-            /// Where a log moves at one speed each way, with fewer than four touches, drags and frictions that leave less than
-            /// this many times the Σ w r² of each other are one: only a reversal tells them apart, and the errors of a
-            /// form are seen there once. On three curves of cantilevers in liquid a Coulomb friction left 4, 18 and 20 %
-            /// less than the drag that it is; 1.5 is what evidence must lead by.
+            /// Where a log moves at one speed each way, with fewer than four touches, drags and frictions that leave
+            /// less than this many times the Σ w r² of each other are one: only a reversal tells them apart, and the
+            /// errors of a form are seen there once. On three curves of cantilevers in liquid a drag left 4, 18 and
+            /// 20 % more than the Coulomb friction that it is not; 1.5 is what evidence must lead by.
             at_one_speed: 1.5 over 1.0,
-            /// A log does if this share of what is no rest is within 15 % of its way's median. Of 22 such curves it was
-            /// 0.91 and more but for three of two speeds (0.75 to 0.86), of 48 of the harder rigs 0.87 and less, of one 0.94.
+            /// A log does if this share of what is no rest is within 15 % of its way's median, and the noise of its
+            /// speed. Of 19 such curves it was 0.91 and more without that noise but for three (0.74 to 0.86), of 48 of
+            /// the harder rigs 0.87 and less but for one of 0.94.
             alike_speeds: 0.9,
             /// A rival is worse throughout the log if it is worse by this many standard errors. A delay of 4.5
             /// ms under a sine of 0.2 Hz was worse than a lag by 80, 0.7 standard errors.

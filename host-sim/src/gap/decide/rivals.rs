@@ -51,12 +51,8 @@ pub(super) fn rivals(
     let margin = discriminability_margin(best, count, correlation, decide.margin);
     let is_one_speed = is_one_speed(dataset, best);
     let most = result.best.cost * followed(decide, is_one_speed) + margin;
-    let close: Vec<&Fit> = result
-        .rivals
-        .iter()
-        .flatten()
-        .filter(|fit| fit.cost < most)
-        .collect();
+    let close = result.rivals.iter().filter(|fit| fit.cost < most);
+    let close: Vec<&Fit> = close.collect();
     let refitted: Vec<Rival<'_>> = close
         .par_iter()
         .map(|fit| {
@@ -103,16 +99,19 @@ pub(super) fn result_without(
     };
     let is_one_speed = is_one_speed(dataset, &best);
     let most = result.best.cost * followed(&dataset.thresholds.rivalry, is_one_speed);
-    let close = result.rivals.into_iter().flatten();
-    let close: Vec<Fit> = close.filter(|fit| fit.cost < most).collect();
+    let close = result.rivals.iter().filter(|fit| fit.cost < most);
     SearchResult {
-        rivals: vec![fits_without(&close, gone, dataset.scales)],
+        rivals: fits_without(close, gone, dataset.scales),
         ..SearchResult::alone(best)
     }
 }
 
 /// Where fits that have an effect start without it; their costs are those with it.
-fn fits_without(fits: &[Fit], gone: EffectId, scales: &Scales) -> Vec<Fit> {
+fn fits_without<'a>(
+    fits: impl Iterator<Item = &'a Fit>,
+    gone: EffectId,
+    scales: &Scales,
+) -> Vec<Fit> {
     let without = |fit: &Fit| {
         let added = fit.added().into_iter();
         let mut same = added.filter(|at| fit.shape.terms[*at].id == gone);
@@ -124,7 +123,7 @@ fn fits_without(fits: &[Fit], gone: EffectId, scales: &Scales) -> Vec<Fit> {
             cost,
         })
     };
-    fits.iter().filter_map(without).collect()
+    fits.filter_map(without).collect()
 }
 
 /// The effects that explain the logs as well as one of the best fit: those that leave less than the `margin` more, of
@@ -238,7 +237,7 @@ mod tests {
         // GIVEN a friction beside a drift that is dropped, with a drag in the place of the friction, and of the drift
         let rivals = [fit([drag, drift]), fit([friction, drag])];
         // THEN the drag alone stands for the friction alone.
-        let left = fits_without(&rivals, drift, &contact().1);
+        let left = fits_without(rivals.iter(), drift, &contact().1);
         assert_eq!(left.len(), 1);
         assert_eq!(
             replacement(&[friction], &added_effects(&left[0]), friction),

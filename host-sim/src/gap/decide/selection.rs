@@ -80,7 +80,7 @@ fn accepted_decision(
         // At one sample of four a compliance seemed worse than the delay that it is not. There is one
         // swap, so that two fits that get stuck in turn do not swap for ever.
         if let Some(better) = decision.better.take().filter(|_| !swapped) {
-            result.rivals.push(vec![result.best]);
+            result.rivals.push(result.best);
             result.best = better;
             swapped = true;
             continue;

@@ -64,7 +64,7 @@ impl Search<'_> {
             Some(fit) if fit.cost - result.best.cost < threshold(fit.cost) => {
                 // What is too little for another effect may leave the form open.
                 let mut rivals = result.rivals;
-                rivals.push(vec![result.best]);
+                rivals.push(result.best);
                 SearchResult {
                     best: fit,
                     rivals,

@@ -56,7 +56,7 @@ impl Search<'_> {
         ids.dedup();
         let mut all: Vec<Fit> = [base]
             .into_iter()
-            .chain(result.rivals.iter().flatten())
+            .chain(&result.rivals)
             .chain(&self.tried)
             .map(|fit| self.with_present_cost(fit))
             .collect();

@@ -42,8 +42,8 @@ pub(crate) struct Search<'a> {
 /// The result of a search.
 pub(crate) struct SearchResult {
     pub(crate) best: Fit,
-    /// For every effect that was added, the best fits with another one in its place.
-    pub(crate) rivals: Vec<Vec<Fit>>,
+    /// The best fits with another effect in the place of one that was added, and what was passed over for it.
+    pub(crate) rivals: Vec<Fit>,
     /// Whether the best is far from the noise.
     pub(crate) is_far: bool,
     /// The share of the base's excess over the noise that it takes off.
@@ -229,7 +229,7 @@ impl Search<'_> {
     pub(crate) fn ladder(&self, base: &Fit, result: &SearchResult) -> Vec<Candidate> {
         let all: Vec<&Fit> = [base, &result.best]
             .into_iter()
-            .chain(result.rivals.iter().flatten())
+            .chain(&result.rivals)
             .chain(&self.tried)
             .collect();
         let mut ladder: Vec<Candidate> = all

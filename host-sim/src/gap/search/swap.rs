@@ -13,21 +13,14 @@ impl Search<'_> {
     pub(crate) fn with_swaps(&self, mut best: Fit, base_cost: f64) -> SearchResult {
         let mut left = MOST[usize::from(self.is_far(&best))];
         loop {
-            let mut rivals: Vec<Vec<Fit>> = best
-                .added()
-                .into_iter()
-                .map(|at| self.rivals_of(&best, at))
-                .collect();
-            if rivals.iter().flatten().any(|fit| self.is_tied(fit, &best)) {
+            let added = best.added().into_iter();
+            let mut rivals: Vec<Fit> = added.flat_map(|at| self.rivals_of(&best, at)).collect();
+            if rivals.iter().any(|fit| self.is_tied(fit, &best)) {
                 best = self.with_all_forms(best, base_cost);
-                rivals = rivals
-                    .into_iter()
-                    .map(|fits| self.with_forms_where_near(fits, &best, base_cost))
-                    .collect();
+                rivals = self.with_forms_where_near(rivals, &best, base_cost);
             }
             let better = rivals
                 .iter()
-                .flatten()
                 .min_by(|a, b| self.score(a).total_cmp(&self.score(b)))
                 .filter(|fit| self.score(fit) < self.score(&best) - self.decide().swap_gain);
             let Some(fit) = better.filter(|_| left > 0) else {
