@@ -12,6 +12,8 @@ pub mod faults;
 #[cfg(all(feature = "rigs", not(test)))]
 pub mod hidden;
 pub mod house;
+#[cfg(feature = "rigs")]
+pub mod information;
 pub mod signal;
 #[cfg(all(feature = "rigs", not(test)))]
 pub mod teleop;

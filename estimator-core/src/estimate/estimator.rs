@@ -276,7 +276,7 @@ impl<T: Real> State<T> {
     fn watch(&mut self, params: &Params<T>, innovation: &Innovation<T>) -> Option<Event> {
         let looks_back = self.identifier.excess().is_some();
         let event = (self.monitor).watch(&params.monitor, innovation, looks_back);
-        self.begin_anew_after(params, event)
+        self.begin_anew_after(params, event, 0)
     }
 
     /// Updates the status and the parameters that are reported; gives a change of the material.
@@ -310,14 +310,22 @@ impl<T: Real> State<T> {
             .update(&params.monitor, estimates, innovation, excess, doubt);
         self.last.law = law;
         self.last.parameters = identify::report(&params.identify, law, estimates, surface);
-        self.begin_anew_after(params, event)
+        let waited = excess.map_or(0, |_| params.monitor.change_samples());
+        self.begin_anew_after(params, event, waited)
     }
 
-    fn begin_anew_after(&mut self, params: &Params<T>, event: Option<Event>) -> Option<Event> {
+    /// Begins anew after a change of the material that was noticed at least `waited` samples after it.
+    fn begin_anew_after(
+        &mut self,
+        params: &Params<T>,
+        event: Option<Event>,
+        waited: u32,
+    ) -> Option<Event> {
         if event == Some(Event::MaterialChange) {
             self.identifier.reset_covariance(&params.identify);
-            // The filter's window still straddles the change.
-            self.holdoff_samples = params.filter.response().memory_samples;
+            // Until then the filter's window straddles the change.
+            let memory_samples = params.filter.response().memory_samples;
+            self.holdoff_samples = memory_samples.saturating_sub(waited);
         }
         event
     }

@@ -75,6 +75,11 @@ impl<T: Real> MonitorParams<T> {
             noise_gain,
         })
     }
+
+    /// So many samples speak for another material before an estimator that looks back believes it.
+    pub fn change_samples(&self) -> u32 {
+        self.change_samples
+    }
 }
 
 /// One parameter with its standard error and the scale that both are compared with, all in the same
@@ -196,7 +201,7 @@ impl<T: Real> ConvergenceMonitor<T> {
     ) -> Option<Event> {
         let ratio = innovation.test_ratio.min_of(T::from_f64(MAX_RATIO));
         let normalized = innovation.normalized();
-        self.hold = Hold::default();
+        self.hold.take(normalized, params.change_samples / 2);
         // While the parameters still come from their start, they are what errs, and not the law.
         if excess.is_none() && self.taken >= SNAPSHOTS {
             self.misfit.update(normalized, T::one(), params.noise_gain);

@@ -164,8 +164,10 @@ impl<T: Real> BankRefiner<T> {
             self.bank = None;
             self.began_early = false;
             self.successor = None;
+            // What they have learned is not in memory: a successor that took it for all there is threw away at the
+            // next touch what had just come back.
             self.memory.clear();
-            self.next_challenge = CHALLENGE_EVERY;
+            self.next_challenge = self.memory.pushed().saturating_add(CHALLENGE_EVERY);
             self.quarantine = Quarantine::default();
         } else if self.memory.pushed() > RECONSIDERED {
             self.previous = None;
@@ -368,7 +370,11 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
     fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
         let refiner = self.refiner.take();
         let previous = refiner.map(|refiner| Previous::new(refiner, self.claims.clone()));
+        // What waited is dropped, and the eight samples or less in the pool that is not complete are of the material
+        // since: a change is noticed three pools after it, the filter's window is two long.
+        let pool = core::mem::take(&mut self.pool);
         *self = BankRefiner::new(params);
+        self.pool = pool;
         self.previous = previous;
     }
 

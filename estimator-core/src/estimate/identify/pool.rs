@@ -123,6 +123,8 @@ impl<T: Real> Pool<T> {
 pub struct PoolRing<T> {
     pools: [Pooled<T>; MEMORY],
     pushed: u32,
+    /// Number of the first pool that has not been forgotten.
+    first: u32,
 }
 
 impl<T: Real> Default for PoolRing<T> {
@@ -130,6 +132,7 @@ impl<T: Real> Default for PoolRing<T> {
         PoolRing {
             pools: [Pooled::default(); MEMORY],
             pushed: 0,
+            first: 0,
         }
     }
 }
@@ -143,9 +146,10 @@ impl<T: Real> PoolRing<T> {
         self.pushed = self.pushed.saturating_add(1);
     }
 
-    /// Forgets every pool.
+    /// Forgets every pool, but not that there were some.
     pub fn clear(&mut self) {
-        self.pushed = 0;
+        self.pushed = self.pushed.saturating_add(1);
+        self.first = self.pushed;
     }
 
     /// Number of pools so far.
@@ -153,9 +157,9 @@ impl<T: Real> PoolRing<T> {
         self.pushed
     }
 
-    /// Number of the oldest pool that is still there.
+    /// Number of the oldest pool that is still there; 0 if none was ever lost.
     pub fn oldest(&self) -> u32 {
-        self.pushed.saturating_sub(MEMORY as u32)
+        self.first.max(self.pushed.saturating_sub(MEMORY as u32))
     }
 
     /// The pool with a number, if it is still there.

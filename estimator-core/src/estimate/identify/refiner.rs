@@ -222,6 +222,16 @@ impl<T: Real> Refiner<T> {
         -predict(&self.values(), at).gradient.w
     }
 
+    /// The position at which the force of a pool is that of its speed.
+    pub fn position_of(&self, at: &Pooled<T>) -> T {
+        let [stiffness, damping, exponent, surface, _] = self.values();
+        let pressure = stiffness + damping * at.speed;
+        if pressure <= T::zero() || at.force <= T::zero() {
+            return surface;
+        }
+        surface + ((at.force / pressure).ln() / exponent).exp()
+    }
+
     /// The same estimates of a surface that lies `by` deeper.
     pub fn shift_surface(&mut self, by: T) {
         self.reference.w += by;

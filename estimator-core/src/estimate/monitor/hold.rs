@@ -10,12 +10,13 @@ const LEAP_ALIKE: f64 = 0.1;
 const LEAP_BEFORE: f64 = 0.25;
 const LEAP_BLOCKS: usize = 6;
 
-/// Normalized innovations of a hold, in which nothing is learned.
+/// Normalized innovations up to now in a hold, in which nothing is learned. Those before it are among them: the gate
+/// stays open 64 samples into a hold, and a material that changed as it closed was not noticed before the way out.
 #[derive(Clone, Debug)]
 pub(super) struct Hold<T> {
     sum: T,
     samples: u32,
-    /// Means of the last blocks, the newest first, and how many there were in this hold.
+    /// Means of the last blocks, the newest first, and how many there were.
     means: [T; LEAP_BLOCKS],
     blocks: u32,
 }

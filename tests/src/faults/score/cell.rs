@@ -10,8 +10,6 @@ use rayon::prelude::*;
 
 /// So many logs of a hundred may be wrong.
 pub const BAR: f64 = 0.02;
-/// A recovery may take so long in contact (s).
-pub const RECOVERY_S: f64 = 1.0;
 
 /// One cell.
 pub struct Cell {
@@ -81,8 +79,16 @@ impl Cell {
     /// Logs that had to recover, those that did so in time, and the median (s).
     pub fn recovery(&self) -> (usize, usize, f64) {
         let times: Vec<f64> = self.verdicts.iter().filter_map(|v| v.recovered_s).collect();
-        let timely = times.iter().filter(|t| **t <= RECOVERY_S).count();
+        let timely = self.count(Verdict::recovered_in_time);
         (times.len(), timely, quantile(times.iter().copied(), 0.5))
+    }
+
+    /// Logs that had to learn another material, those that did so in time, and those of an efficient estimator.
+    pub fn relearned(&self) -> (usize, usize, f64) {
+        let asked = self.verdicts.iter().filter(|v| v.efficient.is_some());
+        let timely = asked.clone().filter(|v| v.recovered_in_time());
+        let efficient = asked.clone().filter_map(|v| v.efficient).sum();
+        (asked.count(), timely.count(), efficient)
     }
 
     /// Logs that end in this status.

@@ -1,5 +1,6 @@
 //! Whether an answer is right.
 
+use super::efficient::recovers;
 use super::fit::{Fit, LAGS, fit};
 use super::run::{Answer, Flag, JUDGED, Said, answer};
 use crate::faults::rig::RATE_HZ;
@@ -12,6 +13,8 @@ use estimator_core::Status;
 const SURE_ERRORS: f64 = 3.0;
 /// An estimate that claims to have converged may be wrong for so long (s).
 pub const ALLOWED_S: f64 = 0.05;
+/// A recovery may take so long in contact (s).
+const RECOVERY_S: f64 = 1.0;
 /// The quantile of χ² with 20 degrees of freedom that white noise exceeds once in a thousand logs.
 const WHITE: f64 = 45.3;
 /// So many standard deviations a residual may be above the noise.
@@ -59,6 +62,9 @@ pub struct Verdict {
     /// Seconds in contact after a fault that passes, until all is within 5 % for good; infinite if never;
     /// `None` where nothing had to recover.
     pub recovered_s: Option<f64>,
+    /// The probability that an efficient estimator recovers within [`RECOVERY_S`] where another material has to be
+    /// learned.
+    pub efficient: Option<f64>,
     /// The status at the end.
     pub status: Option<Status>,
     /// The largest error at the end, relative.
@@ -71,6 +77,11 @@ impl Verdict {
     /// Whether the estimate claimed to have converged while wrong, for longer than is allowed.
     pub fn wrong(&self) -> bool {
         self.wrong_s > ALLOWED_S
+    }
+
+    /// Whether all was within 5 % for good soon enough after the fault.
+    pub fn recovered_in_time(&self) -> bool {
+        self.recovered_s.is_some_and(|s| s <= RECOVERY_S)
     }
 
     /// Whether that counts.
@@ -123,6 +134,7 @@ pub fn judge(case: &Case, look: Look) -> Verdict {
         changes: 0,
         seconds,
         recovered_s: None,
+        efficient: None,
         status: None,
         error: f64::INFINITY,
         settled_s: f64::INFINITY,
@@ -143,6 +155,8 @@ pub fn judge(case: &Case, look: Look) -> Verdict {
         .iter()
         .map(|said| error(said, case) < CLOSE)
         .collect();
+    let recovered_s = recovered_s(&answer, &close, case);
+    let is_another = recovered_s.is_some() && case.fault.meets;
     Verdict {
         wrong_s,
         wrong_from_s,
@@ -150,7 +164,8 @@ pub fn judge(case: &Case, look: Look) -> Verdict {
         unseeable: fits.then(|| unseeable(case)).flatten(),
         flag: flag(&answer, case),
         changes: answer.flags.iter().filter(|f| f.1 == Flag::Change).count(),
-        recovered_s: recovered_s(&answer, &close, case),
+        recovered_s,
+        efficient: is_another.then(|| recovers(case, passed_s(case), RECOVERY_S)),
         status: Some(answer.status),
         error: answer
             .said
@@ -222,12 +237,7 @@ fn recovered_s(answer: &Answer, close: &[bool], case: &Case) -> Option<f64> {
     if onset == 0 || !close[onset - 1] {
         return None;
     }
-    let end_s = case.plan.end_s.unwrap_or(case.plan.onset_s);
-    let end_s = match case.fault.meets {
-        true => case.counts_from_s.max(end_s),
-        false => end_s,
-    };
-    let from = index(end_s);
+    let from = index(passed_s(case));
     if from >= close.len() {
         return None;
     }
@@ -243,6 +253,15 @@ fn recovered_s(answer: &Answer, close: &[bool], case: &Case) -> Option<f64> {
         .iter()
         .filter(|said| contact(said));
     Some(waited.count() as f64 * case.period_s())
+}
+
+/// When the fault has passed and has shown itself (s).
+fn passed_s(case: &Case) -> f64 {
+    let end_s = case.plan.end_s.unwrap_or(case.plan.onset_s);
+    match case.fault.meets {
+        true => case.counts_from_s.max(end_s),
+        false => end_s,
+    }
 }
 
 /// Whether the log itself speaks for another law than the same palpation without the fault: it fits the

@@ -1,6 +1,7 @@
 //! What the estimator says of a log with a fault, and whether that is right.
 
 pub mod cell;
+pub mod efficient;
 pub mod fit;
 pub mod judge;
 pub mod run;

@@ -149,8 +149,20 @@ pub fn summary(cells: &[Cell]) -> String {
     if asked > 0 {
         let _ = writeln!(
             text,
-            "recovered to 5 % within 1 s of contact: {timely} of {asked} ({:.0} %)",
+            "recovered to 5 % within 1 s of contact: {timely} of {asked} ({:.1} %)",
             100.0 * timely as f64 / asked as f64
+        );
+    }
+    let relearned = cells.iter().map(Cell::relearned);
+    let (swapped, learned, efficient) =
+        relearned.fold((0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
+    if swapped > 0 {
+        let _ = writeln!(
+            text,
+            "of these another material was to be learned in {swapped}, and was in {learned}; an estimator at the \
+             Cramér–Rao bound that knows of the swap at once: {efficient:.0}; all others {} of {}",
+            timely - learned,
+            asked - swapped,
         );
     }
     for cell in cells

@@ -45,15 +45,12 @@ struct Agreement<T> {
 }
 
 impl<T: Real> Agreement<T> {
-    /// Takes a pool with its prediction: the error, its largest square, and the slope dF/dx.
-    fn take(&mut self, force: T, error: T, most: T, slope: T, moves: bool) {
+    /// Takes a pool with its prediction: the error, its largest square, and the slope dF/dx. `alone` is the shift by
+    /// this pool alone.
+    fn take(&mut self, force: T, error: T, most: T, slope: T, alone: Option<T>) {
+        let moves = alone.is_some();
         if error * error >= most {
-            // Where the surface would have to be by this pool alone.
-            self.shift = if moves && slope > T::zero() {
-                self.shift - error / slope
-            } else {
-                T::zero()
-            };
+            self.shift = alone.unwrap_or_default();
             (self.pools, self.span) = (0, (force, force));
             return;
         }
@@ -123,7 +120,9 @@ impl<T: Real> Previous<T> {
             let (force, variance) = self.refiner.predict(&at);
             let most = most(variance, noise);
             let slope = self.refiner.slope(&at);
-            agreement.take(pooled.force, pooled.force - force, most, slope, moves);
+            // Beyond a surface that has moved further than the depth there is no slope to follow.
+            let alone = moves.then(|| pooled.position - self.refiner.position_of(pooled));
+            agreement.take(pooled.force, pooled.force - force, most, slope, alone);
         }
         let predicted = since.is_some_and(|(refiner, _)| {
             let (force, variance) = refiner.predict(pooled);
