@@ -13,7 +13,7 @@ use tests::faults::score::table;
 
 const USAGE: &str = "\
 faults table [--logs N] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2] [--list]
-             (N logs a cell, 100 unless given; --list names each log that is wrong)
+             (N logs a cell, 100 unless given; --list names each log that is wrong or recovers late)
 faults write DIR [--logs N] [--log INDEX] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2]
              (NAME.csv and NAME.json of the first N logs of each cell, 1 unless given, or of one)
 faults list  (the faults, with their severities)";
@@ -116,7 +116,7 @@ fn print(arguments: &[String]) -> Result<(), String> {
             let cell = Cell::run(fault, *severity, seed, logs, Look::Everywhere, done);
             print!("{}", table::row(&cell));
             if list {
-                print!("{}", table::wrong_logs(&cell));
+                print!("{}{}", table::wrong_logs(&cell), table::late_logs(&cell));
             }
             let _ = std::io::stdout().flush();
             cells.push(cell);

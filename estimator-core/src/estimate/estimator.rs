@@ -101,6 +101,10 @@ const LEARN_SIGMAS: f64 = 6.0;
 /// good.
 const PLAUSIBLE: f64 = 1e3;
 
+/// So many samples of a touch may have agreed with the material before and yet be of another: near the surface all
+/// forces are alike.
+const AGREED_SAMPLES: u32 = 16;
+
 /// Faults with which a sample is dropped.
 const DROPPED: Faults = Faults::NONE
     .with(Fault::ForceUnusable)
@@ -149,7 +153,7 @@ pub fn step<T: Real>(params: &Params<T>, state: &mut State<T>, sample: Sample<T>
     let learned = state.learn(params, &contact, &instant, &innovation);
     let change = match learned {
         Learned::From(_) => state.assess(params, &contact, &instant, &innovation),
-        Learned::Nothing => state.watch(params, &innovation),
+        Learned::Nothing => state.watch(params, &contact, &innovation),
         Learned::Unusable => None,
     };
     let estimate = Estimate {
@@ -273,10 +277,15 @@ impl<T: Real> State<T> {
     }
 
     /// Watches a hold; gives a change of the material.
-    fn watch(&mut self, params: &Params<T>, innovation: &Innovation<T>) -> Option<Event> {
+    fn watch(
+        &mut self,
+        params: &Params<T>,
+        contact: &Contact<T>,
+        innovation: &Innovation<T>,
+    ) -> Option<Event> {
         let looks_back = self.identifier.excess().is_some();
         let event = (self.monitor).watch(&params.monitor, innovation, looks_back);
-        self.begin_anew_after(params, event, 0)
+        self.begin_anew_after(params, event, contact, 0)
     }
 
     /// Updates the status and the parameters that are reported; gives a change of the material.
@@ -311,7 +320,7 @@ impl<T: Real> State<T> {
         self.last.law = law;
         self.last.parameters = identify::report(&params.identify, law, estimates, surface);
         let waited = excess.map_or(0, |_| params.monitor.change_samples());
-        self.begin_anew_after(params, event, waited)
+        self.begin_anew_after(params, event, contact, waited)
     }
 
     /// Begins anew after a change of the material that was noticed at least `waited` samples after it.
@@ -319,12 +328,16 @@ impl<T: Real> State<T> {
         &mut self,
         params: &Params<T>,
         event: Option<Event>,
+        contact: &Contact<T>,
         waited: u32,
     ) -> Option<Event> {
         if event == Some(Event::MaterialChange) {
-            self.identifier.reset_covariance(&params.identify);
-            // Until then the filter's window straddles the change.
             let memory_samples = params.filter.response().memory_samples;
+            // Of a touch that was another from its first samples on, all that was seen is of another material.
+            let since_touch = contact.loaded_samples <= memory_samples + waited + AGREED_SAMPLES;
+            self.identifier
+                .reset_covariance(&params.identify, since_touch);
+            // Until then the filter's window straddles the change.
             self.holdoff_samples = memory_samples.saturating_sub(waited);
         }
         event

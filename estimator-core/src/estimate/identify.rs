@@ -189,8 +189,8 @@ impl<T: Real> Identifier<T> {
     }
 
     /// See [`Identify::reset_covariance`].
-    pub fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
-        each!(self, estimator => estimator.reset_covariance(params))
+    pub fn reset_covariance(&mut self, params: &IdentifyParams<T>, since_touch: bool) {
+        each!(self, estimator => estimator.reset_covariance(params, since_touch))
     }
 
     /// See [`Identify::estimates`].

@@ -81,7 +81,7 @@ impl<T: Real> Identify<T> for Affine<T> {
         Some(beta)
     }
 
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, _since_touch: bool) {
         *self = Affine::new(params);
     }
 

@@ -174,6 +174,14 @@ impl<T: Real> BankRefiner<T> {
         }
     }
 
+    /// A pool that waited before a change of material, and is of the material since.
+    fn of_new_material(&mut self) -> Option<Pooled<T>> {
+        match self.refiner {
+            Some(_) => None,
+            None => self.quarantine.take_oldest(),
+        }
+    }
+
     /// The refiner learns from a pool; the bank takes it at the next sample, so that no sample pays for both.
     fn absorb(&mut self, pooled: &Pooled<T>, at: &Instant<T>) {
         self.memory.push(*pooled);
@@ -338,6 +346,8 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             return None;
         } else if let Some(refiner) = outdated {
             self.claims.renew(refiner, at);
+        } else if let Some(pooled) = self.of_new_material() {
+            self.absorb(&pooled, at);
         } else if self.until_search == 0 {
             let started = self.refiner.is_some();
             self.until_search = if started { SEARCH_EVERY } else { 1 };
@@ -367,14 +377,19 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         self.pool.close();
     }
 
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, since_touch: bool) {
         let refiner = self.refiner.take();
         let previous = refiner.map(|refiner| Previous::new(refiner, self.claims.clone()));
-        // What waited is dropped, and the eight samples or less in the pool that is not complete are of the material
-        // since: a change is noticed three pools after it, the filter's window is two long.
+        // The eight samples or less in the pool that is not complete are of the material since: a change is noticed
+        // three pools after it, the filter's window is two long. What waited is dropped, unless it is of it, too.
         let pool = core::mem::take(&mut self.pool);
+        let mut quarantine = core::mem::take(&mut self.quarantine);
+        quarantine.keep_last_touch();
         *self = BankRefiner::new(params);
         self.pool = pool;
+        if since_touch {
+            self.quarantine = quarantine;
+        }
         self.previous = previous;
     }
 

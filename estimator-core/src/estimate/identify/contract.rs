@@ -129,8 +129,8 @@ pub trait Identify<T: Real> {
     fn learn(&mut self, params: &IdentifyParams<T>, at: &Instant<T>, beta: T) -> Option<T>;
 
     /// Forgets how certain the parameters are and keeps their values: another material is under the
-    /// probe.
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>);
+    /// probe, and has been since the touch began if `since_touch`.
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, since_touch: bool);
 
     /// Values and standard errors in the order of the law's slots, without the surface, with the
     /// noise and the standard error of the surface position at an instant.

@@ -129,7 +129,7 @@ impl<T: Real, const R: usize, const N: usize> Identify<T> for Cascade<T, R, N> {
         self.relaxation.break_off();
     }
 
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, _since_touch: bool) {
         self.elastic.reset_covariance(params.start.covariance);
         self.relaxation.reset_covariance(params.start.covariance);
     }

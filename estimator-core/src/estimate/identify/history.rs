@@ -254,7 +254,7 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
     }
 
     /// Another material has been touched: what the last touch has said already is kept.
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, _since_touch: bool) {
         let learned = self.history.keep_last_touch();
         *self = Self::with_history(params, self.history.clone(), learned);
     }

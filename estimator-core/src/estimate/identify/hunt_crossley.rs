@@ -131,7 +131,7 @@ impl<T: Real> Identify<T> for TwoStage<T> {
         Some(beta)
     }
 
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, _since_touch: bool) {
         let covariance = params.start.covariance;
         self.gamma_1 = Rls::new(self.gamma_1.theta, covariance);
         self.gamma_2 = Rls::new(self.gamma_2.theta, covariance);

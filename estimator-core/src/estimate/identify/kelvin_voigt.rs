@@ -68,7 +68,7 @@ impl<T: Real> Identify<T> for Linear<T> {
         moving.then_some(beta)
     }
 
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, _since_touch: bool) {
         let covariance = params.start.covariance;
         self.rls = Rls::new(self.rls.theta, covariance);
         self.confidence = Confidence::new(covariance);

@@ -200,7 +200,7 @@ impl<T: Real> Identify<T> for ZenerArx<T> {
         }
     }
 
-    fn reset_covariance(&mut self, params: &IdentifyParams<T>) {
+    fn reset_covariance(&mut self, params: &IdentifyParams<T>, _since_touch: bool) {
         self.fit.reset_covariance(params.start.covariance);
         self.last = None;
     }

@@ -131,6 +131,22 @@ pub fn wrong_logs(cell: &Cell) -> String {
     wrong.map(line).collect()
 }
 
+/// The logs of a cell that did not recover in time, one a line.
+pub fn late_logs(cell: &Cell) -> String {
+    let numbered = cell.verdicts.iter().enumerate();
+    let late = numbered.filter_map(|(index, verdict)| {
+        let after_s = verdict.recovered_s.filter(|_| !verdict.recovered_in_time())?;
+        let (material, motion) = names(index as u64);
+        let efficient = verdict.efficient.map_or(String::new(), |share| {
+            format!(", an efficient estimator by 1 s with {:.0} %", 100.0 * share)
+        });
+        Some(format!(
+            "    log {index:>3} {material:<7} {motion:<5} within 5 % after {after_s:.2} s of contact{efficient}\n"
+        ))
+    });
+    late.collect()
+}
+
 /// What all cells come to.
 pub fn summary(cells: &[Cell]) -> String {
     let sum = |of: fn(&Cell) -> usize| cells.iter().map(of).sum::<usize>();

@@ -38,4 +38,26 @@ impl<T: Real> Quarantine<T> {
         }
         oldest
     }
+
+    /// Drops what is not of the touch that the newest pool is of.
+    pub(super) fn keep_last_touch(&mut self) {
+        let waiting = self.pools.get(..self.waiting).unwrap_or(&[]);
+        let pairs = waiting.windows(2).enumerate();
+        let begins = |(at, pair): (usize, &[Pooled<T>])| match pair {
+            [before, after] if after.loaded < before.loaded => Some(at + 1),
+            _ => None,
+        };
+        let from = pairs.filter_map(begins).last().unwrap_or(0);
+        (0..from).for_each(|_| {
+            self.take_oldest();
+        });
+    }
+
+    /// Takes out the pool that has waited longest.
+    pub(super) fn take_oldest(&mut self) -> Option<Pooled<T>> {
+        self.waiting = self.waiting.checked_sub(1)?;
+        let oldest = self.pools.first().copied();
+        self.pools.rotate_left(1);
+        oldest
+    }
 }
