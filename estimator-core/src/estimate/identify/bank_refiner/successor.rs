@@ -5,9 +5,11 @@ use crate::maths::scalar::Real;
 
 /// A successor is started when the linearization error exceeds this share of the variance of the
 /// filtered noise. Where it cannot learn from all samples of its predecessor, it takes over when its
-/// standard errors are within this factor, or when it has learned from three quarters of the samples.
+/// standard errors are within this factor, or within three times when it has learned from three quarters of the
+/// samples: after a swap in a press those were of a hold, and the press itself, which had told everything, was the rest.
 pub(super) const LINEARIZATION_SHARE: f64 = 0.02;
 const SIMILAR: f64 = 1.5;
+const WORSE_AT_MOST: f64 = 3.0;
 /// Pools between two challengers. One takes over when it lowers the cost of the memory by more than this:
 /// χ² of five parameters exceeds 40 with probability 10⁻⁷. Estimates that had to be replaced are doubted
 /// for this many pools: two seconds of contact, after which the next challenges have confirmed them.
@@ -83,8 +85,8 @@ impl<T: Real> Successor<T> {
     /// Whether it knows what the estimates know.
     pub(super) fn knows_as_much_as(&self, estimates: &Refiner<T>) -> bool {
         let most = self.refiner.learned > T::from_f64(0.75) * estimates.learned;
-        most || self
-            .refiner
-            .knows_as_well_as(estimates, T::from_f64(SIMILAR))
+        let factor = if most { WORSE_AT_MOST } else { SIMILAR };
+        self.refiner
+            .knows_as_well_as(estimates, T::from_f64(factor))
     }
 }
