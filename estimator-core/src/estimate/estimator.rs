@@ -273,6 +273,9 @@ impl<T: Real> State<T> {
             .forgetting
             .beta(error_n, contact.force_noise_n);
         let learned = self.identifier.learn(&params.identify, at, beta);
+        if self.identifier.has_come_back() {
+            self.monitor.forget_innovations();
+        }
         learned.map_or(Learned::Nothing, Learned::From)
     }
 

@@ -193,6 +193,11 @@ impl<T: Real> Identifier<T> {
         each!(self, estimator => estimator.reset_covariance(params, since_touch))
     }
 
+    /// See [`Identify::has_come_back`].
+    pub fn has_come_back(&mut self) -> bool {
+        each!(self, estimator => estimator.has_come_back())
+    }
+
     /// See [`Identify::estimates`].
     pub fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {
         each!(self, estimator => estimator.estimates(at))

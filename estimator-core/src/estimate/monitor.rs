@@ -348,15 +348,19 @@ impl<T: Real> ConvergenceMonitor<T> {
         self.status = Status::Changed;
         self.changed_samples = params.window / 2;
         self.taken = 0;
-        self.slow_ratio = T::one();
-        self.baseline = T::one();
-        self.misfit = Misfit::default();
         self.reason = None;
         self.settled = false;
-        self.alien_samples = 0;
-        self.hold = Hold::default();
         self.suspected = (0, None);
         (self.doubts, self.agreed) = (0, 0);
+        self.forget_innovations();
+    }
+
+    /// Forgets the innovations, which were those of other estimates.
+    pub fn forget_innovations(&mut self) {
+        (self.slow_ratio, self.baseline) = (T::one(), T::one());
+        self.misfit = Misfit::default();
+        self.alien_samples = 0;
+        self.hold = Hold::default();
     }
 
     /// Whether every standard error is within the bound, and every parameter within the bound of all its

@@ -71,8 +71,6 @@ fn touch(case: &Case, index: usize, asked: f64) -> Option<Touch> {
     Some(Touch {
         depth_m,
         speed_mps: case.run.velocity_mps[index],
-        force_growth_n: 0.5
-            * asked
-            * (case.run.force_n[next] - case.run.force_n[index.max(1) - 1]),
+        force_growth_n: 0.5 * asked * (case.run.force_n[next] - case.run.force_n[index.max(1) - 1]),
     })
 }

@@ -40,6 +40,11 @@ const START_POOLS: f64 = 3.0;
 /// When the mean squared residual of the refiner is this many times the bank's, the bank starts
 /// another refiner.
 const WORSE: f64 = 8.0;
+/// Prior standard deviation of the exponent, and of it and of the surface (over the reference depth) as long as
+/// estimates that began from those before a change within a press have seen no range of force: what a probe has not
+/// left is where it was, and much alike. Once there is a range they weigh next to nothing.
+const EXPONENT_PRIOR: f64 = 0.2;
+const ALIKE: f64 = 0.05;
 /// Forgetting factor of the bank per pool of 8: a memory of 2000 samples.
 const BANK_BETA: f64 = 0.996;
 /// The filter's window is inside the material when the variance of the position in it is less than
@@ -94,6 +99,8 @@ pub struct BankRefiner<T: Real> {
     moves: bool,
     quarantine: Quarantine<T>,
     previous: Option<Previous<T>>,
+    /// Whether they have come back, and that has not been asked yet.
+    came_back: bool,
     excitation: Excitation<T, 2>,
 }
 
@@ -110,6 +117,7 @@ impl<T: Real> BankRefiner<T> {
             claims: Claims::default(),
             prior: Prior {
                 surface: T::zero(),
+                exponent: T::from_f64(EXPONENT_PRIOR),
                 skew: T::from_f64(SKEW_S) * per_second,
                 aligned: (!estimates_skew).then(|| T::from_f64(ALIGNED_S) * per_second),
                 speed_rounding: params.speed_rounding,
@@ -125,6 +133,7 @@ impl<T: Real> BankRefiner<T> {
             moves: false,
             quarantine: Quarantine::default(),
             previous: None,
+            came_back: false,
             excitation: Excitation::default(),
         }
     }
@@ -161,6 +170,7 @@ impl<T: Real> BankRefiner<T> {
             self.refiner = Some(previous.refiner.clone());
             self.claims = previous.claims.clone();
             self.previous = None;
+            self.came_back = true;
             self.bank = None;
             self.began_early = false;
             self.successor = None;
@@ -241,7 +251,10 @@ impl<T: Real> BankRefiner<T> {
             }
         }
         self.began_early = early;
-        self.begin(Refiner::new(&candidate, T::zero(), &self.prior), false);
+        self.begin(
+            Refiner::new(&candidate, T::zero(), &self.prior_now()),
+            false,
+        );
     }
 
     /// Starts a refiner at a better reference when the linearization error of the current one
@@ -251,7 +264,24 @@ impl<T: Real> BankRefiner<T> {
         let tolerated = T::from_f64(LINEARIZATION_SHARE) * noise.filtered * noise.filtered;
         if self.successor.is_none() && refiner.is_sound() && refiner.linearization_error > tolerated
         {
-            self.begin(refiner.successor(&self.prior), false);
+            self.begin(refiner.successor(&self.prior_now()), false);
+        }
+    }
+
+    /// Whether the estimates began from the material before and have seen a range of force that tells little.
+    fn lacks_range(&self) -> bool {
+        self.began_early && !self.bank.as_ref().is_none_or(Bank::has_range)
+    }
+
+    fn prior_now(&self) -> Prior<T> {
+        let alike = T::from_f64(ALIKE);
+        match self.lacks_range() {
+            true => Prior {
+                surface: self.prior.surface.min_of(alike),
+                exponent: alike,
+                ..self.prior
+            },
+            false => self.prior,
         }
     }
 
@@ -271,7 +301,7 @@ impl<T: Real> BankRefiner<T> {
         if self.memory.oldest() == 0 {
             return;
         }
-        self.begin(refiner.successor(&self.prior), true);
+        self.begin(refiner.successor(&self.prior_now()), true);
     }
 
     /// The successor learns from memory, and takes over once it knows what its predecessor does.
@@ -369,8 +399,9 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
         if self.memory.pushed() < self.doubted_until {
             return Some(Doubt::Against(Reason::Residual));
         }
-        let narrow = self.began_early && !self.bank.as_ref().is_none_or(Bank::has_range);
-        (self.claims.doubt).or(narrow.then_some(Doubt::NotYetRuledOut(Reason::Excitation)))
+        (self.claims.doubt).or(self
+            .lacks_range()
+            .then_some(Doubt::NotYetRuledOut(Reason::Excitation)))
     }
 
     fn observe(&mut self, _at: &Instant<T>, _in_contact: bool) {
@@ -391,6 +422,10 @@ impl<T: Real> Identify<T> for BankRefiner<T> {
             self.quarantine = quarantine;
         }
         self.previous = previous;
+    }
+
+    fn has_come_back(&mut self) -> bool {
+        core::mem::take(&mut self.came_back)
     }
 
     fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS] {

@@ -132,6 +132,11 @@ pub trait Identify<T: Real> {
     /// probe, and has been since the touch began if `since_touch`.
     fn reset_covariance(&mut self, params: &IdentifyParams<T>, since_touch: bool);
 
+    /// Whether estimates from before a change have come back since this was last asked.
+    fn has_come_back(&mut self) -> bool {
+        false
+    }
+
     /// Values and standard errors in the order of the law's slots, without the surface, with the
     /// noise and the standard error of the surface position at an instant.
     fn estimates(&self, at: &Instant<T>) -> [ParameterEstimate<T>; PARAMETER_SLOTS];

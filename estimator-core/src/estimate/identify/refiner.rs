@@ -55,11 +55,13 @@ pub struct Refiner<T: Real> {
     speed_rounding: T,
 }
 
-/// Prior standard deviations of surface and skew, scaled.
+/// Prior standard deviations of surface, exponent and skew, scaled.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Prior<T> {
     /// Prior standard deviation of x₀.
     pub surface: T,
+    /// Prior standard deviation of n.
+    pub exponent: T,
     /// Prior standard deviation of τ.
     pub skew: T,
     /// Standard deviation of τ about 0 where the sensors are taken for aligned; `None` where τ is
@@ -101,7 +103,7 @@ impl<T: Real> Refiner<T> {
                 skew,
             ),
             deviation: Vector5::repeat(T::zero()),
-            prior: Vector5::new(half, half, T::from_f64(0.2), prior.surface, prior.skew),
+            prior: Vector5::new(half, half, prior.exponent, prior.surface, prior.skew),
             covariance: Ud::new(T::one()),
             aligned,
             known: Ud::new(T::one()),
@@ -417,6 +419,7 @@ mod tests {
     }
 
     const FOUND: Prior<f64> = Prior {
+        exponent: 0.2,
         surface: 0.1,
         skew: 0.0,
         aligned: None,
@@ -527,6 +530,7 @@ mod tests {
             }
         };
         let prior = Prior {
+            exponent: 0.2,
             skew: 0.05,
             ..FOUND
         };
