@@ -55,7 +55,7 @@ use self::model::given::given;
 use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
-use data::{budget, input, orientation, ringing};
+use data::{budget, input, orientation, ringing, spikes};
 use noise::floors::Floors;
 use rounds::{Answer, Rounds};
 use say::{builder, plausibility};
@@ -110,7 +110,9 @@ fn workflow(
     let thresholds = &options.thresholds;
     let mut notes = input_notes(model, logs, &thresholds.input)?;
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
-    let whole = logs;
+    let (bridged, spikes) = spikes::bridged(logs);
+    notes.extend(spikes);
+    let whole: &[UniformLog] = &bridged;
     let (logs, shortened) = budget::within(whole, thresholds.rest);
     notes.extend(shortened);
     let floor_decides = match model.environment.is_free() {

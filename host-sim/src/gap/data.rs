@@ -10,4 +10,5 @@ pub(crate) mod orientation;
 pub(crate) mod repetition;
 pub(crate) mod ringing;
 pub(crate) mod scales;
+pub(crate) mod spikes;
 pub(crate) mod standstill;
