@@ -312,11 +312,11 @@ fn is_noise_at_rest(
             HighPass::second(&slower, raw.code_n, decide.spike_sigmas).noise_n
         }
     };
-    let off = rest::kurtosis_off(raw.unlined_n, rests, decide);
+    let kurtosis = rest::kurtosis(raw.unlined_n, rests, decide);
     // Behind a filter noise is many times what differences say, and stretches of the motion have it as well.
     let in_stretches = || SlowNoise::beside(high_pass_n, log, decide);
-    rest::is_noise(rest_n / slower_n, off, decide)
-        || off.abs() <= 1.0
+    rest::is_noise(rest_n / slower_n, kurtosis, decide)
+        || kurtosis.off.abs() <= 1.0
             && in_stretches().is_some_and(|slow| rest_n <= decide.slight_colour * slow.noise_n)
 }
 

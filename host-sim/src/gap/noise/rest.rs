@@ -12,15 +12,31 @@ use crate::stats::{correlation, correlation_of_fourths, median, quantile, rms};
 /// Samples of a block in which the noise is read from second differences: to 12 %.
 const BLOCK: usize = 64;
 
-/// Whether what is there is noise, `times` as large as second differences say, with the kurtosis of
-/// [`kurtosis_off`].
-pub(super) fn is_noise(times: f64, off: f64, decide: &Floor) -> bool {
-    times <= decide.largest_colour && off >= -1.0 && (times <= decide.slight_colour || off <= 1.0)
+/// The kurtosis of normal noise, and of a sine.
+const NORMAL: f64 = 3.0;
+const SINE: f64 = 1.5;
+
+/// How far the kurtosis of what is there is from that of normal noise.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kurtosis {
+    /// In `decide.sigmas` standard errors.
+    pub(super) off: f64,
+    /// Whether that of a sine would be off by more than so many.
+    tells_a_sine: bool,
 }
 
-/// How far the kurtosis of what is there is from that of normal noise, in `decide.sigmas` standard errors. The forces
-/// are those without the lines that stay in phase: a hum of half of the power makes a kurtosis of 2.6.
-pub(super) fn kurtosis_off(force_n: &[f64], rests: &[Range<usize>], decide: &Floor) -> f64 {
+/// Whether what is there is noise, `times` as large as second differences say.
+pub(super) fn is_noise(times: f64, kurtosis: Kurtosis, decide: &Floor) -> bool {
+    let Kurtosis { off, tells_a_sine } = kurtosis;
+    let is_first_order = times <= decide.largest_colour
+        && off >= -1.0
+        && (times <= decide.slight_colour || off <= 1.0);
+    is_first_order || times <= decide.filtered_colour && tells_a_sine && off.abs() <= 0.5
+}
+
+/// The kurtosis of what is there. The forces are those without the lines that stay in phase: a hum of half of the
+/// power makes one of 2.6.
+pub(super) fn kurtosis(force_n: &[f64], rests: &[Range<usize>], decide: &Floor) -> Kurtosis {
     let each = rests.iter().map(settled);
     let count: usize = each.clone().map(|rest| rest.len()).sum();
     let stretches = each.map(|rest| detrended(&force_n[rest]));
@@ -33,7 +49,10 @@ pub(super) fn kurtosis_off(force_n: &[f64], rests: &[Range<usize>], decide: &Flo
     // Of normal noise the squares say nothing once the variance is taken out, and Hermite's fourth polynomial has
     // the autocorrelation 24 ρ⁴.
     let error = (24.0 * longest(force_n, rests, correlation_of_fourths) / count).sqrt();
-    (kurtosis - 3.0) / (decide.sigmas * error)
+    Kurtosis {
+        off: (kurtosis - NORMAL) / (decide.sigmas * error),
+        tells_a_sine: NORMAL - SINE > decide.sigmas * error,
+    }
 }
 
 /// Standard deviation (N) of the quiet part of the rests, from second differences, if there is one: a tenth or more
