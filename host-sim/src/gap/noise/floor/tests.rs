@@ -415,6 +415,30 @@ fn noise_behind_a_filter_is_noise_whether_anything_rests_or_not() {
 }
 
 #[test]
+fn noise_behind_a_slow_filter_is_noise_at_rest() {
+    // GIVEN noise twice behind a corner of 14 Hz, and a thirteenth of it that is white: all that second differences see
+    let white = normals(20_000, 7);
+    let slow = filtered(14.0, 20_000, 6);
+    let each = slow.iter().zip(&white);
+    let noise: Vec<f64> = each
+        .map(|(slow, white)| 5.0 * SIGMA_N * (slow + white / 13.0))
+        .collect();
+    let log = log(&noise, |_, _| 0.0, 1e-6);
+    let floor = NoiseFloor::of(&log, &Floor::default());
+    let rest_n = floor.rest_n.unwrap();
+    assert!(rest_n > Floor::default().largest_colour * floor.high_pass_n);
+    // THEN it is the floor, for its fourth moment is that of noise, as a chirp's is not. Six rests of half a second
+    // hardly tell a corner at 14 Hz from noise that rises on: of 200 such logs the floor is 1.6 times too large in ten.
+    assert_near(&floor, 5.0 * SIGMA_N, 0.6);
+    // By its size alone it is none.
+    let by_size = Floor {
+        filtered_colour: 0.0,
+        ..Floor::default()
+    };
+    assert_near(&NoiseFloor::of(&log, &by_size), floor.high_pass_n, 1e-9);
+}
+
+#[test]
 fn what_an_effect_adds_to_a_motion_without_rest_is_no_noise() {
     // GIVEN white noise or none at all, and a friction, a cogging of 0.2 mm or a line of 8 Hz, ten times as large
     let line = |at: usize| 14.0 * SIGMA_N * (TAU * 8e-3 * at as f64).sin();
