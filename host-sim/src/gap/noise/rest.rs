@@ -99,3 +99,40 @@ fn longest(force_n: &[f64], rests: &[Range<usize>], of: fn(&[f64]) -> f64) -> f6
     let longest = rests.iter().max_by_key(|rest| rest.len());
     longest.map_or(1.0, |rest| of(&detrended(&force_n[settled(rest)])))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn twelve_times_the_differences_is_noise_if_it_is_normal_and_no_chirp() {
+        let rests: Vec<Range<usize>> = (0..6).map(|at| 1000 * at..1000 * at + 600).collect();
+        let decide = Floor::default();
+        // Sums of 64 numbers of a congruential generator: slow, and normal.
+        let mut state = 5_u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let each: Vec<f64> = (0..6100).map(|_| next()).collect();
+        let slow: Vec<f64> = each.windows(64).map(|w| w.iter().sum()).collect();
+        let chirp: Vec<f64> = (0..6000)
+            .map(|at| {
+                let u = 1e-3 * at as f64 % 3.0 - 1.5;
+                (TAU * (30.0 - 9.0 * u.abs()) * u).sin()
+            })
+            .collect();
+        let is_noise = |force_n: &[f64], times: f64| {
+            is_noise(times, kurtosis(force_n, &rests, &decide), &decide)
+        };
+        assert!(is_noise(&slow, 12.0) && !is_noise(&slow, 25.0));
+        assert!(!is_noise(&chirp, 12.0));
+        // THEN of a rest that is too short to tell the two apart it is not taken.
+        let short = [0..150];
+        let of_short = |force_n: &[f64]| kurtosis(force_n, &short, &decide);
+        assert!(!super::is_noise(12.0, of_short(&slow), &decide));
+    }
+}

@@ -430,12 +430,6 @@ fn noise_behind_a_slow_filter_is_noise_at_rest() {
     // THEN it is the floor, for its fourth moment is that of noise, as a chirp's is not. Six rests of half a second
     // hardly tell a corner at 14 Hz from noise that rises on: of 200 such logs the floor is 1.6 times too large in ten.
     assert_near(&floor, 5.0 * SIGMA_N, 0.6);
-    // By its size alone it is none.
-    let by_size = Floor {
-        filtered_colour: 0.0,
-        ..Floor::default()
-    };
-    assert_near(&NoiseFloor::of(&log, &by_size), floor.high_pass_n, 1e-9);
 }
 
 #[test]
