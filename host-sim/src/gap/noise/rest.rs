@@ -131,8 +131,8 @@ mod tests {
         assert!(is_noise(&slow, 12.0) && !is_noise(&slow, 25.0));
         assert!(!is_noise(&chirp, 12.0));
         // THEN of a rest that is too short to tell the two apart it is not taken.
-        let short = [0..150];
-        let of_short = |force_n: &[f64]| kurtosis(force_n, &short, &decide);
+        let of_short =
+            |force_n: &[f64]| kurtosis(force_n, std::slice::from_ref(&(0..150)), &decide);
         assert!(!super::is_noise(12.0, of_short(&slow), &decide));
     }
 }
