@@ -165,8 +165,8 @@ impl<T: Real> BankRefiner<T> {
         };
         let since = self.refiner.as_ref().filter(|_| !self.claims.is_stale);
         let since = since.map(|refiner| (refiner, &self.claims));
-        if let Some(shift) = previous.agrees_with(pooled, &at.noise, since) {
-            previous.refiner.shift_surface(shift);
+        if let Some((shift, error)) = previous.agrees_with(pooled, &at.noise, since) {
+            previous.refiner.shift_surface(shift, error);
             self.refiner = Some(previous.refiner.clone());
             self.claims = previous.claims.clone();
             self.previous = None;

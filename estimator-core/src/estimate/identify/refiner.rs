@@ -234,9 +234,14 @@ impl<T: Real> Refiner<T> {
         surface + ((at.force / pressure).ln() / exponent).exp()
     }
 
-    /// The same estimates of a surface that lies `by` deeper.
-    pub fn shift_surface(&mut self, by: T) {
+    /// The same estimates of a surface that lies `by` deeper, to a standard deviation.
+    pub fn shift_surface(&mut self, by: T, std_dev: T) {
         self.reference.w += by;
+        if self.prior.w > T::zero() {
+            let share = std_dev / self.prior.w;
+            self.covariance.widen(3, share * share);
+            self.take_skew_for_known();
+        }
     }
 
     /// The force F̂ and its variance from the errors of the parameters, scaled.

@@ -126,6 +126,26 @@ impl<T: Real, const N: usize> Ud<T, N> {
         }
     }
 
+    /// P ← P + `variance`·eₖeₖᵀ: parameter k may have moved by so much (Agee and Turner 1972).
+    pub fn widen(&mut self, k: usize, variance: T) {
+        let mut along = SVector::<T, N>::repeat(T::zero());
+        if let Some(own) = along.get_mut(k) {
+            *own = T::one();
+        }
+        let mut left = variance;
+        for j in (0..N).rev() {
+            let own = along[j];
+            let (before, after) = (self.diagonal[j], self.diagonal[j] + left * own * own);
+            self.diagonal[j] = self.bounded(after);
+            let gain = left * own / after;
+            for i in 0..j {
+                along[i] -= own * self.upper[(i, j)];
+                self.upper[(i, j)] += gain * along[i];
+            }
+            left *= before / after;
+        }
+    }
+
     fn bounded(&self, value: T) -> T {
         let floor = self.ceiling * T::from_f64(FLOOR);
         floor.max_of(value).min_of(self.ceiling)
@@ -172,6 +192,22 @@ mod tests {
         let direct = (phi.transpose() * ud.matrix() * phi)[0];
         assert!((ud.variance(&phi) - direct).abs() < 1e-12 * direct);
         assert!((ud.times(&phi) - ud.matrix() * phi).norm() < 1e-12);
+    }
+
+    #[test]
+    fn what_may_have_moved_has_its_variance_and_nothing_else_changes() {
+        let mut ud = Ud::<f64, 3>::new(10.0);
+        for i in 0..20 {
+            let t = f64::from(i);
+            ud.update(&Vector3::new(1.0, libm::sin(t), t / 7.0), 0.98, 1.0);
+        }
+        for k in 0..3 {
+            let mut wider = ud.clone();
+            wider.widen(k, 0.3);
+            let mut expected = ud.matrix();
+            expected[(k, k)] += 0.3;
+            assert!((wider.matrix() - expected).norm() < 1e-12, "{k}");
+        }
     }
 
     #[test]

@@ -9,6 +9,8 @@ use crate::maths::scalar::Real;
 /// this force over the noise, within so many pools: 0.1 s of contact, within two.
 const AGREE_POOLS: u32 = 12;
 const AGREE_SIGMAS: f64 = 20.0;
+/// A prediction agrees within so many standard errors.
+const AGREE_ERRORS: f64 = 3.0;
 pub(super) const RECONSIDERED: u32 = 256;
 /// Range of the force, from the least to the largest of those pools, that tells a surface that has moved
 /// from another material.
@@ -37,8 +39,9 @@ pub(super) struct Previous<T: Real> {
 /// How long the estimates have predicted the force with the surface in one place.
 #[derive(Clone, Copy, Debug, Default)]
 struct Agreement<T> {
-    /// How far the surface lies behind the one that they know.
+    /// How far the surface lies behind the one that they know, and the standard deviation of that.
     shift: T,
+    shift_error: T,
     /// Number of pools in a row that they predict, and the least and the largest force of those.
     pools: u32,
     span: (T, T),
@@ -60,6 +63,8 @@ impl<T: Real> Agreement<T> {
         if moves && slope > T::zero() {
             let share = T::one() / T::from_u32(self.pools + 1);
             self.shift -= share * error / slope;
+            // That of one pool: the errors of the estimates are in all of them.
+            self.shift_error = most.sqrt() / (T::from_f64(AGREE_ERRORS) * slope);
         }
     }
 
@@ -101,14 +106,14 @@ impl<T: Real> Previous<T> {
         })
     }
 
-    /// How far the surface has moved if they have predicted enough pools in a row; pools of a small force say
+    /// How far the surface has moved, and the standard deviation of that, if they have predicted enough pools in a row; pools of a small force say
     /// nothing. `since` are the estimates from after the change.
     pub(super) fn agrees_with(
         &mut self,
         pooled: &Pooled<T>,
         noise: &ForceNoise<T>,
         since: Option<(&Refiner<T>, &Claims<T>)>,
-    ) -> Option<T> {
+    ) -> Option<(T, T)> {
         if pooled.force < T::from_f64(AGREE_SIGMAS) * noise.raw {
             return None;
         }
@@ -133,9 +138,10 @@ impl<T: Real> Previous<T> {
         if self.since >= AGREE_POOLS && since.is_some_and(|since| self.differs_from(since)) {
             None
         } else if self.there.holds(0.0) {
-            Some(T::zero())
+            Some((T::zero(), T::zero()))
         } else {
-            self.moved.holds(AGREE_RANGE).then_some(self.moved.shift)
+            let moved = (self.moved.shift, self.moved.shift_error);
+            self.moved.holds(AGREE_RANGE).then_some(moved)
         }
     }
 
@@ -150,5 +156,5 @@ impl<T: Real> Previous<T> {
 
 /// The largest square of the error of a prediction that agrees.
 fn most<T: Real>(variance: T, noise: &ForceNoise<T>) -> T {
-    T::from_f64(9.0) * (variance + noise.filtered * noise.filtered)
+    T::from_f64(AGREE_ERRORS * AGREE_ERRORS) * (variance + noise.filtered * noise.filtered)
 }
