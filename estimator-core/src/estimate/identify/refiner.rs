@@ -6,7 +6,11 @@
 //! estimate, ended 1–2 % off on gel at a claimed 0.13 %.) The linearization error is measured on
 //! every pool; when it matters, a successor learns from memory at a better reference.
 
+mod predicted;
+
 use nalgebra::Vector5;
+
+use predicted::predict;
 
 use super::ForceNoise;
 use super::{bank::Candidate, bounds::EXPONENT, bounds::within, pool::Pooled};
@@ -16,8 +20,6 @@ use crate::maths::scalar::Real;
 
 /// Memory of the mean squares (pools).
 const MEAN_SQUARE_MEMORY: f64 = 8.0;
-/// Largest variance of the position in the filter's window, over the square of the depth.
-const WIDEST: f64 = 0.15;
 /// Standard deviations beyond which an error loses weight (Huber 1964).
 const HUBER: f64 = 5.0;
 
@@ -78,12 +80,6 @@ pub struct Cost<T> {
     pub weight: T,
     /// By how much the pool raises the smallest cost.
     pub least: T,
-}
-
-/// The force of a pool and its gradient.
-struct Predicted<T: Real> {
-    force: T,
-    gradient: Vector5<T>,
 }
 
 impl<T: Real> Refiner<T> {
@@ -362,42 +358,6 @@ impl<T: Real> Refiner<T> {
         values.iter().all(|value| value.is_finite())
             && values[0] > T::zero()
             && self.residual.is_finite()
-    }
-}
-
-/// The force and its gradient by θ = (K, λ, n, x₀, τ) at a pool of instants.
-///
-/// The filter averages a curved law over its window, which is ½F″·var(x) + (∂²F/∂x∂v)·cov(x, v) more
-/// than the law of the averages: 27 mN where a ramp of 17 mm/s meets a hold 3 mm deep in gel.
-fn predict<T: Real>(theta: &[T; 5], at: &Pooled<T>) -> Predicted<T> {
-    let [stiffness, damping, exponent, surface, skew] = *theta;
-    let depth = at.position - surface;
-    if depth <= T::zero() {
-        return Predicted {
-            force: T::zero(),
-            gradient: Vector5::repeat(T::zero()),
-        };
-    }
-    let log = depth.ln();
-    let shape = (exponent * log).exp();
-    // Where the window spans more than a fifth of the depth, two orders do not describe it; the
-    // gradient would be huge, and one such sample would settle a parameter for good.
-    if at.position_variance > T::from_f64(WIDEST) * depth * depth {
-        let force = (stiffness + damping * at.speed) * shape;
-        return Predicted {
-            force,
-            gradient: Vector5::repeat(T::zero()),
-        };
-    }
-    let curve = T::from_f64(0.5) * exponent * (exponent - T::one()) * at.position_variance
-        / (depth * depth);
-    let by_stiffness = shape * (T::one() + curve);
-    let by_damping = by_stiffness * at.speed + shape * exponent * at.position_velocity_cov / depth;
-    let force = stiffness * by_stiffness + damping * by_damping;
-    let by_surface = -(exponent * force / depth);
-    Predicted {
-        force: force - skew * at.rate,
-        gradient: Vector5::new(by_stiffness, by_damping, force * log, by_surface, -at.rate),
     }
 }
 

@@ -106,8 +106,8 @@ impl<T: Real> Previous<T> {
         })
     }
 
-    /// How far the surface has moved, and the standard deviation of that, if they have predicted enough pools in a row; pools of a small force say
-    /// nothing. `since` are the estimates from after the change.
+    /// How far the surface has moved, and the standard deviation of that, if they have predicted enough pools in a
+    /// row; pools of a small force say nothing. `since` are the estimates from after the change.
     pub(super) fn agrees_with(
         &mut self,
         pooled: &Pooled<T>,
