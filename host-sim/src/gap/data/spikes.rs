@@ -3,7 +3,8 @@
 //! An electrical spike is one sample: the readings before and after it go on as if it were not there. Seven of them,
 //! eight to thirty times the noise in 15 s at 200 Hz, made 1.18 times the noise of what is left, and their fourth
 //! moment made a slow noise at rest a disturbance: of 500 harder rigs with nothing hidden 11 were unexplained, nine of
-//! them with spikes. What lasts longer than a sample is left to speak for itself.
+//! them with spikes. What lasts longer than a sample is left to speak for itself, and so is a tap that one of ten
+//! samples a second has seen: there the probe has moved, too.
 
 use std::borrow::Cow;
 
@@ -18,6 +19,9 @@ const STANDS_OUT: f64 = 6.0;
 const GOES_ON: f64 = 4.0;
 /// So many differences on either side are looked at.
 const AROUND: usize = 3;
+/// The probe turns there by at most so many times what it does in all but a twentieth of the log.
+const SHARPER: f64 = 3.0;
+const SHARPEST: f64 = 0.95;
 /// The noise is that of the block of so many samples that nine in ten do not exceed: a cell may be louder under load.
 const BLOCK: usize = 100;
 const LOUD_BLOCKS: f64 = 0.9;
@@ -34,7 +38,7 @@ pub(crate) fn bridged(logs: &[UniformLog]) -> (Cow<'_, [UniformLog]>, Option<Str
     let each = logs.iter().zip(&found);
     let least_n = lowest(each.clone().flat_map(|(log, spikes)| {
         let force_n = raw_n(log);
-        spikes.iter().map(|at| off_n(force_n, *at).abs())
+        spikes.iter().map(|at| off(force_n, *at).abs())
     }));
     let without = each.map(|(log, spikes)| without(log, spikes)).collect();
     let note = format!(
@@ -52,9 +56,24 @@ fn raw_n(log: &UniformLog) -> &[f64] {
         .map_or(&log.force_n, |taken| &taken.force_n)
 }
 
-/// How far a reading (N) is from the mean of its neighbours.
-fn off_n(force_n: &[f64], at: usize) -> f64 {
-    force_n[at] - 0.5 * (force_n[at - 1] + force_n[at + 1])
+/// The positions (m) as they were taken.
+fn raw_m(log: &UniformLog) -> &[f64] {
+    log.taken
+        .as_ref()
+        .map_or(&log.position_m, |taken| &taken.position_m)
+}
+
+/// How far a reading is from the mean of its neighbours.
+fn off(channel: &[f64], at: usize) -> f64 {
+    channel[at] - 0.5 * (channel[at - 1] + channel[at + 1])
+}
+
+/// How far the position (m) is from the mean of its neighbours where the probe turns no more than it usually does.
+fn usual_turn_m(position_m: &[f64]) -> f64 {
+    let inner = 1..position_m.len().saturating_sub(1);
+    let turns = inner.map(|at| off(position_m, at).abs());
+    let noise_m = 1.5_f64.sqrt() * signal::noise(position_m);
+    (SHARPER * quantile(turns, SHARPEST)).max(STANDS_OUT * noise_m)
 }
 
 /// The samples, of those that were taken, that are spikes.
@@ -67,10 +86,12 @@ fn spikes(log: &UniformLog) -> Vec<usize> {
     let loud_n = quantile(blocks.map(signal::noise), LOUD_BLOCKS).max(signal::noise(force_n));
     // White noise leaves the mean of two neighbours by √1.5 of its standard deviation.
     let usual_n = 1.5_f64.sqrt() * loud_n;
+    let (position_m, turn_m) = (raw_m(log), usual_turn_m(raw_m(log)));
     let margin = AROUND + 1;
     let candidates = margin..force_n.len().saturating_sub(margin);
     let spikes: Vec<usize> = candidates
-        .filter(|at| off_n(force_n, *at).abs() > STANDS_OUT * usual_n)
+        .filter(|at| off(force_n, *at).abs() > STANDS_OUT * usual_n)
+        .filter(|at| off(position_m, *at).abs() <= turn_m)
         .filter(|at| (at - margin..=at + margin).all(is_measured))
         .filter(|at| stands_alone(&force_n[at - margin..=at + margin], GOES_ON * usual_n))
         .collect();
@@ -84,8 +105,8 @@ fn spikes(log: &UniformLog) -> Vec<usize> {
 fn stands_alone(around_n: &[f64], most_n: f64) -> bool {
     let middle = around_n.len() / 2;
     let mut bridged = around_n.to_vec();
-    bridged[middle] -= off_n(around_n, middle);
-    (1..bridged.len() - 1).all(|at| off_n(&bridged, at).abs() <= most_n)
+    bridged[middle] -= off(around_n, middle);
+    (1..bridged.len() - 1).all(|at| off(&bridged, at).abs() <= most_n)
 }
 
 /// The log with these samples bridged.
@@ -93,12 +114,12 @@ fn without(log: &UniformLog, spikes: &[usize]) -> UniformLog {
     let mut log = log.clone();
     let Some(taken) = &mut log.taken else {
         for at in spikes {
-            log.force_n[*at] -= off_n(&log.force_n, *at);
+            log.force_n[*at] -= off(&log.force_n, *at);
         }
         return log;
     };
     for at in spikes {
-        taken.force_n[*at] -= off_n(&taken.force_n, *at);
+        taken.force_n[*at] -= off(&taken.force_n, *at);
         // What was interpolated to an even grid between the neighbours of a spike had a share of it.
         let (from_s, to_s) = (taken.time_s[at - 1], taken.time_s[at + 1]);
         let (from_n, to_n) = (taken.force_n[at - 1], taken.force_n[at + 1]);
@@ -159,6 +180,25 @@ mod tests {
                 .fold(0.0, f64::max);
             assert!(worst < 0.05, "{worst}");
         }
+    }
+
+    #[test]
+    fn a_tap_that_one_sample_has_seen_is_no_spike() {
+        // GIVEN rest at 10 Hz but for one press that is over within a sample
+        let taps = |size: f64| (0..400).map(move |at| if at == 220 { size } else { 0.0 });
+        let noise = |at: usize| 1e-6 * ((at * at) as f64).sin();
+        let channel = |size: f64, noisy: f64| {
+            let each = taps(size).enumerate();
+            each.map(|(at, own)| own + noisy * noise(at)).collect()
+        };
+        let time_s: Vec<f64> = (0..400).map(|at| 0.1 * f64::from(at)).collect();
+        let of = |size_m: f64| {
+            let log = Log::from_channels(time_s.clone(), channel(size_m, 1.0), channel(0.5, 1e3));
+            [log.uniform().unwrap()]
+        };
+        assert_eq!(bridged(&of(1e-3)).1, None);
+        // WHERE the probe has not moved it is one.
+        assert_eq!(spikes(&of(0.0)[0]), [220]);
     }
 
     #[test]
