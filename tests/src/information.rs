@@ -120,7 +120,8 @@ mod tests {
         let bound = |times: usize| {
             let mut information = Information::new(&sensors);
             for index in 0..400 * times {
-                let angle = 0.05 * index as f64;
+                // Whole strokes, of a hundred instants.
+                let angle = std::f64::consts::TAU * index as f64 / 100.0;
                 information.add_free_air();
                 information.add(
                     [1350.0, 36.0, 1.35],
