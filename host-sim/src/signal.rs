@@ -5,7 +5,8 @@ mod parabola;
 mod toggling;
 
 pub(crate) use noise::{
-    measured, measured_windows, noise_of_measured, second_differences_of_measured,
+    loud_noise, measured, measured_windows, noise_of_measured, second_differences_of_measured,
+    sharpest,
 };
 pub use noise::{noise, step};
 pub use parabola::parabola;

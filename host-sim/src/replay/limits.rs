@@ -20,8 +20,6 @@ const BY_CHANCE: f64 = 1e-10;
 /// be worse: a converter that hung for a twentieth of the log does not hide.
 const BLOCK: usize = 100;
 const WORST_BLOCKS: f64 = 0.05;
-/// The noise is that of the block that nine in ten do not exceed.
-const LOUD_BLOCKS: f64 = 0.9;
 /// Above this share of repeated codes the noise does not reach a code, and a repeated one says nothing.
 const MOST_REPEATED: f64 = 0.8;
 /// Shortest run that is stuck or saturated (samples).
@@ -32,9 +30,6 @@ const AT_REST: usize = 4;
 const SPIKE_SIGMAS: f64 = 7.0;
 /// A way is one beyond this many counts or standard deviations of the position.
 const WAY_COUNTS: f64 = 8.0;
-/// Second differences of all but a twentieth of the log, and how far beyond them a turn is none.
-const SHARPEST: f64 = 0.95;
-const SHARPER: f64 = 3.0;
 /// Samples that a position must stand in the midst of a motion.
 const STANDING: f64 = 16.0;
 
@@ -52,10 +47,10 @@ pub(super) struct LogSensors {
 impl LogSensors {
     /// Reads them off the measured samples of a log.
     pub(super) fn of(log: &UniformLog) -> LogSensors {
-        let force = measured(&log.force_n, &log.in_gap);
-        let position = measured(&log.position_m, &log.in_gap);
+        let force = signal::measured(&log.force_n, &log.in_gap);
+        let position = signal::measured(&log.position_m, &log.in_gap);
         let (n_per_code, m_per_code) = (code(&force), code(&position));
-        let (noise_n, noise_m) = (loud_noise(&force), signal::noise(&position));
+        let (noise_n, noise_m) = (signal::loud_noise(&force), signal::noise(&position));
         let way_m = WAY_COUNTS * noise_m.max(signal::step(&position).unwrap_or(0.0));
         let codes: Vec<i64> = force
             .iter()
@@ -70,7 +65,7 @@ impl LogSensors {
             true => rails(&codes, &position, way_m, stuck.unwrap_or(SHORTEST_RUN)),
             false => (f64::NEG_INFINITY, f64::INFINITY),
         };
-        let spike_n = (SPIKE_SIGMAS * noise_n).max(0.5 * sharpest(&force));
+        let spike_n = (SPIKE_SIGMAS * noise_n).max(0.5 * signal::sharpest(&force));
         let limits = Limits {
             lowest: lowest as f32,
             highest: highest as f32,
@@ -78,7 +73,7 @@ impl LogSensors {
             stuck_moving_us: stuck.map_or(0, us),
             stuck_way_m: way_m as f32,
             spike_n: spike_n as f32,
-            jump_m: way_m.max(sharpest(&position)) as f32,
+            jump_m: way_m.max(signal::sharpest(&position)) as f32,
             standstill: Standstill {
                 after_us: ((STANDING - 0.5) * period_us) as u64,
                 way_m: way_m as f32,
@@ -93,31 +88,10 @@ impl LogSensors {
     }
 }
 
-fn measured(channel: &[f64], in_gap: &[bool]) -> Vec<f64> {
-    let pairs = channel.iter().zip(in_gap).filter(|(_, gap)| !**gap);
-    pairs.map(|(value, _)| *value).collect()
-}
-
 /// The step of a channel, or one fine enough that nothing is lost.
 fn code(channel: &[f64]) -> f64 {
     let fine = (range(channel) / FINEST_CODES).max(f64::MIN_POSITIVE.sqrt());
     signal::step(channel).unwrap_or(fine).max(fine)
-}
-
-/// The noise of the louder parts of a channel: a load cell may be noisier under load, and a slower rate
-/// looks quieter.
-fn loud_noise(channel: &[f64]) -> f64 {
-    let blocks = channel
-        .chunks(BLOCK)
-        .filter(|block| block.len() > BLOCK / 2);
-    let loud = quantile(blocks.map(signal::noise), LOUD_BLOCKS);
-    loud.max(signal::noise(channel))
-}
-
-/// How far the channel turns within a sample, with a margin.
-fn sharpest(channel: &[f64]) -> f64 {
-    let turns = channel.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
-    SHARPER * quantile(turns, SHARPEST)
 }
 
 /// For how many samples a code must repeat before noise has not done it; `None` if noise shows in too

@@ -1,6 +1,6 @@
 //! The noise of a channel and its step, and those of its samples that were measured.
 
-use crate::stats::{lowest, range, robust_deviation};
+use crate::stats::{lowest, quantile, range, robust_deviation};
 
 /// Standard deviation of the noise of a channel, from second differences: x(h) − 2x(h−1) + x(h−2)
 /// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
@@ -12,6 +12,30 @@ pub fn noise(channel: &[f64]) -> f64 {
 pub(super) fn noise_beside(step: Option<f64>, channel: &[f64]) -> f64 {
     let sigma = sigma(channel.windows(3).map(second_difference));
     sigma.max(step.unwrap_or(0.0) / 12.0_f64.sqrt())
+}
+
+/// Samples of the blocks of [`loud_noise`], and the share of them that do not exceed it.
+const BLOCK: usize = 100;
+const LOUD_BLOCKS: f64 = 0.9;
+
+/// The noise of the louder parts of a channel: a load cell may be noisier under load, and a slower rate
+/// looks quieter.
+pub(crate) fn loud_noise(channel: &[f64]) -> f64 {
+    let blocks = channel
+        .chunks(BLOCK)
+        .filter(|block| block.len() > BLOCK / 2);
+    let loud = quantile(blocks.map(noise), LOUD_BLOCKS);
+    loud.max(noise(channel))
+}
+
+/// Second differences of all but a twentieth of a channel, and how far beyond them a turn is none.
+const SHARPEST: f64 = 0.95;
+const SHARPER: f64 = 3.0;
+
+/// How far the channel turns within a sample, with a margin.
+pub(crate) fn sharpest(channel: &[f64]) -> f64 {
+    let turns = channel.windows(3).map(|w| second_difference(w).abs());
+    SHARPER * quantile(turns, SHARPEST)
 }
 
 /// The same of a channel in which some samples are invented: differences across one mean nothing.

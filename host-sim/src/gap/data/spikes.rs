@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use crate::log::UniformLog;
 use crate::number::{counted, quantity};
 use crate::signal;
-use crate::stats::{lowest, quantile};
+use crate::stats::lowest;
 
 /// A spike leaves the mean of its neighbours by this many standard deviations, which noise does once in 10⁹ samples.
 const STANDS_OUT: f64 = 6.0;
@@ -19,12 +19,6 @@ const STANDS_OUT: f64 = 6.0;
 const GOES_ON: f64 = 4.0;
 /// So many differences on either side are looked at.
 const AROUND: usize = 3;
-/// The probe turns there by at most so many times what it does in all but a twentieth of the log.
-const SHARPER: f64 = 3.0;
-const SHARPEST: f64 = 0.95;
-/// The noise is that of the block of so many samples that nine in ten do not exceed: a cell may be louder under load.
-const BLOCK: usize = 100;
-const LOUD_BLOCKS: f64 = 0.9;
 /// If more than this share of a log seems to be spikes, they are something else.
 const MOST: f64 = 0.005;
 
@@ -70,22 +64,17 @@ fn off(channel: &[f64], at: usize) -> f64 {
 
 /// How far the position (m) is from the mean of its neighbours where the probe turns no more than it usually does.
 fn usual_turn_m(position_m: &[f64]) -> f64 {
-    let inner = 1..position_m.len().saturating_sub(1);
-    let turns = inner.map(|at| off(position_m, at).abs());
     let noise_m = 1.5_f64.sqrt() * signal::noise(position_m);
-    (SHARPER * quantile(turns, SHARPEST)).max(STANDS_OUT * noise_m)
+    // A second difference is twice that distance.
+    (0.5 * signal::sharpest(position_m)).max(STANDS_OUT * noise_m)
 }
 
 /// The samples, of those that were taken, that are spikes.
 fn spikes(log: &UniformLog) -> Vec<usize> {
     let force_n = raw_n(log);
     let is_measured = |at: usize| log.taken.is_some() || !log.in_gap[at];
-    let blocks = force_n
-        .chunks(BLOCK)
-        .filter(|block| block.len() > BLOCK / 2);
-    let loud_n = quantile(blocks.map(signal::noise), LOUD_BLOCKS).max(signal::noise(force_n));
     // White noise leaves the mean of two neighbours by √1.5 of its standard deviation.
-    let usual_n = 1.5_f64.sqrt() * loud_n;
+    let usual_n = 1.5_f64.sqrt() * signal::loud_noise(force_n);
     let (position_m, turn_m) = (raw_m(log), usual_turn_m(raw_m(log)));
     let margin = AROUND + 1;
     let candidates = margin..force_n.len().saturating_sub(margin);
