@@ -8,9 +8,9 @@
 //! 0.2–0.7 s, and ended 1.5–3 times above the Cramér–Rao bound instead of 1.0–1.3 times.)
 
 mod claims;
+mod left_out;
 mod previous;
 mod quarantine;
-mod skew;
 mod successor;
 mod supervision;
 

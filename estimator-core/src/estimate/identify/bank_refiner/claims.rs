@@ -4,7 +4,7 @@
 //! worked out every second pool, in two parts, each at a sample that has little else to do.
 
 use super::super::{Instant, Refiner, bounds::EXPONENT};
-use super::skew::skew_doubt;
+use super::left_out;
 use crate::estimate::misfit::Excess;
 use crate::estimate::status::{Doubt, Reason};
 use crate::maths::scalar::Real;
@@ -43,6 +43,6 @@ impl<T: Real> Claims<T> {
         let bounded = exponent <= T::from_f64(low) || exponent >= T::from_f64(high);
         let active = damping < -T::from_f64(ACTIVE_SIGMAS) * damping_error;
         let at_bound = (bounded || active).then_some(Doubt::Against(Reason::Bound));
-        self.doubt = skew_doubt(refiner, self.excess.inflation).or(at_bound);
+        self.doubt = left_out::doubt(refiner, self.excess.inflation).or(at_bound);
     }
 }
