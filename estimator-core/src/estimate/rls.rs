@@ -7,7 +7,7 @@ mod ud;
 
 pub use excitation::Excitation;
 pub use forgetting::ForgettingParams;
-pub use ud::{Ud, UdUpdate};
+pub use ud::{LastKnown, Ud, UdUpdate};
 
 use nalgebra::SVector;
 

@@ -17,7 +17,7 @@ use predicted::predict;
 use super::ForceNoise;
 use super::{bank::Candidate, bounds::EXPONENT, bounds::within, pool::Pooled};
 use crate::estimate::misfit::Misfit;
-use crate::estimate::rls::Ud;
+use crate::estimate::rls::{LastKnown, Ud};
 use crate::maths::scalar::Real;
 
 /// Memory of the mean squares (pools).
@@ -41,9 +41,6 @@ pub struct Refiner<T: Real> {
     /// Variance of the skew that is taken for known to be 0, in units of its prior; `None` where it is
     /// estimated. The data say what the skew is in either case.
     aligned: Option<T>,
-    /// Covariance with the skew known, and by how much the deviations move per unit of it.
-    known: Ud<T, 5>,
-    by_skew: Vector5<T>,
     /// Sum of the weighted gradients, by which a constant error of the force moves the estimate.
     moment: Vector5<T>,
     /// The same, each times the samples since the load began: how an even drift moves the estimate.
@@ -93,7 +90,7 @@ impl<T: Real> Refiner<T> {
             let share = std_dev / prior.skew;
             share * share
         });
-        let mut refiner = Refiner {
+        Refiner {
             reference: Vector5::new(
                 start.stiffness,
                 start.damping,
@@ -105,8 +102,6 @@ impl<T: Real> Refiner<T> {
             prior: Vector5::new(half, half, prior.exponent, prior.surface, prior.skew),
             covariance: Ud::new(T::one()),
             aligned,
-            known: Ud::new(T::one()),
-            by_skew: Vector5::repeat(T::zero()),
             moment: Vector5::repeat(T::zero()),
             drift_moment: Vector5::repeat(T::zero()),
             compliance: Compliance::default(),
@@ -115,21 +110,17 @@ impl<T: Real> Refiner<T> {
             misfit: Misfit::default(),
             learned: T::zero(),
             speed_rounding: prior.speed_rounding,
-        };
-        refiner.take_skew_for_known();
-        refiner
+        }
     }
 
-    fn take_skew_for_known(&mut self) {
-        (self.known, self.by_skew) = match self.aligned {
-            Some(variance) => self.covariance.with_last_known(variance),
-            None => (self.covariance.clone(), Vector5::repeat(T::zero())),
-        };
+    /// The covariance with the skew known, unless it is estimated.
+    fn known(&self) -> LastKnown<'_, T, 5> {
+        self.covariance.last_known(self.aligned)
     }
 
     /// (θ − reference)/prior, with the skew known where it is.
     fn held(&self) -> Vector5<T> {
-        self.deviation - self.by_skew * self.deviation[4]
+        self.known().held(&self.deviation)
     }
 
     /// Skew τ that the data speak for, whether it is estimated or not, and its standard error.
@@ -148,7 +139,9 @@ impl<T: Real> Refiner<T> {
 
     /// By how much K, λ, n, x₀ and τ would move if the skew were `skew` instead of 0.
     pub fn moved_by_skew(&self, skew: T) -> [T; 5] {
-        (self.by_skew * (skew / self.prior[4]))
+        let one = Vector5::new(T::zero(), T::zero(), T::zero(), T::zero(), T::one());
+        let moved = one - self.known().held(&one);
+        (moved * (skew / self.prior[4]))
             .component_mul(&self.prior)
             .into()
     }
@@ -161,9 +154,7 @@ impl<T: Real> Refiner<T> {
     /// By how much K, λ, n, x₀ and τ are moved by a compliance that the law leaves out.
     pub fn moved_by_compliance(&self, compliance: T) -> [T; 5] {
         let moved = self.compliance.moved_by(compliance);
-        (moved - self.by_skew * moved[4])
-            .component_mul(&self.prior)
-            .into()
+        self.known().held(&moved).component_mul(&self.prior).into()
     }
 
     /// A refiner that linearizes at the estimates of this one and has learned nothing.
@@ -207,12 +198,13 @@ impl<T: Real> Refiner<T> {
     /// Standard errors of K, λ, n, x₀ and τ, scaled, for a standard error of the resting force, a drift of
     /// it per sample, and a noise of the force.
     pub fn std_errors(&self, rest_error: T, rest_drift: T, noise: &ForceNoise<T>) -> [T; 5] {
-        let variances = self.known.variances();
+        let known = self.known();
+        let variances = known.variances();
         // A wrong resting force is not noise: it moves every sample the same way (Schmidt 1966).
         let mut variances = variances;
         for (moment, error) in [(&self.moment, rest_error), (&self.drift_moment, rest_drift)] {
             if error > T::zero() {
-                let shift = self.known.times(moment) * (error / noise.raw);
+                let shift = known.times(moment) * (error / noise.raw);
                 variances += shift.component_mul(&shift);
             }
         }
@@ -222,7 +214,7 @@ impl<T: Real> Refiner<T> {
     /// Whether every standard error is at most `factor` times that of another refiner.
     pub fn knows_as_well_as(&self, other: &Self, factor: T) -> bool {
         let known = |refiner: &Self| {
-            let variances = refiner.known.variances();
+            let variances = refiner.known().variances();
             variances.component_mul(&refiner.prior.component_mul(&refiner.prior))
         };
         let square = factor * factor;
@@ -253,7 +245,6 @@ impl<T: Real> Refiner<T> {
         if self.prior.w > T::zero() {
             let share = std_dev / self.prior.w;
             self.covariance.widen(3, share * share);
-            self.take_skew_for_known();
         }
     }
 
@@ -264,7 +255,7 @@ impl<T: Real> Refiner<T> {
         let phi = predicted.gradient.component_mul(&self.prior);
         // P is in units of the noise of the raw force: φ/σ and P·σ² cancel.
         // Not the linearization error: a misfit would hide behind it.
-        let model = self.known.variance(&phi);
+        let model = self.known().variance(&phi);
         (
             predicted.force,
             model + self.rounding_variance(values[1], &predicted.gradient, at),
@@ -301,7 +292,6 @@ impl<T: Real> Refiner<T> {
         let update = self.covariance.update(&phi_noise, beta, weight);
         let error_noise = error / noise.raw;
         self.deviation += update.gain * error_noise;
-        self.take_skew_for_known();
         // The recursive identity for the cost at the minimum: prior times posterior error, 1 − φᵀg = β/(β + wφᵀPφ).
         let posterior = weight * beta / (beta + weight * update.prior_variance);
         let by_compliance = Compliance::gradient(&there, self.reference.y, at) / noise.raw;
@@ -369,7 +359,7 @@ impl<T: Real> Refiner<T> {
     fn weight(&self, error: T, phi: &Vector5<T>, quantization: T, noise: &ForceNoise<T>) -> T {
         let variance = noise.raw * noise.raw;
         let certain = variance / (variance + quantization);
-        let model = self.known.variance(phi);
+        let model = self.known().variance(phi);
         let left = noise.filtered * noise.filtered / certain + model + self.linearization_error;
         let expected = T::from_f64(HUBER) * left.sqrt();
         let size = error.abs();

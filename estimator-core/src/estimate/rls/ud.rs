@@ -47,51 +47,28 @@ impl<T: Real, const N: usize> Ud<T, N> {
 
     /// Variance φᵀPφ of a prediction.
     pub fn variance(&self, phi: &SVector<T, N>) -> T {
-        let mut sum = T::zero();
-        for j in 0..N {
-            let f = self.project(phi, j);
-            sum += self.diagonal[j] * f * f;
-        }
-        sum
+        variance(&self.upper, &self.diagonal, phi)
     }
 
-    /// The product Pφ.
-    pub fn times(&self, phi: &SVector<T, N>) -> SVector<T, N> {
-        let mut out = SVector::repeat(T::zero());
-        for j in 0..N {
-            let scaled = self.diagonal[j] * self.project(phi, j);
-            for i in 0..j {
-                out[i] += self.upper[(i, j)] * scaled;
-            }
-            out[j] += scaled;
-        }
-        out
+    /// The diagonal of P.
+    pub fn variances(&self) -> SVector<T, N> {
+        variances(&self.upper, &self.diagonal)
     }
 
-    /// P after the last parameter was measured with the variance `variance`, and by how much each
-    /// parameter then moves per unit of that measurement's innovation. The last column of U is the
-    /// direction of Pe, so that one element of D changes.
-    pub fn with_last_known(&self, variance: T) -> (Self, SVector<T, N>) {
-        let mut known = self.clone();
-        let mut gain = SVector::repeat(T::zero());
-        if N > 0 {
-            let last = self.diagonal[N - 1];
-            let share = last / (last + variance);
-            known.diagonal[N - 1] = share * variance;
-            for i in 0..N {
-                gain[i] = self.upper[(i, N - 1)] * share;
-            }
+    /// P as it is once the last parameter has been measured with a variance, or as it is if it has not. The last
+    /// column of U is the direction of Pe, so that one element of D changes.
+    pub fn last_known(&self, variance: Option<T>) -> LastKnown<'_, T, N> {
+        let mut diagonal = self.diagonal;
+        let mut share = T::zero();
+        if let (Some(variance), Some(last)) = (variance, diagonal.iter_mut().last()) {
+            share = *last / (*last + variance);
+            *last = share * variance;
         }
-        (known, gain)
-    }
-
-    /// Component j of Uᵀφ.
-    fn project(&self, phi: &SVector<T, N>, j: usize) -> T {
-        let mut f = phi[j];
-        for i in 0..j {
-            f += self.upper[(i, j)] * phi[i];
+        LastKnown {
+            upper: &self.upper,
+            diagonal,
+            share,
         }
-        f
     }
 
     /// Updates P ← (P − PφφᵀP/(β/w + φᵀPφ))/β with forgetting factor β and a sample of weight w,
@@ -102,7 +79,7 @@ impl<T: Real, const N: usize> Ud<T, N> {
         let mut scaled_gain = SVector::<T, N>::repeat(T::zero());
         // Uᵀφ with the factors as they were: column j is used before it is changed.
         for j in 0..N {
-            let f = self.project(phi, j);
+            let f = project(&self.upper, phi, j);
             if f == T::zero() {
                 // The sample does not depend on this direction.
                 self.diagonal[j] = self.bounded(self.diagonal[j] / beta);
@@ -161,18 +138,82 @@ impl<T: Real, const N: usize> Ud<T, N> {
         }
         scaled * self.upper.transpose()
     }
+}
+
+/// A covariance with its last parameter known.
+pub struct LastKnown<'a, T: Real, const N: usize> {
+    upper: &'a SMatrix<T, N, N>,
+    diagonal: SVector<T, N>,
+    share: T,
+}
+
+impl<T: Real, const N: usize> LastKnown<'_, T, N> {
+    /// Variance φᵀPφ of a prediction.
+    pub fn variance(&self, phi: &SVector<T, N>) -> T {
+        variance(self.upper, &self.diagonal, phi)
+    }
 
     /// The diagonal of P.
     pub fn variances(&self) -> SVector<T, N> {
-        let mut out = self.diagonal;
-        for i in 0..N {
-            for j in i + 1..N {
-                let u = self.upper[(i, j)];
-                out[i] += self.diagonal[j] * u * u;
+        variances(self.upper, &self.diagonal)
+    }
+
+    /// The product Pφ.
+    pub fn times(&self, phi: &SVector<T, N>) -> SVector<T, N> {
+        let mut out = SVector::repeat(T::zero());
+        for j in 0..N {
+            let scaled = self.diagonal[j] * project(self.upper, phi, j);
+            for i in 0..j {
+                out[i] += self.upper[(i, j)] * scaled;
             }
+            out[j] += scaled;
         }
         out
     }
+
+    /// The parameters x once the last of them, which they have with them, is known to be 0.
+    pub fn held(&self, x: &SVector<T, N>) -> SVector<T, N> {
+        let Some(last) = x.iter().last() else {
+            return *x;
+        };
+        x - self.upper.column(N - 1) * (self.share * *last)
+    }
+}
+
+/// Component j of Uᵀφ.
+fn project<T: Real, const N: usize>(upper: &SMatrix<T, N, N>, phi: &SVector<T, N>, j: usize) -> T {
+    let mut f = phi[j];
+    for i in 0..j {
+        f += upper[(i, j)] * phi[i];
+    }
+    f
+}
+
+fn variance<T: Real, const N: usize>(
+    upper: &SMatrix<T, N, N>,
+    diagonal: &SVector<T, N>,
+    phi: &SVector<T, N>,
+) -> T {
+    let mut sum = T::zero();
+    for j in 0..N {
+        let f = project(upper, phi, j);
+        sum += diagonal[j] * f * f;
+    }
+    sum
+}
+
+fn variances<T: Real, const N: usize>(
+    upper: &SMatrix<T, N, N>,
+    diagonal: &SVector<T, N>,
+) -> SVector<T, N> {
+    let mut out = *diagonal;
+    for i in 0..N {
+        for j in i + 1..N {
+            let u = upper[(i, j)];
+            out[i] += diagonal[j] * u * u;
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -191,7 +232,7 @@ mod tests {
         let phi = Vector3::new(0.3, -2.0, 0.9);
         let direct = (phi.transpose() * ud.matrix() * phi)[0];
         assert!((ud.variance(&phi) - direct).abs() < 1e-12 * direct);
-        assert!((ud.times(&phi) - ud.matrix() * phi).norm() < 1e-12);
+        assert!((ud.last_known(None).times(&phi) - ud.matrix() * phi).norm() < 1e-12);
     }
 
     #[test]
