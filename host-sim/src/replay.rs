@@ -34,6 +34,8 @@ pub struct Replay {
     pub rest_n: Vec<f32>,
     /// Position of the surface (m) that the depth of each record is measured from.
     pub surface_m: Steps,
+    /// The records from which on the position is another by a jump that stays.
+    pub jumps: Vec<usize>,
     /// Standard deviation of the raw force (N) as the estimator measured it.
     pub noise_n: f64,
     /// Samples that the records are late.
@@ -54,12 +56,16 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
     let mut records = Records::with_capacity(log.len());
     let mut rest_n = Vec::with_capacity(log.len());
     let mut surface_m = Steps::default();
+    let mut jumps = Vec::new();
     let delay = (params.delay_us() as f64 * 1e-6 * log.rate_hz).round() as usize;
     let readings = Readings::of(log);
     for (index, sample) in readings.samples(log.rate_hz).enumerate() {
         // The instant that a record describes must have been measured.
         let described = index.checked_sub(delay);
         state.enable_learning(described.is_none_or(|at| !readings.invented.contains(at)));
+        if sample.faults.has(Fault::PositionJump) {
+            jumps.push(index + delay);
+        }
         let mut record = step(&params, &mut state, sample);
         record.faults = record.faults | readings.bridged_faults.at(index);
         records.push(record);
@@ -72,6 +78,7 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
         records,
         rest_n,
         surface_m,
+        jumps,
         noise_n: f64::from(state.force_noise_n()),
         delay,
         start_s: log.time_s.first().copied().unwrap_or(0.0),

@@ -156,12 +156,15 @@ fn decisive(replay: &Replay) -> Option<usize> {
     }
 }
 
-/// Records of the material that those of `at` stand for: from its change on, and from where the zero was found
-/// that they are measured from, if enough of the contact comes after it to judge a law by.
+/// Records of the material that those of `at` stand for: from its change on, from where the zero was found that they
+/// are measured from, and from the last jump of the encoder, since which its surface is elsewhere; if enough of the
+/// contact comes after that to judge a law by.
 fn stretch(replay: &Replay, at: usize) -> Range<usize> {
     let mut before = changes(replay).into_iter().rev();
     let start = before.find(|change| *change <= at).unwrap_or(0);
     let start = start.max(zero_found(replay, at).unwrap_or(0));
+    let jumped = replay.jumps.iter().rfind(|jump| **jump <= at);
+    let start = start.max(jumped.copied().unwrap_or(0));
     let contacts = replay.contacts();
     let of = |from: usize, to: usize| -> f64 {
         let within = contacts.iter().map(|contact| {
