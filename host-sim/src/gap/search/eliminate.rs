@@ -28,21 +28,9 @@ impl Search<'_> {
         self.fitted_from_both(fit.without(at, self.dataset.scales))
     }
 
-    /// Where a fit of a shape starts with the values of the model file: of the law and of the effects that it has. A
-    /// base that six effects describe runs away without the seventh, and takes those along: a lag of 3.6 ms in a
-    /// cantilever's record was not found from the numbers that the base had come to without it.
-    pub(super) fn from_file(&self, shape: &Shape) -> Vec<f64> {
-        let mut shape = shape.clone();
-        let given = shape.terms.iter_mut().filter(|term| term.given);
-        given
-            .zip(self.given)
-            .for_each(|(term, own)| term.row = own.row);
-        shape.start()
-    }
-
     /// The better of two fits of a shape: from a start, and from the values of the model file.
     pub(super) fn fitted_from_both(&self, (shape, start): (Shape, Vec<f64>)) -> Fit {
-        let from_file = self.from_file(&shape);
+        let from_file = shape.start_from_file(self.given);
         let (a, b) = rayon::join(
             || self.problem().fit(&shape, start),
             || self.problem().fit(&shape, from_file),

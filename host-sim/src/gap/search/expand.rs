@@ -60,7 +60,7 @@ impl Search<'_> {
         for (rank, proposals) in self.proposals(from, REFITTED).iter().enumerate() {
             for proposal in proposals {
                 let (shape, start) = self.with_term(from, &proposal.term);
-                let from_file = self.from_file(&shape);
+                let from_file = shape.start_from_file(self.given);
                 if rank < FROM_FILE && from_file != start {
                     starts.push((shape.clone(), from_file, FIRST_STEPS[0]));
                 }
@@ -86,7 +86,7 @@ impl Search<'_> {
         let terms = (self.ids.iter()).flat_map(|id| starts_from_file(*id, &from.shape, scales));
         terms.map(|term| {
             let (shape, _) = self.with_term(from, &term);
-            let from_file = self.from_file(&shape);
+            let from_file = shape.start_from_file(self.given);
             (shape, from_file, FIRST_STEPS.iter().sum())
         })
     }
@@ -112,7 +112,7 @@ impl Search<'_> {
 
     /// The added effects of a fit on the values of the model file.
     fn with_file_values(&self, fit: &Fit) -> Fit {
-        let from_file = self.from_file(&fit.shape);
+        let from_file = fit.shape.start_from_file(self.given);
         let each = fit.shape.free.iter().zip(&fit.numbers).zip(from_file);
         let is_added = |owner: Owner| match owner {
             Owner::Effect(term, _) => !fit.shape.terms[term].given,
