@@ -20,6 +20,12 @@ faults list  (the faults, with their severities)";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let mut options = arguments.iter().filter(|word| word.starts_with("--"));
+    // A table of ten minutes is not begun for a `--help`.
+    if let Some(word) = options.find(|word| !USAGE.contains(word.as_str())) {
+        eprintln!("{word}: no such option\n\n{USAGE}");
+        std::process::exit(2);
+    }
     let done = match arguments.first().map(String::as_str) {
         Some("table") => print(&arguments[1..]),
         Some("write") => write(&arguments[1..]),

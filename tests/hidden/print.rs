@@ -29,6 +29,10 @@ hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(word) = unknown(&arguments) {
+        eprintln!("{word}: no such option\n\n{USAGE}");
+        std::process::exit(2);
+    }
     let done = match arguments.first().map(String::as_str) {
         Some("write") => write(&arguments[1..]),
         Some("record") => record(&arguments[1..]),
@@ -42,6 +46,16 @@ fn main() {
         eprintln!("{message}");
         std::process::exit(2);
     }
+}
+
+/// An option that is in no usage: a table of half an hour is not begun for a `--help`.
+fn unknown(arguments: &[String]) -> Option<&String> {
+    let mut words = arguments.iter().enumerate().filter(|(at, _)| {
+        // What is handed on has options of its own.
+        *at == 0 || arguments[at - 1] != "--args"
+    });
+    let found = words.find(|(_, word)| word.starts_with("--") && !USAGE.contains(word.as_str()));
+    found.map(|(_, word)| word)
 }
 
 /// The value after `--name`.
