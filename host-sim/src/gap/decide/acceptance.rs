@@ -82,7 +82,7 @@ pub(super) mod tests {
     use crate::gap::data::fit_data::FitData;
     use crate::gap::data::scales::Scales;
     use crate::gap::finding::Verdict;
-    use crate::gap::model::shape::{Shape, Term};
+    use crate::gap::model::shape::Shape;
     use crate::gap::model::start::whole;
     use crate::log::Log;
     use crate::model::Model;
@@ -203,29 +203,5 @@ pub(super) mod tests {
         assert!(fit_without_idle_effect(&bad).is_none());
         bad.without[0].cost = 1.001e6;
         assert!(fit_without_idle_effect(&bad).is_some());
-    }
-
-    #[test]
-    fn what_the_model_file_gives_is_where_a_fit_from_it_starts() {
-        let (model, scales) = contact();
-        let mut drag = [0.0; MOST_PARAMETERS];
-        drag[0] = 2.0;
-        let given = Term {
-            given: true,
-            ..whole(EffectId::ViscousDrag, drag, 1)
-        };
-        let mut offset = [0.0; MOST_PARAMETERS];
-        offset[0] = 0.5;
-        // GIVEN a base whose drag has run away, and an offset that is added to it
-        let base = Shape::new(&model.environment, vec![given.clone()], &scales);
-        let mut numbers = base.start();
-        *numbers.last_mut().unwrap() = 40.0;
-        let mut terms = base.terms_at(&numbers);
-        terms.push(whole(EffectId::ForceOffset, offset, 1));
-        let shape = Shape::new(&model.environment, terms, &scales);
-        let ends = |numbers: Vec<f64>| numbers[numbers.len() - 2..].to_vec();
-        assert_eq!(ends(shape.start()), [40.0, 0.5]);
-        // THEN from the file the drag is the owner's.
-        assert_eq!(ends(shape.start_from_file(&[given])), [2.0, 0.5]);
     }
 }

@@ -119,16 +119,6 @@ impl Shape {
             .collect()
     }
 
-    /// The same with the values that the model file has, of the law and of the effects that it gives, in their order.
-    /// A base that six effects describe runs away without the seventh, and takes those along: a lag of 3.6 ms in a
-    /// cantilever's record was not found from the numbers that the base had come to without it.
-    pub(in crate::gap) fn start_from_file(&self, given: &[Term]) -> Vec<f64> {
-        let mut from_file = self.clone();
-        let own = from_file.terms.iter_mut().filter(|term| term.given);
-        own.zip(given).for_each(|(term, own)| term.row = own.row);
-        from_file.start()
-    }
-
     /// The parameter (SI) that a free number means.
     pub(in crate::gap) fn natural<S: Scalar>(&self, at: usize, number: S) -> S {
         if self.free[at].logarithmic {

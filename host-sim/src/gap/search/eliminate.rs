@@ -30,7 +30,7 @@ impl Search<'_> {
 
     /// The better of two fits of a shape: from a start, and from the values of the model file.
     pub(super) fn fitted_from_both(&self, (shape, start): (Shape, Vec<f64>)) -> Fit {
-        let from_file = shape.start_from_file(self.given);
+        let from_file = shape.start();
         let (a, b) = rayon::join(
             || self.problem().fit(&shape, start),
             || self.problem().fit(&shape, from_file),

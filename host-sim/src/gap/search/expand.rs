@@ -4,7 +4,7 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::fit::{Fit, MOST_STEPS};
-use crate::gap::model::shape::{Owner, Shape, Term};
+use crate::gap::model::shape::{Shape, Term};
 use crate::gap::model::start::starts_from_file;
 use crate::gap::search::physical::is_physical;
 use crate::gap::search::proposals::{LinearizedModel, Proposal};
@@ -60,7 +60,7 @@ impl Search<'_> {
         for (rank, proposals) in self.proposals(from, REFITTED).iter().enumerate() {
             for proposal in proposals {
                 let (shape, start) = self.with_term(from, &proposal.term);
-                let from_file = shape.start_from_file(self.given);
+                let from_file = shape.start();
                 if rank < FROM_FILE && from_file != start {
                     starts.push((shape.clone(), from_file, FIRST_STEPS[0]));
                 }
@@ -86,7 +86,7 @@ impl Search<'_> {
         let terms = (self.ids.iter()).flat_map(|id| starts_from_file(*id, &from.shape, scales));
         terms.map(|term| {
             let (shape, _) = self.with_term(from, &term);
-            let from_file = shape.start_from_file(self.given);
+            let from_file = shape.start();
             (shape, from_file, FIRST_STEPS.iter().sum())
         })
     }
@@ -110,17 +110,11 @@ impl Search<'_> {
         from.with_terms(terms, self.dataset.scales)
     }
 
-    /// The added effects of a fit on the values of the model file.
+    /// The effects of a fit on the law with the values of the model file.
     fn with_file_values(&self, fit: &Fit) -> Fit {
-        let from_file = fit.shape.start_from_file(self.given);
-        let each = fit.shape.free.iter().zip(&fit.numbers).zip(from_file);
-        let is_added = |owner: Owner| match owner {
-            Owner::Effect(term, _) => !fit.shape.terms[term].given,
-            Owner::Environment(_) => false,
-        };
-        let numbers: Vec<f64> = each
-            .map(|((free, number), own)| if is_added(free.owner) { *number } else { own })
-            .collect();
+        let mut numbers = fit.numbers.clone();
+        let law = fit.shape.environment_count();
+        numbers[..law].copy_from_slice(&fit.shape.start()[..law]);
         Fit {
             cost: self.problem().cost(&fit.shape, &numbers),
             shape: fit.shape.clone(),
