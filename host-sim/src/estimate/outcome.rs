@@ -279,3 +279,28 @@ fn events(replay: &Replay) -> Vec<EventMark> {
     }
     events
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Motion;
+    use crate::plant::{GEL, Rig, Stage};
+    use crate::replay::replay;
+    use estimator_core::Config;
+
+    #[test]
+    fn a_law_is_judged_since_the_encoder_last_jumped_where_enough_follows() {
+        let motion = Motion::palpation(GEL.peak_depth_m);
+        let stage = Stage::throughout(GEL.at(0.0));
+        let log = Rig::default().run(&stage, &motion, 9).unwrap().log;
+        let mut replay = replay(&log.uniform().unwrap(), &Config::default()).unwrap();
+        let (last, count) = (replay.records.len() - 1, replay.records.len());
+        assert_eq!(stretch(&replay, last), 0..count);
+        let half = count / 2;
+        replay.jumps = vec![half / 2, half];
+        assert_eq!(stretch(&replay, last), half..count);
+        // A few last samples judge no law.
+        replay.jumps.push(count - 20);
+        assert_eq!(stretch(&replay, last), 0..count);
+    }
+}
