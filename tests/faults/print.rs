@@ -5,6 +5,7 @@
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use tests::arguments::{known, number, option};
 use tests::faults::rig::case::Case;
 use tests::faults::rig::fault::{self, Fault};
 use tests::faults::score::cell::Cell;
@@ -20,35 +21,17 @@ faults list  (the faults, with their severities)";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let mut options = arguments.iter().filter(|word| word.starts_with("--"));
-    // A table of ten minutes is not begun for a `--help`.
-    if let Some(word) = options.find(|word| !USAGE.contains(word.as_str())) {
-        eprintln!("{word}: no such option\n\n{USAGE}");
-        std::process::exit(2);
-    }
-    let done = match arguments.first().map(String::as_str) {
-        Some("table") => print(&arguments[1..]),
-        Some("write") => write(&arguments[1..]),
-        Some("list") => list(),
-        _ => Err(USAGE.into()),
-    };
+    let done =
+        known(&arguments, USAGE).and_then(|()| match arguments.first().map(String::as_str) {
+            Some("table") => print(&arguments[1..]),
+            Some("write") => write(&arguments[1..]),
+            Some("list") => list(),
+            _ => Err(USAGE.into()),
+        });
     if let Err(message) = done {
         eprintln!("{message}");
         std::process::exit(2);
     }
-}
-
-/// The value after `--name`.
-fn option<'a>(arguments: &'a [String], name: &str) -> Option<&'a str> {
-    let at = arguments.iter().position(|a| a == name)?;
-    arguments.get(at + 1).map(String::as_str)
-}
-
-fn number(arguments: &[String], name: &str, default: u64) -> Result<u64, String> {
-    option(arguments, name).map_or(Ok(default), |text| {
-        text.parse()
-            .map_err(|_| format!("{name} {text}: a whole number is expected"))
-    })
 }
 
 fn faults(arguments: &[String]) -> Result<Vec<&'static Fault>, String> {

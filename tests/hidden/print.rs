@@ -4,6 +4,7 @@
 //! `cargo run --release -p tests --example hidden -- sweep explained.residuals --kind single --kind none --cases 26 --seed 1`.
 
 use std::path::{Path, PathBuf};
+use tests::arguments::{known, number, option};
 use tests::hidden::rig::case::Case;
 use tests::hidden::rig::harder::{GROUPS, Group, Rig};
 use tests::hidden::rig::kind::Kind;
@@ -29,46 +30,20 @@ hidden sweep [NAME [DIR…]] [--cases N] [--kind K]… [--seed S] [--jobs J] [--
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let Some(word) = unknown(&arguments) {
-        eprintln!("{word}: no such option\n\n{USAGE}");
-        std::process::exit(2);
-    }
-    let done = match arguments.first().map(String::as_str) {
-        Some("write") => write(&arguments[1..]),
-        Some("record") => record(&arguments[1..]),
-        Some("score") => score(&arguments[1..]),
-        Some("sweep") => swept(&arguments[1..]),
-        Some("hard") => hard(&arguments[1..]),
-        Some("injected") => inject(&arguments[1..]),
-        _ => Err(USAGE.into()),
-    };
+    let done =
+        known(&arguments, USAGE).and_then(|()| match arguments.first().map(String::as_str) {
+            Some("write") => write(&arguments[1..]),
+            Some("record") => record(&arguments[1..]),
+            Some("score") => score(&arguments[1..]),
+            Some("sweep") => swept(&arguments[1..]),
+            Some("hard") => hard(&arguments[1..]),
+            Some("injected") => inject(&arguments[1..]),
+            _ => Err(USAGE.into()),
+        });
     if let Err(message) = done {
         eprintln!("{message}");
         std::process::exit(2);
     }
-}
-
-/// An option that is in no usage: a table of half an hour is not begun for a `--help`.
-fn unknown(arguments: &[String]) -> Option<&String> {
-    let mut words = arguments.iter().enumerate().filter(|(at, _)| {
-        // What is handed on has options of its own.
-        *at == 0 || arguments[at - 1] != "--args"
-    });
-    let found = words.find(|(_, word)| word.starts_with("--") && !USAGE.contains(word.as_str()));
-    found.map(|(_, word)| word)
-}
-
-/// The value after `--name`.
-fn option<'a>(arguments: &'a [String], name: &str) -> Option<&'a str> {
-    let at = arguments.iter().position(|a| a == name)?;
-    arguments.get(at + 1).map(String::as_str)
-}
-
-fn number(arguments: &[String], name: &str, default: u64) -> Result<u64, String> {
-    option(arguments, name).map_or(Ok(default), |text| {
-        text.parse()
-            .map_err(|_| format!("{name} {text}: a whole number is expected"))
-    })
 }
 
 fn write(arguments: &[String]) -> Result<(), String> {

@@ -6,6 +6,7 @@
 
 #[cfg(all(feature = "rigs", not(test)))]
 pub mod acceptance;
+pub mod arguments;
 pub mod emulator;
 #[cfg(all(feature = "rigs", not(test)))]
 pub mod faults;

@@ -139,9 +139,7 @@ impl<T: Real> Refiner<T> {
 
     /// By how much K, λ, n, x₀ and τ would move if the skew were `skew` instead of 0.
     pub fn moved_by_skew(&self, skew: T) -> [T; 5] {
-        let one = Vector5::new(T::zero(), T::zero(), T::zero(), T::zero(), T::one());
-        let moved = one - self.known().held(&one);
-        (moved * (skew / self.prior[4]))
+        (self.known().moved_by_last() * (skew / self.prior[4]))
             .component_mul(&self.prior)
             .into()
     }
@@ -199,9 +197,8 @@ impl<T: Real> Refiner<T> {
     /// it per sample, and a noise of the force.
     pub fn std_errors(&self, rest_error: T, rest_drift: T, noise: &ForceNoise<T>) -> [T; 5] {
         let known = self.known();
-        let variances = known.variances();
+        let mut variances = known.variances();
         // A wrong resting force is not noise: it moves every sample the same way (Schmidt 1966).
-        let mut variances = variances;
         for (moment, error) in [(&self.moment, rest_error), (&self.drift_moment, rest_drift)] {
             if error > T::zero() {
                 let shift = known.times(moment) * (error / noise.raw);

@@ -171,12 +171,20 @@ impl<T: Real, const N: usize> LastKnown<'_, T, N> {
         out
     }
 
+    /// By how much the parameters move per unit by which the last one was off when it was measured.
+    pub fn moved_by_last(&self) -> SVector<T, N> {
+        match N {
+            0 => SVector::repeat(T::zero()),
+            _ => self.upper.column(N - 1) * self.share,
+        }
+    }
+
     /// The parameters x once the last of them, which they have with them, is known to be 0.
     pub fn held(&self, x: &SVector<T, N>) -> SVector<T, N> {
-        let Some(last) = x.iter().last() else {
-            return *x;
-        };
-        x - self.upper.column(N - 1) * (self.share * *last)
+        match x.iter().last() {
+            Some(last) => x - self.moved_by_last() * *last,
+            None => *x,
+        }
     }
 }
 

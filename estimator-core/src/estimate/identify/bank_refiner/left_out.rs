@@ -18,10 +18,10 @@ const CAN_BE_RULED_OUT: f64 = 0.1;
 /// parameter of a converged estimate.
 const SKEW_OPEN: f64 = 0.05;
 
-/// Whether the data speak for a skew or a compliance that the estimates leave out, or have not ruled out a skew that
-/// would move them. The `inflation` is that of the standard errors by the residuals.
+/// Whether the data speak for a skew or a compliance that the estimates leave out, or have not ruled out one that would
+/// move them. The `inflation` is that of the standard errors by the residuals.
 pub(super) fn doubt<T: Real>(refiner: &Refiner<T>, inflation: T) -> Option<Doubt> {
-    skew_doubt(refiner, inflation).or(compliance_doubt(refiner, inflation))
+    skew_doubt(refiner, inflation).or_else(|| compliance_doubt(refiner, inflation))
 }
 
 fn skew_doubt<T: Real>(refiner: &Refiner<T>, inflation: T) -> Option<Doubt> {
@@ -42,18 +42,14 @@ fn skew_doubt<T: Real>(refiner: &Refiner<T>, inflation: T) -> Option<Doubt> {
 fn compliance_doubt<T: Real>(refiner: &Refiner<T>, inflation: T) -> Option<Doubt> {
     let (compliance, error) = refiner.compliance()?;
     let error = error * inflation;
-    if !matters(refiner, &refiner.moved_by_compliance(compliance), MATTERS) {
-        return None;
-    }
-    let open = compliance > T::from_f64(LIKELY_SIGMAS) * error
-        && !matters(
-            refiner,
-            &refiner.moved_by_compliance(error),
-            CAN_BE_RULED_OUT,
-        );
-    match is_sure(compliance, error) {
-        true => Some(Doubt::Against(Reason::Residual)),
-        false => open.then_some(Doubt::NotYetRuledOut(Reason::Residual)),
+    let moves = |by: T, share: f64| matters(refiner, &refiner.moved_by_compliance(by), share);
+    if is_sure(compliance, error) {
+        moves(compliance, MATTERS).then_some(Doubt::Against(Reason::Residual))
+    } else {
+        let open = compliance > T::from_f64(LIKELY_SIGMAS) * error
+            && moves(compliance, MATTERS)
+            && !moves(error, CAN_BE_RULED_OUT);
+        open.then_some(Doubt::NotYetRuledOut(Reason::Residual))
     }
 }
 

@@ -38,21 +38,39 @@ fn start() -> Candidate<f64> {
     }
 }
 
+/// A refiner after so many generations, each of which has learned from these pools.
+fn taught<I: Iterator<Item = Pooled<f64>>>(
+    generations: u32,
+    prior: &Prior<f64>,
+    pools: impl Fn() -> I,
+) -> Refiner<f64> {
+    let mut refiner = Refiner::new(&start(), 0.0, prior);
+    for _ in 0..generations {
+        refiner = refiner.successor(prior);
+        pools().for_each(|at| _ = refiner.learn(&at, &NOISE, 1.0));
+    }
+    refiner
+}
+
+/// Whether it has found K, λ, n, x₀ and τ.
+fn assert_found(refiner: &Refiner<f64>, truth: [f64; 5], tolerance: f64) {
+    let values = refiner.values();
+    for (value, truth) in values.into_iter().zip(truth) {
+        assert!((value - truth).abs() < tolerance, "{values:?}");
+    }
+}
+
+/// The rate of the force of gel.
+fn rate(i: u32) -> f64 {
+    // The depth moves by 0.015·sin within an instant at a speed of 1.5·sin: that is 0.01 of the unit of time.
+    (gel(i + 1).force - gel(i - 1).force) / 0.02
+}
+
 #[test]
 fn from_a_neighbouring_cell_it_finds_all_four_in_three_generations() {
-    let mut refiner = Refiner::new(&start(), 0.0, &FOUND);
-    for _ in 0..3 {
-        refiner = refiner.successor(&FOUND);
-        (0..1500).for_each(|i| _ = refiner.learn(&gel(i), &NOISE, 1.0));
-    }
-    for (value, truth) in refiner
-        .values()
-        .into_iter()
-        .zip([1.35, 0.36, 1.35, 0.0, 0.0])
-    {
-        // The prior of the last generation: one sample against 1500.
-        assert!((value - truth).abs() < 1e-4, "{:?}", refiner.values());
-    }
+    let refiner = taught(3, &FOUND, || (0..1500).map(gel));
+    // The prior of the last generation: one sample against 1500.
+    assert_found(&refiner, [1.35, 0.36, 1.35, 0.0, 0.0], 1e-4);
     assert!(
         refiner.linearization_error < 1e-8,
         "{}",
@@ -124,10 +142,9 @@ fn a_force_that_is_read_late_is_told_from_damping() {
     let late = 0.02;
     let skewed = |i: u32| {
         let at = gel(i);
-        let rate = (gel(i + 1).force - gel(i - 1).force) / (2.0 * 7.5e-3 / 1.5 * 2.0);
         Pooled {
-            force: at.force - late * rate,
-            rate,
+            force: at.force - late * rate(i),
+            rate: rate(i),
             ..at
         }
     };
@@ -136,33 +153,20 @@ fn a_force_that_is_read_late_is_told_from_damping() {
         skew: 0.05,
         ..FOUND
     };
-    let mut refiner = Refiner::new(&start(), 0.0, &prior);
-    for _ in 0..4 {
-        refiner = refiner.successor(&prior);
-        (1..1500).for_each(|i| _ = refiner.learn(&skewed(i), &NOISE, 1.0));
-    }
-    for (value, truth) in refiner
-        .values()
-        .into_iter()
-        .zip([1.35, 0.36, 1.35, 0.0, late])
-    {
-        assert!((value - truth).abs() < 2e-4, "{:?}", refiner.values());
-    }
+    let refiner = taught(4, &prior, || (1..1500).map(skewed));
+    assert_found(&refiner, [1.35, 0.36, 1.35, 0.0, late], 2e-4);
 }
 
 #[test]
 fn a_wrong_resting_force_is_within_the_errors_that_consider_it() {
     // The bias that an offset of the force leaves is what the standard errors say of it.
-    let (quiet, offset) = (start(), 0.01);
-    let mut refiner = Refiner::new(&quiet, 0.0, &FOUND);
-    for _ in 0..4 {
-        refiner = refiner.successor(&FOUND);
-        (0..1500).for_each(|i| {
-            let at = gel(i);
-            let force = at.force + offset;
-            refiner.learn(&Pooled { force, ..at }, &NOISE, 1.0);
-        });
-    }
+    let offset = 0.01;
+    let shifted = |i: u32| {
+        let at = gel(i);
+        let force = at.force + offset;
+        Pooled { force, ..at }
+    };
+    let refiner = taught(4, &FOUND, || (0..1500).map(shifted));
     assert_considered(&refiner, offset, 0.0);
 }
 
@@ -186,28 +190,23 @@ fn assert_considered(refiner: &Refiner<f64>, offset: f64, drift: f64) {
 #[test]
 fn an_even_drift_within_a_touch_is_within_the_errors_that_consider_it() {
     // 10 mN over each stroke of 838 instants.
-    let (quiet, drift) = (start(), 0.01 / 838.0);
-    let mut refiner = Refiner::new(&quiet, 0.0, &FOUND);
-    for _ in 0..4 {
-        refiner = refiner.successor(&FOUND);
-        (0..1676).for_each(|i| {
-            let at = gel(i);
-            let loaded = f64::from(i % 838);
-            let force = at.force + drift * loaded;
-            let at = Pooled {
-                force,
-                loaded,
-                ..at
-            };
-            refiner.learn(&at, &NOISE, 1.0);
-        });
-    }
+    let drift = 0.01 / 838.0;
+    let drifting = |i: u32| {
+        let at = gel(i);
+        let loaded = f64::from(i % 838);
+        let force = at.force + drift * loaded;
+        Pooled {
+            force,
+            loaded,
+            ..at
+        }
+    };
+    let refiner = taught(4, &FOUND, || (0..1676).map(drifting));
     assert_considered(&refiner, 0.0, drift);
 }
 
 /// Gel behind a spring that gives by this, and its force.
 fn behind_a_spring(compliance: f64, i: u32) -> Pooled<f64> {
-    let rate = |i: u32| (gel(i + 1).force - gel(i - 1).force) / 0.02;
     let at = gel(i);
     let given_way = Pooled {
         position: at.position - compliance * at.force,
@@ -226,11 +225,9 @@ fn behind_a_spring(compliance: f64, i: u32) -> Pooled<f64> {
 fn a_spring_in_series_is_seen_beside_estimates_that_leave_it_out() {
     // 1 % of the depth of 4.1 at the peak of 9.1.
     let compliance = 0.0045;
-    let mut refiner = Refiner::new(&start(), 0.0, &FOUND);
-    for _ in 0..4 {
-        refiner = refiner.successor(&FOUND);
-        (1..1500).for_each(|i| _ = refiner.learn(&behind_a_spring(compliance, i), &NOISE, 1.0));
-    }
+    let refiner = taught(4, &FOUND, || {
+        (1..1500).map(|i| behind_a_spring(compliance, i))
+    });
     // Of first order: both the force and the damping that it is found with are a few per cent off.
     let (found, error) = refiner.compliance().unwrap();
     assert!((found / compliance - 1.0).abs() < 0.1, "{found}");
@@ -249,11 +246,7 @@ fn a_spring_in_series_is_seen_beside_estimates_that_leave_it_out() {
 
 #[test]
 fn without_a_spring_there_is_none() {
-    let mut refiner = Refiner::new(&start(), 0.0, &FOUND);
-    for _ in 0..4 {
-        refiner = refiner.successor(&FOUND);
-        (1..1500).for_each(|i| _ = refiner.learn(&behind_a_spring(0.0, i), &NOISE, 1.0));
-    }
+    let refiner = taught(4, &FOUND, || (1..1500).map(|i| behind_a_spring(0.0, i)));
     let (found, error) = refiner.compliance().unwrap();
     assert!(found.abs() < 0.1 * error, "{found} ± {error}");
 }
