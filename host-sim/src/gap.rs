@@ -12,7 +12,8 @@
 //!   effect against what the best set leaves.
 //! - `decide` refits at the log's own rate, checks on held-out parts, and compares with rivals. Where something
 //!   remains, the effects with strong evidence stand, each for itself.
-//! - `rounds` asks again for what remains beside what is named, until nothing more is.
+//! - `rounds` asks again for what remains beside what is named, until nothing more is. Where the model says what it left
+//!   when it was identified, `as_identified` allows for that first.
 //! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
 //! - `say` makes the `finding` of it: regions, estimates, advice.
 //!
@@ -21,6 +22,7 @@
 //! name without a recompile: `cargo run --release -p tests --example hidden -- sweep` lists them, and
 //! `sweep NAME` scores rigs with hidden effects with it at −25 %, as it is, and at +25 %.
 
+mod as_identified;
 mod data;
 mod decide;
 mod experiment;
@@ -52,6 +54,7 @@ use rayon::prelude::*;
 
 use self::model::dataset::Dataset;
 use self::model::given::given;
+use as_identified::AsIdentified;
 use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
@@ -142,8 +145,23 @@ fn workflow(
         correlation: largest_correlation(&floors.fast, step),
         progress,
     };
-    let mut answer = rounds.answer(&model.environment, &given);
-    if answer.leaves_what_may_be_noise(floors.times()) {
+    let remainder = model.remainder;
+    let remainder = remainder.filter(|own| own.bandwidth_hz == options.bandwidth_hz);
+    let rates_hz: Vec<f64> = logs.iter().map(|log| log.rate_hz).collect();
+    let new = remainder.and_then(|remainder| {
+        let as_identified = AsIdentified {
+            remainder,
+            rates_hz: &rates_hz,
+            step,
+        };
+        as_identified.answer(&rounds, &model.environment, &given)
+    });
+    let is_new = new.is_some();
+    if is_new {
+        notes.push("what the model left when it was identified is allowed for".into());
+    }
+    let mut answer = new.unwrap_or_else(|| rounds.answer(&model.environment, &given));
+    if !is_new && answer.leaves_what_may_be_noise(floors.times()) {
         rounds = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
         answer = rounds.answer(&model.environment, &given);
     }

@@ -6,6 +6,7 @@
 mod effect;
 mod environment;
 mod fit;
+mod remainder;
 mod rig;
 mod title;
 mod write;
@@ -13,6 +14,7 @@ mod write;
 pub use effect::Effect;
 pub use environment::{Environment, Parameter};
 pub use fit::Fit;
+pub use remainder::Remainder;
 pub use title::law_title;
 
 use std::path::{Path, PathBuf};
@@ -35,6 +37,8 @@ pub struct Model {
     pub effects: Vec<Effect>,
     /// The sensors of a simulation.
     pub sensors: Sensors,
+    /// What it left of the log that it was identified on, where that was more than noise.
+    pub remainder: Option<Remainder>,
 }
 
 impl Model {
@@ -66,6 +70,7 @@ impl Model {
         let environment = root.table("environment")?;
         let effects = root.tables("effect")?;
         let sensors = root.table("sensors")?;
+        let remainder = root.table("remainder")?;
         root.finish()?;
         let Some(environment) = environment else {
             return Err(root
@@ -82,6 +87,9 @@ impl Model {
                 .map(Effect::from_table)
                 .collect::<Result<_, _>>()?,
             sensors: sensors.map_or(Ok(Sensors::default()), |table| read_sensors(&table))?,
+            remainder: remainder
+                .map(|table| Remainder::from_table(&table))
+                .transpose()?,
         })
     }
 }

@@ -5,6 +5,7 @@ pub(crate) mod floor;
 pub(crate) mod floors;
 mod free_air;
 mod high_pass;
+pub(crate) mod known;
 pub(crate) mod line;
 mod lines;
 mod rest;

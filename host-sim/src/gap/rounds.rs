@@ -101,7 +101,13 @@ impl<'a> Rounds<'a> {
         is_far && decision.verdict == Verdict::PartlyExplained && !decision.without.is_empty()
     }
 
-    fn round(&self, environment: &Environment, given: &[Term], progress: &dyn Progress) -> Answer {
+    /// One search and its decision.
+    pub(super) fn round(
+        &self,
+        environment: &Environment,
+        given: &[Term],
+        progress: &dyn Progress,
+    ) -> Answer {
         let mut search = Search {
             dataset: self.coarse,
             weights: vec![1.0; self.coarse.logs.iter().map(|log| log.len()).sum()],

@@ -32,6 +32,11 @@ fixed = ["some_length"]
 [sensors]
 force_noise = 0.01
 rate = 5000
+
+[remainder]
+rms = 0.026
+correlation_time = 0.04
+bandwidth = 20
 "#;
 
 #[test]
@@ -50,6 +55,7 @@ fn a_model_with_everything_reads_and_comes_back_as_it_was() {
     assert_eq!(model.effects[1].line, Some(17));
     assert_eq!(model.sensors.rate_hz, 5000.0);
     assert_eq!(model.sensors.position_step_m, 1e-6);
+    assert_eq!(model.remainder.map(|own| own.rms_n), Some(0.026));
     let mut back = parse(&model.to_string()).unwrap();
     for (effect, original) in back.effects.iter_mut().zip(&model.effects) {
         effect.line = original.line;

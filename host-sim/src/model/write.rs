@@ -4,7 +4,7 @@ use std::fmt;
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value};
 
-use super::{Effect, Environment, Fit, Model};
+use super::{Effect, Environment, Fit, Model, Remainder};
 use crate::plant::Sensors;
 
 impl Model {
@@ -22,6 +22,9 @@ impl Model {
         }
         if self.sensors != Sensors::default() {
             document["sensors"] = Item::Table(sensors(&self.sensors));
+        }
+        if let Some(own) = &self.remainder {
+            document["remainder"] = Item::Table(remainder(own));
         }
         document.to_string()
     }
@@ -77,6 +80,16 @@ fn sensors(sensors: &Sensors) -> Table {
         ("rate", sensors.rate_hz),
     ] {
         table[name] = value(number);
+    }
+    table
+}
+
+fn remainder(remainder: &Remainder) -> Table {
+    let mut table = Table::new();
+    table["rms"] = value(remainder.rms_n);
+    table["correlation_time"] = value(remainder.correlation_s);
+    if let Some(corner_hz) = remainder.bandwidth_hz {
+        table["bandwidth"] = value(corner_hz);
     }
     table
 }

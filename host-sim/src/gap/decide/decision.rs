@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use estimator_core::physics::effect::EffectId;
 
+use super::held_out::held_out_error;
 use crate::gap::finding::Verdict;
-use crate::gap::model::fit::Fit;
+use crate::gap::model::{dataset::Dataset, fit::Fit, weights::weights};
 use crate::gap::search::evidence::Evidence;
 use crate::gap::thresholds::Thresholds;
 
@@ -72,6 +73,25 @@ impl Decision {
             let others = known.filter(|(other, _)| *other == id);
             let others: BTreeSet<EffectId> = others.flat_map(|(_, ids)| ids).copied().collect();
             others.into_iter().for_each(|other| self.open(at, other));
+        }
+    }
+
+    /// Its names stand beside a remainder that was allowed for; `dataset` has the floors without it.
+    pub(crate) fn stand_beside_remainder(&mut self, dataset: &Dataset<'_>) {
+        self.verdict = Verdict::PartlyExplained;
+        self.variances = dataset.variances(&self.best);
+        let weights = weights(&self.variances);
+        let problem = dataset.problem(&weights);
+        let ratio = |fit: &Fit| held_out_error(&problem, fit, &self.held_out).ratio;
+        self.ratio = (ratio(&self.base), ratio(&self.best));
+        let added = self.best.added_ids();
+        self.evidence.retain(|own| added.contains(&own.id));
+        for (id, alternatives) in added.iter().zip(&self.alternatives) {
+            for own in self.evidence.iter_mut().filter(|own| own.id == *id) {
+                own.is_strong = alternatives.is_empty();
+                own.is_strong_group = true;
+                own.alternatives = alternatives.clone();
+            }
         }
     }
 

@@ -17,7 +17,7 @@ use crate::gap::model::{
 use crate::gap::options::Options;
 use crate::gap::say::{estimates::Estimates, log_residuals::LogResiduals, regions::regions};
 use crate::gap::search::evidence::Evidence;
-use crate::model::Model;
+use crate::model::{Model, Remainder};
 
 /// Builds the finding.
 pub(crate) fn finding(
@@ -55,7 +55,10 @@ pub(crate) fn finding(
         advice: String::new(),
         advised: None,
         ladder,
-        model: estimates.refitted_model(model),
+        model: Model {
+            remainder: builder.left(options.bandwidth_hz),
+            ..estimates.refitted_model(model)
+        },
         bandwidth_hz: options.bandwidth_hz,
         curves: builder.curves(),
         notes: Vec::new(),
@@ -221,6 +224,22 @@ impl<'a> FindingBuilder<'a> {
             count += log.len() as f64;
         }
         (sum / count).sqrt()
+    }
+
+    /// What the model with the effects leaves, where that is no noise.
+    fn left(&self, bandwidth_hz: Option<f64>) -> Option<Remainder> {
+        let decision = self.decision;
+        let remains = matches!(
+            decision.verdict,
+            Verdict::Unexplained | Verdict::PartlyExplained
+        );
+        let beyond_n2 = decision.rmse_n.1.powi(2) - self.noise_floor_n().powi(2);
+        let period_s = self.dataset.logs.first()?.period_s;
+        (remains && beyond_n2 > 0.0).then(|| Remainder {
+            rms_n: beyond_n2.sqrt(),
+            correlation_s: decision.correlation * period_s,
+            bandwidth_hz,
+        })
     }
 
     fn curves(&self) -> Vec<Curves> {

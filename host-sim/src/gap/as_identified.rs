@@ -1,0 +1,61 @@
+//! What is new on a rig whose model says what it left when it was identified.
+//!
+//! A measured record keeps a remainder that nothing in the catalogue explains, and against the floor alone sets of
+//! effects that follow the remainder stand beside the one that is new: with a friction put into a foam's record, four
+//! effects without a friction left a quarter of what the model itself had left before. What the model left is therefore
+//! allowed for first, as a coloured process beside the noise, and an effect is new where the log leaves clearly more
+//! without it. If nothing is, the log is asked as any other.
+
+use super::finding::Verdict;
+use super::model::shape::Term;
+use super::noise::floor::NoiseFloor;
+use super::progress::Within;
+use super::rounds::{Answer, Rounds};
+use crate::model::{Environment, Remainder};
+
+/// What a model left when it was identified, in logs with these rates (Hz) of which the search takes every `step`-th
+/// sample.
+pub(super) struct AsIdentified<'a> {
+    pub(super) remainder: Remainder,
+    pub(super) rates_hz: &'a [f64],
+    pub(super) step: usize,
+}
+
+impl AsIdentified<'_> {
+    /// What is new in an environment with effects, if anything is. `rounds` have the floors without the remainder.
+    pub(super) fn answer(
+        &self,
+        rounds: &Rounds<'_>,
+        environment: &Environment,
+        given: &[Term],
+    ) -> Option<Answer> {
+        let each = rounds.fine.floors.iter().zip(self.rates_hz);
+        let floors: Vec<NoiseFloor> = each
+            .map(|(floor, rate_hz)| floor.beside(&self.remainder, *rate_hz))
+            .collect();
+        let explained = rounds.fine.thresholds.explained;
+        let most = explained.coloured * explained.residuals;
+        let mut thresholds = *rounds.fine.thresholds;
+        // What explains the log as well as the model did before suffices.
+        thresholds.explained.nothing_more = explained.sufficient;
+        let correlation = super::largest_correlation(&floors, self.step);
+        let mut beside = rounds.with(&floors, correlation);
+        (beside.coarse.thresholds, beside.fine.thresholds) = (&thresholds, &thresholds);
+        let progress = Within::new(rounds.progress, 0.05, 0.5);
+        let mut answer = beside.round(environment, given, &progress);
+        if answer.decision.ratio.0 <= most {
+            return None;
+        }
+        let decision = &mut answer.decision;
+        let is_explained = matches!(
+            decision.verdict,
+            Verdict::MissingEffects | Verdict::Ambiguous
+        );
+        // One thing is new, whatever is open beside it. Several follow the remainder where it is not alike everywhere:
+        // under a cantilever a curve that snaps stood beside seven of eighteen effects.
+        let certain = decision.alternatives.iter().filter(|own| own.is_empty());
+        let is_new = is_explained && certain.count() == 1;
+        decision.stand_beside_remainder(&rounds.fine);
+        is_new.then_some(answer)
+    }
+}

@@ -1,0 +1,52 @@
+//! What a model left when it was identified, beside the noise.
+
+use crate::gap::noise::floor::NoiseFloor;
+use crate::model::Remainder;
+
+impl NoiseFloor {
+    /// The floor of a log at a rate (Hz) with a remainder in it.
+    pub(crate) fn beside(&self, remainder: &Remainder, rate_hz: f64) -> NoiseFloor {
+        let (noise_n2, known_n2) = (self.noise_n().powi(2), remainder.rms_n.powi(2));
+        let both_n2 = noise_n2 + known_n2;
+        // The variance of a mean adds up.
+        let samples = (remainder.correlation_s * rate_hz).max(1.0);
+        NoiseFloor {
+            used_n: (both_n2 / self.band_share).sqrt(),
+            coloured: true,
+            correlation: (noise_n2 * self.correlation + known_n2 * samples) / both_n2,
+            ..self.clone()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variances_and_those_of_means_add_up() {
+        // GIVEN 3 mN of white noise at 1 kHz, and 4 mN that stay what they are for 50 ms
+        let white = NoiseFloor {
+            high_pass_n: 3e-3,
+            rest_n: Some(3e-3),
+            lines_n: 0.0,
+            used_n: 3e-3,
+            coloured: false,
+            uncertainty: 0.0,
+            unseen: 1.0,
+            correlation: 1.0,
+            band_share: 1.0,
+            slow: None,
+            why: String::new(),
+        };
+        let remainder = Remainder {
+            rms_n: 4e-3,
+            correlation_s: 0.05,
+            bandwidth_hz: None,
+        };
+        let both = white.beside(&remainder, 1e3);
+        // THEN they are 5 mN, and every (9 · 1 + 16 · 50) / 25 samples are worth one.
+        assert!((both.noise_n() - 5e-3).abs() < 1e-12 && both.coloured);
+        assert!((both.correlation - 32.36).abs() < 1e-9);
+    }
+}
