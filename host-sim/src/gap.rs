@@ -59,8 +59,8 @@ use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, input, orientation, ringing, spikes};
-use noise::floors::Floors;
-use rounds::{Answer, Rounds};
+use noise::floors::{Floors, largest_correlation};
+use rounds::Rounds;
 use say::{builder, plausibility};
 use thresholds::{Floor, Input, Rest};
 
@@ -118,11 +118,7 @@ fn workflow(
     let whole: &[UniformLog] = &bridged;
     let (logs, shortened) = budget::within(whole, thresholds.rest);
     notes.extend(shortened);
-    let floor_decides = match model.environment.is_free() {
-        true => thresholds.floor.without_free_air(),
-        false => thresholds.floor,
-    };
-    let floors = floors(&logs, low_pass, &floor_decides);
+    let floors = floors(&logs, low_pass, &floor_decides(model, options));
     let (filtered, thinned) = fit_data((whole, &logs), low_pass, thresholds.rest);
     notes.extend(thinned);
     let samples: usize = filtered.iter().map(FitData::len).sum();
@@ -145,35 +141,32 @@ fn workflow(
         correlation: largest_correlation(&floors.fast, step),
         progress,
     };
-    let remainder = model.remainder;
-    let remainder = remainder.filter(|own| own.bandwidth_hz == options.bandwidth_hz);
-    let rates_hz: Vec<f64> = logs.iter().map(|log| log.rate_hz).collect();
-    let new = remainder.and_then(|remainder| {
-        let as_identified = AsIdentified {
-            remainder,
-            rates_hz: &rates_hz,
-            step,
-        };
-        as_identified.answer(&rounds, &model.environment, &given)
-    });
-    let is_new = new.is_some();
-    if is_new {
-        notes.push("what the model left when it was identified is allowed for".into());
-    }
-    let mut answer = new.unwrap_or_else(|| rounds.answer(&model.environment, &given));
-    if !is_new && answer.leaves_what_may_be_noise(floors.times()) {
+    let as_identified = AsIdentified::of(model, options, &logs, step);
+    let new = as_identified.and_then(|own| own.answer(&rounds, &model.environment, &given));
+    notes.extend(new.iter().map(|_| as_identified::NOTE.into()));
+    let answer = new.unwrap_or_else(|| {
+        let answer = rounds.answer(&model.environment, &given);
+        if !answer.leaves_what_may_be_noise(floors.times()) {
+            return answer;
+        }
         rounds = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
-        answer = rounds.answer(&model.environment, &given);
-    }
-    let Answer {
-        decision, ladder, ..
-    } = answer;
+        rounds.answer(&model.environment, &given)
+    });
     progress.at(0.95, "regions and errors");
-    let mut finding = builder::finding(model, &rounds.fine, &decision, ladder, options);
+    let (decision, ladder) = (&answer.decision, answer.ladder);
+    let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
     let another_unit = thresholds.regions.another_unit;
     notes.extend(plausibility::implausible(model, &finding, another_unit));
     finding.notes.splice(0..0, notes);
     Ok(finding)
+}
+
+/// What decides on a floor: a machine that meets nothing has no free air to tell noise from.
+fn floor_decides(model: &Model, options: &Options) -> Floor {
+    match model.environment.is_free() {
+        true => options.thresholds.floor.without_free_air(),
+        false => options.thresholds.floor,
+    }
 }
 
 /// The noise floors of the forces that are fitted.
@@ -233,12 +226,4 @@ fn fit_data(
 fn at_most(logs: &[FitData], samples: usize, most: usize) -> Vec<FitData> {
     let step = samples.div_ceil(most);
     logs.iter().map(|log| log.thinned(step)).collect()
-}
-
-/// The most samples for each independent one of all logs, of which every `step`-th sample is taken.
-fn largest_correlation(floors: &[NoiseFloor], step: usize) -> f64 {
-    floors
-        .iter()
-        .map(|floor| floor.correlation / step as f64)
-        .fold(1.0, f64::max)
 }

@@ -22,3 +22,11 @@ impl Floors {
             .fold(1.0, f64::max)
     }
 }
+
+/// The most samples for each independent one of all logs, of which every `step`-th sample is taken.
+pub(crate) fn largest_correlation(floors: &[NoiseFloor], step: usize) -> f64 {
+    floors
+        .iter()
+        .map(|floor| floor.correlation / step as f64)
+        .fold(1.0, f64::max)
+}
