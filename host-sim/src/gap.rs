@@ -161,7 +161,7 @@ fn workflow(
     Ok(finding)
 }
 
-/// What decides on a floor: a machine that meets nothing has no free air to tell noise from.
+/// What decides on the noise floors of a rig.
 fn floor_decides(model: &Model, options: &Options) -> Floor {
     match model.environment.is_free() {
         true => options.thresholds.floor.without_free_air(),

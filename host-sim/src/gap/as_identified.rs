@@ -66,9 +66,6 @@ impl AsIdentified {
         (beside.coarse.thresholds, beside.fine.thresholds) = (&thresholds, &thresholds);
         let progress = Within::new(rounds.progress, 0.05, 0.5);
         let mut answer = beside.round(environment, given, &progress);
-        if answer.decision.ratio.0 <= most {
-            return None;
-        }
         let decision = &mut answer.decision;
         let is_explained = matches!(
             decision.verdict,
@@ -77,8 +74,10 @@ impl AsIdentified {
         // One thing is new, whatever is open beside it. Several follow the remainder where it is not alike everywhere:
         // under a cantilever a curve that snaps stood beside seven of eighteen effects.
         let certain = decision.alternatives.iter().filter(|own| own.is_empty());
-        let is_new = is_explained && certain.count() == 1;
-        decision.stand_beside_remainder(&rounds.fine);
-        is_new.then_some(answer)
+        let is_new = decision.ratio.0 > most && is_explained && certain.count() == 1;
+        is_new.then(|| {
+            answer.decision.stand_beside_remainder(&rounds.fine);
+            answer
+        })
     }
 }

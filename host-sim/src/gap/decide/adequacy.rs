@@ -9,7 +9,7 @@
 use super::held_out::{trained, weights_of};
 use super::prediction::prediction_variance;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
-use crate::gap::noise::floor::NoiseFloor;
+use crate::gap::noise::{floor::NoiseFloor, floors::largest_correlation};
 use crate::gap::thresholds::Thresholds;
 use crate::stats::{correlation, highest, rms};
 
@@ -42,8 +42,7 @@ fn errors_of_numbers(
 ) -> f64 {
     let [weights, predicted] = [false, true].map(|is_out| weights_of(all, held_out, is_out));
     let [training, predicted] = [&weights, &predicted].map(|weights| dataset.problem(weights));
-    let each = dataset.floors.iter().map(|floor| floor.correlation);
-    let correlation = each.fold(1.0, f64::max);
+    let correlation = largest_correlation(dataset.floors, 1);
     let trained = trained(&training, best);
     let variance = prediction_variance(&training, &predicted, &trained, correlation);
     (1.0 + variance / predicted.used().len().max(1) as f64).sqrt()

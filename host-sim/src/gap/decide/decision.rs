@@ -84,9 +84,8 @@ impl Decision {
         let problem = dataset.problem(&weights);
         let ratio = |fit: &Fit| held_out_error(&problem, fit, &self.held_out).ratio;
         self.ratio = (ratio(&self.base), ratio(&self.best));
-        let added = self.best.added_ids();
-        self.evidence.retain(|own| added.contains(&own.id));
-        for (id, alternatives) in added.iter().zip(&self.alternatives) {
+        self.evidence = self.named_evidence();
+        for (id, alternatives) in self.best.added_ids().iter().zip(&self.alternatives) {
             for own in self.evidence.iter_mut().filter(|own| own.id == *id) {
                 own.is_strong = alternatives.is_empty();
                 own.is_strong_group = true;
