@@ -58,7 +58,7 @@ use as_identified::AsIdentified;
 use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
-use data::{budget, input, orientation, ringing, spikes};
+use data::{budget, input, leaps, orientation, ringing, spikes};
 use noise::floors::{Floors, largest_correlation};
 use rounds::Rounds;
 use say::{builder, plausibility};
@@ -215,6 +215,7 @@ fn fit_data(
     budget::leave_lead_in_out(&mut data, whole);
     let mut notes = Vec::new();
     if low_pass.is_none() {
+        notes.extend(leaps::left_out(&mut data, logs.iter().map(|log| &**log)));
         notes.extend(ringing::left_out(&mut data));
         notes.extend(budget::thin_rests(&mut data, FITTED_SAMPLES, decide));
     }

@@ -86,6 +86,12 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
     })
 }
 
+/// The samples at which the position is another by a jump that stays, as the board's own code recognises it.
+pub(crate) fn position_jumps(log: &UniformLog) -> impl Iterator<Item = usize> {
+    let readings = Readings::of(log);
+    (0..log.len()).filter(move |at| readings.faults.at(*at).has(Fault::PositionJump))
+}
+
 /// The log as the board would have sampled it; the first sample is one period after time zero. The faults
 /// that [`replay`] recognises are not among those of the samples.
 pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {

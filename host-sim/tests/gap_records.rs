@@ -381,6 +381,40 @@ fn a_cell_layer_under_a_cantilever_relaxes_and_sticks() {
 }
 
 #[test]
+fn what_a_cell_layer_does_hangs_neither_on_the_unit_of_the_force_nor_on_where_a_record_is_cut() {
+    // GIVEN the cantilever's record with a tenth more force, as a worse calibration gives, and the press alone
+    let base = Model::read(Path::new(&record("afm_relaxation_rheos/base.toml"))).unwrap();
+    let whole = read("afm_relaxation_rheos/data.csv.gz");
+    let samples = |count: usize, times: f64| {
+        let force = whole.force_n[..count].iter().map(|own| times * own);
+        let (time, position) = (&whole.time_s[..count], &whole.position_m[..count]);
+        let log = Log::from_channels(time.to_vec(), position.to_vec(), force.collect());
+        log.uniform().unwrap()
+    };
+    let before_the_leap = whole.time_s.partition_point(|time_s| *time_s < 15.15);
+    for log in [samples(whole.len(), 1.1), samples(before_the_leap, 1.0)] {
+        let finding = gap(&base, &[log], &Options::default()).unwrap();
+        // THEN it relaxes, over the decades of a power law, and stiffens with the power that a fit has.
+        let firm = finding
+            .effects
+            .iter()
+            .filter(|own| own.grade != Grade::Open);
+        let rates: Vec<f64> = firm
+            .clone()
+            .filter(|own| own.id == EffectId::StressRelaxation)
+            .map(|own| own.parameters[1].value)
+            .collect();
+        let (least, most) = rates.iter().fold((f64::MAX, 0.0_f64), |(a, b), own| {
+            (a.min(*own), b.max(*own))
+        });
+        assert!(rates.len() >= 3 && most > 100.0 * least, "{rates:?}");
+        let mut powers = firm.filter(|own| own.id == EffectId::PowerLawStiffness);
+        let power = powers.next().unwrap().parameters[0].value;
+        assert!((1.45..1.85).contains(&power), "{power}");
+    }
+}
+
+#[test]
 fn one_press_at_one_speed_does_not_tell_a_liquids_drag_from_a_friction() {
     // GIVEN a cantilever in liquid, at 5 µm/s to and fro, where a friction of 43 pN fits 4 % better than a drag
     let json = answer("afm_press_jpk", "data.csv.gz");

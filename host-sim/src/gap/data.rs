@@ -3,6 +3,7 @@
 pub(crate) mod budget;
 pub(crate) mod fit_data;
 pub(crate) mod input;
+pub(crate) mod leaps;
 pub(crate) mod low_pass;
 pub(crate) mod motion;
 pub(crate) mod motion_errors;

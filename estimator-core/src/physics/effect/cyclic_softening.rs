@@ -1,6 +1,6 @@
 //! Softening by the deepest stroke so far: Mullins' effect.
 
-use super::row::effect;
+use super::{row::effect, shapes::leaves_some};
 use crate::maths::scalar::Scalar;
 
 effect! {
@@ -13,7 +13,7 @@ effect! {
         depth_scale_m = "depth_scale", Metre, Positive, Shape, Logarithmic(Times(4.0, PositionNoise), Times(2.0, Travel));
     }
     stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: leaves_some,
     example: [0.2, 1e-3, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Each(&[Times(0.025, Travel), Times(0.1, Travel), Times(0.3, Travel)])])],
     law: "Fᵉ·[1 − α(1 − e^{−(δ_max − δ)/d_s})]",
     signature: "the depth reached before matters, full recovery at new depth",

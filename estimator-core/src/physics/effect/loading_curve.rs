@@ -1,6 +1,6 @@
 //! A material that loads along one curve and unloads along another.
 
-use super::{row::effect, shapes::direction, shapes::slid};
+use super::{row::effect, shapes::direction, shapes::leaves_some, shapes::slid};
 use crate::maths::scalar::Scalar;
 
 effect! {
@@ -22,7 +22,7 @@ effect! {
             Linear(Per(-10.0, Travel), Per(10.0, Travel));
     }
     stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
-    laws: AnyLaw, needs_derivative: false, family: LoopOfLoad, simpler: None, is_physical: |_| true,
+    laws: AnyLaw, needs_derivative: false, family: LoopOfLoad, simpler: None, is_physical: leaves_some,
     example: [0.1, 2e-4, 0.0, 0.0], starts: &[
         Starts::at(&[At(Number(0.05)), Each(&[
             Largest([(1.0, SpeedNoise), (2e-3, Speed)]), Largest([(4.0, SpeedNoise), (5e-2, Speed)]),

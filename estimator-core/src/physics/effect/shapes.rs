@@ -1,6 +1,7 @@
 //! The functions that several effects are made of: a wave, a rounded corner, the direction of a speed,
 //! and a force that follows the way.
 
+use super::row::MOST_PARAMETERS;
 use crate::maths::scalar::Scalar;
 
 /// The sine A sin(ωu + φ) and its derivative Aω cos(ωu + φ).
@@ -20,6 +21,12 @@ pub(super) fn ramp<S: Scalar>(x: S, width: S) -> S {
         return x;
     }
     width * (S::one() + far.exp()).ln()
+}
+
+/// Whether a share of the elastic force, the first number of a row, leaves some of it. At the bound of 0.95 a material
+/// pushes back 39 times as hard on the way in as on the way out: such curves stood for a cell layer that relaxes.
+pub(super) fn leaves_some(row: &[f64; MOST_PARAMETERS]) -> bool {
+    row[0] < 0.9
 }
 
 /// 2π/`period`

@@ -81,3 +81,15 @@ fn what_a_board_compensates_belongs_to_the_rig_and_counts_no_time() {
         assert_eq!(id.needs_derivative(), info.needs_derivative);
     }
 }
+
+#[test]
+fn an_unloading_curve_keeps_some_of_the_force_and_every_example_means_what_it_says() {
+    for info in EffectId::ALL.iter().map(|id| id.info()) {
+        assert!((info.is_physical)(&info.example), "{}", info.name);
+    }
+    for id in [EffectId::LoadingCurve, EffectId::CyclicSoftening] {
+        let with = |share: f64| (id.info().is_physical)(&[share, 1e-3, 0.0, 0.0]);
+        // At 0.8 the way in takes nine times the force of the way out, at 0.95 39 times.
+        assert_eq!((with(0.8), with(0.95)), (true, false));
+    }
+}

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::gap::model::fit::{Fit, MOST_STEPS};
 use crate::gap::model::shape::{Shape, Term};
-use crate::gap::model::start::starts_from_file;
+use crate::gap::model::start::{starts, starts_from_file};
 use crate::gap::search::physical::is_physical;
 use crate::gap::search::proposals::{LinearizedModel, Proposal};
 use crate::gap::search::run::Search;
@@ -20,6 +20,11 @@ const FOLLOWED: [usize; 2] = [5, 3];
 const FROM_FILE: usize = 4;
 /// Steps of a joint refit before it has to be among the best, and before it has to be again.
 const FIRST_STEPS: [usize; 2] = [4, 8];
+
+/// Share of each mode of a spectrum where its fit starts: two fifths stay behind three of them.
+const SPECTRUM_SHARE: f64 = 0.2;
+/// Where the modes of a spectrum stand on the scale from the slowest that a log shows to the fastest.
+const SPECTRUM: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
 /// A shape, where its fit starts, and how many steps it has.
 type Start = (Shape, Vec<f64>, usize);
@@ -68,6 +73,7 @@ impl Search<'_> {
             }
         }
         starts.extend(self.starts_from_file(from));
+        starts.extend(self.spectrum(from));
         // A base that ran away hides what is missing from its own linearization.
         if from.cost > self.decide().ran_away * self.noise_cost {
             let from_file = self.with_file_values(from);
@@ -89,6 +95,28 @@ impl Search<'_> {
             let from_file = shape.start();
             (shape, from_file, FIRST_STEPS.iter().sum())
         })
+    }
+
+    /// A start with relaxation over all times that the log shows, far from the noise. One mode takes little off a
+    /// material that relaxes by a power of time: a cantilever's press into cells gave the first place to hysteresis, and
+    /// what was found hung on how the record was cut.
+    fn spectrum(&self, from: &Fit) -> Option<Start> {
+        let id = EffectId::StressRelaxation;
+        let is_new = !from.shape.terms.iter().any(|term| term.id == id);
+        if !is_new || !self.is_far(from) || !self.ids.contains(&id) {
+            return None;
+        }
+        let alone = starts(id, &from.shape, self.dataset.scales);
+        let (slowest, fastest) = (alone.first()?, alone.last()?.row[1]);
+        let mut terms = from.shape.terms_at(&from.numbers);
+        terms.extend(SPECTRUM.map(|place| {
+            let mut mode = slowest.clone();
+            let rate = slowest.row[1] * (fastest / slowest.row[1]).powf(place);
+            mode.row[..2].copy_from_slice(&[SPECTRUM_SHARE, rate]);
+            mode
+        }));
+        let (shape, start) = from.with_terms(terms, self.dataset.scales);
+        Some((shape, start, FIRST_STEPS.iter().sum()))
     }
 
     /// The effects that promise most beside a fit, with their best starts.
