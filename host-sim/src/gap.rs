@@ -149,8 +149,13 @@ fn workflow(
         if !answer.leaves_what_may_be_noise(floors.times()) {
             return answer;
         }
-        rounds = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
-        rounds.answer(&model.environment, &given)
+        let beside = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
+        let slow = beside.answer(&model.environment, &given);
+        if slow.takes_names_back(&answer) {
+            return answer;
+        }
+        rounds = beside;
+        slow
     });
     progress.at(0.95, "regions and errors");
     let (decision, ladder) = (&answer.decision, answer.ladder);

@@ -19,8 +19,8 @@ const STANDS_STILL: f64 = 6.0;
 const AS_NEVER_ELSE: f64 = 5.0;
 /// So many samples before and after are compared.
 const AROUND: usize = 4;
-/// The samples whose smoothed position has a share of the leap.
-const SMOOTHED: usize = 15;
+/// The samples whose smoothed position may have a share of the leap: its window is narrow there.
+const SMOOTHED: usize = 3;
 /// What the fast modes of a material need to forget it (s): 3 time constants at 150/s.
 const FORGOTTEN_S: f64 = 0.02;
 /// If more than this share of a log leaps, it is something else.
@@ -127,7 +127,7 @@ mod tests {
             }))
             .0
         };
-        assert_eq!((both(2.4e-5), both(2e-4)), (0, 51));
+        assert_eq!((both(2.4e-5), both(2e-4)), (0, 27));
         assert_eq!(left(&log(|_| (0.0, 0.0))), (0, None));
     }
 
