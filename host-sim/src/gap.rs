@@ -53,21 +53,21 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use self::model::dataset::Dataset;
-use self::model::given::given;
+use self::model::{given::given, shape::Term};
 use as_identified::AsIdentified;
 use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, input, leaps, orientation, ringing, spikes};
 use noise::floors::{Floors, largest_correlation};
-use rounds::Rounds;
+use rounds::{Answer, Rounds};
 use say::{builder, plausibility};
 use thresholds::{Floor, Input, Rest};
 
 use crate::diagnostic::Diagnostic;
 use crate::kind;
 use crate::log::{UniformLog, agreed_kind};
-use crate::model::Model;
+use crate::model::{Environment, Model};
 
 /// Most samples that the search uses.
 const SEARCHED_SAMPLES: usize = 5_000;
@@ -134,7 +134,7 @@ fn workflow(
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);
     let catalogue = options.catalogue_of(kind::of_words());
-    let mut rounds = Rounds {
+    let rounds = Rounds {
         coarse: dataset(&coarse),
         fine: dataset(&fine),
         ids: &catalogue,
@@ -144,19 +144,10 @@ fn workflow(
     let as_identified = AsIdentified::of(model, options, &logs, step);
     let new = as_identified.and_then(|own| own.answer(&rounds, &model.environment, &given));
     notes.extend(new.iter().map(|_| as_identified::NOTE.into()));
-    let answer = new.unwrap_or_else(|| {
-        let answer = rounds.answer(&model.environment, &given);
-        if !answer.leaves_what_may_be_noise(floors.times()) {
-            return answer;
-        }
-        let beside = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
-        let slow = beside.answer(&model.environment, &given);
-        if slow.takes_names_back(&answer) {
-            return answer;
-        }
-        rounds = beside;
-        slow
-    });
+    let (rounds, answer) = match new {
+        Some(answer) => (rounds, answer),
+        None => answered(rounds, &floors, step, (&model.environment, &given)),
+    };
     progress.at(0.95, "regions and errors");
     let (decision, ladder) = (&answer.decision, answer.ladder);
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
@@ -164,6 +155,26 @@ fn workflow(
     notes.extend(plausibility::implausible(model, &finding, another_unit));
     finding.notes.splice(0..0, notes);
     Ok(finding)
+}
+
+/// What is missing in an environment with effects, and what it was asked with: the slow noise too, where that may be
+/// all that remains.
+fn answered<'a>(
+    rounds: Rounds<'a>,
+    floors: &'a Floors,
+    step: usize,
+    (environment, given): (&Environment, &[Term]),
+) -> (Rounds<'a>, Answer) {
+    let answer = rounds.answer(environment, given);
+    if !answer.leaves_what_may_be_noise(floors.times()) {
+        return (rounds, answer);
+    }
+    let beside = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
+    let slow = beside.answer(environment, given);
+    match slow.takes_names_back(&answer) {
+        true => (rounds, answer),
+        false => (beside, slow),
+    }
 }
 
 /// What decides on the noise floors of a rig.
