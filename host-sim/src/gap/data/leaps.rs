@@ -1,9 +1,9 @@
 //! Where the position leaps as no probe moves.
 //!
 //! A probe does not get from one place to another between two samples while its force stands still, nor many times as
-//! fast as it moves elsewhere: segments were joined, or an encoder lost counts. A cantilever's record leaps by 117 nm where its hold ends; 40 samples there, up to
-//! 80 standard deviations off, made most of what remained, and whether a relaxation was named of which the hold shows
-//! 15 s hung on them.
+//! fast as it moves elsewhere: segments were joined, or an encoder lost counts. A cantilever's record leaps by 117 nm
+//! where its hold ends; 40 samples there, up to 80 standard deviations off, made most of what remained, and whether a
+//! relaxation was named of which the hold shows 15 s hung on them.
 
 use crate::gap::data::fit_data::FitData;
 use crate::log::UniformLog;
@@ -67,15 +67,18 @@ fn leaps(log: &UniformLog) -> Vec<(usize, f64)> {
     let last = log.len().saturating_sub(AROUND);
     let jumps = position_jumps(log).filter(|at| (AROUND..last).contains(at));
     let jumps: Vec<usize> = jumps.collect();
+    if jumps.is_empty() {
+        return Vec::new();
+    }
     let still_n = STANDS_STILL * signal::loud_noise(&log.force_n);
     let step_m = |at: usize| (log.position_m[at] - log.position_m[at - 1]).abs();
-    let others = (1..log.len()).filter(|at| !jumps.contains(at));
+    let others = (1..log.len()).filter(|at| jumps.binary_search(at).is_err());
     let fast_m = AS_NEVER_ELSE * highest(others.map(step_m));
     let level_n = |from: usize| median(log.force_n[from..from + AROUND].iter().copied());
     let is_leap =
         |at: &usize| step_m(*at) > fast_m || (level_n(*at) - level_n(at - AROUND)).abs() <= still_n;
-    let leaps = jumps.iter().copied().filter(is_leap);
-    leaps.map(|at| (at, step_m(at))).collect()
+    let leaps = jumps.iter().filter(|at| is_leap(at));
+    leaps.map(|at| (*at, step_m(*at))).collect()
 }
 
 #[cfg(test)]
@@ -83,7 +86,8 @@ mod tests {
     use super::*;
     use crate::log::Log;
 
-    /// 4 s at 1 kHz of strokes of 1 mm, 6 µm a sample, into 2 N/mm, and what a time (s) adds to position (m) and force (N).
+    /// 4 s at 1 kHz of strokes of 1 mm, 6 µm a sample, into 2 N/mm, and what a time (s) adds to position (m) and
+    /// force (N).
     fn log(adds: impl Fn(f64) -> (f64, f64)) -> UniformLog {
         let time: Vec<f64> = (0..4000).map(|at| 1e-3 * f64::from(at)).collect();
         let way = |t: f64| 1e-3 * (6.0 * t).sin();

@@ -75,7 +75,7 @@ impl Search<'_> {
         starts.extend(self.starts_from_file(from));
         starts.extend(self.spectrum(from));
         // A base that ran away hides what is missing from its own linearization.
-        if from.cost > self.decide().ran_away * self.noise_cost {
+        if self.is_far(from) {
             let from_file = self.with_file_values(from);
             for proposals in self.proposals(&from_file, FROM_FILE) {
                 let (shape, start) = self.with_term(&from_file, &proposals[0].term);
