@@ -37,7 +37,6 @@ mod search;
 pub mod thresholds;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
-pub(crate) use finding::PHASES;
 pub use finding::{
     AdvisedMotion, Candidate, Change, Curves, Finding, Grade, MOTION, MissingEffect, Next,
     ParameterEstimate, Region, Support, Verdict, changes_in_words, regions_in_words,
@@ -46,7 +45,6 @@ pub use finding::{
 pub use noise::floor::NoiseFloor;
 pub use options::Options;
 pub use progress::{Progress, Silent};
-pub(crate) use say::regions::phase;
 
 use std::borrow::Cow;
 
@@ -62,6 +60,7 @@ use data::{budget, input, leaps, orientation, ringing, spikes};
 use noise::floors::{Floors, largest_correlation};
 use rounds::{Answer, Rounds};
 use say::{builder, plausibility};
+use search::run::MOST_ADDED;
 use thresholds::{Floor, Input, Rest};
 
 use crate::diagnostic::Diagnostic;
@@ -138,14 +137,17 @@ fn workflow(
         coarse: dataset(&coarse),
         fine: dataset(&fine),
         ids: &catalogue,
-        correlation: largest_correlation(&floors.fast, step),
+        most_added: MOST_ADDED,
+        correlation: largest_correlation(&floors.fast, &coarse, step),
         progress,
     };
     let as_identified = AsIdentified::of(model, options, &logs, step);
     let new = as_identified.and_then(|own| own.answer(&rounds, &model.environment, &given));
-    notes.extend(new.iter().map(|_| as_identified::NOTE.into()));
     let (rounds, answer) = match new {
-        Some(answer) => (rounds, answer),
+        Some((answer, note)) => {
+            notes.push(note.into());
+            (rounds, answer)
+        }
         None => answered(rounds, &floors, step, (&model.environment, &given)),
     };
     progress.at(0.95, "regions and errors");
@@ -169,7 +171,10 @@ fn answered<'a>(
     if !answer.leaves_what_may_be_noise(floors.times()) {
         return (rounds, answer);
     }
-    let beside = rounds.with(&floors.slow, largest_correlation(&floors.slow, step));
+    let beside = rounds.with(
+        &floors.slow,
+        largest_correlation(&floors.slow, rounds.coarse.logs, step),
+    );
     let slow = beside.answer(environment, given);
     match slow.takes_names_back(&answer) {
         true => (rounds, answer),

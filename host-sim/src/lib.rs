@@ -18,6 +18,7 @@ pub mod model;
 pub mod motion;
 pub mod number;
 pub mod output;
+mod phase;
 pub mod plant;
 pub mod replay;
 pub mod report;

@@ -3,23 +3,31 @@
 //! A measured record keeps a remainder that nothing in the catalogue explains, and against the floor alone sets of
 //! effects that follow the remainder stand beside the one that is new: with a friction put into a foam's record, four
 //! effects without a friction left a quarter of what the model itself had left before. What the model left is therefore
-//! allowed for first, as a coloured process beside the noise, and an effect is new where the log leaves clearly more
-//! without it. If nothing is, the log is asked as any other.
+//! allowed for first, phase by phase of the contact, as a coloured process beside the noise. Where no more is left than
+//! then, nothing is new. Else one effect is looked for that leaves no more, and those that would do as well are open.
+//! Only where there is none the log is asked as any other.
 
 use std::borrow::Cow;
 
+use super::decide::decision::Decision;
 use super::finding::Verdict;
 use super::model::shape::Term;
 use super::noise::floor::NoiseFloor;
 use super::noise::floors::largest_correlation;
+use super::noise::known::most_correlation;
 use super::options::Options;
 use super::progress::Within;
 use super::rounds::{Answer, Rounds};
+use super::search::run::MOST_ADDED;
 use crate::log::UniformLog;
 use crate::model::{Environment, Model, Remainder};
+use crate::stats::highest;
 
 /// What a user is told where the remainder was allowed for.
-pub(super) const NOTE: &str = "what the model left when it was identified is allowed for";
+const NOTE: &str = "what the model left when it was identified is allowed for";
+/// And where no more is there.
+const NOTHING_NEW: &str =
+    "nothing is new: no more is left than the model left when it was identified";
 
 /// What a model left when it was identified, in logs with these rates (Hz) of which the search takes every `step`-th
 /// sample.
@@ -45,39 +53,71 @@ impl AsIdentified {
         })
     }
 
-    /// What is new in an environment with effects, if anything is. `rounds` have the floors without the remainder.
+    /// What is new in an environment with effects, with what a user is told; `None` where it is not that one effect is or
+    /// that none is. `rounds` have the floors without the remainder.
     pub(super) fn answer(
         &self,
         rounds: &Rounds<'_>,
         environment: &Environment,
         given: &[Term],
-    ) -> Option<Answer> {
+    ) -> Option<(Answer, &'static str)> {
         let each = rounds.fine.floors.iter().zip(&self.rates_hz);
         let floors: Vec<NoiseFloor> = each
             .map(|(floor, rate_hz)| floor.beside(&self.remainder, *rate_hz))
             .collect();
-        let explained = rounds.fine.thresholds.explained;
-        let most = explained.coloured * explained.residuals;
         let mut thresholds = *rounds.fine.thresholds;
         // What explains the log as well as the model did before suffices.
-        thresholds.explained.nothing_more = explained.sufficient;
-        let correlation = largest_correlation(&floors, self.step);
-        let mut beside = rounds.with(&floors, correlation);
+        thresholds.explained.nothing_more = thresholds.explained.sufficient;
+        let logs = rounds.coarse.logs;
+        let correlation = largest_correlation(&floors, logs, self.step);
+        let samples: usize = logs.iter().map(|log| log.len()).sum();
+        let mut beside = rounds.with(&floors, correlation.min(most_correlation(samples as f64)));
         (beside.coarse.thresholds, beside.fine.thresholds) = (&thresholds, &thresholds);
-        let progress = Within::new(rounds.progress, 0.05, 0.5);
-        let mut answer = beside.round(environment, given, &progress);
-        let decision = &mut answer.decision;
-        let is_explained = matches!(
-            decision.verdict,
-            Verdict::MissingEffects | Verdict::Ambiguous
-        );
-        // One thing is new, whatever is open beside it. Several follow the remainder where it is not alike everywhere:
-        // under a cantilever a curve that snaps stood beside seven of eighteen effects.
-        let certain = decision.alternatives.iter().filter(|own| own.is_empty());
-        let is_new = decision.ratio.0 > most && is_explained && certain.count() == 1;
-        is_new.then(|| {
-            answer.decision.stand_beside_remainder(&rounds.fine);
-            answer
-        })
+        let asked = |most_added: usize, from: f64, to: f64| {
+            let progress = Within::new(rounds.progress, from, to);
+            let asked = Rounds {
+                most_added,
+                ..beside
+            };
+            asked.round(environment, given, &progress)
+        };
+        let least = thresholds.explained.coloured;
+        let most = least * thresholds.explained.residuals;
+        let one = asked(1, 0.05, 0.2);
+        let left_n = one.decision.rms_of_base_n(&beside.fine);
+        let is_more = one.decision.ratio.0 > least;
+        let (mut answer, note) = if !is_more && left_n <= least * self.rms_n(rounds.fine.floors) {
+            (one.without_effects(&beside.fine), NOTHING_NEW)
+        } else if is_more && explains(&one.decision, most) {
+            (one, NOTE)
+        } else {
+            let several = asked(MOST_ADDED, 0.2, 0.5);
+            (is_more && is_one_certain(&several.decision) && explains(&several.decision, most))
+                .then_some((several, NOTE))?
+        };
+        answer.decision.stand_beside_remainder(&rounds.fine);
+        Some((answer, note))
     }
+
+    /// Root mean square (N) of the noise and of what the model left.
+    fn rms_n(&self, floors: &[NoiseFloor]) -> f64 {
+        let noise_n = highest(floors.iter().map(NoiseFloor::noise_n));
+        noise_n.hypot(self.remainder.rms_n)
+    }
+}
+
+/// Whether effects leave no more than `most` times what the model left.
+fn explains(decision: &Decision, most: f64) -> bool {
+    let is_explained = matches!(
+        decision.verdict,
+        Verdict::MissingEffects | Verdict::Ambiguous
+    );
+    is_explained && decision.ratio.1 <= most
+}
+
+/// Whether one thing is certain, whatever is open beside it. Several follow the remainder where it is not alike
+/// everywhere: under a cantilever a curve that snaps stood beside seven of eighteen effects.
+fn is_one_certain(decision: &Decision) -> bool {
+    let certain = decision.alternatives.iter().filter(|own| own.is_empty());
+    certain.count() == 1
 }

@@ -8,7 +8,6 @@ mod result;
 pub(crate) use change::changes;
 pub use change::{Change, changes_in_words};
 pub use parameter::ParameterEstimate;
-pub(crate) use region::PHASES;
 pub use region::{Region, regions_in_words};
 pub use result::{
     AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, Support, Verdict,

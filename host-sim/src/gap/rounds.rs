@@ -33,6 +33,8 @@ pub(super) struct Rounds<'a> {
     pub(super) fine: Dataset<'a>,
     /// The catalogue.
     pub(super) ids: &'a [EffectId],
+    /// Most effects that a round adds.
+    pub(super) most_added: usize,
     /// Samples of the search for each independent residual.
     pub(super) correlation: f64,
     pub(super) progress: &'a dyn Progress,
@@ -57,6 +59,13 @@ impl Answer {
         let sets = self.ladder.iter().map(|set| set.ratio);
         let least = sets.fold(self.decision.ratio.1, f64::min);
         remains && times > 1.0 && least <= NEARLY * times
+    }
+
+    /// The base alone; `dataset` is what was decided with.
+    pub(super) fn without_effects(mut self, dataset: &Dataset<'_>) -> Answer {
+        self.decision.take_effects_back(dataset);
+        self.ladder.retain(|set| set.ids.is_empty());
+        self
     }
 
     /// Whether it explains nothing where another names a part: slow noise may be all that remains, but no reason to
@@ -121,6 +130,7 @@ impl<'a> Rounds<'a> {
             base: environment,
             given,
             ids: self.ids,
+            most_added: self.most_added,
             progress,
             noise_cost: 0.0,
             tried: Vec::new(),

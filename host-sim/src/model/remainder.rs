@@ -1,6 +1,7 @@
 //! What a model left of the log that it was identified on.
 
 use crate::diagnostic::Diagnostic;
+use crate::phase::PHASES;
 use crate::toml_reader::{Bounds, Table};
 
 /// What no effect of the catalogue explained when a model was identified: a process of its own, beyond the noise.
@@ -8,6 +9,8 @@ use crate::toml_reader::{Bounds, Table};
 pub struct Remainder {
     /// Root mean square (N).
     pub rms_n: f64,
+    /// The same in each phase of the contact that the log had: a bond that breaks leaves more than a hold.
+    pub by_phase_n: [Option<f64>; PHASES.len()],
     /// How long (s) it stays what it is: the time of one independent value.
     pub correlation_s: f64,
     /// The corner (Hz) of the low-pass that forces went through; `None` without one.
@@ -17,13 +20,26 @@ pub struct Remainder {
 impl Remainder {
     /// The `[remainder]` of a model file.
     pub(super) fn from_table(table: &Table<'_>) -> Result<Remainder, Diagnostic> {
-        table.understand(&["rms", "correlation_time", "bandwidth"]);
+        table.understand(&["rms", "by_phase", "correlation_time", "bandwidth"]);
+        let mut by_phase_n = [None; PHASES.len()];
+        if let Some(own) = table.table("by_phase")? {
+            for (name, rms_n) in PHASES.iter().zip(&mut by_phase_n) {
+                *rms_n = own.number(name, Bounds::NotNegative)?;
+            }
+            own.finish()?;
+        }
         let remainder = Remainder {
             rms_n: table.required_number("rms", Bounds::Positive)?,
+            by_phase_n,
             correlation_s: table.required_number("correlation_time", Bounds::Positive)?,
             bandwidth_hz: table.number("bandwidth", Bounds::Positive)?,
         };
         table.finish()?;
         Ok(remainder)
+    }
+
+    /// Root mean square (N) in a phase, by its place in [`PHASES`].
+    pub(crate) fn rms_in_n(&self, phase: usize) -> f64 {
+        self.by_phase_n[phase].unwrap_or(self.rms_n)
     }
 }

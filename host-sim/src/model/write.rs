@@ -5,6 +5,7 @@ use std::fmt;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value};
 
 use super::{Effect, Environment, Fit, Model, Remainder};
+use crate::phase::PHASES;
 use crate::plant::Sensors;
 
 impl Model {
@@ -87,6 +88,13 @@ fn sensors(sensors: &Sensors) -> Table {
 fn remainder(remainder: &Remainder) -> Table {
     let mut table = Table::new();
     table["rms"] = value(remainder.rms_n);
+    let by_phase = PHASES.into_iter().zip(remainder.by_phase_n);
+    let by_phase: InlineTable = by_phase
+        .filter_map(|(name, rms_n)| Some((name, rms_n?)))
+        .collect();
+    if !by_phase.is_empty() {
+        table["by_phase"] = value(by_phase);
+    }
     table["correlation_time"] = value(remainder.correlation_s);
     if let Some(corner_hz) = remainder.bandwidth_hz {
         table["bandwidth"] = value(corner_hz);

@@ -222,6 +222,17 @@ impl FitData {
     pub(crate) fn len(&self) -> usize {
         self.time_s.len()
     }
+
+    /// How many samples there are for each time (s) that noise remembers; at least 1. Those of a thinned rest may be
+    /// further apart than that.
+    pub(crate) fn samples_for_each(&self, memory_s: f64) -> f64 {
+        if memory_s <= self.period_s {
+            return 1.0;
+        }
+        let apart = self.time_s.windows(2).map(|t| (t[1] - t[0]) / memory_s);
+        let independent: f64 = apart.map(|share| share.min(1.0)).sum();
+        (self.len() as f64 / independent.max(1.0)).max(1.0)
+    }
 }
 
 #[cfg(test)]

@@ -138,6 +138,7 @@ pub(super) mod tests {
             variances: vec![1.0; SAMPLES],
             held_out: vec![false; SAMPLES],
             correlation: 1.0,
+            is_beside_remainder: false,
         }
     }
 

@@ -42,7 +42,7 @@ fn errors_of_numbers(
 ) -> f64 {
     let [weights, predicted] = [false, true].map(|is_out| weights_of(all, held_out, is_out));
     let [training, predicted] = [&weights, &predicted].map(|weights| dataset.problem(weights));
-    let correlation = largest_correlation(dataset.floors, 1);
+    let correlation = largest_correlation(dataset.floors, dataset.logs, 1);
     let trained = trained(&training, best);
     let variance = prediction_variance(&training, &predicted, &trained, correlation);
     (1.0 + variance / predicted.used().len().max(1) as f64).sqrt()
@@ -106,6 +106,7 @@ mod tests {
             correlation: 1.0,
             band_share: 1.0,
             slow: None,
+            left: None,
             why: String::new(),
         }
     }

@@ -6,9 +6,10 @@ use estimator_core::physics::effect::EffectId;
 
 use super::held_out::held_out_error;
 use crate::gap::finding::Verdict;
-use crate::gap::model::{dataset::Dataset, fit::Fit, weights::weights};
+use crate::gap::model::{dataset::Dataset, error::std_errors, fit::Fit, weights::weights};
 use crate::gap::search::evidence::Evidence;
 use crate::gap::thresholds::Thresholds;
+use crate::stats::rms;
 
 /// The decision on the effects of a search.
 pub(crate) struct Decision {
@@ -46,6 +47,8 @@ pub(crate) struct Decision {
     pub(crate) held_out: Vec<bool>,
     /// Samples for each independent residual.
     pub(crate) correlation: f64,
+    /// Whether what the model left when it was identified was allowed for.
+    pub(crate) is_beside_remainder: bool,
 }
 
 impl Decision {
@@ -76,9 +79,32 @@ impl Decision {
         }
     }
 
+    /// Root mean square (N) of what the base leaves of all samples that count.
+    pub(crate) fn rms_of_base_n(&self, dataset: &Dataset<'_>) -> f64 {
+        let weights = weights(&self.variances);
+        let problem = dataset.problem(&weights);
+        let residuals = problem.residuals(&self.base.shape, &self.base.numbers);
+        rms(problem.used().into_iter().map(|at| residuals[at]))
+    }
+
+    /// Takes the effects back; `dataset` is what was decided with.
+    pub(crate) fn take_effects_back(&mut self, dataset: &Dataset<'_>) {
+        let weights = weights(&self.variances);
+        self.best = self.base.clone();
+        self.std_errors = std_errors(&dataset.problem(&weights), &self.best);
+        self.rmse_n.1 = self.rmse_n.0;
+        self.least_rmse_n = self.rmse_n.0;
+        (self.alternatives, self.gains, self.without) = Default::default();
+    }
+
     /// Its names stand beside a remainder that was allowed for; `dataset` has the floors without it.
     pub(crate) fn stand_beside_remainder(&mut self, dataset: &Dataset<'_>) {
-        self.verdict = Verdict::PartlyExplained;
+        self.is_beside_remainder = true;
+        self.verdict = match self.alternatives.iter().any(Vec::is_empty) {
+            _ if self.without.is_empty() => Verdict::Unexplained,
+            true => Verdict::PartlyExplained,
+            false => Verdict::Ambiguous,
+        };
         self.variances = dataset.variances(&self.best);
         let weights = weights(&self.variances);
         let problem = dataset.problem(&weights);

@@ -66,6 +66,7 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         variances,
         held_out,
         correlation,
+        is_beside_remainder: false,
     }
 }
 

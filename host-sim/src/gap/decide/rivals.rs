@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::one_speed::is_one_speed;
 use crate::gap::data::scales::Scales;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
+use crate::gap::noise::known::most_correlation;
 use crate::gap::search::relatives::{are_late, oppose_motion, related, simpler};
 use crate::gap::search::{run::SearchResult, sets::added_effects};
 use crate::gap::thresholds::Rivalry;
@@ -48,7 +49,12 @@ pub(super) fn rivals(
 ) -> Rivals {
     let decide = &dataset.thresholds.rivalry;
     let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
-    let margin = discriminability_margin(best, count, correlation, decide.margin);
+    let margin = |correlation| discriminability_margin(best, count, correlation, decide.margin);
+    let margin = match dataset.floors.iter().any(|floor| floor.left.is_some()) {
+        true => margin(correlation.min(most_correlation(count)))
+            .max((decide.beside_remainder - 1.0) * best.cost),
+        false => margin(correlation),
+    };
     let is_one_speed = is_one_speed(dataset, best);
     let most = result.best.cost * followed(decide, is_one_speed) + margin;
     let close = result.rivals.iter().filter(|fit| fit.cost < most);

@@ -49,6 +49,7 @@ impl Recordings {
             used_n: sensor.noise_n,
             band_share: 1.0,
             slow: None,
+            left: None,
             coloured: false,
             correlation: 1.0,
             why: "given".into(),

@@ -1,6 +1,7 @@
 //! The regions in which a model and a log disagree.
 
 use crate::number::quantity;
+use crate::phase::PHASES;
 
 /// A region and its share of the excess.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,17 +22,6 @@ pub struct Region {
     pub pitch_m: Option<f64>,
 }
 
-/// The phases of the contact, or the ways it goes; every sample is in one.
-pub(crate) const PHASES: [&str; 8] = [
-    "free",
-    "touch",
-    "loading",
-    "hold",
-    "unloading",
-    "lift_off",
-    "forward",
-    "backward",
-];
 /// A region is mentioned beside the phase if its share of the excess is this many times its share of the
 /// samples.
 const TELLING: f64 = 1.3;

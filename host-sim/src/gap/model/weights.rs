@@ -4,7 +4,9 @@
 use crate::gap::data::fit_data::FitData;
 use crate::gap::data::low_pass::LowPass;
 use crate::gap::data::motion_errors::{ACCELERATION_ERROR_FACTOR, SPEED_ERROR_FACTOR};
-use crate::gap::model::{fit::Fit, simulate::forces_of_changed, simulate::run_rig};
+use crate::gap::model::{
+    fit::Fit, simulate::depths, simulate::forces_of_changed, simulate::run_rig,
+};
 use crate::gap::noise::floor::NoiseFloor;
 
 /// The variances (N²) that the residuals of a fit should have. A sample that says nothing has 0: one in
@@ -23,7 +25,9 @@ pub(crate) fn variances(
     let contact = !fit.shape.base.is_free();
     let rig = fit.shape.rig(&fit.numbers);
     let mut variances = Vec::with_capacity(of_position.len());
-    for (log, floor) in logs.iter().zip(floors) {
+    let depths = depths(&fit.shape, &fit.numbers, logs);
+    for ((log, floor), depth_m) in logs.iter().zip(floors).zip(&depths) {
+        let noise_n2 = floor.variances(depth_m, &log.speed_mps);
         let share = low_pass.map_or(1.0, |low_pass| low_pass.variance_share(log.period_s));
         run_rig(&rig, log, |at, reading| {
             let row = variances.len();
@@ -35,7 +39,7 @@ pub(crate) fn variances(
             variances.push(if log.count[at] == 0.0 || touching {
                 0.0
             } else {
-                floor.noise_n().powi(2) + share * motion
+                noise_n2[at] + share * motion
             });
         });
     }

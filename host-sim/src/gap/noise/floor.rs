@@ -20,6 +20,7 @@ use crate::gap::noise::rest_power::{COLOUR_HZ, RestNoise};
 use crate::gap::noise::stretches::SlowNoise;
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
+use crate::model::Remainder;
 use crate::signal;
 
 /// The noise of a measured force.
@@ -46,6 +47,8 @@ pub struct NoiseFloor {
     pub band_share: f64,
     /// Slower noise that stretches of the motion show where there is no rest.
     pub(crate) slow: Option<SlowNoise>,
+    /// What a model left when it was identified, where `used_n` allows for that.
+    pub(crate) left: Option<Remainder>,
     /// Which estimate is used, and why, in words.
     pub why: String,
 }
@@ -244,6 +247,7 @@ impl NoiseFloor {
                 Some(_) => None,
                 None => SlowNoise::beside(high_pass_n, log, decide).filter(|slow| slow.is_all),
             },
+            left: None,
             lines_n: rest.map_or(0.0, |rest| rest.lines_n2.sqrt()),
             used_n,
             why: why.into(),

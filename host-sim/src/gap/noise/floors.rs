@@ -4,6 +4,7 @@
 //! noise levels lost a relaxation under a cantilever. Near it the slow noise decides. A log is therefore asked with second
 //! differences first, and again with the slow noise where that may be all that remains.
 
+use crate::gap::data::fit_data::FitData;
 use crate::gap::noise::floor::NoiseFloor;
 
 /// The noise floors of all logs.
@@ -23,10 +24,10 @@ impl Floors {
     }
 }
 
-/// The most samples for each independent one of all logs, of which every `step`-th sample is taken.
-pub(crate) fn largest_correlation(floors: &[NoiseFloor], step: usize) -> f64 {
-    floors
-        .iter()
-        .map(|floor| floor.correlation / step as f64)
-        .fold(1.0, f64::max)
+/// The most samples for each independent one of all `logs`, of which every `step`-th sample is taken.
+pub(crate) fn largest_correlation(floors: &[NoiseFloor], logs: &[FitData], step: usize) -> f64 {
+    let samples = |(floor, log): (&NoiseFloor, &FitData)| {
+        log.samples_for_each(floor.correlation * log.period_s / step as f64)
+    };
+    floors.iter().zip(logs).map(samples).fold(1.0, f64::max)
 }

@@ -18,6 +18,10 @@ use crate::gap::options::Options;
 use crate::gap::say::{estimates::Estimates, log_residuals::LogResiduals, regions::regions};
 use crate::gap::search::evidence::Evidence;
 use crate::model::{Model, Remainder};
+use crate::phase::{PHASES, phases_of};
+
+/// How many independent values the remainder of the whole log is worth in each phase.
+const UNKNOWN: f64 = 3.0;
 
 /// Builds the finding.
 pub(crate) fn finding(
@@ -229,17 +233,47 @@ impl<'a> FindingBuilder<'a> {
     /// What the model with the effects leaves, where that is no noise.
     fn left(&self, bandwidth_hz: Option<f64>) -> Option<Remainder> {
         let decision = self.decision;
-        let remains = matches!(
-            decision.verdict,
-            Verdict::Unexplained | Verdict::PartlyExplained
-        );
-        let beyond_n2 = decision.rmse_n.1.powi(2) - self.noise_floor_n().powi(2);
+        let remains = decision.is_beside_remainder
+            || matches!(
+                decision.verdict,
+                Verdict::Unexplained | Verdict::PartlyExplained
+            );
+        let (rms_n, by_phase_n) = self.beyond_noise()?;
         let period_s = self.dataset.logs.first()?.period_s;
-        (remains && beyond_n2 > 0.0).then(|| Remainder {
-            rms_n: beyond_n2.sqrt(),
+        remains.then(|| Remainder {
+            rms_n,
+            by_phase_n,
             correlation_s: decision.correlation * period_s,
             bandwidth_hz,
         })
+    }
+
+    /// Root mean square (N) of what is left beyond the noise in the whole log and in each phase of it; `None` where
+    /// nothing is. Held-out parts alone miss where it is most: a bond under a cantilever breaks once.
+    fn beyond_noise(&self) -> Option<(f64, [Option<f64>; PHASES.len()])> {
+        let residuals = self.residuals(&self.after_n);
+        let mut sums = [(0.0, 0.0); PHASES.len()];
+        let rows = self.rows().into_iter().zip(&self.depths);
+        for ((rows, depth_m), (log, floor)) in
+            rows.zip(self.dataset.logs.iter().zip(self.dataset.floors))
+        {
+            let phases = phases_of(depth_m, &log.speed_mps).into_iter().zip(rows);
+            for (phase, row) in phases.filter(|(_, row)| self.decision.variances[*row] > 0.0) {
+                let (count, beyond_n2) = &mut sums[phase];
+                *count += 1.0;
+                *beyond_n2 += residuals[row].powi(2) - floor.noise_n().powi(2);
+            }
+        }
+        let total = |sum: (f64, f64), own: &(f64, f64)| (sum.0 + own.0, sum.1 + own.1);
+        let (count, beyond_n2) = sums.iter().fold((0.0, 0.0), total);
+        let all_n2 = beyond_n2 / f64::max(count, 1.0);
+        // Few independent values say little of a phase.
+        let known = UNKNOWN * self.decision.correlation;
+        let rms_n = |(count, beyond_n2): (f64, f64)| {
+            let mean_n2 = (beyond_n2 + known * all_n2) / (count + known);
+            (count > 0.0).then(|| mean_n2.max(0.0).sqrt())
+        };
+        (all_n2 > 0.0).then(|| (all_n2.sqrt(), sums.map(rms_n)))
     }
 
     fn curves(&self) -> Vec<Curves> {

@@ -8,41 +8,8 @@
 use crate::gap::finding::Region;
 use crate::gap::say::{lines::lines, log_residuals::LogResiduals};
 use crate::gap::thresholds::Regions;
+use crate::phase::{FAST, STILL, phase};
 use crate::stats::{lowest, median, quantile, range};
-
-/// Depths below this share of the deepest are touch and lift-off.
-const NEAR: f64 = 0.05;
-/// Speeds below this share of the fast ones are a hold.
-const STILL: f64 = 0.02;
-/// The quantile of the speeds that is fast.
-const FAST: f64 = 0.95;
-
-/// The phase of the contact at a depth (m) and a speed (m/s), or the way it goes where nothing is touched. `fast_mps`
-/// is the 95 % quantile of the speeds.
-pub(crate) fn phase(depth_m: f64, speed_mps: f64, deepest_m: f64, fast_mps: f64) -> &'static str {
-    let is_still = speed_mps.abs() <= STILL * fast_mps;
-    if deepest_m <= 0.0 {
-        return match speed_mps > 0.0 {
-            _ if is_still => "hold",
-            true => "forward",
-            false => "backward",
-        };
-    }
-    let near_m = NEAR * deepest_m;
-    if depth_m <= -near_m {
-        "free"
-    } else if depth_m < near_m && !is_still {
-        if speed_mps > 0.0 { "touch" } else { "lift_off" }
-    } else if depth_m <= 0.0 {
-        "free"
-    } else if is_still {
-        "hold"
-    } else if speed_mps > 0.0 {
-        "loading"
-    } else {
-        "unloading"
-    }
-}
 
 /// The regions in which the excess is significant, the largest share first.
 pub(crate) fn regions(
@@ -186,30 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_sample_is_in_a_phase_of_the_contact_or_on_a_way() {
-        // GIVEN a millimetre of depth at 10 mm/s
-        let phase_at = |depth_m, speed_mps| phase(depth_m, speed_mps, 1e-3, 1e-2);
-        let phases = [
-            (-1e-3, 1e-2, "free"),
-            (-1e-5, 0.0, "free"),
-            (-1e-5, 1e-2, "touch"),
-            (1e-5, -1e-2, "lift_off"),
-            (5e-4, 1e-2, "loading"),
-            (5e-4, 1e-4, "hold"),
-            (5e-4, -1e-2, "unloading"),
-        ];
-        for (depth_m, speed_mps, expected) in phases {
-            assert_eq!(
-                phase_at(depth_m, speed_mps),
-                expected,
-                "{depth_m} {speed_mps}"
-            );
-        }
-        // THEN where nothing is touched there is no air, and no depth.
-        let ways = [(1e-2, "forward"), (-1e-2, "backward"), (1e-4, "hold")];
-        for (speed_mps, expected) in ways {
-            assert_eq!(phase(0.0, speed_mps, 0.0, 1e-2), expected);
-        }
+    fn the_deepest_is_in_the_last_third() {
         assert_eq!([0.0, 0.34, 0.99, 1.0].map(third), [0, 1, 2, 2]);
     }
 }

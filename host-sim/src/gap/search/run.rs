@@ -17,7 +17,7 @@ use crate::model;
 /// Fits that the next forward step goes on from.
 const BEAM: usize = 3;
 /// Most effects that are added.
-const MOST_ADDED: usize = 5;
+pub(crate) const MOST_ADDED: usize = 5;
 
 /// A search over the catalogue on one resolution of the logs.
 pub(crate) struct Search<'a> {
@@ -30,6 +30,8 @@ pub(crate) struct Search<'a> {
     pub(crate) given: &'a [Term],
     /// The catalogue.
     pub(crate) ids: &'a [EffectId],
+    /// Most effects that are added.
+    pub(crate) most_added: usize,
     pub(crate) progress: &'a dyn Progress,
     /// Σ w r² of noise alone: the number of samples with a weight.
     pub(crate) noise_cost: f64,
@@ -103,7 +105,7 @@ impl Search<'_> {
         };
         // Effects that only work together take little off one by one.
         let mut idle = 0;
-        for level in 0..MOST_ADDED {
+        for level in 0..self.most_added {
             if self.is_adequate(&state.best) {
                 break;
             }
@@ -187,10 +189,11 @@ impl Search<'_> {
 
     fn report_level(&self, level: usize) {
         // Later steps take longer: five effects take half of the time of the whole workflow.
-        let share = 0.1 + 0.5 * level as f64 / MOST_ADDED as f64;
+        let share = 0.1 + 0.5 * level as f64 / self.most_added as f64;
         let what = format!(
-            "effect {} of at most {MOST_ADDED}: {} in the catalogue",
+            "effect {} of at most {}: {} in the catalogue",
             level + 1,
+            self.most_added,
             self.ids.len()
         );
         self.progress.at(share, &what);

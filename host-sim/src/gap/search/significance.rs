@@ -104,6 +104,7 @@ mod tests {
     use crate::gap::model::dataset::Dataset;
     use crate::gap::model::start::whole;
     use crate::gap::progress::Silent;
+    use crate::gap::search::run::MOST_ADDED;
     use crate::gap::{NoiseFloor, Options};
     use crate::log::UniformLog;
     use crate::model::{Environment, Fit as Kept, Parameter};
@@ -182,6 +183,7 @@ mod tests {
             base: &base,
             given: &[],
             ids: &options.catalogue,
+            most_added: MOST_ADDED,
             progress: &Silent,
             noise_cost: 0.0,
             correlation: 1.0,

@@ -1,13 +1,11 @@
 //! The residuals of a log, and their means over depth or speed, which a scatter plot would hide.
 
-use crate::gap::{Curves, phase};
+use crate::gap::Curves;
+use crate::phase::{STILL, phase};
 use crate::stats::{highest, lowest, median, quantile};
 
 /// A mean is taken over at least this many samples.
 const FEWEST: usize = 8;
-/// Below this share of the 95 % quantile of the speeds the probe counts as standing still; the regions
-/// use the same share.
-const STILL: f64 = 0.02;
 
 /// The curves of a log, and what the figures derive from them.
 pub(super) struct LogCurves<'a> {

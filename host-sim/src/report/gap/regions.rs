@@ -1,7 +1,8 @@
 //! The regions in which the base model and the log disagree, and those that remain with the effects.
 
-use crate::gap::{Finding, PHASES, Region, Verdict};
+use crate::gap::{Finding, Region, Verdict};
 use crate::number::{column, fixed, quantity, spaced};
+use crate::phase::PHASES;
 use crate::report::{Cell, Section, Table};
 
 /// The section on where the models and the log disagree.
