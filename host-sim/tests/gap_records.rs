@@ -220,6 +220,32 @@ fn a_drive_that_rubs_more_than_when_it_was_identified_is_seen() {
 }
 
 #[test]
+fn a_drive_that_is_as_it_was_has_nothing_new_though_its_record_is_not_explained() {
+    // GIVEN what `gap` found on the first record of the drive
+    let options = Options {
+        bandwidth_hz: Some(20.0),
+        ..Options::default()
+    };
+    let base = Model::read(Path::new(&record("emps/base.toml"))).unwrap();
+    let found = gap(&base, &[read("emps/data.csv.gz")], &options).unwrap();
+    let left = found.model.remainder.unwrap();
+    // Reversals stand out: there it sticks before it slides.
+    let hold = left.by_phase_n[3].unwrap();
+    assert!(hold > 1.2 * left.rms_n, "{left:?}");
+    // THEN on another record nothing is new, and what it left stays the measure.
+    let later = gap(&found.model, &[read("emps/data_pulses.csv.gz")], &options).unwrap();
+    assert_eq!(later.verdict, Verdict::Unexplained);
+    assert!(later.effects.is_empty());
+    assert!(
+        later
+            .notes
+            .iter()
+            .any(|note| note.starts_with("nothing is new"))
+    );
+    assert_eq!(later.model.remainder, Some(left));
+}
+
+#[test]
 fn a_line_in_a_pendulums_uneven_record_is_found_as_the_only_wave() {
     // GIVEN a servo that follows two sines, 190 Hz with jitter, and 0.44 N m at 26.78 Hz: more than all that its
     // base leaves, at a seventh of the rate

@@ -2,6 +2,7 @@
 
 pub(crate) mod builder;
 mod estimates;
+mod left;
 mod lines;
 mod log_residuals;
 pub(crate) mod plausibility;

@@ -35,6 +35,7 @@ rate = 5000
 
 [remainder]
 rms = 0.026
+by_phase = { loading = 0.03, hold = 0.011 }
 correlation_time = 0.04
 bandwidth = 20
 "#;
@@ -55,7 +56,10 @@ fn a_model_with_everything_reads_and_comes_back_as_it_was() {
     assert_eq!(model.effects[1].line, Some(17));
     assert_eq!(model.sensors.rate_hz, 5000.0);
     assert_eq!(model.sensors.position_step_m, 1e-6);
-    assert_eq!(model.remainder.map(|own| own.rms_n), Some(0.026));
+    let left = model.remainder.unwrap();
+    assert_eq!(left.rms_n, 0.026);
+    let by_phase_n: Vec<f64> = left.by_phase_n.into_iter().flatten().collect();
+    assert_eq!(by_phase_n, [0.03, 0.011]);
     let mut back = parse(&model.to_string()).unwrap();
     for (effect, original) in back.effects.iter_mut().zip(&model.effects) {
         effect.line = original.line;
@@ -114,6 +118,13 @@ fn mistakes_are_named_with_line_and_remedy() {
             "[enviroment]\nlaw = \"free\"\n".into(),
             Some(1),
             "unknown key `enviroment`",
+        ),
+        (
+            "[environment]\nlaw = \"free\"\n[remainder]\nrms = 1\ncorrelation_time = 1\n\
+             by_phase = { holds = 1 }\n"
+                .into(),
+            Some(6),
+            "unknown key `holds`",
         ),
         ("[[effect]]\nid = \"a\"\n".into(), None, "no [environment]"),
         (

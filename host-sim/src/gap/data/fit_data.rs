@@ -242,6 +242,33 @@ mod tests {
     use crate::stats::rms;
 
     #[test]
+    fn samples_of_a_thinned_rest_are_as_independent_as_they_are_apart() {
+        // GIVEN a second at 1 kHz, and ten samples a second apart
+        let fast = (0..=1000).map(|at| 1e-3 * f64::from(at));
+        let time_s: Vec<f64> = fast.chain((2..12).map(f64::from)).collect();
+        let force_n = vec![0.0; time_s.len()];
+        let even = FitData::of(
+            &Log::from_channels(
+                (0..20).map(f64::from).collect(),
+                vec![0.0; 20],
+                vec![0.0; 20],
+            )
+            .uniform()
+            .unwrap(),
+        );
+        let log = FitData {
+            period_s: 1e-3,
+            time_s,
+            force_n,
+            ..even
+        };
+        // THEN noise that remembers for 0.1 s has ten values in the second and ten after it,
+        assert!((log.samples_for_each(0.1) - 1011.0 / 20.0).abs() < 1e-9);
+        // AND white noise one in each sample.
+        assert_eq!(log.samples_for_each(1e-3), 1.0);
+    }
+
+    #[test]
     fn an_uneven_log_is_fitted_at_the_instants_at_which_it_was_taken() {
         // GIVEN 2 mm at 1.5 Hz, sampled up to 0.3 ms before or after every millisecond, a white force
         let instant = |i: i32| 1e-3 * f64::from(i) + 3e-4 * (f64::from(i * i % 97) / 48.0 - 1.0);

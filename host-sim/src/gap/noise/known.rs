@@ -48,6 +48,7 @@ impl NoiseFloor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::phase::PHASES;
 
     #[test]
     fn variances_and_those_of_means_add_up() {
@@ -76,5 +77,22 @@ mod tests {
         // THEN they are 5 mN, and every (9 · 1 + 16 · 50) / 25 samples are worth one.
         assert!((both.noise_n() - 5e-3).abs() < 1e-12 && both.coloured);
         assert!((both.correlation - 32.36).abs() < 1e-9);
+        // AND in a phase with a value of its own, here the hold, that counts.
+        let mut by_phase_n = [None; PHASES.len()];
+        by_phase_n[3] = Some(0.0);
+        let remainder = Remainder {
+            by_phase_n,
+            ..remainder
+        };
+        let both = white.beside(&remainder, 1e3);
+        let variances = both.variances(&[1e-3; 2], &[1e-2, 0.0]);
+        assert!((variances[0] - 25e-6).abs() < 1e-12 && (variances[1] - 9e-6).abs() < 1e-12);
+        assert_eq!(white.variances(&[1e-3], &[0.0]), [9e-6]);
+    }
+
+    #[test]
+    fn what_a_model_left_is_worth_sixty_four_values_at_least() {
+        assert_eq!(most_correlation(6400.0), 100.0);
+        assert_eq!(most_correlation(10.0), 1.0);
     }
 }

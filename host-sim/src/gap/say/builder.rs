@@ -15,13 +15,11 @@ use crate::gap::model::{
     dataset::Dataset, error::std_errors, problem::Problem, simulate::depths, weights::weights,
 };
 use crate::gap::options::Options;
-use crate::gap::say::{estimates::Estimates, log_residuals::LogResiduals, regions::regions};
+use crate::gap::say::{
+    estimates::Estimates, left::left, log_residuals::LogResiduals, regions::regions,
+};
 use crate::gap::search::evidence::Evidence;
 use crate::model::{Model, Remainder};
-use crate::phase::{PHASES, phases_of};
-
-/// How many independent values the remainder of the whole log is worth in each phase.
-const UNKNOWN: f64 = 3.0;
 
 /// Builds the finding.
 pub(crate) fn finding(
@@ -60,7 +58,11 @@ pub(crate) fn finding(
         advised: None,
         ladder,
         model: Model {
-            remainder: builder.left(options.bandwidth_hz),
+            // What was allowed for stays the measure: it would grow from log to log.
+            remainder: match decision.is_beside_remainder {
+                true => model.remainder,
+                false => builder.left(options.bandwidth_hz),
+            },
             ..estimates.refitted_model(model)
         },
         bandwidth_hz: options.bandwidth_hz,
@@ -205,19 +207,26 @@ impl<'a> FindingBuilder<'a> {
     }
 
     fn regions_of(&self, residuals: &[f64], variances: &[f64]) -> Vec<Region> {
-        let rows = self.rows().into_iter();
-        let logs: Vec<LogResiduals<'_>> = rows
-            .zip(self.dataset.logs)
-            .zip(&self.depths)
-            .map(|((rows, log), depth_m)| LogResiduals {
-                log,
-                depth_m,
-                residuals: &residuals[rows.clone()],
-                variances: &variances[rows],
-            })
-            .collect();
+        let logs = self.log_residuals(residuals, variances);
         let decide = &self.decision.thresholds.regions;
         regions(&logs, self.decision.correlation, decide)
+    }
+
+    /// Residuals (N) and variances (N²) that are stored log after log, for each log.
+    fn log_residuals<'b>(
+        &'b self,
+        residuals: &'b [f64],
+        variances: &'b [f64],
+    ) -> Vec<LogResiduals<'b>> {
+        let rows = self.rows().into_iter();
+        let each = rows.zip(self.dataset.logs).zip(&self.depths);
+        each.map(|((rows, log), depth_m)| LogResiduals {
+            log,
+            depth_m,
+            residuals: &residuals[rows.clone()],
+            variances: &variances[rows],
+        })
+        .collect()
     }
 
     /// The noise (N) of the force that was fitted, all logs together.
@@ -233,47 +242,18 @@ impl<'a> FindingBuilder<'a> {
     /// What the model with the effects leaves, where that is no noise.
     fn left(&self, bandwidth_hz: Option<f64>) -> Option<Remainder> {
         let decision = self.decision;
-        let remains = decision.is_beside_remainder
-            || matches!(
-                decision.verdict,
-                Verdict::Unexplained | Verdict::PartlyExplained
-            );
-        let (rms_n, by_phase_n) = self.beyond_noise()?;
-        let period_s = self.dataset.logs.first()?.period_s;
-        remains.then(|| Remainder {
-            rms_n,
-            by_phase_n,
-            correlation_s: decision.correlation * period_s,
-            bandwidth_hz,
-        })
-    }
-
-    /// Root mean square (N) of what is left beyond the noise in the whole log and in each phase of it; `None` where
-    /// nothing is. Held-out parts alone miss where it is most: a bond under a cantilever breaks once.
-    fn beyond_noise(&self) -> Option<(f64, [Option<f64>; PHASES.len()])> {
+        let remains = matches!(
+            decision.verdict,
+            Verdict::Unexplained | Verdict::PartlyExplained
+        );
         let residuals = self.residuals(&self.after_n);
-        let mut sums = [(0.0, 0.0); PHASES.len()];
-        let rows = self.rows().into_iter().zip(&self.depths);
-        for ((rows, depth_m), (log, floor)) in
-            rows.zip(self.dataset.logs.iter().zip(self.dataset.floors))
-        {
-            let phases = phases_of(depth_m, &log.speed_mps).into_iter().zip(rows);
-            for (phase, row) in phases.filter(|(_, row)| self.decision.variances[*row] > 0.0) {
-                let (count, beyond_n2) = &mut sums[phase];
-                *count += 1.0;
-                *beyond_n2 += residuals[row].powi(2) - floor.noise_n().powi(2);
-            }
-        }
-        let total = |sum: (f64, f64), own: &(f64, f64)| (sum.0 + own.0, sum.1 + own.1);
-        let (count, beyond_n2) = sums.iter().fold((0.0, 0.0), total);
-        let all_n2 = beyond_n2 / f64::max(count, 1.0);
-        // Few independent values say little of a phase.
-        let known = UNKNOWN * self.decision.correlation;
-        let rms_n = |(count, beyond_n2): (f64, f64)| {
-            let mean_n2 = (beyond_n2 + known * all_n2) / (count + known);
-            (count > 0.0).then(|| mean_n2.max(0.0).sqrt())
-        };
-        (all_n2 > 0.0).then(|| (all_n2.sqrt(), sums.map(rms_n)))
+        let logs = self.log_residuals(&residuals, &decision.variances);
+        left(&logs, self.dataset.floors, decision.correlation)
+            .filter(|_| remains)
+            .map(|left| Remainder {
+                bandwidth_hz,
+                ..left
+            })
     }
 
     fn curves(&self) -> Vec<Curves> {

@@ -93,6 +93,7 @@ fn finding(verdict: Verdict) -> Finding {
             used_n: 0.02,
             band_share: 1.0,
             slow: None,
+            left: None,
             coloured: false,
             correlation: 1.0,
             why: "from second differences".into(),

@@ -75,6 +75,8 @@ pub struct Outcome {
     pub left: f64,
     /// The name of the effect, or of a member of its family, stands.
     pub named: bool,
+    /// It stands, or is among what is left open.
+    pub open: bool,
     /// Another name stands.
     pub companion: bool,
     /// The found size over the true one, where the effect is named.
@@ -268,6 +270,7 @@ fn altered(
             worse,
             left: f64::NAN,
             named: false,
+            open: false,
             companion: false,
             ratio: None,
             in_best_set: false,
@@ -298,12 +301,20 @@ fn judged(id: &str, injection: &Injection, answer: &Answer, worse: f64, left: f6
         worse,
         left,
         named: named.is_some(),
+        open: named.is_some() || is_left_open(id, answer),
         companion: standing.any(|named| !right(&named)),
         ratio: named.and_then(|named| ratio(named, injection)),
         in_best_set: best.any(|best| family(id).contains(&best.as_str())),
         detail,
         label: answer.label(),
     }
+}
+
+/// Whether the effect is an open name, or could stand for one.
+fn is_left_open(id: &str, answer: &Answer) -> bool {
+    let open = answer.effects.iter().filter(|named| !stands(named));
+    let mut ids = open.flat_map(|named| named.alternatives.iter().chain([&named.id]));
+    ids.any(|other| family(id).contains(&other.as_str()))
 }
 
 /// Whether a name stands: certain or strong; where the answer gives no grades, whatever it names.

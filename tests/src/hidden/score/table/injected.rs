@@ -91,8 +91,15 @@ fn effects(examined: &[Examined]) -> String {
             .push(outcome);
     }
     let mut text = format!(
-        "{:<24}{:>5}{:>16}{:>10}{:>17}{:>13}{:>7}\n",
-        "injected", "n", "named, %", "best set", "a wrong one, %", "within 20 %", "left"
+        "{:<24}{:>5}{:>16}{:>16}{:>10}{:>17}{:>13}{:>7}\n",
+        "injected",
+        "n",
+        "named, %",
+        "or open, %",
+        "best set",
+        "a wrong one, %",
+        "within 20 %",
+        "left"
     );
     for (name, counted) in by_size.iter().chain(&by_name).chain(&by_record) {
         let share = |what: &dyn Fn(&Outcome) -> bool| Share {
@@ -107,9 +114,10 @@ fn effects(examined: &[Examined]) -> String {
         let left: Vec<f64> = counted.iter().map(|one| one.left).collect();
         line!(
             text,
-            "{name:<24}{:>5}{:>16}{:>10}{:>17}{:>13}{:>7.2}",
+            "{name:<24}{:>5}{:>16}{:>16}{:>10}{:>17}{:>13}{:>7.2}",
             counted.len(),
             named.to_string(),
+            share(&|one| one.open).to_string(),
             share(&|one| one.in_best_set).hits,
             share(&|one| one.companion).to_string(),
             format!("{} of {}", close.hits, close.of),
@@ -118,8 +126,8 @@ fn effects(examined: &[Examined]) -> String {
     }
     line!(
         text,
-        "named: itself or a member of its nested family stands. best set: it is in the best set of all that\n\
-         were fitted. left: error after over the error on the clean record, median; 1 is as good as before\n\
+        "named: itself or a member of its nested family stands. or open: it is among what is left open. best\n\
+         set: it is in the best set of all that were fitted. left: error after over the error on the clean record, median; 1 is as good as before\n\
          the effect came."
     );
     text
