@@ -143,11 +143,9 @@ fn workflow(
     };
     let as_identified = AsIdentified::of(model, options, &logs, step);
     let new = as_identified.and_then(|own| own.answer(&rounds, &model.environment, &given));
+    notes.extend(new.iter().map(|_| as_identified::NOTE.into()));
     let (rounds, answer) = match new {
-        Some((answer, note)) => {
-            notes.push(note.into());
-            (rounds, answer)
-        }
+        Some(answer) => (rounds, answer),
         None => answered(rounds, &floors, step, (&model.environment, &given)),
     };
     progress.at(0.95, "regions and errors");

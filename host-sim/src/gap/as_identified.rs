@@ -24,10 +24,7 @@ use crate::model::{Environment, Model, Remainder};
 use crate::stats::highest;
 
 /// What a user is told where the remainder was allowed for.
-const NOTE: &str = "what the model left when it was identified is allowed for";
-/// And where no more is there.
-const NOTHING_NEW: &str =
-    "nothing is new: no more is left than the model left when it was identified";
+pub(super) const NOTE: &str = "what the model left when it was identified is allowed for";
 
 /// What a model left when it was identified, in logs with these rates (Hz) of which the search takes every `step`-th
 /// sample.
@@ -53,14 +50,14 @@ impl AsIdentified {
         })
     }
 
-    /// What is new in an environment with effects, with what a user is told; `None` where it is not that one effect is or
-    /// that none is. `rounds` have the floors without the remainder.
+    /// What is new in an environment with effects; `None` where it is not that one effect is or that none is. `rounds` have
+    /// the floors without the remainder.
     pub(super) fn answer(
         &self,
         rounds: &Rounds<'_>,
         environment: &Environment,
         given: &[Term],
-    ) -> Option<(Answer, &'static str)> {
+    ) -> Option<Answer> {
         let each = rounds.fine.floors.iter().zip(&self.rates_hz);
         let floors: Vec<NoiseFloor> = each
             .map(|(floor, rate_hz)| floor.beside(&self.remainder, *rate_hz))
@@ -86,17 +83,17 @@ impl AsIdentified {
         let one = asked(1, 0.05, 0.2);
         let left_n = one.decision.rms_of_base_n(&beside.fine);
         let is_more = one.decision.ratio.0 > least;
-        let (mut answer, note) = if !is_more && left_n <= least * self.rms_n(rounds.fine.floors) {
-            (one.without_effects(&beside.fine), NOTHING_NEW)
+        let mut answer = if !is_more && left_n <= least * self.rms_n(rounds.fine.floors) {
+            one.without_effects(&beside.fine)
         } else if is_more && explains(&one.decision, most) {
-            (one, NOTE)
+            one
         } else {
             let several = asked(MOST_ADDED, 0.2, 0.5);
             (is_more && is_one_certain(&several.decision) && explains(&several.decision, most))
-                .then_some((several, NOTE))?
+                .then_some(several)?
         };
         answer.decision.stand_beside_remainder(&rounds.fine);
-        Some((answer, note))
+        Some(answer)
     }
 
     /// Root mean square (N) of the noise and of what the model left.

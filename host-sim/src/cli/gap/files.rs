@@ -139,6 +139,7 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
             "after": number(finding.ratio_after),
         },
         "slow_remainder": finding.slow_remainder.map(number),
+        "nothing_new": finding.nothing_new,
         "base": {
             "before": parameters(&finding.base_before),
             "after": parameters(&finding.base_after),

@@ -165,6 +165,8 @@ pub struct Finding {
     /// How many times as large (rms) means of the residuals are in motion as noise makes them, where the residuals are as
     /// small as noise but too slow for it.
     pub slow_remainder: Option<f64>,
+    /// Whether no more is left than the model left when it was identified; `false` where its file does not say that.
+    pub nothing_new: bool,
     /// Parameters of the base, refitted without the effects.
     pub base_before: Vec<ParameterEstimate>,
     /// Parameters of the base, refitted with the effects.

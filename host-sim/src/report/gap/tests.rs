@@ -101,6 +101,7 @@ fn finding(verdict: Verdict) -> Finding {
         ratio_before: 20.0,
         ratio_after: 1.005,
         slow_remainder: None,
+        nothing_new: false,
         base_before: vec![
             known("stiffness", 1100.0, Some(3.0), "N/m"),
             known("exponent", 1.0, None, "1"),
@@ -205,6 +206,17 @@ fn a_remainder_that_is_as_small_as_noise_and_slower_is_said() {
     let said = html(&slow).replace(['\u{a0}', '\u{202f}'], " ");
     assert!(said.contains("too slow for noise: means of 32 samples are 2.4 times as large"));
     assert!(!said.contains("nothing significant remains"));
+}
+
+#[test]
+fn a_log_that_is_as_the_model_says_has_nothing_new() {
+    let as_before = Finding {
+        nothing_new: true,
+        ..finding(Verdict::Unexplained)
+    };
+    let said = html(&as_before).replace(['\u{a0}', '\u{202f}'], " ");
+    assert!(said.contains("nothing new") && said.contains("no more than was left when it was"));
+    assert!(!said.contains("Something is missing"));
 }
 
 #[test]

@@ -14,6 +14,7 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
         Verdict::MissingEffects => (Tone::Good, "missing effects"),
         Verdict::Ambiguous => (Tone::Warning, "ambiguous"),
         Verdict::PartlyExplained => (Tone::Warning, "partly explained"),
+        Verdict::Unexplained if finding.nothing_new => (Tone::Good, "nothing new"),
         Verdict::Unexplained => (Tone::Bad, "unexplained"),
     }
 }
@@ -44,6 +45,12 @@ pub(super) fn sentence(finding: &Finding) -> String {
         Verdict::Ambiguous => format!(
             "The model lacks {names}, or {}: this log does not tell them apart. {shrinks}",
             rivals(finding)
+        ),
+        Verdict::Unexplained if finding.nothing_new => format!(
+            "Nothing is new: with its parameters fitted the model's error on held-out parts is {before}, \
+             no more than was left when it was identified. That is {}, and no effect of the catalogue \
+             explains it.",
+            times(finding.ratio_before)
         ),
         Verdict::Unexplained => format!(
             "Something is missing that no effect of the catalogue explains: with its parameters fitted \
