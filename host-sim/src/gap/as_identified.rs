@@ -115,6 +115,5 @@ fn explains(decision: &Decision, most: f64) -> bool {
 /// Whether one thing is certain, whatever is open beside it. Several follow the remainder where it is not alike
 /// everywhere: under a cantilever a curve that snaps stood beside seven of eighteen effects.
 fn is_one_certain(decision: &Decision) -> bool {
-    let certain = decision.alternatives.iter().filter(|own| own.is_empty());
-    certain.count() == 1
+    decision.clear_names().filter(|is_clear| *is_clear).count() == 1
 }

@@ -7,7 +7,7 @@ use estimator_core::physics::effect::EffectId;
 use super::held_out::held_out_error;
 use crate::gap::finding::Verdict;
 use crate::gap::model::{dataset::Dataset, error::std_errors, fit::Fit, weights::weights};
-use crate::gap::search::evidence::Evidence;
+use crate::gap::search::{evidence::Evidence, relatives::stands_for};
 use crate::gap::thresholds::Thresholds;
 use crate::stats::rms;
 
@@ -100,7 +100,8 @@ impl Decision {
     /// Its names stand beside a remainder that was allowed for; `dataset` has the floors without it.
     pub(crate) fn stand_beside_remainder(&mut self, dataset: &Dataset<'_>) {
         self.is_beside_remainder = true;
-        self.verdict = match self.alternatives.iter().any(Vec::is_empty) {
+        let clear: Vec<bool> = self.clear_names().collect();
+        self.verdict = match clear.contains(&true) {
             _ if self.without.is_empty() => Verdict::Unexplained,
             true => Verdict::PartlyExplained,
             false => Verdict::Ambiguous,
@@ -111,13 +112,21 @@ impl Decision {
         let ratio = |fit: &Fit| held_out_error(&problem, fit, &self.held_out).ratio;
         self.ratio = (ratio(&self.base), ratio(&self.best));
         self.evidence = self.named_evidence();
-        for (id, alternatives) in self.best.added_ids().iter().zip(&self.alternatives) {
-            for own in self.evidence.iter_mut().filter(|own| own.id == *id) {
-                own.is_strong = alternatives.is_empty();
+        let each = self.best.added_ids().into_iter().zip(&self.alternatives);
+        for ((id, alternatives), is_clear) in each.zip(clear) {
+            for own in self.evidence.iter_mut().filter(|own| own.id == id) {
+                own.is_strong = is_clear;
                 own.is_strong_group = true;
                 own.alternatives = alternatives.clone();
             }
         }
+    }
+
+    /// For each added effect, whether nothing but what stands for it could be in its place: a lag names the place where a
+    /// delay is.
+    pub(crate) fn clear_names(&self) -> impl Iterator<Item = bool> {
+        let each = self.best.added_ids().into_iter().zip(&self.alternatives);
+        each.map(|(id, others)| others.iter().all(|other| stands_for(id, *other)))
     }
 
     /// Leaves open whether an added effect is another one: the verdict is no longer certain.
