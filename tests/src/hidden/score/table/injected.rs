@@ -126,9 +126,9 @@ fn effects(examined: &[Examined]) -> String {
     }
     line!(
         text,
-        "named: itself or a member of its nested family stands. or open: it is among what is left open. best\n\
-         set: it is in the best set of all that were fitted. left: error after over the error on the clean record, median; 1 is as good as before\n\
-         the effect came."
+        "named: itself or a member of its nested family stands. or open: it is among what is left open.\n\
+         best set: it is in the best set of all that were fitted. left: error after over the error on the clean\n\
+         record, median; 1 is as good as before the effect came."
     );
     text
 }
