@@ -81,16 +81,17 @@ impl AsIdentified {
         let least = thresholds.explained.coloured;
         let most = least * thresholds.explained.residuals;
         let one = asked(1, 0.05, 0.2);
-        let left_n = one.decision.rms_of_base_n(&beside.fine);
-        let is_more = one.decision.ratio.0 > least;
-        let mut answer = if !is_more && left_n <= least * self.rms_n(rounds.fine.floors) {
-            one.without_effects(&beside.fine)
-        } else if is_more && explains(&one.decision, most) {
+        let mut answer = if one.decision.ratio.0 <= least {
+            // Held-out parts say so, and so must the rest.
+            let left_n = one.decision.rms_of_base_n(&beside.fine);
+            let is_as_before = left_n <= least * self.rms_n(rounds.fine.floors);
+            is_as_before.then(|| one.without_effects(&beside.fine))?
+        } else if explains(&one.decision, most) {
             one
         } else {
             let several = asked(MOST_ADDED, 0.2, 0.5);
-            (is_more && is_one_certain(&several.decision) && explains(&several.decision, most))
-                .then_some(several)?
+            let is_one = explains(&several.decision, most) && is_one_certain(&several.decision);
+            is_one.then_some(several)?
         };
         answer.decision.stand_beside_remainder(&rounds.fine);
         Some(answer)

@@ -66,11 +66,8 @@ pub(super) fn verdict(finding: &Finding) -> String {
         Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
         Verdict::PartlyExplained => partly_explained(finding, &names),
         Verdict::Unexplained if finding.nothing_new => {
-            let what = match finding.changed.as_deref().unwrap_or_default() {
-                [] => "nothing is new",
-                _ => "no effect is new, but numbers have changed",
-            };
-            format!("{what}: no more is left than the model left when it was identified")
+            let what = finding.nothing_new_in_words();
+            format!("{what}: hardly more is left than the model left when it was identified")
         }
         Verdict::Unexplained if closest(finding).is_some() => {
             "unexplained: something is missing, and no effect of the catalogue stands out".into()

@@ -194,6 +194,14 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// What is new where no effect is, in words.
+    pub fn nothing_new_in_words(&self) -> &'static str {
+        match self.changed.as_deref() {
+            None | Some([]) => "nothing is new",
+            Some(_) => "no effect is new, but numbers have changed",
+        }
+    }
+
     /// What is no noise though it may be as small, in words; empty where there is none.
     pub fn slow_remainder_in_words(&self) -> String {
         self.slow_remainder.map_or_else(String::new, |times| {

@@ -47,9 +47,10 @@ pub(super) fn sentence(finding: &Finding) -> String {
             rivals(finding)
         ),
         Verdict::Unexplained if finding.nothing_new => format!(
-            "Nothing is new: with its parameters fitted the model's error on held-out parts is {before}, \
-             no more than was left when it was identified. That is {}, and no effect of the catalogue \
+            "Beside the model {}: with its parameters fitted its error on held-out parts is {before}, \
+             hardly more than was left when it was identified. That is {}, and no effect of the catalogue \
              explains it.",
+            finding.nothing_new_in_words(),
             times(finding.ratio_before)
         ),
         Verdict::Unexplained => format!(
