@@ -25,8 +25,8 @@ pub(crate) fn variances(
     let contact = !fit.shape.base.is_free();
     let rig = fit.shape.rig(&fit.numbers);
     let mut variances = Vec::with_capacity(of_position.len());
-    let depths = depths(&fit.shape, &fit.numbers, logs);
-    for ((log, floor), depth_m) in logs.iter().zip(floors).zip(&depths) {
+    for (log, floor) in logs.iter().zip(floors) {
+        let depth_m = || depths(&fit.shape, &fit.numbers, std::slice::from_ref(log)).concat();
         let noise_n2 = floor.variances(depth_m, &log.speed_mps);
         let share = low_pass.map_or(1.0, |low_pass| low_pass.variance_share(log.period_s));
         run_rig(&rig, log, |at, reading| {
