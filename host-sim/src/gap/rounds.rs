@@ -52,10 +52,7 @@ pub(super) struct Answer {
 impl Answer {
     /// Whether what remains beside the best set is at most about so many `times` the noise, and more than once.
     pub(super) fn leaves_what_may_be_noise(&self, times: f64) -> bool {
-        let remains = matches!(
-            self.decision.verdict,
-            Verdict::PartlyExplained | Verdict::Unexplained
-        );
+        let remains = self.decision.verdict.leaves_a_remainder();
         let sets = self.ladder.iter().map(|set| set.ratio);
         let least = sets.fold(self.decision.ratio.1, f64::min);
         remains && times > 1.0 && least <= NEARLY * times

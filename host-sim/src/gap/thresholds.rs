@@ -303,10 +303,6 @@ thresholds! {
             /// errors of a form are seen there once. On three curves of cantilevers in liquid a drag left 4, 18 and
             /// 20 % more than the Coulomb friction that it is not; 1.5 is what evidence must lead by.
             at_one_speed: 1.5 over 1.0,
-            /// Where what a model left is allowed for, effects that leave less than this many times the Σ w r² of each
-            /// other are one: that is no noise. In a foam's record an offset and a drift left 4 % less than the drag by
-            /// direction that was put in, and what was another effect 25 % more.
-            beside_remainder: 1.15 over 1.0,
             /// A log does if this share of what is no rest is within 15 % of its way's median, and the noise of its
             /// speed. Of 19 such curves it was 0.91 and more without that noise but for three (0.74 to 0.86), of 48 of
             /// the harder rigs 0.87 and less but for one of 0.94.
@@ -322,6 +318,10 @@ thresholds! {
             /// Errors that make the force late do not reach this share of Σ w r²: it was 6.6 % and more for a
             /// lag that was one, mostly in the fastest of 48 stretches.
             late: 0.05,
+            /// Where what a model left is allowed for, effects that leave less than this many times the Σ w r² of each
+            /// other are one: that is no noise. In a foam's record an offset and a drift left 4 % less than the drag by
+            /// direction that was put in, and what was another effect 25 % more.
+            beside_remainder: 1.15 over 1.0,
         }
 
         /// Which regions and lines of a log are named.

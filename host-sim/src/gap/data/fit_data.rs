@@ -246,7 +246,6 @@ mod tests {
         // GIVEN a second at 1 kHz, and ten samples a second apart
         let fast = (0..=1000).map(|at| 1e-3 * f64::from(at));
         let time_s: Vec<f64> = fast.chain((2..12).map(f64::from)).collect();
-        let force_n = vec![0.0; time_s.len()];
         let even = FitData::of(
             &Log::from_channels(
                 (0..20).map(f64::from).collect(),
@@ -259,7 +258,6 @@ mod tests {
         let log = FitData {
             period_s: 1e-3,
             time_s,
-            force_n,
             ..even
         };
         // THEN noise that remembers for 0.1 s has ten values in the second and ten after it,

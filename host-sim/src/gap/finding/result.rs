@@ -35,6 +35,11 @@ impl Verdict {
             Verdict::Unexplained => "unexplained",
         }
     }
+
+    /// Whether something remains that nothing in the catalogue explains.
+    pub(crate) const fn leaves_a_remainder(self) -> bool {
+        matches!(self, Verdict::PartlyExplained | Verdict::Unexplained)
+    }
 }
 
 /// How sure the name of an effect is.

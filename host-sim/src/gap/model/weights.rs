@@ -4,9 +4,7 @@
 use crate::gap::data::fit_data::FitData;
 use crate::gap::data::low_pass::LowPass;
 use crate::gap::data::motion_errors::{ACCELERATION_ERROR_FACTOR, SPEED_ERROR_FACTOR};
-use crate::gap::model::{
-    fit::Fit, simulate::depths, simulate::forces_of_changed, simulate::run_rig,
-};
+use crate::gap::model::{fit::Fit, simulate::depths, simulate::forces_of_changed};
 use crate::gap::noise::floor::NoiseFloor;
 
 /// The variances (N²) that the residuals of a fit should have. A sample that says nothing has 0: one in
@@ -23,25 +21,23 @@ pub(crate) fn variances(
         with_acceleration_error(log, sign * ACCELERATION_ERROR_FACTOR)
     });
     let contact = !fit.shape.base.is_free();
-    let rig = fit.shape.rig(&fit.numbers);
+    let depths = depths(&fit.shape, &fit.numbers, logs);
     let mut variances = Vec::with_capacity(of_position.len());
-    for (log, floor) in logs.iter().zip(floors) {
-        let depth_m = || depths(&fit.shape, &fit.numbers, std::slice::from_ref(log)).concat();
+    for ((log, floor), depth_m) in logs.iter().zip(floors).zip(&depths) {
         let noise_n2 = floor.variances(depth_m, &log.speed_mps);
         let share = low_pass.map_or(1.0, |low_pass| low_pass.variance_share(log.period_s));
-        run_rig(&rig, log, |at, reading| {
+        for at in 0..log.len() {
             let row = variances.len();
             // Within a sample of the surface a force that jumps is somewhere in between.
             let near_m = log.step_s(at) * log.speed_mps[at].abs() + 2.0 * log.position_noise_m;
-            let touching =
-                contact && reading.touch.depth_m.abs() < near_m && log.speed_mps[at] != 0.0;
+            let touching = contact && depth_m[at].abs() < near_m && log.speed_mps[at] != 0.0;
             let motion = of_position[row] + of_speed[row] + of_acceleration[row];
             variances.push(if log.count[at] == 0.0 || touching {
                 0.0
             } else {
                 noise_n2[at] + share * motion
             });
-        });
+        }
     }
     variances
 }

@@ -31,19 +31,14 @@ impl NoiseFloor {
         }
     }
 
-    /// The variances (N²) of the force in the phases of a log, with what the model left there; `depth_m` is not asked
-    /// for where it left nothing.
-    pub(crate) fn variances(
-        &self,
-        depth_m: impl FnOnce() -> Vec<f64>,
-        speed_mps: &[f64],
-    ) -> Vec<f64> {
+    /// The variances (N²) of the force in the phases of a log, with what the model left there.
+    pub(crate) fn variances(&self, depth_m: &[f64], speed_mps: &[f64]) -> Vec<f64> {
         let all_n2 = self.noise_n().powi(2);
         let Some(left) = self.left else {
             return vec![all_n2; speed_mps.len()];
         };
         let noise_n2 = (all_n2 - left.rms_n.powi(2)).max(0.0);
-        let phases = phases_of(&depth_m(), speed_mps).into_iter();
+        let phases = phases_of(depth_m, speed_mps).into_iter();
         phases
             .map(|phase| noise_n2 + left.rms_in_n(phase).powi(2))
             .collect()
@@ -90,9 +85,9 @@ mod tests {
             ..remainder
         };
         let both = white.beside(&remainder, 1e3);
-        let variances = both.variances(|| vec![1e-3; 2], &[1e-2, 0.0]);
+        let variances = both.variances(&[1e-3; 2], &[1e-2, 0.0]);
         assert!((variances[0] - 25e-6).abs() < 1e-12 && (variances[1] - 9e-6).abs() < 1e-12);
-        assert_eq!(white.variances(Vec::new, &[0.0]), [9e-6]);
+        assert_eq!(white.variances(&[1e-3], &[0.0]), [9e-6]);
     }
 
     #[test]

@@ -196,9 +196,9 @@ impl<'a> FindingBuilder<'a> {
     /// Where the model with the effects and the log disagree. What is left within the noise is not in
     /// any region.
     fn remaining(&self) -> Vec<Region> {
-        match self.decision.verdict {
-            Verdict::Unexplained | Verdict::PartlyExplained => self.regions(&self.after_n),
-            _ => Vec::new(),
+        match self.decision.verdict.leaves_a_remainder() {
+            true => self.regions(&self.after_n),
+            false => Vec::new(),
         }
     }
 
@@ -243,18 +243,16 @@ impl<'a> FindingBuilder<'a> {
     /// What the model with the effects leaves, where that is no noise.
     fn left(&self, bandwidth_hz: Option<f64>) -> Option<Remainder> {
         let decision = self.decision;
-        let remains = matches!(
-            decision.verdict,
-            Verdict::Unexplained | Verdict::PartlyExplained
-        );
+        if !decision.verdict.leaves_a_remainder() {
+            return None;
+        }
         let residuals = self.residuals(&self.after_n);
         let logs = self.log_residuals(&residuals, &decision.variances);
-        left(&logs, self.dataset.floors, decision.correlation)
-            .filter(|_| remains)
-            .map(|left| Remainder {
-                bandwidth_hz,
-                ..left
-            })
+        let left = left(&logs, self.dataset.floors, decision.correlation)?;
+        Some(Remainder {
+            bandwidth_hz,
+            ..left
+        })
     }
 
     fn curves(&self) -> Vec<Curves> {

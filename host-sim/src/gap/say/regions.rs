@@ -8,8 +8,8 @@
 use crate::gap::finding::Region;
 use crate::gap::say::{lines::lines, log_residuals::LogResiduals};
 use crate::gap::thresholds::Regions;
-use crate::phase::{FAST, STILL, phase};
-use crate::stats::{lowest, median, quantile, range};
+use crate::phase::Course;
+use crate::stats::{lowest, median, range};
 
 /// The regions in which the excess is significant, the largest share first.
 pub(crate) fn regions(
@@ -66,26 +66,25 @@ impl Tallies {
             residuals,
             variances,
         } = residuals;
-        let deepest_m = depth_m.iter().copied().fold(0.0, f64::max);
+        let course = Course::of(depth_m, &log.speed_mps);
         let (lowest_m, travel_m) = (
             lowest(log.position_m.iter().copied()),
             range(&log.position_m),
         );
         let speeds = log.speed_mps.iter().map(|v| v.abs());
-        let fast_mps = quantile(speeds.clone(), FAST);
-        let median_mps = median(speeds.filter(|v| *v > STILL * fast_mps));
+        let median_mps = median(speeds.filter(|v| !course.is_still(*v)));
         for at in (0..log.len()).filter(|at| variances[*at] > 0.0) {
             let (depth, speed) = (depth_m[at], log.speed_mps[at]);
             let (square, variance) = (residuals[at].powi(2), variances[at]);
             let mut add = |id: &'static str| self.add(id, square, variance);
-            add(phase(depth, speed, deepest_m, fast_mps));
+            add(course.phase(depth, speed));
             if depth > 0.0 {
-                add(["depth_low", "depth_mid", "depth_high"][third(depth / deepest_m)]);
-            } else if deepest_m <= 0.0 && travel_m > 0.0 {
+                add(["depth_low", "depth_mid", "depth_high"][third(depth / course.deepest_m)]);
+            } else if course.deepest_m <= 0.0 && travel_m > 0.0 {
                 let share = (log.position_m[at] - lowest_m) / travel_m;
                 add(["travel_low", "travel_mid", "travel_high"][third(share)]);
             }
-            if speed.abs() > STILL * fast_mps {
+            if !course.is_still(speed) {
                 let is_slow = speed.abs() < median_mps;
                 add(if is_slow { "slow" } else { "fast" });
             }

@@ -1,8 +1,8 @@
 //! The residuals of a log, and their means over depth or speed, which a scatter plot would hide.
 
 use crate::gap::Curves;
-use crate::phase::{STILL, phase};
-use crate::stats::{highest, lowest, median, quantile};
+use crate::phase::Course;
+use crate::stats::{highest, lowest, median};
 
 /// A mean is taken over at least this many samples.
 const FEWEST: usize = 8;
@@ -16,10 +16,8 @@ pub(super) struct LogCurves<'a> {
     pub(super) after_n: Vec<f64>,
     /// Whether the two models differ by effects. If they do not, there is only one model to show.
     pub(super) changed: bool,
-    /// Largest penetration (m); 0 without contact.
-    pub(super) deepest_m: f64,
-    /// 95 % quantile of the speeds (m/s).
-    pub(super) fast_mps: f64,
+    /// What says in which phase a sample is.
+    pub(super) course: Course,
     /// Median of the speeds of samples that move (m/s).
     pub(super) typical_mps: f64,
 }
@@ -47,16 +45,14 @@ impl<'a> LogCurves<'a> {
                 .collect()
         };
         let speeds = curves.speed_mps.iter().map(|v| v.abs());
-        let speeds = speeds.filter(|v| v.is_finite());
-        let fast_mps = quantile(speeds.clone(), 0.95);
-        let moving = speeds.filter(|v| *v > STILL * fast_mps);
+        let course = Course::of(&curves.depth_m, &curves.speed_mps);
+        let moving = speeds.filter(|v| v.is_finite() && !course.is_still(*v));
         LogCurves {
             curves,
             before_n: residuals(&curves.before_n),
             after_n: residuals(&curves.after_n),
             changed: has_effects && curves.before_n != curves.after_n,
-            deepest_m: curves.depth_m.iter().copied().fold(0.0, f64::max),
-            fast_mps,
+            course,
             typical_mps: median(moving),
         }
     }
@@ -67,7 +63,7 @@ impl<'a> LogCurves<'a> {
         let mut runs: Vec<(&'static str, f64, f64)> = Vec::new();
         let samples = self.curves.depth_m.iter().zip(&self.curves.speed_mps);
         for ((depth, speed), time) in samples.zip(&self.curves.time_s) {
-            let now = match phase(*depth, *speed, self.deepest_m, self.fast_mps) {
+            let now = match self.course.phase(*depth, *speed) {
                 "touch" => "loading",
                 "lift_off" => "unloading",
                 other => other,
@@ -102,7 +98,7 @@ impl<'a> LogCurves<'a> {
 
     /// Whether anything is touched.
     pub(super) fn touches(&self) -> bool {
-        self.deepest_m > 0.0
+        self.course.deepest_m > 0.0
     }
 
     /// Where the rig is.
@@ -114,7 +110,7 @@ impl<'a> LogCurves<'a> {
                 axis: "Depth δ",
                 each_m: &self.curves.depth_m,
                 from_m: 0.0,
-                to_m: self.deepest_m,
+                to_m: self.course.deepest_m,
             },
             false => Place {
                 name: "position",
@@ -129,7 +125,7 @@ impl<'a> LogCurves<'a> {
     /// The direction of motion at a sample: −1 outward, 0 still, 1 inward.
     pub(super) fn direction(&self, at: usize) -> i8 {
         let speed = self.curves.speed_mps[at];
-        match speed.abs() <= STILL * self.fast_mps {
+        match self.course.is_still(speed) {
             true => 0,
             false => speed.signum() as i8,
         }

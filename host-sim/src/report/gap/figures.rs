@@ -177,7 +177,7 @@ fn loops<'a>(log: &'a LogCurves<'a>) -> Figure {
 /// Samples of the touch with the largest excess of the base model's residuals.
 fn worst_touch(log: &LogCurves<'_>) -> Option<Range<usize>> {
     let depth = &log.curves.depth_m;
-    let touching = |at: usize| depth[at] > 0.02 * log.deepest_m;
+    let touching = |at: usize| depth[at] > 0.02 * log.course.deepest_m;
     let mut best: Option<(f64, Range<usize>)> = None;
     let (mut from, mut excess) = (None, 0.0);
     for at in 0..=depth.len() {
@@ -202,7 +202,7 @@ fn worst_touch(log: &LogCurves<'_>) -> Option<Range<usize>> {
 fn over_place<'a>(log: &'a LogCurves<'a>) -> Figure {
     let place = log.place();
     // A little of the free air before a touch, too.
-    let range = (place.from_m - 0.1 * log.deepest_m, place.to_m);
+    let range = (place.from_m - 0.1 * log.course.deepest_m, place.to_m);
     let [there, back] = match log.touches() {
         true => ["in", "out"],
         false => ["forward", "back"],
@@ -226,7 +226,7 @@ fn over_place<'a>(log: &'a LogCurves<'a>) -> Figure {
 }
 
 fn over_speed<'a>(log: &'a LogCurves<'a>) -> Figure {
-    let most = log.fast_mps * 1.2;
+    let most = log.course.fast_mps * 1.2;
     let mut chart = Chart::new(
         Axis::new("Speed", "m/s"),
         Axis::new("Mean residual", "N").with_zero(),
