@@ -9,6 +9,7 @@ pub(crate) mod motion;
 pub(crate) mod motion_errors;
 pub(crate) mod orientation;
 pub(crate) mod repetition;
+mod rest_waves;
 pub(crate) mod ringing;
 pub(crate) mod scales;
 pub(crate) mod spikes;

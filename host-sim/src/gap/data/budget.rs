@@ -7,10 +7,12 @@
 //! ramp keeps its samples.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
 use crate::gap::data::fit_data::{FitData, Spacing};
+use crate::gap::data::rest_waves;
 use crate::gap::thresholds::Rest;
 use crate::log::UniformLog;
 use crate::number::setting;
@@ -196,13 +198,15 @@ pub(crate) fn thin_rests(logs: &mut [FitData], most: usize, decide: Rest) -> Opt
     }
     for (log, still) in logs.iter_mut().zip(&still) {
         let kept = kept_samples(log, still);
-        let longest_rest_s = log.period_s * longest_run(still) as f64;
+        let longest = longest_run(still);
+        let longest_rest_s = log.period_s * longest.len() as f64;
         let spacing = Spacing::Thinned {
             longest_rest_s,
             longest_step_s: STEP_GROWTH * longest_rest_s,
         };
         *log = FitData {
             spacing,
+            rest_waves_hz: rest_waves::of(log, longest),
             ..log.picked(kept.iter().copied())
         };
     }
@@ -214,10 +218,17 @@ pub(crate) fn thin_rests(logs: &mut [FitData], most: usize, decide: Rest) -> Opt
     ))
 }
 
-/// How many samples in a row stand still at most.
-fn longest_run(still: &[bool]) -> usize {
-    let runs = still.split(|still| !still);
-    runs.map(<[bool]>::len).max().unwrap_or(0)
+/// The longest run of samples that stand still.
+fn longest_run(still: &[bool]) -> Range<usize> {
+    let mut longest = 0..0;
+    let mut start = 0;
+    for run in still.split(|still| !still) {
+        if run.len() > longest.len() {
+            longest = start..start + run.len();
+        }
+        start += run.len() + 1;
+    }
+    longest
 }
 
 /// The samples to keep: all that move, and ever fewer of a rest the longer it lasts.

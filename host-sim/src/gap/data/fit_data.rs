@@ -47,6 +47,8 @@ pub(crate) struct FitData {
     pub(crate) speed_left_mps: Vec<f64>,
     /// 1 for a measured sample, 0 for one in a gap.
     pub(crate) count: Vec<f64>,
+    /// Frequencies (Hz) of waves in a long rest that its samples, thinned, do not show any more.
+    pub(crate) rest_waves_hz: Vec<f64>,
 }
 
 /// A rest is short if it takes less than this share of a log.
@@ -83,6 +85,7 @@ impl FitData {
                 .iter()
                 .map(|gap| f64::from(u8::from(!gap)))
                 .collect(),
+            rest_waves_hz: Vec::new(),
         }
     }
 
@@ -198,6 +201,7 @@ impl FitData {
             position_left_m: picked(&self.position_left_m),
             speed_left_mps: picked(&self.speed_left_mps),
             count: picked(&self.count),
+            rest_waves_hz: self.rest_waves_hz.clone(),
         }
     }
 

@@ -29,7 +29,9 @@ pub(super) fn of(log: &FitData) -> Option<f64> {
         return None;
     }
     // Where waves are looked for in time it has to be known.
-    log.fastest_wave_hz()?;
+    if log.fastest_wave_hz().is_none() && log.rest_waves_hz.is_empty() {
+        return None;
+    }
     let series = log.held_in_slots(moved());
     let padded = (4 * series.len()).next_power_of_two();
     let power = spectral::power(series, padded);

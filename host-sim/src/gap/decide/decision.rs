@@ -79,11 +79,11 @@ impl Decision {
         }
     }
 
-    /// Root mean square (N) of what the base leaves of all samples that count.
-    pub(crate) fn rms_of_base_n(&self, dataset: &Dataset<'_>) -> f64 {
+    /// Root mean square (N) of what a fit leaves of all samples that count.
+    pub(crate) fn left_by_n(&self, fit: &Fit, dataset: &Dataset<'_>) -> f64 {
         let weights = weights(&self.variances);
         let problem = dataset.problem(&weights);
-        let residuals = problem.residuals(&self.base.shape, &self.base.numbers);
+        let residuals = problem.residuals(&fit.shape, &fit.numbers);
         rms(problem.used().into_iter().map(|at| residuals[at]))
     }
 

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Repeats};
 
+use crate::gap::data::fit_data::FitData;
 use crate::gap::model::shape::Term;
 use crate::gap::model::simulate::{forces, forces_of_changed};
 use crate::gap::model::start::{is_possible, repeats, whole};
@@ -76,9 +77,25 @@ impl LinearizedModel<'_> {
             .collect()
     }
 
-    /// The strongest waves in time in the residuals of the first log.
+    /// The strongest waves in time in the residuals of the first log, and those of its rests.
     fn waves_in_time(&self, carrier: &[f64]) -> Vec<Wave> {
         let log = &self.problem.logs[0];
+        let wave = |hz: &f64| {
+            let (amplitude, phase) =
+                self.fitted_wave(carrier, |row| TAU * hz * log.time_s[row], log.len())?;
+            Some(Wave {
+                amplitude,
+                frequency_or_pitch: *hz,
+                phase,
+            })
+        };
+        let in_residuals = self.frequencies_hz(log, carrier);
+        let both = in_residuals.iter().chain(&log.rest_waves_hz);
+        both.filter_map(wave).collect()
+    }
+
+    /// The frequencies (Hz) of the strongest waves in the residuals of a log.
+    fn frequencies_hz(&self, log: &FitData, carrier: &[f64]) -> Vec<f64> {
         let n = log.len();
         let Some(fastest_hz) = log.fastest_wave_hz() else {
             return Vec::new();
@@ -91,18 +108,8 @@ impl LinearizedModel<'_> {
         let bins = ((fastest_hz / bin_hz) as usize).min(padded / 2);
         let power = &spectral::power(series, padded)[..bins];
         let lowest = (2.0 / (self.scales.duration_s * bin_hz)).ceil() as usize;
-        let wave = |at: usize| {
-            let hz = at as f64 * bin_hz;
-            let (amplitude, phase) =
-                self.fitted_wave(carrier, |row| TAU * hz * log.time_s[row], n)?;
-            Some(Wave {
-                amplitude,
-                frequency_or_pitch: hz,
-                phase,
-            })
-        };
         let peaks = peaks(power, lowest.max(1), padded / slots);
-        peaks.into_iter().filter_map(wave).collect()
+        peaks.into_iter().map(|at| at as f64 * bin_hz).collect()
     }
 
     /// The strongest waves along the travel in the residuals of the first log.
