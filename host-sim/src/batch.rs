@@ -200,7 +200,7 @@ fn nothing(log: &UniformLog, replay: &Replay, motion: &Kinematics, notes: Vec<St
         events: outcome
             .events
             .into_iter()
-            .filter(|event| !note::is_material_change(event))
+            .filter(|event| !event.is_material_change())
             .collect(),
         inspection,
         notes: notes.into_iter().chain(log.notes.iter().cloned()).collect(),

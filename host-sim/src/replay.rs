@@ -9,7 +9,7 @@ mod steps;
 mod width;
 
 pub use decimate::decimated;
-pub use marks::{EventKind, EventMark, Touch};
+pub use marks::{EventKind, EventMark, FaultTally, Touch, fault_tallies};
 pub use records::{Records, Said};
 pub use steps::Steps;
 pub(crate) use width::half_width;

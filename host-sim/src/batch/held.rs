@@ -23,6 +23,12 @@ impl Held {
             .map(|(_, value)| *value)
     }
 
+    /// Whether a family has every parameter that is held.
+    pub(super) fn is_of(&self, family: Family) -> bool {
+        let has = |name: &str| family.parameters().any(|info| info.name == name);
+        self.fixed.iter().all(|(name, _)| has(name))
+    }
+
     /// Whether a family has every parameter that is held, in a form that can be.
     pub(super) fn suits(&self, family: Family) -> bool {
         let has = |name: &str| family.parameters().any(|info| info.name == name);

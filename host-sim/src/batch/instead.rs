@@ -4,14 +4,14 @@ use estimator_core::Config;
 
 use super::{batch, options::Options, result::Batch};
 use crate::diagnostic::Diagnostic;
-use crate::estimate::{Estimation, explain::times};
+use crate::estimate::{EXPLAINED, Estimation, explain::times};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::quantity;
 
 /// The fit of a whole log in place of an estimate whose law does not explain it; `None` where the estimate
-/// stands: it explains the force or says by which lateness it would, nothing is touched, or the fit leaves no
-/// less.
+/// stands: it explains the force, nothing is touched, or the fit leaves no less. Where it says by which lateness it
+/// would explain the force, only a fit that does explain it is better.
 ///
 /// # Errors
 /// As [`batch`].
@@ -22,11 +22,15 @@ pub fn batch_instead(
     estimation: &Estimation,
 ) -> Result<Option<Batch>, Diagnostic> {
     let touches = !estimation.outcome.touches.is_empty();
-    let stands = estimation.is_explained() || estimation.evidence.lateness.is_some();
-    if stands || !touches {
+    if estimation.is_explained() || !touches {
         return Ok(None);
     }
     let mut fitted = batch(log, base, options)?;
+    let most_n = EXPLAINED * fitted.noise_n;
+    let explains = fitted.force_rmse_n.is_some_and(|left| left <= most_n);
+    if estimation.evidence.lateness.is_some() && !explains {
+        return Ok(None);
+    }
     // After a change of material the recursion is right of what was touched last, and nobody of the whole.
     let before_n = estimation.outcome.force_rmse_n;
     // Where the estimate saw means, its noise is less than that of the samples that the fit sees.

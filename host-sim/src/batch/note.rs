@@ -1,7 +1,5 @@
 //! What a reader of a batch fit must know: what was left out, what was assumed, what does not fit.
 
-use estimator_core::estimate::Event;
-
 use super::assemble::Given;
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
 use crate::estimate::{Form, RELAXES};
@@ -9,12 +7,6 @@ use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::{Measured, quantity};
-use crate::replay::{EventKind, EventMark};
-
-/// Whether an event is the recursion's opinion about the material.
-pub(super) fn is_material_change(event: &EventMark) -> bool {
-    event.kind == EventKind::Estimator(Event::MaterialChange)
-}
 
 /// Of a log in which nothing is touched.
 pub(super) fn nothing(log: &UniformLog, batch: &Batch) -> Vec<String> {
@@ -35,6 +27,7 @@ pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<Stri
     notes.extend(offset(course, decide));
     notes.extend(misfit(batch, decide));
     notes.extend(relaxation(batch));
+    notes.extend(held(options));
     notes.extend(damping(batch, decide));
     notes.extend(skew(given, batch));
     notes.extend(adhesion(batch));
@@ -99,9 +92,20 @@ fn relaxation(batch: &Batch) -> Option<String> {
     })
 }
 
+/// The laws that have a parameter which is held, in no form in which they could hold it.
+fn held(options: &Options) -> Option<String> {
+    let laws = options.laws_that_cannot_hold();
+    (!laws.is_empty()).then(|| {
+        format!(
+            "not tried: {}. Stiffness, and a damping other than 0, are held at a depth only together with the exponent, \
+             and the fraction only of one mode",
+            laws.join(", ")
+        )
+    })
+}
+
 fn damping(batch: &Batch, decide: &Report) -> Option<String> {
-    let damping = batch.value("damping")?;
-    (damping.value < -decide.negative_damping * damping.std_error).then(|| {
+    batch.has_negative_damping(decide).then(|| {
         "the damping is negative: the force runs ahead of the position; a delay between the two \
          channels looks like that"
             .into()
@@ -148,7 +152,8 @@ fn adhesion(batch: &Batch) -> Option<String> {
 
 fn surface(batch: &Batch, options: &Options) -> Option<String> {
     let surface = batch.value("surface")?;
-    (options.surface_m.is_none()).then(|| {
+    let is_held = options.surface_m.is_some() || options.held.value("surface").is_some();
+    (!is_held).then(|| {
         format!(
             "the surface was fitted, at {}: the standard errors of the other parameters include its uncertainty",
             Measured::new(surface.value, Some(surface.std_error), "m")

@@ -49,12 +49,7 @@ impl Options {
     /// # Errors
     /// The parameters that are held, and what can be.
     pub fn check(&self) -> Result<(), Diagnostic> {
-        let forms = match self.elastic {
-            Some(form) => vec![form],
-            None => Form::ALL.to_vec(),
-        };
-        let families = self.families.iter();
-        let mut shaped = families.flat_map(|own| forms.iter().filter_map(|form| own.shaped(*form)));
+        let mut shaped = self.shaped();
         if self.held.fixed.is_empty() || shaped.any(|family| self.held.suits(family)) {
             return Ok(());
         }
@@ -66,6 +61,35 @@ impl Options {
                 "hold surface, exponent, stiffening_rate or relaxation rates of a law that has them; \
                  stiffness and a damping other than 0 only together with the exponent, and the fraction of one mode only",
             ))
+    }
+
+    /// Every family in every form that may be fitted.
+    fn shaped(&self) -> impl Iterator<Item = Family> {
+        let forms = match self.elastic {
+            Some(form) => vec![form],
+            None => Form::ALL.to_vec(),
+        };
+        let families = self.families.iter().copied();
+        families.flat_map(move |own| {
+            forms
+                .clone()
+                .into_iter()
+                .filter_map(move |form| own.shaped(form))
+        })
+    }
+
+    /// The laws that have all parameters that are held, and that are not fitted because they cannot hold them.
+    pub(super) fn laws_that_cannot_hold(&self) -> Vec<&'static str> {
+        let mut laws: Vec<&'static str> = Vec::new();
+        for family in self.shaped().filter(|family| self.held.is_of(*family)) {
+            let could = self
+                .shaped()
+                .any(|own| own.law == family.law && self.held.suits(own));
+            if !could && !laws.contains(&family.name()) {
+                laws.push(family.name());
+            }
+        }
+        laws
     }
 }
 

@@ -5,6 +5,7 @@ use estimator_core::estimate::Estimated;
 use estimator_core::physics::law::ParameterInfo;
 
 use super::family::Family;
+use super::thresholds::Report;
 use crate::estimate::Reason;
 use crate::inspect::Inspection;
 use crate::replay::{EventMark, Touch};
@@ -160,5 +161,11 @@ impl Batch {
     pub fn value(&self, name: &str) -> Option<Estimated<f64>> {
         let mut own = self.parameters.iter();
         own.find(|parameter| parameter.name == name)?.estimate
+    }
+
+    /// Whether the damping is negative, which no material's is.
+    pub(super) fn has_negative_damping(&self, decide: &Report) -> bool {
+        let damping = self.value("damping");
+        damping.is_some_and(|own| own.value < -decide.negative_damping * own.std_error)
     }
 }

@@ -13,6 +13,7 @@ use estimator_core::estimate::method::Method;
 use serde_json::{Map, Value};
 
 use crate::cli::ReadingArgs;
+use crate::cli::estimate::faults_in_words;
 use crate::cli::logs::folder;
 use crate::cli::summary::{Answer, Failure, each};
 use crate::estimate::{Choices, estimate};
@@ -22,6 +23,7 @@ use crate::kind;
 use crate::log::{Log, STANDARD_INPUT, Sampling, UniformLog};
 use crate::number::quantity;
 use crate::output::try_folder;
+use crate::replay::EventMark;
 use crate::stats::extent;
 use crate::wrap::wrapped;
 
@@ -76,13 +78,15 @@ fn worded(args: &CheckArgs, folder: Option<&str>, raw: &Log) -> Result<Answer, F
     )?;
     let facts = raw.sampling();
     let mut inspection = estimation.inspection;
-    if estimation.decimated.is_some() {
-        // The touches are those of the means, noise and steps those of the samples.
-        inspection.noise_n = log.force_noise_n();
-        inspection.force_step_n = facts.force_step_n;
-        inspection.position_step_m = facts.position_step_m;
-    }
-    let json = files::json(raw, &facts, &inspection);
+    // The touches are those of what the estimator saw; noise and steps are those of the samples as they were taken, not
+    // of means or of lines between them.
+    inspection.noise_n = log.force_noise_n();
+    inspection.force_step_n = facts.force_step_n;
+    inspection.position_step_m = facts.position_step_m;
+    // What the estimator says of a law that was taken for the touches alone is none of this verb's.
+    let mut faults = estimation.outcome.events;
+    faults.retain(EventMark::is_fault);
+    let json = files::json(raw, &facts, &inspection, &faults);
     if let Some(out) = &args.out {
         let folder = folder.map_or(out.clone(), |folder| out.join(folder));
         write_json(&folder.join("check.json"), &json)?;
@@ -93,7 +97,7 @@ fn worded(args: &CheckArgs, folder: Option<&str>, raw: &Log) -> Result<Answer, F
     };
     Ok(Answer {
         path: raw.path.clone(),
-        text: describe(&name, raw, &facts, &log, &inspection),
+        text: describe(&name, raw, &facts, &log, (&inspection, &faults)),
         row: row(&json, &log, &inspection),
         json,
     })
@@ -122,12 +126,16 @@ fn describe(
     raw: &Log,
     facts: &Sampling,
     log: &UniformLog,
-    inspection: &Inspection,
+    (inspection, faults): (&Inspection, &[EventMark]),
 ) -> String {
     let mut text = String::new();
     // Writing into a String cannot fail.
     let _ = timing(&mut text, name, raw, facts)
         .and_then(|()| channels(&mut text, raw, inspection))
+        .and_then(|()| match faults_in_words(faults) {
+            Some(faults) => writeln!(text, "{}", wrapped("  faults    ", &faults)),
+            None => Ok(()),
+        })
         .and_then(|()| contacts(&mut text, inspection))
         .and_then(|()| verdict(&mut text, log, inspection));
     text
@@ -185,7 +193,12 @@ fn channels(text: &mut String, raw: &Log, inspection: &Inspection) -> std::fmt::
 }
 
 fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
-    let rest = quantity(inspection.rest_n, 2, "N");
+    // A rest that is far below what can be read is none.
+    let rest_n = match inspection.rest_n.abs() > 1e-3 * inspection.noise_n {
+        true => inspection.rest_n,
+        false => 0.0,
+    };
+    let rest = quantity(rest_n, 2, "N");
     write!(
         text,
         "  free air  {}, force {rest}",

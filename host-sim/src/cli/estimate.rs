@@ -17,7 +17,9 @@ use std::io;
 use std::path::Path;
 
 pub use args::{BatchArgs, EstimateArgs};
+pub(crate) use json::events;
 pub use methods::MethodChoice;
+pub(crate) use print::faults_in_words;
 use serde_json::{Map, Value};
 pub use show::{Shown, document};
 

@@ -25,7 +25,7 @@ pub fn explain(
 ) -> Vec<String> {
     let mut notes = suspicions(log);
     notes.extend(contact(log, replay, outcome, inspection));
-    notes.extend(misfit(replay, outcome, inspection));
+    notes.extend(misfit(replay, outcome));
     notes.extend(relaxation(outcome, inspection));
     notes.extend(adhesion(outcome, inspection));
     notes.extend(surface(replay, outcome));
@@ -63,16 +63,16 @@ fn contact(
     })
 }
 
-fn misfit(replay: &Replay, outcome: &Outcome, inspection: &Inspection) -> Option<String> {
+fn misfit(replay: &Replay, outcome: &Outcome) -> Option<String> {
     let rmse = outcome.force_rmse_n?;
-    if rmse <= EXPLAINED * inspection.noise_n {
+    if rmse <= EXPLAINED * replay.noise_n {
         return None;
     }
     let leaves = format!(
         "{} leaves {} rms in contact, {} the noise",
         law_title(outcome.law.name()),
         quantity(rmse, 3, "N"),
-        times(rmse / inspection.noise_n),
+        times(rmse / replay.noise_n),
     );
     let surface = surface_misfit(replay, outcome.law, &outcome.parameters)
         .filter(|share| *share > SURFACE_SHARE * rmse);

@@ -75,7 +75,10 @@ pub fn judged(status: Status, evidence: &Evidence) -> (Status, Option<Reason>) {
         }
         _ if unexplained => (Status::ModelSuspect, Some(cause(evidence))),
         Status::Unobservable | Status::Converging => {
-            let told = evidence.told.filter(|told| *told != Reason::Excitation);
+            // What the method met on its way is no residual of what it came to.
+            let told = evidence
+                .told
+                .filter(|told| !matches!(told, Reason::Excitation | Reason::Residual));
             (status, Some(told.unwrap_or_else(|| missing(evidence))))
         }
         Status::Converged => match doubt(evidence) {

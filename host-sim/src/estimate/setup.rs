@@ -214,7 +214,8 @@ fn set_touch(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) {
 fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) {
     let wanted = (f64::from(config.contact.settle_s) * log.rate_hz) as usize;
     // Half of the free air: its end is where the force has already left its start.
-    let free = free_samples(log).unwrap_or(log.len()) / 2;
+    let before = free_samples(log).unwrap_or(log.len());
+    let free = before / 2;
     if free >= wanted && wanted >= FEWEST_FREE {
         return;
     }
@@ -231,10 +232,13 @@ fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) 
         ));
     }
     if free < FEWEST_SETTLING {
-        notes.push(
-            "the log starts in contact: resting force and surface are those of its first samples"
-                .into(),
-        );
+        let what = match before {
+            0 | 1 => "the log starts in contact".into(),
+            before => format!("only {before} samples before the force rises"),
+        };
+        notes.push(format!(
+            "{what}: resting force and surface are those of its first samples"
+        ));
     }
 }
 

@@ -156,16 +156,16 @@ impl Log {
             }
             grid.push(stamp_s(at), self.position_m[at], self.force_n[at], false);
         }
+        grid.slower = slower(&line.gaps(&self.time_s)).0;
         let notes = match jittered {
-            true => self.what_the_line_did(line),
+            true => self.what_the_line_did(line, &grid),
             false => self.what_interpolation_did(&grid, timing),
         };
         grid.notes.extend(notes);
-        grid.slower = slower(&line.gaps(&self.time_s)).0;
         grid
     }
 
-    fn what_the_line_did(&self, line: &Line) -> Vec<String> {
+    fn what_the_line_did(&self, line: &Line, grid: &UniformLog) -> Vec<String> {
         let jitter_s = rms(line.residuals(&self.time_s));
         let mut notes = vec![format!(
             "the time stamps scatter by {} rms about an even clock, and force and position do not follow \
@@ -173,12 +173,12 @@ impl Log {
             quantity(jitter_s, 2, "s"),
             snapped(1.0 / line.period_s)
         )];
-        let last = line.numbers.last().map_or(0, |last| *last as usize);
-        let missing = last + 1 - self.len();
+        let is_missing = |at: &usize| grid.in_gap[*at] && !grid.is_slower(*at);
+        let missing = (0..grid.len()).filter(is_missing).count();
         if missing > 0 {
             notes.push(format!(
                 "{missing} of {} samples are missing and interpolated between their neighbours",
-                last + 1
+                grid.len()
             ));
         }
         notes

@@ -78,6 +78,13 @@ pub struct UniformLog {
 }
 
 impl UniformLog {
+    /// Whether a sample lies in a stretch that was sampled more slowly, where nothing is missing.
+    pub(crate) fn is_slower(&self, at: usize) -> bool {
+        let time_s = self.time_s[at];
+        let mut stretches = self.slower.iter();
+        stretches.any(|(from_s, to_s)| (*from_s..=*to_s).contains(&time_s))
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()

@@ -1,5 +1,7 @@
 //! What a replay of a log has in it to point at: touches and events.
 
+use std::collections::BTreeMap;
+
 use estimator_core::estimate::Event;
 
 /// One touch, in figures that no model is needed for.
@@ -31,6 +33,18 @@ pub struct EventMark {
     pub kind: EventKind,
 }
 
+impl EventMark {
+    /// Whether it is the recursion's opinion about the material.
+    pub fn is_material_change(&self) -> bool {
+        self.kind == EventKind::Estimator(Event::MaterialChange)
+    }
+
+    /// Whether it is a fault.
+    pub fn is_fault(&self) -> bool {
+        matches!(self.kind, EventKind::Fault { .. })
+    }
+}
+
 /// What can happen.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventKind {
@@ -43,4 +57,37 @@ pub enum EventKind {
         /// For people.
         description: String,
     },
+}
+
+/// How often one fault began.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaultTally {
+    /// The stable number.
+    pub code: u8,
+    /// For people.
+    pub description: String,
+    /// How many times.
+    pub count: usize,
+    /// When it began first and last (s).
+    pub between_s: (f64, f64),
+}
+
+/// The faults among events, one tally for each, since a log may have a fault in every sample.
+pub fn fault_tallies(events: &[EventMark]) -> Vec<FaultTally> {
+    let mut tallies: BTreeMap<u8, FaultTally> = BTreeMap::new();
+    for event in events {
+        let EventKind::Fault { code, description } = &event.kind else {
+            continue;
+        };
+        let first = || FaultTally {
+            code: *code,
+            description: description.clone(),
+            count: 0,
+            between_s: (event.time_s, event.time_s),
+        };
+        let tally = tallies.entry(*code).or_insert_with(first);
+        tally.count += 1;
+        tally.between_s.1 = event.time_s;
+    }
+    tallies.into_values().collect()
 }

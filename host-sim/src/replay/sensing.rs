@@ -89,7 +89,7 @@ impl<'a> Readings<'a> {
             }
             // Where the resampling invented samples lie straight lines, whose corners are no fault.
             let mut window = at.saturating_sub(2 * LATE)..at + 1;
-            if !window.any(|at| log.in_gap[at] || is_slower(log, at)) {
+            if !window.any(|at| log.in_gap[at] || log.is_slower(at)) {
                 faults
                     .iter()
                     .for_each(|fault| readings.take(log, at, fault));
@@ -177,7 +177,7 @@ impl<'a> Readings<'a> {
             if !run[0] {
                 continue;
             }
-            if is_slower(log, here.start) {
+            if log.is_slower(here.start) {
                 // Nothing is missing between the samples of a slower rate. The line through those of a hold is
                 // what is known of it, and all that the estimator can see of its relaxation. Where the probe
                 // moves, the line is no motion: neither it nor its corners are learned from.
@@ -196,13 +196,6 @@ impl<'a> Readings<'a> {
             }
         }
     }
-}
-
-/// Whether a sample lies in a stretch that was sampled more slowly.
-fn is_slower(log: &UniformLog, at: usize) -> bool {
-    let time_s = log.time_s[at];
-    let mut stretches = log.slower.iter();
-    stretches.any(|(from_s, to_s)| (*from_s..=*to_s).contains(&time_s))
 }
 
 /// What the board's code says to each sample.

@@ -2,12 +2,19 @@
 
 use serde_json::{Value, json};
 
+use crate::cli::estimate::events;
 use crate::inspect::Inspection;
 use crate::json::{number, seconds};
 use crate::log::{Log, Sampling};
+use crate::replay::EventMark;
 
 /// The content of `check.json`.
-pub(super) fn json(raw: &Log, facts: &Sampling, inspection: &Inspection) -> Value {
+pub(super) fn json(
+    raw: &Log,
+    facts: &Sampling,
+    inspection: &Inspection,
+    faults: &[EventMark],
+) -> Value {
     let touches = inspection.touches.iter().map(|touch| {
         json!({
             "from_s": seconds(touch.from_s),
@@ -28,6 +35,7 @@ pub(super) fn json(raw: &Log, facts: &Sampling, inspection: &Inspection) -> Valu
         "free_s": number(inspection.free_s),
         "saturated_n": inspection.saturated_n.map(number),
         "touches": touches.collect::<Vec<_>>(),
+        "events": events(faults),
         "notes": raw.notes,
     })
 }

@@ -22,7 +22,7 @@ pub(super) fn touches(touches: &[Touch]) -> Value {
     each.collect()
 }
 
-pub(super) fn events(events: &[EventMark]) -> Value {
+pub(crate) fn events(events: &[EventMark]) -> Value {
     let each = events.iter().map(|event| match &event.kind {
         EventKind::Estimator(kind) => json!({ "t_s": seconds(event.time_s), "kind": kind.name() }),
         EventKind::Fault { code, .. } => {

@@ -7,6 +7,7 @@ use super::methods::MethodChoice;
 use crate::estimate::{Estimation, explain::times};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
+use crate::replay::{EventMark, fault_tallies};
 use crate::wrap::wrapped;
 
 /// A dozen lines: the log, the parameters, the fit, the notes.
@@ -55,18 +56,22 @@ fn write_summary(
         None if outcome.touches.is_empty() => writeln!(text)?,
         None => writeln!(text, ", not settled within 5 %")?,
     }
+    let names = outcome
+        .named(&outcome.parameters)
+        .map(|(info, _)| info.name.len());
+    let width = names.max().unwrap_or(0).max(10);
     for (info, estimate) in outcome.named(&outcome.parameters) {
         match estimate {
             Some(e) => {
                 let error = Some(f64::from(e.std_error));
                 let measured = Measured::new(f64::from(e.value), error, info.unit.symbol());
-                writeln!(text, "  {:<10} {measured}", info.name)?;
+                writeln!(text, "  {:<width$} {measured}", info.name)?;
             }
-            None => writeln!(text, "  {:<10} not observable", info.name)?,
+            None => writeln!(text, "  {:<width$} not observable", info.name)?,
         }
     }
     if let Some(rmse) = outcome.force_rmse_n {
-        let noise = estimation.inspection.noise_n;
+        let noise = estimation.replay.noise_n;
         writeln!(
             text,
             "residual in contact {} rms, {} the noise of {}",
@@ -75,6 +80,7 @@ fn write_summary(
             quantity(noise, 3, "N")
         )?;
     }
+    write_events(text, &outcome.events)?;
     let compared = estimation.selection.iter().any(|(_, rmse)| rmse.is_some());
     if compared && estimation.selection.len() > 1 {
         writeln!(text, "{}", wrapped("", &tried(&estimation.selection)))?;
@@ -83,6 +89,44 @@ fn write_summary(
         writeln!(text, "{}", wrapped("note: ", note))?;
     }
     Ok(())
+}
+
+/// What happened meanwhile: faults of the sensors, and other materials.
+pub(crate) fn write_events(text: &mut String, events: &[EventMark]) -> std::fmt::Result {
+    if let Some(faults) = faults_in_words(events) {
+        writeln!(text, "{}", wrapped("faults: ", &faults))?;
+    }
+    let changes = events.iter().filter(|event| event.is_material_change());
+    let changes: Vec<String> = changes
+        .map(|event| quantity(event.time_s, 4, "s"))
+        .collect();
+    if !changes.is_empty() {
+        let at = changes.join(", ");
+        writeln!(
+            text,
+            "{}",
+            wrapped(
+                "changes: ",
+                &format!("another material at {at}; the parameters are those of the last")
+            )
+        )?;
+    }
+    Ok(())
+}
+
+/// The faults among events, each with how often and when; `None` without one.
+pub(crate) fn faults_in_words(events: &[EventMark]) -> Option<String> {
+    let each = fault_tallies(events).into_iter().map(|tally| {
+        let (first_s, last_s) = tally.between_s;
+        let [first, last] = [first_s, last_s].map(|at_s| quantity(at_s, 4, "s"));
+        let when = match tally.count {
+            1 => format!("at {first}"),
+            count => format!("{count} times, {first} to {last}"),
+        };
+        format!("{} ({when})", tally.description)
+    });
+    let all: Vec<String> = each.collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 /// The laws that were compared, and what each leaves; of a law with several methods the best of them.

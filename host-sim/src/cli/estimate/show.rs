@@ -196,7 +196,7 @@ impl Shown {
             mean_residual: rows.mean_residual(),
             forgetting: rows.column(|_, record| record.forgetting.into()),
             status: rows.rows.iter().map(|(_, record)| record.status).collect(),
-            noise_n: Some(estimation.inspection.noise_n),
+            noise_n: Some(replay.noise_n),
             forgetting_law: Some(report::ForgettingLaw {
                 alpha_1: alpha_1.into(),
                 alpha_2_per_n: alpha_2.into(),

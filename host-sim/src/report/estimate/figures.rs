@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use estimator_core::estimate::Event;
 
 use super::run::Run;
-use crate::replay::{EventKind, EventMark};
+use crate::replay::EventKind;
 use crate::report::{Figure, plot::Chart, plot::Marker, plot::Series, plot::Size};
 
 /// Makes the figures of one kind for one run.
@@ -48,12 +48,12 @@ const MOST_FAULTS: usize = 50;
 
 /// The chart with the touches shaded and the events marked by lines.
 pub(super) fn annotate<'a>(chart: Chart<'a>, run: &Run) -> Chart<'a> {
-    let is_fault = |event: &&EventMark| matches!(event.kind, EventKind::Fault { .. });
-    let mark_faults = run.events.iter().filter(is_fault).count() <= MOST_FAULTS;
+    let faults = run.events.iter().filter(|event| event.is_fault());
+    let mark_faults = faults.count() <= MOST_FAULTS;
     let shown = run
         .events
         .iter()
-        .filter(|event| mark_faults || !is_fault(event));
+        .filter(|event| mark_faults || !event.is_fault());
     let markers = shown.map(|event| {
         let (label, major) = match &event.kind {
             EventKind::Estimator(Event::Contact) => ("contact".to_string(), false),

@@ -1,13 +1,11 @@
 //! The tables: result, segments, touches, faults.
 
-use std::collections::BTreeMap;
-
 use estimator_core::estimate::Estimated;
 
 use super::run::{EstimateReport, FinalParameter, Run, label};
 use crate::model::law_title;
 use crate::number::{column, fixed, setting};
-use crate::replay::{EventKind, Touch};
+use crate::replay::{Touch, fault_tallies};
 use crate::report::{Cell, Section, Table};
 
 /// The most rows that a table of touches or materials shows.
@@ -172,27 +170,17 @@ fn touches(run: &Run) -> Option<Table> {
 /// The faults, with a row for each kind, since a log may have a fault in every sample. The other events
 /// stand in the tables of touches and materials.
 fn faults(run: &Run) -> Option<Table> {
-    let mut kinds: BTreeMap<u8, (&str, usize, f64, f64)> = BTreeMap::new();
-    for event in run.events.iter() {
-        if let EventKind::Fault { code, description } = &event.kind {
-            let first = (description.as_str(), 0, event.time_s, event.time_s);
-            let (_, count, _, last) = kinds.entry(*code).or_insert(first);
-            *count += 1;
-            *last = event.time_s;
-        }
-    }
-    let rows = kinds
-        .iter()
-        .map(|(code, (description, count, first, last))| {
-            [
-                Cell::from(format!("{code}: {description}")),
-                Cell::count(*count),
-                time(*first),
-                time(*last),
-            ]
-        });
+    let tallies = fault_tallies(&run.events);
+    let rows = tallies.iter().map(|tally| {
+        [
+            Cell::from(format!("{}: {}", tally.code, tally.description)),
+            Cell::count(tally.count),
+            time(tally.between_s.0),
+            time(tally.between_s.1),
+        ]
+    });
     let table = Table::new(["Fault", "Times", "First [s]", "Last [s]"]);
-    (!kinds.is_empty()).then(|| table.caption(caption(run, "Faults")).rows(rows))
+    (!tallies.is_empty()).then(|| table.caption(caption(run, "Faults")).rows(rows))
 }
 
 /// An instant (s) to the millisecond, which is the sampling period of the board.

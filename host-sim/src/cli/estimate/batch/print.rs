@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::batch::{Batch, Form, Modulus, Tried};
-use crate::cli::estimate::print::headline;
+use crate::cli::estimate::print::{headline, write_events};
+use crate::estimate::explain::times;
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;
@@ -54,12 +55,13 @@ fn write_summary(
     if let Some(rmse) = batch.force_rmse_n {
         writeln!(
             text,
-            "residual in contact {} rms, {} × the noise of {}",
+            "residual in contact {} rms, {} the noise of {}",
             quantity(rmse, 3, "N"),
-            quantity(rmse / batch.noise_n, 3, "1").trim_end(),
+            times(rmse / batch.noise_n),
             quantity(batch.noise_n, 3, "N")
         )?;
     }
+    write_events(text, &batch.events)?;
     if batch.selection.len() > 1 {
         writeln!(text, "{}", wrapped("", &tried(&batch.selection)))?;
     }
