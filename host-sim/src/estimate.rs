@@ -18,7 +18,7 @@ pub use explain::explain;
 pub use lateness::{Form, Lateness};
 pub use outcome::Outcome;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
-use residual::Motions;
+use residual::{Motions, times_the_errors};
 pub use setup::{Choices, Setup, setup};
 
 use crate::diagnostic::Diagnostic;
@@ -44,7 +44,7 @@ pub struct Estimation {
     /// What is in the log.
     pub inspection: Inspection,
     /// Every law that was tried, with its RMSE (N).
-    pub selection: Vec<(&'static str, Option<f64>)>,
+    pub selection: Vec<Compared>,
     /// What a reader must know, a sentence each.
     pub notes: Vec<String>,
     /// What the status was judged by.
@@ -75,6 +75,17 @@ impl Estimation {
     pub fn log<'a>(&'a self, given: &'a UniformLog) -> &'a UniformLog {
         self.decimated.as_ref().unwrap_or(given)
     }
+}
+
+/// A law that was tried by a method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compared {
+    /// Name of the law.
+    pub law: &'static str,
+    /// The method; a law has several.
+    pub method: Method,
+    /// What it leaves (N rms); `None` where it cannot be determined.
+    pub force_rmse_n: Option<f64>,
 }
 
 /// Estimates a log with each method and keeps the law that explains the force best; of two that do
@@ -151,7 +162,11 @@ fn compared(
         })?;
         long_enough(log, &replay)?;
         let outcome = Outcome::along(log, &replay, &motions);
-        selection.push((outcome.law.name(), outcome.force_rmse_n));
+        selection.push(Compared {
+            law: outcome.law.name(),
+            method: *method,
+            force_rmse_n: outcome.force_rmse_n,
+        });
         rmses_n.push(outcome.whole_log_rmse_n);
         let is_better = best.as_ref().is_none_or(|(before, kept, _)| {
             let kept = Residual::of(before, kept);
@@ -175,6 +190,13 @@ fn compared(
     (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
+    let is_unexplained = evidence.misfit.is_some_and(|misfit| misfit > EXPLAINED);
+    if is_unexplained && !evidence.is_surface_doubtful {
+        // A damper that plays left 115 times the noise, and had a surface of 27 mm to 1.6 µm. What the surface's error
+        // leaves is in all errors already.
+        let times = times_the_errors(log, &replay, &outcome.replayed_n);
+        outcome.widen(times.max(1.0));
+    }
     Ok(Estimation {
         replay,
         outcome,

@@ -11,6 +11,7 @@ fn odd_logs() -> Vec<(&'static str, String, &'static str, &'static str)> {
     // A force without touch: what is left of the noise above rest and below it.
     let untouched = |[t, x, f]: [f64; 3]| [t, x, f - 2000.0 * x.max(0.0)];
     let hum = |[t, x, f]: [f64; 3]| [t, x, f - 2000.0 * x.max(0.0) + 0.05 * (314.16 * t).sin()];
+    let spike = |[t, x, f]: [f64; 3]| [t, x, if (t - 1.0).abs() < 2e-4 { f + 5.0 } else { f }];
     vec![
         // what is odd, the file, the status, what both verbs say
         ("nothing touched",   changed(untouched),            "no_contact",   "no contact"),
@@ -20,6 +21,7 @@ fn odd_logs() -> Vec<(&'static str, String, &'static str, &'static str)> {
         ("swapped columns",   changed(|[t, x, f]| [t, f, x]), "no trust",   "position and force may be exchanged (--columns x=f_n,f=x_m)"),
         ("millimetres",       changed(|[t, x, f]| [t, x * 1e3, f]), "any",   "millimetres or micrometres given as metres? (--columns x=x_m*1e-3)"),
         ("milliseconds",      changed(|[t, x, f]| [t * 1e3, x, f]), "no trust", "milliseconds given as seconds? (--columns t=t_s*1e-3)"),
+        ("a spike",           changed(spike),                "any",          "force is no usable number or a spike, sample dropped (at 1.00"),
         ("force sign",        changed(|[t, x, f]| [t, x, -f]), "no_contact", "its sign, or that of the position, may be reversed (--columns f=-f_n or x=-x_m)"),
     ]
 }

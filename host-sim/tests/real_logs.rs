@@ -288,7 +288,7 @@ fn estimate_json_has_the_documented_fields_and_units() {
         "from_s to_s peak_force_n peak_depth_m secant_stiffness dissipated_j relaxation_ratio";
     assert_eq!(first("touches"), of_a_touch);
     assert_eq!(first("events"), "t_s kind");
-    assert_eq!(first("selection"), "law force_rmse_n");
+    assert_eq!(first("selection"), "law method force_rmse_n");
     // What begins together is said to begin together, and a touch ends where it is released.
     let touches = json["touches"].as_array().unwrap();
     let events = json["events"].as_array().unwrap();

@@ -104,7 +104,7 @@ impl Fault {
     /// Describes the fault in a short sentence for people.
     pub const fn describe(self) -> &'static str {
         match self {
-            Fault::ForceUnusable => "force is not a usable number, sample dropped",
+            Fault::ForceUnusable => "force is no usable number or a spike, sample dropped",
             Fault::PositionUnusable => "position is not a usable number, sample dropped",
             Fault::TimeNotAdvancing => "time does not advance, sample dropped",
             Fault::SampleMissed => "samples missing, filters restarted",

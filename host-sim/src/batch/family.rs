@@ -99,6 +99,12 @@ impl Family {
         Family::with(LawId::QuasiLinear, modes)
     }
 
+    /// The same with a mode more, if its law can have several.
+    pub(super) fn with_a_mode_more(self) -> Option<Family> {
+        let modes = self.modes + 1;
+        (self.law == LawId::QuasiLinear).then_some(Family { modes, ..self })
+    }
+
     /// This family with another elastic response, if its law can have it.
     pub fn shaped(self, elastic: Form) -> Option<Family> {
         let can = elastic == Form::Power || !self.law.info().optional.is_empty();

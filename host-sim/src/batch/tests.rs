@@ -141,6 +141,41 @@ fn a_kelvin_voigt_contact_is_found_by_auto_and_gets_no_modes() {
     assert_near(&found, &truth, NEAR);
 }
 
+#[test]
+fn a_negative_damping_is_never_converged() {
+    let law = KelvinVoigt {
+        stiffness_n_per_m: 2260.0,
+        damping_ns_per_m: 23.0,
+    };
+    let contact = Contact {
+        law: Law::KelvinVoigt(law),
+        surface_m: 0.0,
+    };
+    // GIVEN a force that is read 15 ms early: 15 ms · 2260 N/m off the damping
+    let mut log = palpated(contact, 3e-3, SEED_RIG);
+    log.force_n.rotate_left(15);
+    let found = fitted(&log, &with(&[Family::KELVIN_VOIGT]));
+    let damping = found.value("damping").unwrap();
+    assert!(damping.value < -8.0, "{damping:?}");
+    assert_eq!(found.status, Status::ModelSuspect);
+}
+
+#[test]
+fn a_law_that_cannot_hold_what_is_held_is_not_left_out_in_silence() {
+    let log = palpated(GEL.at(0.0), GEL.peak_depth_m, SEED_RIG);
+    let held = Held {
+        fixed: vec![("damping".into(), 5.0)],
+        initial: Vec::new(),
+    };
+    let options = Options {
+        held,
+        ..with(&[Family::KELVIN_VOIGT, Family::HUNT_CROSSLEY])
+    };
+    let notes = fitted(&log, &options).notes;
+    let is_said = |note: &String| note.starts_with("not tried: hunt_crossley.");
+    assert!(notes.iter().any(is_said), "{notes:?}");
+}
+
 /// 0.5 s of rest, ramps of three speeds to 3 mm, holds, and back, on two modes; 20 mN of noise.
 fn relaxing(surface_m: f64) -> UniformLog {
     let law = QuasiLinear {

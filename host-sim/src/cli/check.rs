@@ -8,8 +8,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use estimator_core::Config;
 use estimator_core::estimate::method::Method;
+use estimator_core::{Config, Fault};
 use serde_json::{Map, Value};
 
 use crate::cli::ReadingArgs;
@@ -23,7 +23,7 @@ use crate::kind;
 use crate::log::{Log, STANDARD_INPUT, Sampling, UniformLog};
 use crate::number::quantity;
 use crate::output::try_folder;
-use crate::replay::EventMark;
+use crate::replay::{EventKind, EventMark};
 use crate::stats::extent;
 use crate::wrap::wrapped;
 
@@ -132,10 +132,7 @@ fn describe(
     // Writing into a String cannot fail.
     let _ = timing(&mut text, name, raw, facts)
         .and_then(|()| channels(&mut text, raw, inspection))
-        .and_then(|()| match faults_in_words(faults) {
-            Some(faults) => writeln!(text, "{}", wrapped("  faults    ", &faults)),
-            None => Ok(()),
-        })
+        .and_then(|()| happened(&mut text, faults))
         .and_then(|()| contacts(&mut text, inspection))
         .and_then(|()| verdict(&mut text, log, inspection));
     text
@@ -190,6 +187,18 @@ fn channels(text: &mut String, raw: &Log, inspection: &Inspection) -> std::fmt::
         }
     }
     Ok(())
+}
+
+/// The faults; what is missing stands with the time.
+fn happened(text: &mut String, faults: &[EventMark]) -> std::fmt::Result {
+    let missed = Fault::SampleMissed.code();
+    let is_told =
+        |event: &&EventMark| !matches!(event.kind, EventKind::Fault { code, .. } if code == missed);
+    let told: Vec<EventMark> = faults.iter().filter(is_told).cloned().collect();
+    match faults_in_words(&told) {
+        Some(faults) => writeln!(text, "{}", wrapped("  faults    ", &faults)),
+        None => Ok(()),
+    }
 }
 
 fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {

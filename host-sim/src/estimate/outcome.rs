@@ -139,6 +139,16 @@ impl Outcome {
         }
     }
 
+    /// Makes all standard errors so many times as large: those of a law that does not explain the force are of what it
+    /// leaves.
+    pub(super) fn widen(&mut self, times: f64) {
+        let segments = self.segments.iter_mut().map(|own| &mut own.parameters);
+        let all = segments.chain([&mut self.parameters]);
+        for estimate in all.flat_map(|own| own.iter_mut().flatten()) {
+            estimate.std_error *= times as f32;
+        }
+    }
+
     /// The value of the parameter of that name.
     pub fn value(&self, name: &str) -> Option<Estimated<f32>> {
         named(self.law, &self.parameters, name)

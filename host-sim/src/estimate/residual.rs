@@ -11,7 +11,7 @@ use crate::kinematics::{Kinematics, Smoother};
 use crate::log::UniformLog;
 use crate::replay::Replay;
 use crate::signal;
-use crate::stats::rms;
+use crate::stats::{correlation, rms};
 
 /// Samples on either side of the fixed window: a count of 1 µm then makes a speed of 30 µm/s at 1 kHz, and a
 /// touch is over after 5 ms.
@@ -153,15 +153,35 @@ pub(super) fn surface_misfit(
     Some(rms(changes))
 }
 
-/// Over the instants whose whole filter window lies in contact: there the smoothed depth and speed
-/// are those of the raw force. Samples that the board knows to be faulty, or that were invented in a gap,
-/// are no measurements.
+/// The root mean square (N) of [`errors`].
 pub(super) fn force_rmse(
     log: &UniformLog,
     replay: &Replay,
     replayed_n: &[f32],
     stretch: Range<usize>,
 ) -> Option<f64> {
+    let errors = errors(log, replay, replayed_n, stretch);
+    let known = replayed_n.iter().any(|force| *force != 0.0);
+    (known && !errors.is_empty()).then(|| rms(errors))
+}
+
+/// How many times as large as a method says the standard errors are that the forces leave, which it takes for white
+/// noise of the size that it knows.
+pub(super) fn times_the_errors(log: &UniformLog, replay: &Replay, replayed_n: &[f32]) -> f64 {
+    let errors = errors(log, replay, replayed_n, 0..replay.records.len());
+    let memory = correlation(&errors);
+    rms(errors) / replay.noise_n * memory.sqrt()
+}
+
+/// Raw forces (N) less those of the law, over the instants whose whole filter window lies in contact: there the smoothed
+/// depth and speed are those of the raw force. Samples that the board knows to be faulty, or that were invented in a
+/// gap, are no measurements.
+fn errors(
+    log: &UniformLog,
+    replay: &Replay,
+    replayed_n: &[f32],
+    stretch: Range<usize>,
+) -> Vec<f64> {
     let memory = 2 * replay.delay + 1;
     let is_sound = sound(log, replay);
     let errors = replay.contacts().into_iter().flat_map(|contact| {
@@ -172,9 +192,7 @@ pub(super) fn force_rmse(
             counts.then(|| raw - f64::from(replayed_n[index]))
         })
     });
-    let errors: Vec<f64> = errors.collect();
-    let known = replayed_n.iter().any(|force| *force != 0.0);
-    (known && !errors.is_empty()).then(|| rms(errors))
+    errors.collect()
 }
 
 /// Whether each sample, and those that its motion is smoothed over, were measured without a fault.

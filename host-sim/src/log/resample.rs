@@ -6,7 +6,6 @@ use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
 use crate::number::{counted, quantity};
 use crate::signal;
-use crate::stats::rms;
 
 /// Largest grid (samples): 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
 const LARGEST_GRID: f64 = 5e7;
@@ -166,12 +165,17 @@ impl Log {
     }
 
     fn what_the_line_did(&self, line: &Line, grid: &UniformLog) -> Vec<String> {
-        let jitter_s = rms(line.residuals(&self.time_s));
+        let facts = self.sampling();
+        let scatter = match facts.is_rounding() {
+            true => "are rounded".into(),
+            false => format!(
+                "scatter by {} rms about an even clock, and force and position do not follow them",
+                quantity(facts.jitter_s, 2, "s")
+            ),
+        };
+        let rate_hz = snapped(1.0 / line.period_s);
         let mut notes = vec![format!(
-            "the time stamps scatter by {} rms about an even clock, and force and position do not follow \
-             them: the samples are taken as even, {} a second",
-            quantity(jitter_s, 2, "s"),
-            snapped(1.0 / line.period_s)
+            "the time stamps {scatter}: the samples are taken as even, {rate_hz} a second"
         )];
         let is_missing = |at: &usize| grid.in_gap[*at] && !grid.is_slower(*at);
         let missing = (0..grid.len()).filter(is_missing).count();

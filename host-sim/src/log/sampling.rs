@@ -92,6 +92,14 @@ pub struct Sampling {
     pub toggles: usize,
 }
 
+impl Sampling {
+    /// Whether the stamps scatter by no more than their rounding to a step, which has an rms of step/√12.
+    pub fn is_rounding(&self) -> bool {
+        self.resolution_s
+            .is_some_and(|step_s| self.jitter_s < 0.35 * step_s)
+    }
+}
+
 impl Log {
     /// How the log was sampled; nothing is known of fewer than two samples.
     pub fn sampling(&self) -> Sampling {

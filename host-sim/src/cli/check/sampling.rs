@@ -35,12 +35,7 @@ fn evenness(facts: &Sampling, timing: &Timing) -> String {
             format!("jitter {}", scatter(timing.jitter_s))
         }
         Stamps::Even => "no jitter".into(),
-        // Rounding to a step has an rms of step/√12.
-        Stamps::Jittered
-            if facts
-                .resolution_s
-                .is_some_and(|s| facts.jitter_s < 0.35 * s) =>
-        {
+        Stamps::Jittered if facts.is_rounding() => {
             "no jitter beyond the rounding of the stamps".into()
         }
         Stamps::Jittered => format!(

@@ -20,7 +20,9 @@ use crate::settings::Settings;
     palpate estimate runs --out result\n  \
     palpate estimate instron.csv --columns \"t=Time[ms]*1e-3,x=pos_mm*1e-3,f=-Fz\"\n  \
     palpate estimate indentation.csv --method batch --indenter sphere:0.003 --out result\n  \
-    palpate estimate log.csv --compensate model.toml --out result"
+    palpate estimate log.csv --compensate model.toml --out result\n\n\
+    A parameter is held by two lines under [estimator] of the file that --config names:\n  \
+    fixed = [\"exponent\"]\n  initial = { exponent = 1.5 }"
 )]
 pub struct EstimateArgs {
     /// Logs: CSV with t_s (s), x_m (m, growing into the material), f_n (N, pushing out), or what a machine

@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::json::{events, measured, touches};
-use crate::estimate::{Outcome, Reason};
+use super::methods::MethodChoice;
+use crate::estimate::{Compared, Outcome, Reason};
 use crate::json::{number, seconds};
 use crate::kind;
 use crate::output::write_atomically;
@@ -27,7 +28,7 @@ pub(super) struct Context<'a> {
     /// Standard deviation of the raw force (N).
     pub(super) noise_n: f64,
     /// The laws that were compared, each with its RMSE (N), if the law was to be chosen.
-    pub(super) selection: &'a [(&'a str, Option<f64>)],
+    pub(super) selection: &'a [Compared],
     /// The effects that were taken off the log.
     pub(super) compensated: &'a [String],
     /// What a reader must know, a sentence each.
@@ -58,10 +59,13 @@ pub(super) fn json(outcome: &Outcome, context: &Context) -> Value {
             "parameters": parameters(outcome, &segment.parameters),
         })
     });
-    let selection = context
-        .selection
-        .iter()
-        .map(|(law, rmse)| json!({ "law": law, "force_rmse_n": rmse.map(number) }));
+    let selection = context.selection.iter().map(|own| {
+        json!({
+            "law": own.law,
+            "method": MethodChoice::of(own.method).name(),
+            "force_rmse_n": own.force_rmse_n.map(number),
+        })
+    });
     json!({
         "law": outcome.law.name(),
         "method": context.method,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::methods::MethodChoice;
-use crate::estimate::{Estimation, explain::times};
+use crate::estimate::{Compared, Estimation, explain::times};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::replay::{EventMark, fault_tallies};
@@ -81,7 +81,7 @@ fn write_summary(
         )?;
     }
     write_events(text, &outcome.events)?;
-    let compared = estimation.selection.iter().any(|(_, rmse)| rmse.is_some());
+    let compared = estimation.selection.iter().any(|own| own.force_rmse_n.is_some());
     if compared && estimation.selection.len() > 1 {
         writeln!(text, "{}", wrapped("", &tried(&estimation.selection)))?;
     }
@@ -130,9 +130,12 @@ pub(crate) fn faults_in_words(events: &[EventMark]) -> Option<String> {
 }
 
 /// The laws that were compared, and what each leaves; of a law with several methods the best of them.
-fn tried(selection: &[(&'static str, Option<f64>)]) -> String {
+fn tried(selection: &[Compared]) -> String {
     let mut best: Vec<(&'static str, Option<f64>)> = Vec::new();
-    for (law, rmse) in selection {
+    for Compared {
+        law, force_rmse_n: rmse, ..
+    } in selection
+    {
         match best.iter_mut().find(|(own, _)| own == law) {
             None => best.push((law, *rmse)),
             Some((_, Some(least))) => *least = least.min(rmse.unwrap_or(f64::INFINITY)),
