@@ -106,8 +106,8 @@ fn held(options: &Options) -> Option<String> {
 
 fn damping(batch: &Batch, decide: &Report) -> Option<String> {
     batch.has_negative_damping(decide).then(|| {
-        "the damping is negative: the force runs ahead of the position; a delay between the two \
-         channels looks like that"
+        "the damping is negative, which no material's is: the force follows the position instead of running ahead of \
+         it, as one that is read late does"
             .into()
     })
 }

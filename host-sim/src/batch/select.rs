@@ -190,9 +190,10 @@ impl Round<'_> {
         let mut nested: Vec<Candidate> = Vec::new();
         for candidate in candidates {
             let Fit { family, cost, .. } = candidate.fit;
-            let with_fewer = nested.last().map(|last| &last.fit).filter(|last| {
-                last.family.with_a_mode_more() == Some(family) && last.cost < cost
-            });
+            let with_fewer = nested
+                .last()
+                .map(|last| &last.fit)
+                .filter(|last| last.family.with_a_mode_more() == Some(family) && last.cost < cost);
             let starts = with_fewer.map(|last| one_mode_more(&last.free, last.family));
             let better = starts.and_then(|start| self.fit(family, [start]));
             nested.push(match better {

@@ -151,9 +151,9 @@ fn a_negative_damping_is_never_converged() {
         law: Law::KelvinVoigt(law),
         surface_m: 0.0,
     };
-    // GIVEN a force that is read 15 ms early: 15 ms · 2260 N/m off the damping
+    // GIVEN a force that is read 15 ms late: 15 ms · 2260 N/m off the damping
     let mut log = palpated(contact, 3e-3, SEED_RIG);
-    log.force_n.rotate_left(15);
+    log.force_n.rotate_right(15);
     let found = fitted(&log, &with(&[Family::KELVIN_VOIGT]));
     let damping = found.value("damping").unwrap();
     assert!(damping.value < -8.0, "{damping:?}");

@@ -328,20 +328,20 @@ mod tests {
 
     #[test]
     fn a_touch_begins_above_the_drift_of_the_resting_force() {
-        // GIVEN 0.3 mm through air and 0.7 mm into 2 N/mm and back, and a force that ends higher
+        // GIVEN 0.3 mm through air and 0.7 mm into 1.5 N/mm and back, read in codes of 4 mN, and a force that ends higher
         let pressed = |drift_n: f64| {
             let mut log = ramp(2e-3, 2000.0, 0.5);
             for index in 0..2000 {
                 let way_m = log.position_m[index.min(1999 - index)];
                 log.position_m[index] = way_m;
                 let drift_n = if index < 1000 { 0.0 } else { drift_n };
-                log.force_n[index] = 2000.0 * (way_m - 3e-4).max(0.0) + drift_n;
+                let code = (1500.0 * (way_m - 3e-4).max(0.0) / 4e-3).round();
+                log.force_n[index] = 4e-3 * code + drift_n;
             }
             of(&log).config.contact
         };
         let usual = Config::default().contact;
-        // WHEN it drifts by 10 mN, THEN a touch takes 20 mN: 17.3 times the noise of 4 mN/√12, the
-        // step of the ramp.
+        // WHEN it drifts by 10 mN, THEN a touch takes 20 mN: 17.3 times the noise of 4 mN/√12.
         let lifted = pressed(0.01);
         assert!((17.2..=17.4).contains(&lifted.touch_sigma), "{lifted:?}");
         assert!((8.6..=8.7).contains(&lifted.release_sigma), "{lifted:?}");

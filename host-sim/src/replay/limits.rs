@@ -30,6 +30,9 @@ const AT_REST: usize = 4;
 const SPIKE_SIGMAS: f64 = 7.0;
 /// A way is one beyond this many counts or standard deviations of the position.
 const WAY_COUNTS: f64 = 8.0;
+/// Where a position has no noise, a way is one beyond this many times the step that all but a twentieth stay within.
+const CORNER: f64 = 1.5;
+const COMMON: f64 = 0.95;
 /// Samples that a position must stand in the midst of a motion.
 const STANDING: f64 = 16.0;
 
@@ -52,6 +55,11 @@ impl LogSensors {
         let (n_per_code, m_per_code) = (code(&force), code(&position));
         let (noise_n, noise_m) = (signal::loud_noise(&force), signal::noise(&position));
         let way_m = WAY_COUNTS * noise_m.max(signal::step(&position).unwrap_or(0.0));
+        // A command without noise turns corners, which are no jumps.
+        let way_m = match way_m > 0.0 {
+            true => way_m,
+            false => CORNER * quantile(changes(&position), COMMON),
+        };
         let codes: Vec<i64> = force
             .iter()
             .map(|f| (f / n_per_code).round() as i64)
@@ -86,6 +94,11 @@ impl LogSensors {
             limits,
         }
     }
+}
+
+/// How far a channel goes from sample to sample.
+fn changes(channel: &[f64]) -> impl Iterator<Item = f64> {
+    channel.windows(2).map(|pair| (pair[1] - pair[0]).abs())
 }
 
 /// The step of a channel, or one fine enough that nothing is lost.

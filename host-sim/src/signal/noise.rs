@@ -81,8 +81,13 @@ fn sigma(differences: impl Iterator<Item = f64>) -> f64 {
     robust_deviation(differences) / 6.0_f64.sqrt()
 }
 
+/// A step is no way at constant speed if it is at most this share of the span: an encoder of a thousand counts may move
+/// by one count a sample.
+const COARSE: f64 = 1e-3;
+
 /// The resolution of a channel: the smallest change between neighbours, if nine tenths of the
-/// changes are whole multiples of it. `None` for a channel that is not quantised.
+/// changes are whole multiples of it. `None` for a channel that is not quantised, and for a command that goes on by the
+/// same step in sample after sample: 5 mm at 0.5 mm/s and 10 Hz are a hundred times 50 µm, and no count.
 pub fn step(channel: &[f64]) -> Option<f64> {
     let span = range(channel);
     // Walked through twice rather than kept: of an hour they are 29 MB.
@@ -99,7 +104,19 @@ pub fn step(channel: &[f64]) -> Option<f64> {
     let (count, whole) = changes().fold((0, 0), |(count, whole), change| {
         (count + 1, whole + usize::from(is_whole(change)))
     });
-    (count >= 10 && 10 * whole >= 9 * count).then_some(smallest)
+    let is_on_a_way =
+        smallest > COARSE * span && 50 * steady_changes(channel, smallest) >= 49 * count;
+    (count >= 10 && 10 * whole >= 9 * count && !is_on_a_way).then_some(smallest)
+}
+
+/// How many changes by a step follow one by the same: all but one in fifty on a way, where an encoder at 0.95 counts a
+/// sample stands still at one in twenty.
+fn steady_changes(channel: &[f64], step: f64) -> usize {
+    let is_steady = |w: &&[f64]| {
+        let (before, now) = (w[1] - w[0], w[2] - w[1]);
+        (before - now).abs() < 0.02 * step && (now.abs() - step).abs() < 0.02 * step
+    };
+    channel.windows(3).filter(is_steady).count()
 }
 
 #[cfg(test)]
@@ -131,6 +148,13 @@ mod tests {
         assert!((step(&noisy(0.02, 5e-3)).unwrap() - 5e-3).abs() < 1e-12);
         assert_eq!(step(&noisy(0.02, 1e-12)), None);
         assert_eq!(step(&[1.0; 100]), None);
+        // Steps of a command at constant speed are none, and those of an encoder at half a count a sample are.
+        let ramp = |per_sample: f64| -> Vec<f64> {
+            let way = (0..200).map(|i| (per_sample * f64::from(i.clamp(20, 120))).floor());
+            way.map(|count| 5e-5 * count).collect()
+        };
+        assert_eq!(step(&ramp(1.0)), None);
+        assert!((step(&ramp(0.5)).unwrap() - 5e-5).abs() < 1e-12);
     }
 
     #[test]

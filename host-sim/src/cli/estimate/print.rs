@@ -81,7 +81,10 @@ fn write_summary(
         )?;
     }
     write_events(text, &outcome.events)?;
-    let compared = estimation.selection.iter().any(|own| own.force_rmse_n.is_some());
+    let compared = estimation
+        .selection
+        .iter()
+        .any(|own| own.force_rmse_n.is_some());
     if compared && estimation.selection.len() > 1 {
         writeln!(text, "{}", wrapped("", &tried(&estimation.selection)))?;
     }
@@ -133,7 +136,9 @@ pub(crate) fn faults_in_words(events: &[EventMark]) -> Option<String> {
 fn tried(selection: &[Compared]) -> String {
     let mut best: Vec<(&'static str, Option<f64>)> = Vec::new();
     for Compared {
-        law, force_rmse_n: rmse, ..
+        law,
+        force_rmse_n: rmse,
+        ..
     } in selection
     {
         match best.iter_mut().find(|(own, _)| own == law) {
