@@ -10,7 +10,7 @@ mod setup;
 pub(crate) mod touches;
 
 use estimator_core::estimate::{identify::method_info, method::Method};
-use estimator_core::{Config, Status};
+use estimator_core::{Config, ConfigError, Status};
 
 pub(crate) use evidence::RELAXES;
 use evidence::{evidence, surface_late_m};
@@ -56,9 +56,7 @@ pub struct Estimation {
 impl Estimation {
     /// Whether the law explains the force to its noise.
     pub fn is_explained(&self) -> bool {
-        self.evidence
-            .misfit
-            .is_some_and(|misfit| misfit <= EXPLAINED)
+        self.evidence.misfit.is_some() && !self.evidence.is_unexplained()
     }
 
     /// Takes how late the force is against the position, and judges again.
@@ -154,12 +152,7 @@ fn compared(
     let (mut selection, mut rmses_n) = (Vec::new(), Vec::new());
     for method in methods {
         let Setup { config, notes } = setup(log, base, *method, choices);
-        let replay = replay(log, &config).map_err(|error| {
-            Diagnostic::new("the configuration cannot be used")
-                .at_key(error.field)
-                .value(error.value)
-                .remedy(error.expected)
-        })?;
+        let replay = replay(log, &config).map_err(|error| refused(&error))?;
         long_enough(log, &replay)?;
         let outcome = Outcome::along(log, &replay, &motions);
         selection.push(Compared {
@@ -190,12 +183,10 @@ fn compared(
     (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
-    let is_unexplained = evidence.misfit.is_some_and(|misfit| misfit > EXPLAINED);
-    if is_unexplained && !evidence.is_surface_doubtful {
+    if evidence.is_unexplained() && !evidence.is_surface_doubtful {
         // A damper that plays left 115 times the noise, and had a surface of 27 mm to 1.6 µm. What the surface's error
         // leaves is in all errors already.
-        let times = times_the_errors(log, &replay, &outcome.replayed_n);
-        outcome.widen(times.max(1.0));
+        outcome.widen(times_the_errors(log, &replay, &outcome.replayed_n).max(1.0));
     }
     Ok(Estimation {
         replay,
@@ -206,6 +197,13 @@ fn compared(
         evidence,
         decimated: None,
     })
+}
+
+fn refused(error: &ConfigError) -> Diagnostic {
+    Diagnostic::new("the configuration cannot be used")
+        .at_key(error.field)
+        .value(error.value)
+        .remedy(error.expected)
 }
 
 /// What laws are compared by.

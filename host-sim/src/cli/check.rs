@@ -133,6 +133,7 @@ fn describe(
     let _ = timing(&mut text, name, raw, facts)
         .and_then(|()| channels(&mut text, raw, inspection))
         .and_then(|()| happened(&mut text, faults))
+        .and_then(|()| rest(&mut text, inspection))
         .and_then(|()| contacts(&mut text, inspection))
         .and_then(|()| verdict(&mut text, log, inspection));
     text
@@ -201,7 +202,7 @@ fn happened(text: &mut String, faults: &[EventMark]) -> std::fmt::Result {
     }
 }
 
-fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
+fn rest(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
     // A rest that is far below what can be read is none.
     let rest_n = match inspection.rest_n.abs() > 1e-3 * inspection.noise_n {
         true => inspection.rest_n,
@@ -217,9 +218,12 @@ fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
         Some(times) if times > 2.0 => writeln!(
             text,
             ", wandering {times:.1} × more than its noise: drag, drift or hum"
-        )?,
-        _ => writeln!(text)?,
+        ),
+        _ => writeln!(text),
     }
+}
+
+fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
     writeln!(text, "  touches   {}", inspection.touches.len())?;
     for touch in inspection.touches.iter().take(8) {
         writeln!(
@@ -241,10 +245,10 @@ fn contacts(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
     for hold in inspection.holds.iter().take(8) {
         writeln!(
             text,
-            "  hold      {:9.3} … {:9.3} s at {}: {} → {}{}",
+            "  hold      {:9.3} … {:9.3} s at position {}: {} → {}{}",
             hold.from_s,
             hold.to_s,
-            quantity(hold.depth_m, 3, "m"),
+            quantity(hold.position_m, 4, "m"),
             quantity(hold.from_n, 3, "N"),
             quantity(hold.to_n, 3, "N"),
             if hold.relaxed > 0.0 {

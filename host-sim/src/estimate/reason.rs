@@ -57,11 +57,16 @@ impl Default for Evidence {
     }
 }
 
+impl Evidence {
+    /// Whether more is left than the noise.
+    pub(crate) fn is_unexplained(&self) -> bool {
+        self.misfit.is_some_and(|misfit| misfit > self.explained)
+    }
+}
+
 /// Status and reason of a result whose method has said `status`.
 pub fn judged(status: Status, evidence: &Evidence) -> (Status, Option<Reason>) {
-    let unexplained = evidence
-        .misfit
-        .is_some_and(|misfit| misfit > evidence.explained);
+    let unexplained = evidence.is_unexplained();
     match status {
         Status::NoContact | Status::Changed => (status, Some(Reason::Excitation)),
         Status::ModelSuspect => {

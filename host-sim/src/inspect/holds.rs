@@ -1,5 +1,7 @@
 //! Holds in contact: the depth stays, and the force tells whether the material relaxes.
 
+use std::ops::Range;
+
 use crate::log::UniformLog;
 use crate::replay::Replay;
 
@@ -18,8 +20,8 @@ pub struct Hold {
     pub from_s: f64,
     /// To (s).
     pub to_s: f64,
-    /// Depth (m).
-    pub depth_m: f64,
+    /// Position (m): a depth would need a surface, and each method has its own.
+    pub position_m: f64,
     /// Force at the start (N).
     pub from_n: f64,
     /// Force at the end (N).
@@ -36,7 +38,6 @@ pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
         .map(|index| replay.final_depth_m(index))
         .fold(0.0, f64::max);
     let shortest = ((SHORTEST_S / log.period_s()) as usize).max(8 * replay.delay);
-    let noise_n = log.force_noise_n();
     let speed = |index: usize| f64::from(replay.records.speed_mps(index).abs());
     let fastest = replay
         .contacts()
@@ -54,7 +55,7 @@ pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
             }
             let to = still_until(replay, from, contact.end, STILL * deepest);
             if to - from >= shortest {
-                found.push(hold(replay, from, to, noise_n));
+                found.push(hold(log, replay, from..to));
             }
             from = to.max(from + 1);
         }
@@ -69,7 +70,14 @@ fn still_until(replay: &Replay, from: usize, end: usize, still_m: f64) -> usize 
     (from..end).find(left).unwrap_or(end)
 }
 
-fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
+fn hold(
+    log: &UniformLog,
+    replay: &Replay,
+    Range {
+        start: from,
+        end: to,
+    }: Range<usize>,
+) -> Hold {
     // A tenth at either end, without the window of the filter that still sees the way in or out.
     let edge = ((to - from) / 10).max(1);
     let lead = ((to - from) / 50).max(2 * replay.delay + 1);
@@ -85,12 +93,17 @@ fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
     } else {
         1.0
     };
-    let noise = 4.0 * noise_n / (edge as f64).sqrt() / from_n.abs().max(f64::MIN_POSITIVE);
+    let noise =
+        4.0 * log.force_noise_n() / (edge as f64).sqrt() / from_n.abs().max(f64::MIN_POSITIVE);
     let fell = 1.0 - to_n / from_n - explained;
     Hold {
         from_s: replay.time_s(from),
         to_s: replay.time_s(to - 1),
-        depth_m,
+        position_m: mean(&early, |index| {
+            replay
+                .sample_of(index)
+                .map_or(f64::NAN, |at| log.position_m[at])
+        }),
         from_n,
         to_n,
         relaxed: if from_n > 0.0 && fell > noise {
@@ -101,6 +114,6 @@ fn hold(replay: &Replay, from: usize, to: usize, noise_n: f64) -> Hold {
     }
 }
 
-fn mean(range: &std::ops::Range<usize>, of: impl Fn(usize) -> f64) -> f64 {
+fn mean(range: &Range<usize>, of: impl Fn(usize) -> f64) -> f64 {
     range.clone().map(of).sum::<f64>() / range.len() as f64
 }

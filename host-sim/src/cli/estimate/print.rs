@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::methods::MethodChoice;
-use crate::estimate::{Compared, Estimation, explain::times};
+use crate::estimate::{Compared, Estimation, Outcome, explain::times};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::replay::{EventMark, fault_tallies};
@@ -56,20 +56,7 @@ fn write_summary(
         None if outcome.touches.is_empty() => writeln!(text)?,
         None => writeln!(text, ", not settled within 5 %")?,
     }
-    let names = outcome
-        .named(&outcome.parameters)
-        .map(|(info, _)| info.name.len());
-    let width = names.max().unwrap_or(0).max(10);
-    for (info, estimate) in outcome.named(&outcome.parameters) {
-        match estimate {
-            Some(e) => {
-                let error = Some(f64::from(e.std_error));
-                let measured = Measured::new(f64::from(e.value), error, info.unit.symbol());
-                writeln!(text, "  {:<width$} {measured}", info.name)?;
-            }
-            None => writeln!(text, "  {:<width$} not observable", info.name)?,
-        }
-    }
+    write_parameters(text, outcome)?;
     if let Some(rmse) = outcome.force_rmse_n {
         let noise = estimation.replay.noise_n;
         writeln!(
@@ -90,6 +77,24 @@ fn write_summary(
     }
     for note in &estimation.notes {
         writeln!(text, "{}", wrapped("note: ", note))?;
+    }
+    Ok(())
+}
+
+fn write_parameters(text: &mut String, outcome: &Outcome) -> std::fmt::Result {
+    let names = outcome
+        .named(&outcome.parameters)
+        .map(|(info, _)| info.name.len());
+    let width = names.max().unwrap_or(0).max(10);
+    for (info, estimate) in outcome.named(&outcome.parameters) {
+        match estimate {
+            Some(e) => {
+                let error = Some(f64::from(e.std_error));
+                let measured = Measured::new(f64::from(e.value), error, info.unit.symbol());
+                writeln!(text, "  {:<width$} {measured}", info.name)?;
+            }
+            None => writeln!(text, "  {:<width$} not observable", info.name)?,
+        }
     }
     Ok(())
 }
