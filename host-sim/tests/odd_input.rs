@@ -58,6 +58,27 @@ fn an_odd_log_is_estimated_honestly_and_both_verbs_say_what_is_odd() {
 }
 
 #[test]
+fn check_holds_the_faults_that_an_estimate_holds() {
+    let spike = |[t, x, f]: [f64; 3]| [t, x, f + if (t - 1.0).abs() < 2e-4 { 5.0 } else { 0.0 }];
+    let folder = Folder::with("log.csv", csv(press().into_iter().map(spike)));
+    let events = |verb: &str| -> Vec<serde_json::Value> {
+        let done = folder.palpate(&format!("{verb} log.csv --out {verb}"));
+        assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
+        let json: serde_json::Value =
+            serde_json::from_str(&folder.read(&format!("{verb}/{verb}.json"))).unwrap();
+        let events = json["events"].as_array().unwrap().iter();
+        let faults = events.filter(|event| event["kind"] == "fault");
+        faults.cloned().collect()
+    };
+    let faults = events("check");
+    assert_eq!(faults, events("estimate"));
+    assert!(
+        faults.len() == 1 && faults[0]["name"] == "force_unusable",
+        "{faults:?}"
+    );
+}
+
+#[test]
 fn a_good_log_raises_no_suspicion_however_it_is_written() {
     let good = csv(press());
     let semicolons = good.replace(',', ";").replace('.', ",");

@@ -78,3 +78,35 @@ pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
     ));
     Some(means)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Log;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    const SEED: u64 = 5;
+
+    #[test]
+    fn the_noise_of_means_is_not_that_of_lines_between_the_samples_of_a_slower_rate() {
+        // GIVEN presses at 4 kHz for 2 s, then a hold of 20 s at 250 Hz, 20 mN of noise
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED);
+        let noise = Normal::new(0.0, 0.02).unwrap();
+        let fast = (0..8000).map(|i| 2.5e-4 * f64::from(i));
+        let time: Vec<f64> = fast
+            .chain((0..5000).map(|i| 2.0 + 4e-3 * f64::from(i)))
+            .collect();
+        let way = |t: &f64| 1.5e-3 * (1.0 - (std::f64::consts::TAU * t.min(1.5)).cos());
+        let position: Vec<f64> = time.iter().map(way).collect();
+        let force = position.iter().map(|x| 4000.0 * x + noise.sample(&mut rng));
+        let log = Log::from_channels(time.clone(), position.clone(), force.collect());
+        let log = log.uniform().unwrap();
+        assert_eq!(log.slower.len(), 1);
+        let means = decimated(&log).unwrap();
+        // THEN it is that of means of what was measured.
+        let expected_n = 0.02 / (log.rate_hz / means.rate_hz).sqrt();
+        let ratio = means.force_noise_n() / expected_n;
+        assert!((0.9..1.1).contains(&ratio), "{ratio}");
+    }
+}
