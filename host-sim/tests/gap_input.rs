@@ -103,3 +103,33 @@ fn a_good_log_has_no_notes() {
     assert_eq!(json["notes"], serde_json::json!([]), "{json}");
     assert_eq!(json["verdict"], "no_missing_effect", "{}", said(&done));
 }
+
+#[test]
+fn a_model_is_asked_behind_the_low_pass_that_it_was_identified_behind_and_none_is_above_half_the_rate()
+ {
+    // GIVEN a model that left 20 mN behind a low-pass of 40 Hz, beside a tenth of the log's noise there
+    let left = "[remainder]\nrms = 0.02\nnoise = 0.0001\ncorrelation_time = 0.05\nbandwidth = 40\n";
+    let (folder, done) = gap(&format!("{BASE}{left}"), csv(press()));
+    assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
+    let text = flowing(&said(&done));
+    assert!(
+        text.contains("the forces pass a low-pass of 40 Hz, as when"),
+        "{text}"
+    );
+    assert!(
+        text.contains("times what it was when the model was identified"),
+        "{text}"
+    );
+    // WHEN it is asked behind another one, THEN that is said,
+    let other = folder.palpate("gap --log log.csv --model base.toml --out other --bandwidth 30");
+    let text = flowing(&said(&other));
+    assert!(
+        text.contains("behind a low-pass of 40 Hz, and not behind 30 Hz"),
+        "{text}"
+    );
+    // AND one that takes nothing away is refused with what would be right.
+    let high = folder.palpate("gap --log log.csv --model base.toml --out high --bandwidth 1e9");
+    assert_eq!(high.status.code(), Some(2));
+    let text = flowing(&complained(&high));
+    assert!(text.contains("give less than 500 Hz"), "{text}");
+}

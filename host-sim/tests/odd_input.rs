@@ -11,7 +11,6 @@ fn odd_logs() -> Vec<(&'static str, String, &'static str, &'static str)> {
     // A force without touch: what is left of the noise above rest and below it.
     let untouched = |[t, x, f]: [f64; 3]| [t, x, f - 2000.0 * x.max(0.0)];
     let hum = |[t, x, f]: [f64; 3]| [t, x, f - 2000.0 * x.max(0.0) + 0.05 * (314.16 * t).sin()];
-    let spike = |[t, x, f]: [f64; 3]| [t, x, if (t - 1.0).abs() < 2e-4 { f + 5.0 } else { f }];
     vec![
         // what is odd, the file, the status, what both verbs say
         ("nothing touched",   changed(untouched),            "no_contact",   "no contact"),
@@ -21,7 +20,7 @@ fn odd_logs() -> Vec<(&'static str, String, &'static str, &'static str)> {
         ("swapped columns",   changed(|[t, x, f]| [t, f, x]), "no trust",   "position and force may be exchanged (--columns x=f_n,f=x_m)"),
         ("millimetres",       changed(|[t, x, f]| [t, x * 1e3, f]), "any",   "millimetres or micrometres given as metres? (--columns x=x_m*1e-3)"),
         ("milliseconds",      changed(|[t, x, f]| [t * 1e3, x, f]), "no trust", "milliseconds given as seconds? (--columns t=t_s*1e-3)"),
-        ("a spike",           changed(spike),                "any",          "force is no usable number or a spike, sample dropped (at 1.00"),
+        ("a spike",           spiked(1.0),                   "any",          "force is no usable number or a spike, sample dropped (at 1.00"),
         ("force sign",        changed(|[t, x, f]| [t, x, -f]), "no_contact", "its sign, or that of the position, may be reversed (--columns f=-f_n or x=-x_m)"),
     ]
 }
@@ -57,10 +56,26 @@ fn an_odd_log_is_estimated_honestly_and_both_verbs_say_what_is_odd() {
     }
 }
 
+/// The press with 5 N more at one instant (s).
+fn spiked(at_s: f64) -> String {
+    let spike = |[t, x, f]: [f64; 3]| [t, x, f + if (t - at_s).abs() < 2e-4 { 5.0 } else { 0.0 }];
+    csv(press().into_iter().map(spike))
+}
+
+#[test]
+fn a_spike_at_the_peak_of_a_touch_is_not_its_peak() {
+    // GIVEN 3 mm on 2 N/mm, deepest at 0.8 s
+    let folder = Folder::with("log.csv", spiked(0.8));
+    let done = folder.palpate("check log.csv --out out");
+    assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
+    let json: serde_json::Value = serde_json::from_str(&folder.read("out/check.json")).unwrap();
+    let peak_n = json["touches"][0]["peak_force_n"].as_f64().unwrap();
+    assert!((peak_n - 6.0).abs() < 0.05, "{peak_n} N");
+}
+
 #[test]
 fn check_holds_the_faults_that_an_estimate_holds() {
-    let spike = |[t, x, f]: [f64; 3]| [t, x, f + if (t - 1.0).abs() < 2e-4 { 5.0 } else { 0.0 }];
-    let folder = Folder::with("log.csv", csv(press().into_iter().map(spike)));
+    let folder = Folder::with("log.csv", spiked(1.0));
     let events = |verb: &str| -> Vec<serde_json::Value> {
         let done = folder.palpate(&format!("{verb} log.csv --out {verb}"));
         assert_eq!(done.status.code(), Some(0), "{}", complained(&done));

@@ -4,9 +4,10 @@
 //! Forces are over the resting force, and depths count from where the force leaves its baseline: later than
 //! the surface of a soft or relaxing contact, by as much as the noise hides.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
-use estimator_core::Faults;
+use estimator_core::{Fault, Faults};
 
 use crate::log::UniformLog;
 use crate::replay::{Replay, Touch};
@@ -102,6 +103,8 @@ fn each<'a>(
 /// A force smoothed over a few milliseconds.
 struct Smooth<'a> {
     log: &'a UniformLog,
+    /// The force (N), with a line over each spike.
+    bridged_n: Cow<'a, [f64]>,
     is_faulty: Vec<bool>,
     half_width: usize,
     /// Noise of a sample over that of a smoothed one.
@@ -111,7 +114,14 @@ struct Smooth<'a> {
 impl<'a> Smooth<'a> {
     fn of(log: &'a UniformLog, replay: &Replay) -> Smooth<'a> {
         let mut is_faulty = vec![false; replay.records.len()];
+        let mut bridged_n = Cow::Borrowed(log.force_n.as_slice());
         for (range, said) in replay.records.stretches() {
+            if said.faults.has(Fault::ForceUnusable) {
+                let inner = range.start.max(1)..range.end.min(log.len() - 1);
+                inner.for_each(|at| {
+                    bridged_n.to_mut()[at] = 0.5 * (log.force_n[at - 1] + log.force_n[at + 1]);
+                });
+            }
             is_faulty[range].fill(said.faults != Faults::NONE);
         }
         let half_width = (SMOOTH_S * log.rate_hz) as usize;
@@ -119,6 +129,7 @@ impl<'a> Smooth<'a> {
         let averages = ((2 * half_width + 1) as f64 / 2.25).sqrt().max(1.0);
         Smooth {
             log,
+            bridged_n,
             is_faulty,
             half_width,
             averages,
@@ -127,7 +138,7 @@ impl<'a> Smooth<'a> {
 
     /// The smoothed force (N) at a sample.
     fn force_n(&self, at: usize) -> f64 {
-        parabola(&self.log.force_n, at, self.half_width, self.log.period_s()).0
+        parabola(&self.bridged_n, at, self.half_width, self.log.period_s()).0
     }
 }
 
@@ -190,7 +201,7 @@ impl One<'_> {
 
     /// ∮F dx of the raw samples (J).
     fn work_j(&self, samples: Range<usize>) -> f64 {
-        let force = |at: usize| self.log.force_n[at] - self.rest_n;
+        let force = |at: usize| self.smooth.bridged_n[at] - self.rest_n;
         let pairs = samples.clone().zip(samples.skip(1));
         pairs
             .map(|(a, b)| {
@@ -205,7 +216,7 @@ impl One<'_> {
         let last = ((hold.len() as f64 * LAST) as usize).max(1);
         let end = hold.end - last..hold.end;
         let left = end
-            .map(|at| self.log.force_n[at] - self.rest_n)
+            .map(|at| self.smooth.bridged_n[at] - self.rest_n)
             .sum::<f64>()
             / last as f64;
         let ratio = left / self.force_n(hold.start);

@@ -23,10 +23,15 @@ use super::rounds::{Answer, Rounds};
 use super::search::run::MOST_ADDED;
 use crate::log::UniformLog;
 use crate::model::{Environment, Model, Remainder};
+use crate::number::quantity;
 use crate::stats::highest;
 
 /// What a user is told where the remainder was allowed for.
 pub(super) const NOTE: &str = "what the model left when it was identified is allowed for";
+
+/// A noise has changed if it is so many times as large, or as small: in 14 pairs of records of one rig or kind (a drive, a
+/// damper, cells) it differed by up to 2.4 times, where the motion was faster.
+const ANOTHER_NOISE: f64 = 3.0;
 
 /// What a model left when it was identified, in logs with these rates (Hz) of which the search takes every `step`-th
 /// sample.
@@ -49,6 +54,19 @@ impl AsIdentified {
             remainder,
             rates_hz: logs.iter().map(|log| log.rate_hz).collect(),
             step,
+        })
+    }
+
+    /// That the noise is another than it was, in words; `floors` are without the remainder.
+    pub(super) fn noise_in_words(&self, floors: &[NoiseFloor]) -> Option<String> {
+        let was_n = self.remainder.noise_n.filter(|noise_n| *noise_n > 0.0)?;
+        let noise_n = highest(floors.iter().map(NoiseFloor::noise_n));
+        let times = noise_n / was_n;
+        (!(1.0 / ANOTHER_NOISE..=ANOTHER_NOISE).contains(&times)).then(|| {
+            format!(
+                "the noise of the force is {}, {times:.2} times what it was when the model was identified",
+                quantity(noise_n, 2, "N")
+            )
         })
     }
 

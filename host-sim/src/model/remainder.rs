@@ -11,6 +11,8 @@ pub struct Remainder {
     pub rms_n: f64,
     /// The same in each phase of the contact that the log had: a bond that breaks leaves more than a hold.
     pub by_phase_n: [Option<f64>; PHASES.len()],
+    /// Standard deviation (N) of the noise then, where the file says it.
+    pub noise_n: Option<f64>,
     /// How long (s) it stays what it is: the time of one independent value.
     pub correlation_s: f64,
     /// The corner (Hz) of the low-pass that forces went through; `None` without one.
@@ -20,7 +22,7 @@ pub struct Remainder {
 impl Remainder {
     /// The `[remainder]` of a model file.
     pub(super) fn from_table(table: &Table<'_>) -> Result<Remainder, Diagnostic> {
-        table.understand(&["rms", "by_phase", "correlation_time", "bandwidth"]);
+        table.understand(&["rms", "by_phase", "noise", "correlation_time", "bandwidth"]);
         let mut by_phase_n = [None; PHASES.len()];
         if let Some(own) = table.table("by_phase")? {
             for (name, rms_n) in PHASES.iter().zip(&mut by_phase_n) {
@@ -31,6 +33,7 @@ impl Remainder {
         let remainder = Remainder {
             rms_n: table.required_number("rms", Bounds::Positive)?,
             by_phase_n,
+            noise_n: table.number("noise", Bounds::NotNegative)?,
             correlation_s: table.required_number("correlation_time", Bounds::Positive)?,
             bandwidth_hz: table.number("bandwidth", Bounds::Positive)?,
         };

@@ -36,6 +36,7 @@ rate = 5000
 [remainder]
 rms = 0.026
 by_phase = { loading = 0.03, hold = 0.011 }
+noise = 0.003
 correlation_time = 0.04
 bandwidth = 20
 "#;
@@ -57,7 +58,7 @@ fn a_model_with_everything_reads_and_comes_back_as_it_was() {
     assert_eq!(model.sensors.rate_hz, 5000.0);
     assert_eq!(model.sensors.position_step_m, 1e-6);
     let left = model.remainder.unwrap();
-    assert_eq!(left.rms_n, 0.026);
+    assert_eq!((left.rms_n, left.noise_n), (0.026, Some(0.003)));
     let by_phase_n: Vec<f64> = left.by_phase_n.into_iter().flatten().collect();
     assert_eq!(by_phase_n, [0.03, 0.011]);
     let mut back = parse(&model.to_string()).unwrap();

@@ -95,6 +95,9 @@ fn remainder(remainder: &Remainder) -> Table {
     if !by_phase.is_empty() {
         table["by_phase"] = value(by_phase);
     }
+    if let Some(noise_n) = remainder.noise_n {
+        table["noise"] = value(noise_n);
+    }
     table["correlation_time"] = value(remainder.correlation_s);
     if let Some(corner_hz) = remainder.bandwidth_hz {
         table["bandwidth"] = value(corner_hz);

@@ -24,7 +24,7 @@ pub(crate) fn headline(path: &Path, log: &UniformLog, touches: usize) -> String 
     format!(
         "{}: {seconds:.2} s at {} Hz, {}\n",
         path.display(),
-        log.rate_hz,
+        (log.rate_hz * 1e3).round() / 1e3,
         counted(touches, "touch")
     )
 }

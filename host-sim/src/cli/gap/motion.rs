@@ -6,6 +6,7 @@ use std::io;
 use std::path::Path;
 
 use crate::gap::MOTION;
+use crate::kind;
 use crate::motion::{Limits, Motion};
 use crate::number::quantity;
 use crate::output::write_atomically;
@@ -40,9 +41,12 @@ pub(super) fn text(motion: &Motion, note: &Note<'_>) -> String {
             in_words(motion.limits()),
             plain(&quantity(motion.duration_s(), 3, "s")),
         ),
-        "Positions and lengths are in m, at the positions of log and model, growing into the material; \
-         speeds in m/s, frequencies in Hz, times in s. Sines begin at their lowest point."
-            .to_string(),
+        format!(
+            "Positions and lengths are in {}, at the positions of log and model, growing into the material; speeds in \
+             {}, frequencies in Hz, times in s. Sines begin at their lowest point.",
+            kind::unit("m"),
+            kind::unit("m/s")
+        ),
     ];
     let mut text = format!("{FIRST_LINE}\n");
     for paragraph in paragraphs {

@@ -89,8 +89,12 @@ fn partly_explained(finding: &Finding, names: &str) -> String {
     let remains = match finding.slow_remainder {
         Some(_) => "what remains is no noise".into(),
         None => format!(
-            "{:.1} times what noise and the motion's errors allow remains",
-            finding.ratio_after
+            "{:.1} times what noise and the motion's errors allow remains{}",
+            finding.ratio_after,
+            match finding.is_beside_remainder {
+                true => ", about as much as when the model was identified",
+                false => "",
+            }
         ),
     };
     let text =

@@ -1,8 +1,11 @@
 //! From the result of a search to a decision: rivals that explain more take over, and effects that do
 //! not stand up to the evaluation are dropped, until what is left does.
 
+use estimator_core::physics::effect::EffectId;
+
 use super::acceptance::{
-    effect_without_size, effects_of_uncertain_form, fit_in_plain_form, fit_without_idle_effect,
+    effect_without_size, effects_of_uncertain_form, fit_in_plain_form, fit_with_offset,
+    fit_without_idle_effect,
 };
 use super::decision::Decision;
 use super::evaluate::{evaluate, held_out_rmse_n};
@@ -30,11 +33,20 @@ pub(crate) fn decide(
         let (best, _) = with_strong_effects(dataset, &result.best, evidence);
         result = SearchResult::alone(best);
     }
+    let mut evidence = evidence.to_vec();
     loop {
         let (accepted, rest) =
-            accepted_decision(dataset, base, result, evidence, &mut least_rmse_n);
+            accepted_decision(dataset, base, result, &evidence, &mut least_rmse_n);
         result = rest;
         let mut decision = with_standard_errors(dataset, accepted);
+        if let Some(offset) = fit_with_offset(dataset, &decision) {
+            let drift = evidence
+                .iter_mut()
+                .filter(|own| own.id == EffectId::ForceDrift);
+            drift.for_each(|own| own.id = EffectId::ForceOffset);
+            result.best = offset;
+            continue;
+        }
         match effect_without_size(&decision) {
             Some(at) => match fit_in_plain_form(dataset, &decision, at) {
                 Some(plain) => result.best = plain,

@@ -172,6 +172,8 @@ pub struct Finding {
     pub slow_remainder: Option<f64>,
     /// Whether no more is left than the model left when it was identified; `false` where its file does not say that.
     pub nothing_new: bool,
+    /// Whether what the model left when it was identified is allowed for.
+    pub is_beside_remainder: bool,
     /// Parameters of the base, refitted without the effects.
     pub base_before: Vec<ParameterEstimate>,
     /// Parameters of the base, refitted with the effects.

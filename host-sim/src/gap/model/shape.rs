@@ -227,6 +227,11 @@ impl Free {
         }
     }
 
+    /// Whether a free number lies at its lowest value.
+    pub(in crate::gap) fn is_at_lowest(&self, number: f64) -> bool {
+        self.is_at_bound(number) && number - self.lowest < self.highest - number
+    }
+
     /// Whether a free number lies at its bound: a parameter that wants to be what it cannot be.
     pub(in crate::gap) fn is_at_bound(&self, number: f64) -> bool {
         // A number without a highest value has no range to be near the end of.

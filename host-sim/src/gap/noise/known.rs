@@ -70,6 +70,7 @@ mod tests {
         let remainder = Remainder {
             rms_n: 4e-3,
             by_phase_n: Default::default(),
+            noise_n: None,
             correlation_s: 0.05,
             bandwidth_hz: None,
         };

@@ -49,6 +49,7 @@ pub(crate) fn finding(
         ratio_before: decision.ratio.0,
         ratio_after: decision.ratio.1,
         slow_remainder: decision.slow,
+        is_beside_remainder: decision.is_beside_remainder,
         nothing_new: decision.is_beside_remainder && decision.without.is_empty(),
         base_before: Estimates::of(&decision.base, &base_errors).of_base(),
         changed: changes(model, &base_after, &dataset.thresholds.changes),

@@ -102,6 +102,7 @@ fn finding(verdict: Verdict) -> Finding {
         ratio_after: 1.005,
         slow_remainder: None,
         nothing_new: false,
+        is_beside_remainder: false,
         base_before: vec![
             known("stiffness", 1100.0, Some(3.0), "N/m"),
             known("exponent", 1.0, None, "1"),

@@ -2,7 +2,7 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::{Finding, MissingEffect, Verdict, share_in_words};
+use crate::gap::{Finding, MissingEffect, Verdict, changes_in_words, share_in_words};
 use crate::number::{Measured, column, spaced};
 use crate::report::Tone;
 
@@ -14,7 +14,10 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
         Verdict::MissingEffects => (Tone::Good, "missing effects"),
         Verdict::Ambiguous => (Tone::Warning, "ambiguous"),
         Verdict::PartlyExplained => (Tone::Warning, "partly explained"),
-        Verdict::Unexplained if finding.nothing_new => (Tone::Good, "nothing new"),
+        Verdict::Unexplained if finding.nothing_new => match finding.changed.as_deref() {
+            None | Some([]) => (Tone::Good, "nothing new"),
+            Some(_) => (Tone::Warning, "changed"),
+        },
         Verdict::Unexplained => (Tone::Bad, "unexplained"),
     }
 }
@@ -47,10 +50,11 @@ pub(super) fn sentence(finding: &Finding) -> String {
             rivals(finding)
         ),
         Verdict::Unexplained if finding.nothing_new => format!(
-            "Beside the model {}: with its parameters fitted its error on held-out parts is {before}, \
+            "Beside the model {}{}: with its parameters fitted its error on held-out parts is {before}, \
              hardly more than was left when it was identified. That is {}, and no effect of the catalogue \
              explains it.",
             finding.nothing_new_in_words(),
+            changes(finding),
             times(finding.ratio_before)
         ),
         Verdict::Unexplained => format!(
@@ -68,6 +72,15 @@ pub(super) fn sentence(finding: &Finding) -> String {
         words if words.is_empty() => text,
         words => format!("{text} But {words}."),
     }
+}
+
+/// The numbers that have changed, in brackets; empty where none has.
+fn changes(finding: &Finding) -> String {
+    let all = match finding.changed.as_deref() {
+        None | Some([]) => return String::new(),
+        changed => changes_in_words(changed),
+    };
+    format!(" ({})", spaced(&all.join("; ")))
 }
 
 /// The errors before and after, with the same unit prefix and decimals.
