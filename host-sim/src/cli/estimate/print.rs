@@ -115,7 +115,9 @@ pub(crate) fn write_events(text: &mut String, events: &[EventMark]) -> std::fmt:
             "{}",
             wrapped(
                 "changes: ",
-                &format!("another material at {at}; the parameters are those of the last")
+                &format!(
+                    "another material at {at}: the report and `segments` have the parameters of each"
+                )
             )
         )?;
     }
