@@ -109,11 +109,11 @@ fn workflow(
 ) -> Result<Finding, Diagnostic> {
     progress.at(0.0, "noise floor and motion");
     let given = given(model)?;
-    let (options, of_bandwidth) = with_bandwidth(model, options);
+    let (options, of_bandwidth) = as_identified::with_bandwidth(model, options);
     let (options, thresholds) = (&options, &options.thresholds);
     let mut notes = input_notes(model, logs, &thresholds.input)?;
     notes.extend(of_bandwidth);
-    within_the_rate(logs, options.bandwidth_hz)?;
+    input::within_the_rate(logs, options.bandwidth_hz)?;
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
     let (bridged, spikes) = spikes::bridged(logs);
     notes.extend(spikes);
@@ -160,53 +160,6 @@ fn workflow(
     notes.extend(plausibility::implausible(model, &finding, another_unit));
     finding.notes.splice(0..0, notes);
     Ok(finding)
-}
-
-/// The options with the low-pass that the model was identified behind, if none is asked for, and what is said of it.
-fn with_bandwidth(model: &Model, options: &Options) -> (Options, Option<String>) {
-    let own_hz = model.remainder.and_then(|own| own.bandwidth_hz);
-    let asked_hz = options.bandwidth_hz;
-    let note = match (own_hz, asked_hz) {
-        (Some(hz), None) => Some(format!(
-            "the forces pass a low-pass of {hz} Hz, as when the model was identified"
-        )),
-        (own_hz, Some(hz)) if model.remainder.is_some() && own_hz != asked_hz => Some(format!(
-            "what the model left when it was identified is not allowed for: that was {}, and not behind {hz} Hz",
-            own_hz.map_or("without a low-pass".into(), |hz| format!(
-                "behind a low-pass of {hz} Hz"
-            ))
-        )),
-        _ => None,
-    };
-    let bandwidth_hz = asked_hz.or(own_hz);
-    let options = options.clone();
-    (
-        Options {
-            bandwidth_hz,
-            ..options
-        },
-        note,
-    )
-}
-
-/// Refuses a low-pass that a log is too slow for.
-fn within_the_rate(logs: &[UniformLog], bandwidth_hz: Option<f64>) -> Result<(), Diagnostic> {
-    let Some(hz) = bandwidth_hz else {
-        return Ok(());
-    };
-    match logs.iter().find(|log| hz >= 0.5 * log.rate_hz) {
-        Some(log) => Err(Diagnostic::new(
-            "a low-pass above half the rate of a log takes nothing away",
-        )
-        .in_file(&log.path)
-        .at_key("bandwidth")
-        .value(hz)
-        .remedy(format!(
-            "give less than {} Hz, or no --bandwidth",
-            0.5 * log.rate_hz
-        ))),
-        None => Ok(()),
-    }
 }
 
 /// What is missing in an environment with effects, and what it was asked with: the slow noise too, where that may be

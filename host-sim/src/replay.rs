@@ -11,6 +11,7 @@ mod width;
 pub use decimate::decimated;
 pub use marks::{EventKind, EventMark, FaultTally, Touch, fault_tallies};
 pub use records::{Records, Said};
+pub(crate) use sensing::between;
 pub use steps::Steps;
 pub(crate) use width::half_width;
 

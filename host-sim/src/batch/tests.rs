@@ -121,16 +121,21 @@ fn a_force_that_is_milliseconds_late_or_early_is_said_and_moves_no_parameter() {
     }
 }
 
-#[test]
-fn a_kelvin_voigt_contact_is_found_by_auto_and_gets_no_modes() {
+/// 2.26 N/mm and 23 N s/m.
+fn kelvin_voigt(surface_m: f64) -> Contact {
     let law = KelvinVoigt {
         stiffness_n_per_m: 2260.0,
         damping_ns_per_m: 23.0,
     };
-    let contact = Contact {
+    Contact {
         law: Law::KelvinVoigt(law),
-        surface_m: 1.1e-4,
-    };
+        surface_m,
+    }
+}
+
+#[test]
+fn a_kelvin_voigt_contact_is_found_by_auto_and_gets_no_modes() {
+    let contact = kelvin_voigt(1.1e-4);
     let found = fitted(&palpated(contact, 3e-3, SEED_RIG), &Options::default());
     assert_eq!(found.family, Family::KELVIN_VOIGT, "{:?}", found.selection);
     let truth = [
@@ -143,14 +148,7 @@ fn a_kelvin_voigt_contact_is_found_by_auto_and_gets_no_modes() {
 
 #[test]
 fn a_negative_damping_is_never_converged() {
-    let law = KelvinVoigt {
-        stiffness_n_per_m: 2260.0,
-        damping_ns_per_m: 23.0,
-    };
-    let contact = Contact {
-        law: Law::KelvinVoigt(law),
-        surface_m: 0.0,
-    };
+    let contact = kelvin_voigt(0.0);
     // GIVEN a force that is read 15 ms late: 15 ms · 2260 N/m off the damping
     let mut log = palpated(contact, 3e-3, SEED_RIG);
     log.force_n.rotate_right(15);

@@ -195,8 +195,7 @@ fn happened(text: &mut String, faults: &[EventMark]) -> std::fmt::Result {
     let missed = Fault::SampleMissed.code();
     let is_told =
         |event: &&EventMark| !matches!(event.kind, EventKind::Fault { code, .. } if code == missed);
-    let told: Vec<EventMark> = faults.iter().filter(is_told).cloned().collect();
-    match faults_in_words(&told) {
+    match faults_in_words(faults.iter().filter(is_told)) {
         Some(faults) => writeln!(text, "{}", wrapped("  faults    ", &faults)),
         None => Ok(()),
     }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use estimator_core::{Fault, Faults};
 
 use crate::log::UniformLog;
-use crate::replay::{Replay, Touch};
+use crate::replay::{Replay, Touch, between};
 use crate::signal::parabola;
 use crate::stats::{median, robust_deviation};
 
@@ -119,7 +119,7 @@ impl<'a> Smooth<'a> {
             if said.faults.has(Fault::ForceUnusable) {
                 let inner = range.start.max(1)..range.end.min(log.len() - 1);
                 inner.for_each(|at| {
-                    bridged_n.to_mut()[at] = 0.5 * (log.force_n[at - 1] + log.force_n[at + 1]);
+                    bridged_n.to_mut()[at] = between(&log.force_n, at);
                 });
             }
             is_faulty[range].fill(said.faults != Faults::NONE);

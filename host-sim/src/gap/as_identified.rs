@@ -15,7 +15,7 @@ use super::decide::decision::Decision;
 use super::finding::Verdict;
 use super::model::{fit::Fit, shape::Term};
 use super::noise::floor::NoiseFloor;
-use super::noise::floors::largest_correlation;
+use super::noise::floors::{largest_correlation, largest_noise_n};
 use super::noise::known::most_correlation;
 use super::options::Options;
 use super::progress::Within;
@@ -24,7 +24,6 @@ use super::search::run::MOST_ADDED;
 use crate::log::UniformLog;
 use crate::model::{Environment, Model, Remainder};
 use crate::number::quantity;
-use crate::stats::highest;
 
 /// What a user is told where the remainder was allowed for.
 pub(super) const NOTE: &str = "what the model left when it was identified is allowed for";
@@ -32,6 +31,33 @@ pub(super) const NOTE: &str = "what the model left when it was identified is all
 /// A noise has changed if it is so many times as large, or as small: in 14 pairs of records of one rig or kind (a drive, a
 /// damper, cells) it differed by up to 2.4 times, where the motion was faster.
 const ANOTHER_NOISE: f64 = 3.0;
+
+/// The options with the low-pass that the model was identified behind, if none is asked for, and what is said of it.
+pub(super) fn with_bandwidth(model: &Model, options: &Options) -> (Options, Option<String>) {
+    let own_hz = model.remainder.and_then(|own| own.bandwidth_hz);
+    let asked_hz = options.bandwidth_hz;
+    let note = match (own_hz, asked_hz) {
+        (Some(hz), None) => Some(format!(
+            "the forces pass a low-pass of {hz} Hz, as when the model was identified"
+        )),
+        (own_hz, Some(hz)) if model.remainder.is_some() && own_hz != asked_hz => Some(format!(
+            "what the model left when it was identified is not allowed for: that was {}, and not behind {hz} Hz",
+            own_hz.map_or("without a low-pass".into(), |hz| format!(
+                "behind a low-pass of {hz} Hz"
+            ))
+        )),
+        _ => None,
+    };
+    let bandwidth_hz = asked_hz.or(own_hz);
+    let options = options.clone();
+    (
+        Options {
+            bandwidth_hz,
+            ..options
+        },
+        note,
+    )
+}
 
 /// What a model left when it was identified, in logs with these rates (Hz) of which the search takes every `step`-th
 /// sample.
@@ -60,7 +86,7 @@ impl AsIdentified {
     /// That the noise is another than it was, in words; `floors` are without the remainder.
     pub(super) fn noise_in_words(&self, floors: &[NoiseFloor]) -> Option<String> {
         let was_n = self.remainder.noise_n.filter(|noise_n| *noise_n > 0.0)?;
-        let noise_n = highest(floors.iter().map(NoiseFloor::noise_n));
+        let noise_n = largest_noise_n(floors);
         let times = noise_n / was_n;
         (!(1.0 / ANOTHER_NOISE..=ANOTHER_NOISE).contains(&times)).then(|| {
             format!(
@@ -123,8 +149,7 @@ impl AsIdentified {
 
     /// Root mean square (N) of the noise and of what the model left.
     fn rms_n(&self, floors: &[NoiseFloor]) -> f64 {
-        let noise_n = highest(floors.iter().map(NoiseFloor::noise_n));
-        noise_n.hypot(self.remainder.rms_n)
+        largest_noise_n(floors).hypot(self.remainder.rms_n)
     }
 }
 

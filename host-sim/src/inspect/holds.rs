@@ -38,6 +38,7 @@ pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
         .map(|index| replay.final_depth_m(index))
         .fold(0.0, f64::max);
     let shortest = ((SHORTEST_S / log.period_s()) as usize).max(8 * replay.delay);
+    let noise_n = log.force_noise_n();
     let speed = |index: usize| f64::from(replay.records.speed_mps(index).abs());
     let fastest = replay
         .contacts()
@@ -55,7 +56,7 @@ pub fn holds(log: &UniformLog, replay: &Replay) -> Vec<Hold> {
             }
             let to = still_until(replay, from, contact.end, STILL * deepest);
             if to - from >= shortest {
-                found.push(hold(log, replay, from..to));
+                found.push(hold((log, noise_n), replay, from..to));
             }
             from = to.max(from + 1);
         }
@@ -70,14 +71,9 @@ fn still_until(replay: &Replay, from: usize, end: usize, still_m: f64) -> usize 
     (from..end).find(left).unwrap_or(end)
 }
 
-fn hold(
-    log: &UniformLog,
-    replay: &Replay,
-    Range {
-        start: from,
-        end: to,
-    }: Range<usize>,
-) -> Hold {
+/// The hold in a stretch of records of a log with a noise (N).
+fn hold((log, noise_n): (&UniformLog, f64), replay: &Replay, stretch: Range<usize>) -> Hold {
+    let (from, to) = (stretch.start, stretch.end);
     // A tenth at either end, without the window of the filter that still sees the way in or out.
     let edge = ((to - from) / 10).max(1);
     let lead = ((to - from) / 50).max(2 * replay.delay + 1);
@@ -93,8 +89,7 @@ fn hold(
     } else {
         1.0
     };
-    let noise =
-        4.0 * log.force_noise_n() / (edge as f64).sqrt() / from_n.abs().max(f64::MIN_POSITIVE);
+    let noise = 4.0 * noise_n / (edge as f64).sqrt() / from_n.abs().max(f64::MIN_POSITIVE);
     let fell = 1.0 - to_n / from_n - explained;
     Hold {
         from_s: replay.time_s(from),

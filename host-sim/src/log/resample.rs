@@ -1,11 +1,12 @@
 //! Samples on an even grid of time.
 
-use super::sampling::{EVEN_PERIODS, Line, Stamps, slower};
+use super::sampling::{EVEN_PERIODS, Line, Stamps, is_rounding, slower, step_of_stamps};
 use super::uniform::{Compensated, Taken, UniformLog};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
 use crate::number::{counted, quantity};
 use crate::signal;
+use crate::stats::rms;
 
 /// Largest grid (samples): 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
 const LARGEST_GRID: f64 = 5e7;
@@ -165,12 +166,12 @@ impl Log {
     }
 
     fn what_the_line_did(&self, line: &Line, grid: &UniformLog) -> Vec<String> {
-        let facts = self.sampling();
-        let scatter = match facts.is_rounding() {
+        let jitter_s = rms(line.residuals(&self.time_s));
+        let scatter = match is_rounding(jitter_s, step_of_stamps(&self.time_s)) {
             true => "are rounded".into(),
             false => format!(
                 "scatter by {} rms about an even clock, and force and position do not follow them",
-                quantity(facts.jitter_s, 2, "s")
+                quantity(jitter_s, 2, "s")
             ),
         };
         let rate_hz = snapped(1.0 / line.period_s);

@@ -17,6 +17,7 @@ use crate::signal;
 use crate::stats::rms;
 
 pub(super) use numbering::Line;
+pub(super) use resolution::of as step_of_stamps;
 
 /// Stamps that deviate from the line by less than this share of a period are even.
 pub(super) const EVEN_PERIODS: f64 = 0.01;
@@ -95,9 +96,13 @@ pub struct Sampling {
 impl Sampling {
     /// Whether the stamps scatter by no more than their rounding to a step, which has an rms of step/√12.
     pub fn is_rounding(&self) -> bool {
-        self.resolution_s
-            .is_some_and(|step_s| self.jitter_s < 0.35 * step_s)
+        is_rounding(self.jitter_s, self.resolution_s)
     }
+}
+
+/// The same of a scatter (s) and a step (s).
+pub(super) fn is_rounding(jitter_s: f64, resolution_s: Option<f64>) -> bool {
+    resolution_s.is_some_and(|step_s| jitter_s < 0.35 * step_s)
 }
 
 impl Log {

@@ -73,7 +73,7 @@ pub struct FaultTally {
 }
 
 /// The faults among events, one tally for each, since a log may have a fault in every sample.
-pub fn fault_tallies(events: &[EventMark]) -> Vec<FaultTally> {
+pub fn fault_tallies<'a>(events: impl IntoIterator<Item = &'a EventMark>) -> Vec<FaultTally> {
     let mut tallies: BTreeMap<u8, FaultTally> = BTreeMap::new();
     for event in events {
         let EventKind::Fault { code, description } = &event.kind else {

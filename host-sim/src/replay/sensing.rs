@@ -222,7 +222,7 @@ fn watched(log: &UniformLog) -> impl Iterator<Item = Faults> + '_ {
 }
 
 /// The mean of the neighbours of a sample.
-fn between(channel: &[f64], at: usize) -> f64 {
+pub(crate) fn between(channel: &[f64], at: usize) -> f64 {
     0.5 * (channel[at - 1] + channel[at + 1])
 }
 

@@ -3,8 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use estimator_core::estimate::Estimated;
+
 use super::methods::MethodChoice;
-use crate::estimate::{Compared, Estimation, Outcome, explain::times};
+use super::show::wide;
+use crate::estimate::{Compared, Estimation, explain::times};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::replay::{EventMark, fault_tallies};
@@ -56,17 +59,12 @@ fn write_summary(
         None if outcome.touches.is_empty() => writeln!(text)?,
         None => writeln!(text, ", not settled within 5 %")?,
     }
-    write_parameters(text, outcome)?;
-    if let Some(rmse) = outcome.force_rmse_n {
-        let noise = estimation.replay.noise_n;
-        writeln!(
-            text,
-            "residual in contact {} rms, {} the noise of {}",
-            quantity(rmse, 3, "N"),
-            times(rmse / noise),
-            quantity(noise, 3, "N")
-        )?;
-    }
+    let named = outcome.named(&outcome.parameters);
+    let rows: Vec<Row> = named
+        .map(|(info, estimate)| (info.name, info.unit.symbol(), estimate.map(wide)))
+        .collect();
+    write_parameters(text, &rows)?;
+    write_residual(text, outcome.force_rmse_n, estimation.replay.noise_n)?;
     write_events(text, &outcome.events)?;
     let compared = estimation
         .selection
@@ -81,22 +79,38 @@ fn write_summary(
     Ok(())
 }
 
-fn write_parameters(text: &mut String, outcome: &Outcome) -> std::fmt::Result {
-    let names = outcome
-        .named(&outcome.parameters)
-        .map(|(info, _)| info.name.len());
-    let width = names.max().unwrap_or(0).max(10);
-    for (info, estimate) in outcome.named(&outcome.parameters) {
+/// A parameter as it is printed: name, unit, estimate.
+pub(super) type Row = (&'static str, &'static str, Option<Estimated<f64>>);
+
+pub(super) fn write_parameters(text: &mut String, rows: &[Row]) -> std::fmt::Result {
+    let longest = rows.iter().map(|(name, ..)| name.len());
+    let width = longest.max().unwrap_or(0).max(10);
+    for (name, unit, estimate) in rows {
         match estimate {
-            Some(e) => {
-                let error = Some(f64::from(e.std_error));
-                let measured = Measured::new(f64::from(e.value), error, info.unit.symbol());
-                writeln!(text, "  {:<width$} {measured}", info.name)?;
+            Some(own) => {
+                let measured = Measured::new(own.value, Some(own.std_error), unit);
+                writeln!(text, "  {name:<width$} {measured}")?;
             }
-            None => writeln!(text, "  {:<width$} not observable", info.name)?,
+            None => writeln!(text, "  {name:<width$} not observable")?,
         }
     }
     Ok(())
+}
+
+/// What a law leaves of a force with a noise (N rms); nothing where that is not known.
+pub(super) fn write_residual(
+    text: &mut String,
+    rmse_n: Option<f64>,
+    noise_n: f64,
+) -> std::fmt::Result {
+    let Some(rmse_n) = rmse_n else { return Ok(()) };
+    writeln!(
+        text,
+        "residual in contact {} rms, {} the noise of {}",
+        quantity(rmse_n, 3, "N"),
+        times(rmse_n / noise_n),
+        quantity(noise_n, 3, "N")
+    )
 }
 
 /// What happened meanwhile: faults of the sensors, and other materials.
@@ -125,7 +139,9 @@ pub(crate) fn write_events(text: &mut String, events: &[EventMark]) -> std::fmt:
 }
 
 /// The faults among events, each with how often and when; `None` without one.
-pub(crate) fn faults_in_words(events: &[EventMark]) -> Option<String> {
+pub(crate) fn faults_in_words<'a>(
+    events: impl IntoIterator<Item = &'a EventMark>,
+) -> Option<String> {
     let each = fault_tallies(events).into_iter().map(|tally| {
         let (first_s, last_s) = tally.between_s;
         let [first, last] = [first_s, last_s].map(|at_s| quantity(at_s, 4, "s"));

@@ -30,7 +30,7 @@ pub struct Shown {
     notes: Vec<String>,
 }
 
-fn wide(estimate: Estimated<f32>) -> Estimated<f64> {
+pub(super) fn wide(estimate: Estimated<f32>) -> Estimated<f64> {
     Estimated {
         value: estimate.value.into(),
         std_error: estimate.std_error.into(),

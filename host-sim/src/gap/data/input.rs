@@ -47,6 +47,32 @@ pub(crate) fn suspected(
     Ok(suspicions(log))
 }
 
+/// Refuses a low-pass that a log is too slow for.
+///
+/// # Errors
+/// The log, and up to which frequency (Hz) it goes.
+pub(crate) fn within_the_rate(
+    logs: &[UniformLog],
+    bandwidth_hz: Option<f64>,
+) -> Result<(), Diagnostic> {
+    let Some(hz) = bandwidth_hz else {
+        return Ok(());
+    };
+    match logs.iter().find(|log| hz >= 0.5 * log.rate_hz) {
+        Some(log) => Err(Diagnostic::new(
+            "a low-pass above half the rate of a log takes nothing away",
+        )
+        .in_file(&log.path)
+        .at_key("bandwidth")
+        .value(hz)
+        .remedy(format!(
+            "give less than {} Hz, or no --bandwidth",
+            0.5 * log.rate_hz
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// Why no model at all can be fitted to a log, and what to do about it.
 fn unusable(log: &UniformLog, decide: &Input) -> Option<(String, &'static str)> {
     let travel_m = range(&log.position_m);

@@ -203,10 +203,17 @@ pub struct Finding {
 impl Finding {
     /// What is new where no effect is, in words.
     pub fn nothing_new_in_words(&self) -> &'static str {
-        match self.changed.as_deref() {
-            None | Some([]) => "nothing is new",
-            Some(_) => "no effect is new, but numbers have changed",
+        match self.has_changed() {
+            false => "nothing is new",
+            true => "no effect is new, but numbers have changed",
         }
+    }
+
+    /// Whether a number is clearly another than in the model.
+    pub fn has_changed(&self) -> bool {
+        self.changed
+            .as_ref()
+            .is_some_and(|changed| !changed.is_empty())
     }
 
     /// What is no noise though it may be as small, in words; empty where there is none.

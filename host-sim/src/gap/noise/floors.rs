@@ -6,6 +6,7 @@
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::noise::floor::NoiseFloor;
+use crate::stats::highest;
 
 /// The noise floors of all logs.
 pub(crate) struct Floors {
@@ -22,6 +23,11 @@ impl Floors {
         each.map(|(slow, fast)| slow.noise_n() / fast.noise_n().max(f64::MIN_POSITIVE))
             .fold(1.0, f64::max)
     }
+}
+
+/// The largest noise (N) of all logs.
+pub(crate) fn largest_noise_n(floors: &[NoiseFloor]) -> f64 {
+    highest(floors.iter().map(NoiseFloor::noise_n))
 }
 
 /// The most samples for each independent one of all `logs`, of which every `step`-th sample is taken.

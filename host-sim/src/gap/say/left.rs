@@ -4,10 +4,10 @@
 //! there was 5.8 nN on held-out parts, 22.8 nN in the whole log.
 
 use crate::gap::noise::floor::NoiseFloor;
+use crate::gap::noise::floors::largest_noise_n;
 use crate::gap::say::log_residuals::LogResiduals;
 use crate::model::Remainder;
 use crate::phase::{PHASES, phases_of};
-use crate::stats::highest;
 
 /// How many independent values of a phase the whole log is worth: few of its own say little of it. Not measured.
 const OF_THE_WHOLE: f64 = 3.0;
@@ -44,7 +44,7 @@ pub(crate) fn left(
     (all_n2 > 0.0).then(|| Remainder {
         rms_n: all_n2.sqrt(),
         by_phase_n: tallies.map(in_phase),
-        noise_n: Some(highest(floors.iter().map(NoiseFloor::noise_n))),
+        noise_n: Some(largest_noise_n(floors)),
         correlation_s: correlation * period_s,
         bandwidth_hz: None,
     })

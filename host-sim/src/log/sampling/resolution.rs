@@ -7,7 +7,7 @@ const WHOLE: f64 = 0.01;
 
 /// The largest of 1, 2, 5 times a power of ten (s) that all stamps are multiples of, counted from the
 /// first; `None` if there is none.
-pub(super) fn of(time_s: &[f64]) -> Option<f64> {
+pub(in crate::log) fn of(time_s: &[f64]) -> Option<f64> {
     let first = *time_s.first()?;
     let steps = (FINEST_S..=0)
         .rev()

@@ -170,7 +170,7 @@ fn touches(run: &Run) -> Option<Table> {
 /// The faults, with a row for each kind, since a log may have a fault in every sample. The other events
 /// stand in the tables of touches and materials.
 fn faults(run: &Run) -> Option<Table> {
-    let tallies = fault_tallies(&run.events);
+    let tallies = fault_tallies(run.events.iter());
     let rows = tallies.iter().map(|tally| {
         [
             Cell::from(format!("{}: {}", tally.code, tally.description)),

@@ -14,10 +14,10 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
         Verdict::MissingEffects => (Tone::Good, "missing effects"),
         Verdict::Ambiguous => (Tone::Warning, "ambiguous"),
         Verdict::PartlyExplained => (Tone::Warning, "partly explained"),
-        Verdict::Unexplained if finding.nothing_new => match finding.changed.as_deref() {
-            None | Some([]) => (Tone::Good, "nothing new"),
-            Some(_) => (Tone::Warning, "changed"),
-        },
+        Verdict::Unexplained if finding.nothing_new && finding.has_changed() => {
+            (Tone::Warning, "changed")
+        }
+        Verdict::Unexplained if finding.nothing_new => (Tone::Good, "nothing new"),
         Verdict::Unexplained => (Tone::Bad, "unexplained"),
     }
 }
@@ -76,10 +76,10 @@ pub(super) fn sentence(finding: &Finding) -> String {
 
 /// The numbers that have changed, in brackets; empty where none has.
 fn changes(finding: &Finding) -> String {
-    let all = match finding.changed.as_deref() {
-        None | Some([]) => return String::new(),
-        changed => changes_in_words(changed),
-    };
+    if !finding.has_changed() {
+        return String::new();
+    }
+    let all = changes_in_words(finding.changed.as_deref());
     format!(" ({})", spaced(&all.join("; ")))
 }
 

@@ -4,8 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::batch::{Batch, Form, Modulus, Tried};
-use crate::cli::estimate::print::{headline, write_events};
-use crate::estimate::explain::times;
+use crate::cli::estimate::print::{Row, headline, write_events, write_parameters, write_residual};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;
@@ -34,33 +33,13 @@ fn write_summary(
         batch.family.name(),
         batch.status.name()
     )?;
-    let longest = batch
-        .parameters
-        .iter()
-        .map(|parameter| parameter.name.len());
-    let width = longest.max().unwrap_or(0).max(10);
-    for parameter in &batch.parameters {
-        match parameter.estimate {
-            Some(estimate) => {
-                let error = Some(estimate.std_error);
-                let measured = Measured::new(estimate.value, error, parameter.unit);
-                writeln!(text, "  {:<width$} {measured}", parameter.name)?;
-            }
-            None => writeln!(text, "  {:<width$} not observable", parameter.name)?,
-        }
-    }
+    let rows = batch.parameters.iter();
+    let rows: Vec<Row> = rows.map(|own| (own.name, own.unit, own.estimate)).collect();
+    write_parameters(text, &rows)?;
     if let Some(modulus) = &batch.modulus {
         writeln!(text, "{}", young(modulus))?;
     }
-    if let Some(rmse) = batch.force_rmse_n {
-        writeln!(
-            text,
-            "residual in contact {} rms, {} the noise of {}",
-            quantity(rmse, 3, "N"),
-            times(rmse / batch.noise_n),
-            quantity(batch.noise_n, 3, "N")
-        )?;
-    }
+    write_residual(text, batch.force_rmse_n, batch.noise_n)?;
     write_events(text, &batch.events)?;
     if batch.selection.len() > 1 {
         writeln!(text, "{}", wrapped("", &tried(&batch.selection)))?;
