@@ -113,7 +113,7 @@ fn workflow(
     let (options, thresholds) = (&options, &options.thresholds);
     let mut notes = input_notes(model, logs, &thresholds.input)?;
     notes.extend(of_bandwidth);
-    input::within_the_rate(logs, options.bandwidth_hz)?;
+    input::can_be_filtered(logs, options.bandwidth_hz, &thresholds.input)?;
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
     let (bridged, spikes) = spikes::bridged(logs);
     notes.extend(spikes);

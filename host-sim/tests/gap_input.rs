@@ -127,9 +127,15 @@ fn a_model_is_asked_behind_the_low_pass_that_it_was_identified_behind_and_none_i
         text.contains("behind a low-pass of 40 Hz, and not behind 30 Hz"),
         "{text}"
     );
-    // AND one that takes nothing away is refused with what would be right.
-    let high = folder.palpate("gap --log log.csv --model base.toml --out high --bandwidth 1e9");
-    assert_eq!(high.status.code(), Some(2));
-    let text = flowing(&complained(&high));
-    assert!(text.contains("give less than 500 Hz"), "{text}");
+    // AND one that takes nothing away, or all of it, is refused with what would be right.
+    for (hz, right) in [
+        ("1e9", "give less than 500 Hz"),
+        ("0.01", "give more than "),
+    ] {
+        let with = format!("gap --log log.csv --model base.toml --out refused --bandwidth {hz}");
+        let refused = folder.palpate(&with);
+        assert_eq!(refused.status.code(), Some(2));
+        let text = flowing(&complained(&refused));
+        assert!(text.contains(right), "{text}");
+    }
 }

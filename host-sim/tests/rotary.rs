@@ -146,6 +146,13 @@ fn monitor_and_effects_speak_of_radians_where_a_machine_turns() {
     assert!(header.starts_with("t_s,x_rad,f_nm"), "{header}");
     let linear = said_of("effects coulomb_friction");
     assert!(linear.contains("force (N, more than zero)"), "{linear}");
+    // The motions that a plan advises are as long as angles are.
+    let planned = said_of("gap --plan --model rig.toml --out plan");
+    assert!(planned.contains("rad"), "{planned}");
+    let of_plan = planned + &folder.read("plan/plan.json");
+    for length in [" mm", " µm", "\u{a0}mm", "\u{a0}µm"] {
+        assert!(!of_plan.contains(length), "{of_plan}");
+    }
     let rotary = said_of("effects --kind rotary");
     assert!(rotary.contains("force (N m, more than zero)"), "{rotary}");
     // An effect that a machine along a line cannot have is shown on one that turns.

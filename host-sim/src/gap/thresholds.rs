@@ -16,6 +16,8 @@ thresholds! {
             /// A log with fewer samples is refused. Derived: twelve windows, of which every third is held out,
             /// each as wide as half of the filter that finds the speed (15 samples) and one more.
             fewest_samples: 192.0,
+            /// A low-pass is refused that leaves fewer independent values. Derived: two in each of twelve windows.
+            fewest_values: 24.0,
             /// A position does not move if its range is below this many standard deviations of its noise.
             /// Derived: the range of 10⁵ normal samples is 8.8 standard deviations.
             still_sigmas: 10.0,

@@ -4,7 +4,7 @@ use super::sampling::{EVEN_PERIODS, Line, Stamps, is_rounding, slower, step_of_s
 use super::uniform::{Compensated, Taken, UniformLog};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
-use crate::number::{counted, quantity};
+use crate::number::{counted, quantity, setting};
 use crate::signal;
 use crate::stats::rms;
 
@@ -244,7 +244,7 @@ impl Log {
     fn what_interpolation_did(&self, grid: &UniformLog, timing: &Timing) -> Vec<String> {
         let mut notes = vec![format!(
             "interpolated to {} Hz: intervals range from {} to {}",
-            grid.rate_hz,
+            setting(grid.rate_hz, ""),
             quantity(timing.shortest_s, 4, "s"),
             quantity(timing.longest_s, 4, "s")
         )];

@@ -30,7 +30,8 @@ pub struct Ignored {
     pub without: UniformLog,
     /// The same motion with it.
     pub with: UniformLog,
-    /// Parameters of the base: name, unit, truth and what the fit found.
+    /// Parameters of the base, then the constant force and the delay that a fit allows for without being asked:
+    /// name, unit, truth and what the fit found.
     pub base: Vec<(&'static str, &'static str, f64, Option<Estimated<f64>>)>,
     /// Depth below the fitted surface (m).
     pub depth_m: Vec<f64>,
@@ -151,6 +152,9 @@ pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
         true => measured - law,
         false => *measured,
     };
+    // What a fit takes off by itself is why an offset or a delay leaves the law as it is.
+    let beside = [("offset", "N", found.offset), ("skew", "s", found.skew)];
+    let beside = beside.into_iter().filter(|(.., found)| found.is_some());
     Ok(Ignored {
         id,
         row,
@@ -160,6 +164,7 @@ pub fn ignored(id: EffectId, seed: u64) -> Result<Ignored, Diagnostic> {
             .parameters
             .iter()
             .map(|own| (own.name, own.unit, truth(&contact, own.name), own.estimate))
+            .chain(beside.map(|(name, unit, found)| (name, unit, 0.0, found)))
             .collect(),
         residual_n: forces.map(residual).collect(),
         depth_m: columns.depth_m.clone(),
@@ -199,5 +204,21 @@ mod tests {
             found.misfit
         );
         assert_eq!(found.residual_n.len(), found.with.len());
+    }
+
+    #[test]
+    fn a_fit_takes_an_offset_and_a_delay_off_by_itself_and_the_page_shows_it() {
+        for (id, name) in [
+            (EffectId::ForceOffset, "offset"),
+            (EffectId::TimeDelay, "skew"),
+        ] {
+            let found = ignored(id, SEED).unwrap();
+            let row = found.base.iter().find(|(own, ..)| *own == name).unwrap();
+            let fitted = row.3.unwrap();
+            // Truly 0 in the law that was fitted: all of it is the effect.
+            assert_eq!(row.2, 0.0);
+            let off = fitted.value - found.row[0];
+            assert!(off.abs() < 4.0 * fitted.std_error, "{name}: {fitted:?}");
+        }
     }
 }

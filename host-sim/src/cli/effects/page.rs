@@ -64,7 +64,7 @@ fn overview(shown: &[Ignored]) -> Section {
         "The simulated rig palpates the gel of the chapter (K 1350 N/m, λ 36 N s/m, n 1.35; a linear contact \
          where an effect belongs to one, a torsion spring where a machine turns) for 8.6 s with one hidden effect; load cell 20 mN, encoder 1 µm, 1 kHz. \
          The law without the effect is fitted to the whole log, with a constant force and, for \
-         Hunt–Crossley, a small time skew beside it.",
+         Hunt–Crossley, a time skew beside it: an offset and a delay end up there, and not in the law.",
     ).table(table)
 }
 

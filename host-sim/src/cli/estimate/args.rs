@@ -111,7 +111,7 @@ pub struct BatchArgs {
     #[arg(long, value_name = "SHAPE")]
     pub indenter: Option<Indenter>,
     /// Poisson's ratio of the material, for Young's modulus; 0.5 unless given (batch).
-    #[arg(long, value_name = "1", value_parser = poisson)]
+    #[arg(long, value_name = "1", value_parser = poisson, requires = "indenter")]
     pub poisson: Option<f64>,
     /// Relaxation modes of quasi_linear, 1 to 4; otherwise as many as the log asks for (batch).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MOST_MODES as i64))]

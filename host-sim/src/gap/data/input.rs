@@ -9,7 +9,7 @@ use crate::gap::thresholds::Input;
 use crate::inspect::{exchanged, suspicions, suspicions_without_contact};
 use crate::log::UniformLog;
 use crate::model::Model;
-use crate::number::quantity;
+use crate::number::{quantity, setting};
 use crate::signal;
 use crate::stats::range;
 
@@ -47,30 +47,48 @@ pub(crate) fn suspected(
     Ok(suspicions(log))
 }
 
-/// Refuses a low-pass that a log is too slow for.
+/// Refuses a low-pass that a log is too slow or too short for.
 ///
 /// # Errors
-/// The log, and up to which frequency (Hz) it goes.
-pub(crate) fn within_the_rate(
+/// The log, and up to or from which frequency (Hz) on it goes.
+pub(crate) fn can_be_filtered(
     logs: &[UniformLog],
     bandwidth_hz: Option<f64>,
+    decide: &Input,
 ) -> Result<(), Diagnostic> {
-    let Some(hz) = bandwidth_hz else {
-        return Ok(());
+    let refused = |log: &UniformLog, hz: f64, what: String, limit: String| {
+        Diagnostic::new(what)
+            .in_file(&log.path)
+            .at_key("bandwidth")
+            .value(hz)
+            .remedy(format!("give {limit}, or no --bandwidth"))
     };
-    match logs.iter().find(|log| hz >= 0.5 * log.rate_hz) {
-        Some(log) => Err(Diagnostic::new(
-            "a low-pass above half the rate of a log takes nothing away",
-        )
-        .in_file(&log.path)
-        .at_key("bandwidth")
-        .value(hz)
-        .remedy(format!(
-            "give less than {} Hz, or no --bandwidth",
-            0.5 * log.rate_hz
-        ))),
-        None => Ok(()),
+    for (log, hz) in logs.iter().zip(bandwidth_hz.iter().cycle()) {
+        let fastest_hz = 0.5 * log.rate_hz;
+        // Two values a cycle are all that passes.
+        let duration_s = log.period_s() * log.len() as f64;
+        let values = 2.0 * hz * duration_s;
+        if *hz >= fastest_hz {
+            let what = "a low-pass above half the rate of a log takes nothing away".into();
+            return Err(refused(
+                log,
+                *hz,
+                what,
+                format!("less than {fastest_hz} Hz"),
+            ));
+        }
+        if values < decide.fewest_values {
+            let what = format!(
+                "behind this low-pass {} hold {:.0} independent values, fewer than {}",
+                setting(duration_s, "s"),
+                values.floor(),
+                decide.fewest_values
+            );
+            let slowest = setting(decide.fewest_values / (2.0 * duration_s), "Hz");
+            return Err(refused(log, *hz, what, format!("more than {slowest}")));
+        }
     }
+    Ok(())
 }
 
 /// Why no model at all can be fitted to a log, and what to do about it.

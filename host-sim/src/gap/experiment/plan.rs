@@ -17,6 +17,7 @@ use crate::gap::experiment::recordings::{Recordings, Sensor};
 use crate::gap::model::{given::given, shape::Shape, shape::Term, simulate::forces};
 use crate::gap::options::Options;
 use crate::gap::search::relatives::related;
+use crate::kind::{self, Kind};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::plant::depth_at_m;
@@ -27,6 +28,8 @@ const STRENGTH: f64 = 3.0;
 const DEEPEST: f64 = 500.0;
 /// Depth of the motions where nothing pushes back, in reference depths.
 const FREE_DEPTHS: f64 = 4.2;
+/// The same of a machine that turns (rad): a lever shows its weight in it.
+const FREE_TURN: f64 = 1.0;
 
 /// What a motion will show.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,7 +129,18 @@ pub fn plan(
     options: &Options,
 ) -> Result<Plan, Diagnostic> {
     model.rig()?;
-    let catalogue = &options.catalogue_of(model.kind.unwrap_or_default());
+    let kind = model.kind.unwrap_or_default();
+    kind::worded(kind, || planned(model, motion, noise_n, options))
+}
+
+/// The same in the words of the model's kind of machine.
+fn planned(
+    model: &Model,
+    motion: Option<&Motion>,
+    noise_n: Option<f64>,
+    options: &Options,
+) -> Result<Plan, Diagnostic> {
+    let catalogue = &options.catalogue_of(kind::of_words());
     let decide = &options.thresholds;
     let noise_n = noise_n.unwrap_or(model.sensors.force_noise_n);
     let sensor = Sensor {
@@ -179,7 +193,10 @@ fn range(
 ) -> Result<ExcitationRange, Diagnostic> {
     let (contact, effects) = model.simulated()?;
     let surface_m = model.environment.surface_m;
-    let free_m = FREE_DEPTHS * model.environment.reference_depth_m;
+    let free_m = match kind::of_words() {
+        Kind::Linear => FREE_DEPTHS * model.environment.reference_depth_m,
+        Kind::Rotary => FREE_TURN,
+    };
     let by_force = depth_at_m(&contact, &effects, DEEPEST * sensor.noise_n).unwrap_or(free_m);
     let of_motion = motion
         .map(|motion| motion.highest_m() - surface_m)

@@ -1,7 +1,7 @@
 //! What has changed on a rig since its model was identified.
 
 use super::parameter::ParameterEstimate;
-use crate::gap::thresholds::Changes;
+use crate::gap::thresholds::{Changes, Thresholds};
 use crate::model::Model;
 use crate::number::Measured;
 
@@ -62,7 +62,12 @@ pub fn changes_in_words(changed: Option<&[Change]>) -> Vec<String> {
         return Vec::new();
     };
     if changed.is_empty() {
-        return vec!["nothing: no number is clearly another than in the model".into()];
+        let rule = Thresholds::default().changes;
+        return vec![format!(
+            "nothing: no number is another than in the model by more than {:.0} % of it and {} standard errors",
+            100.0 * rule.share,
+            rule.sigmas
+        )];
     }
     let each = changed.iter().map(|change| {
         let Change { was, now } = change;
@@ -108,7 +113,6 @@ fn error_of(errors: &[(String, f64)], name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::thresholds::Thresholds;
     use crate::toml_reader::TomlFile;
     use std::path::Path;
 
@@ -177,6 +181,15 @@ mod tests {
         let mut model = identified();
         model.effects[0].fit.std_error.clear();
         assert_eq!(changed(&model, friction(26.0, Some(0.14))), None);
+    }
+
+    #[test]
+    fn nothing_that_has_changed_says_what_would_have_counted() {
+        let words = changes_in_words(Some(&[]));
+        assert!(
+            words[0].contains("more than 5 % of it and 5 standard errors"),
+            "{words:?}"
+        );
     }
 
     #[test]

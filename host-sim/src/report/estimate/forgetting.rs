@@ -1,6 +1,7 @@
 //! The forgetting factor β of (24), over the error of the force and over time.
 
 use super::{figures::Layout, figures::annotate, run::Run};
+use crate::kind;
 use crate::number::setting;
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Stroke};
@@ -70,7 +71,7 @@ fn beta_over_error(run: &Run, layout: &Layout) -> Option<Figure> {
          estimator did not learn from.",
         setting(law.alpha_1, "1"),
         setting(law.alpha_2_per_n, "1"),
-        "N",
+        kind::unit("N"),
         setting(law.alpha_3_n, "N"),
     );
     let title = layout.title(run, "β over the force error", "");
