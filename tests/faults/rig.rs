@@ -111,6 +111,25 @@ fn a_compliant_tool_rests_where_spring_and_material_balance() {
     );
 }
 
+#[test]
+fn the_truth_at_another_depth_is_the_same_law() {
+    let case = case("none", 1, 3);
+    let material = case.stages[0].material;
+    for reference_m in [1e-5, REFERENCE_M, 4e-3] {
+        let [stiffness, damping, exponent] = case.truth_at(0.0, reference_m);
+        let law = |depth: f64, speed: f64| {
+            (stiffness * reference_m + damping * speed) * (depth / reference_m).powf(exponent)
+        };
+        for (depth, speed) in [(2e-5, 1e-3), (8e-4, 0.02), (3e-3, -0.01)] {
+            let due = material.force_n(depth, speed);
+            assert!(
+                (law(depth, speed) / due - 1.0).abs() < 1e-12,
+                "{reference_m}"
+            );
+        }
+    }
+}
+
 /// The offline fit finds an honest log's material within its standard errors and leaves the noise.
 #[test]
 fn the_offline_fit_leaves_the_noise_of_an_honest_log() {

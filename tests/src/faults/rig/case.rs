@@ -6,7 +6,7 @@ use super::motion::{MOTIONS, Reach, path};
 use super::plan::{Clock, Force, Plan, Position, World};
 use super::sensors::{Rows, read};
 use super::world::{Stage, forces};
-use super::{FINE_HZ, RATE_HZ, SUBSTEPS};
+use super::{FINE_HZ, RATE_HZ, REFERENCE_M, SUBSTEPS};
 use crate::hidden::rig::random::Random;
 
 /// Length of a log (s).
@@ -129,6 +129,18 @@ impl Case {
     pub fn truth(&self, time_s: f64) -> [f64; 3] {
         let stage = self.stages.iter().rev().find(|s| s.from_s <= time_s);
         stage.unwrap_or(&self.stages[0]).material.numbers
+    }
+
+    /// The same of the material at another reference depth: a claim is judged where it is made. Carried from 10 µm to
+    /// 1 mm, λ is 100ⁿ times as large, and its standard error knows nothing of that of n.
+    pub fn truth_at(&self, time_s: f64, depth_m: f64) -> [f64; 3] {
+        let [stiffness, damping, exponent] = self.truth(time_s);
+        let shape = (depth_m / REFERENCE_M).powf(exponent);
+        [
+            stiffness * shape * REFERENCE_M / depth_m,
+            damping * shape,
+            exponent,
+        ]
     }
 
     /// The rows of the same palpation with the same noise, steps and counts, and without the fault. A position that

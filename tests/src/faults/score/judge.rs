@@ -104,7 +104,7 @@ fn wrong(said: &Said, case: &Case) -> bool {
     let Some(parameters) = said.parameters.filter(|_| said.converged) else {
         return false;
     };
-    let truth = case.truth(said.time_s);
+    let truth = case.truth_at(said.time_s, said.depth_m);
     let judged = parameters.iter().zip(truth);
     case.counts(said.time_s) && judged.into_iter().any(|((v, e), t)| off(*v, *e, t))
 }
@@ -114,7 +114,7 @@ fn error(said: &Said, case: &Case) -> f64 {
     let Some(parameters) = said.parameters else {
         return f64::INFINITY;
     };
-    let truth = case.truth(said.time_s);
+    let truth = case.truth_at(said.time_s, said.depth_m);
     let errors = parameters.iter().zip(truth).take(JUDGED);
     errors
         .map(|((value, _), truth)| (value / truth - 1.0).abs())

@@ -1,6 +1,5 @@
 //! What `palpate estimate --law hunt_crossley` says of a log, sample by sample.
 
-use crate::faults::rig::REFERENCE_M;
 use crate::faults::rig::case::Case;
 use crate::faults::rig::sensors::Rows;
 use estimator_core::estimate::{Event, method::Method};
@@ -19,6 +18,8 @@ pub struct Said {
     pub time_s: f64,
     /// Whether the estimate calls itself converged.
     pub converged: bool,
+    /// The depth (m) at which K and λ hold: shallow logs are estimated at one that they reach.
+    pub depth_m: f64,
     /// K (N/m), λ (N s/m), n, each with its standard error; `None` while one is not known.
     pub parameters: Option<[(f64, f64); JUDGED]>,
 }
@@ -95,26 +96,16 @@ impl Answer {
     }
 }
 
-/// Shallow logs are estimated at a smaller reference depth; the truth is that at [`REFERENCE_M`], and the
-/// same law has K·(δ₀/δ)ⁿ⁻¹ and λ·(δ₀/δ)ⁿ there.
 fn said(time_s: f64, record: &Estimate<f32>, depth_m: f64) -> Said {
     let parameter = |slot: usize| {
         let parameter = record.parameters[slot]?;
         Some((f64::from(parameter.value), f64::from(parameter.std_error)))
     };
-    let parameters = || {
-        let exponent = parameter(2)?;
-        let deeper = (REFERENCE_M / depth_m).powf(exponent.0);
-        let times = |(value, error): (f64, f64), factor: f64| (value * factor, error * factor);
-        Some([
-            times(parameter(0)?, deeper * depth_m / REFERENCE_M),
-            times(parameter(1)?, deeper),
-            exponent,
-        ])
-    };
+    let parameters = || Some([parameter(0)?, parameter(1)?, parameter(2)?]);
     Said {
         time_s,
         converged: record.status == Status::Converged,
+        depth_m,
         parameters: parameters(),
     }
 }
