@@ -24,6 +24,8 @@ const SEEDS: std::ops::Range<u64> = 1..11;
 /// The seed where one run is enough.
 const SEED: u64 = 5;
 const SEED_HOLD: u64 = 61;
+/// Of slow presses.
+const SLOW_PRESSES: std::ops::Range<u64> = 1..4;
 
 const FREE: RelaxationMode<f64> = RelaxationMode {
     fraction: 0.0,
@@ -339,6 +341,47 @@ fn two_modes_are_told_apart_roughly_and_the_errors_say_so() {
     );
     let sigmas = (f64::from(fast.value) - 1.0) / f64::from(fast.std_error);
     assert_within("fast rate in standard errors", sigmas.abs(), 0.0..3.0);
+}
+
+/// A press of 0.3 mm/s has gone 0.1 mm, 0.36 s, when the force shows it, and a mode of 6.5/s has relaxed by then.
+#[test]
+fn a_material_that_has_relaxed_before_its_touch_is_found_has_its_own_stiffness() {
+    let mut law = POLYURETHANE;
+    law.elastic = Elastic::Power {
+        stiffness_n_per_m: 3000.0,
+        exponent: 1.133,
+        reference_depth_m: 1e-3,
+    };
+    law.modes[0] = RelaxationMode {
+        fraction: 0.53,
+        rate_per_s: 6.5,
+    };
+    let ramp = |to_m| Segment::Ramp {
+        to_m,
+        speed_mps: 3e-4,
+    };
+    let hold = |seconds| Segment::Hold { seconds };
+    let segments = vec![hold(1.0), ramp(3e-3), hold(5.0), ramp(-5e-4), hold(1.0)];
+    let motion = Motion::new(-5e-4, segments).unwrap();
+    for seed in SLOW_PRESSES {
+        let run = touch(Law::QuasiLinear(law), &motion, seed);
+        let log = run.log.uniform().unwrap();
+        let methods = [Method::QUASI_LINEAR_BANK];
+        let found = estimate(&log, Config::default(), &methods, Choices::default()).unwrap();
+        for (name, (error, sigmas)) in ["K", "n", "c", "ν"]
+            .iter()
+            .zip(errors(&found, [3000.0, 1.133, 0.53, 6.5]))
+        {
+            // It was 12 standard errors off, a fifth too soft.
+            assert!(
+                error.abs() < 0.1 && sigmas.abs() < 3.5,
+                "{seed}, {name}: off by {error}, {sigmas} standard errors"
+            );
+        }
+        // The law with these numbers leaves the noise, from the surface on.
+        let misfit = found.evidence.misfit.unwrap();
+        assert!((0.85..1.1).contains(&misfit), "{seed}: {misfit}");
+    }
 }
 
 /// The last record of a run in the precision `T`.

@@ -54,9 +54,11 @@ pub struct Estimation {
 }
 
 impl Estimation {
-    /// Whether the law explains the force to its noise.
+    /// Whether the law explains the force to its noise, and no other one that was tried does so better.
     pub fn is_explained(&self) -> bool {
-        self.evidence.misfit.is_some() && !self.evidence.is_unexplained()
+        self.evidence.misfit.is_some()
+            && !self.evidence.is_unexplained()
+            && !self.evidence.has_nearer_law
     }
 
     /// Takes how late the force is against the position, and judges again.

@@ -52,9 +52,14 @@ pub fn batch_instead(
         ),
         None => "none determines all its parameters".into(),
     };
+    let why = match estimation.evidence.has_nearer_law {
+        true => {
+            "the best recursive method has not converged on the law that leaves least (of those that have, "
+        }
+        false => "no recursive method explains this force (",
+    };
     let note = format!(
-        "no recursive method explains this force ({left}): these are the numbers of a fit of the whole log \
-         at once (--method batch)"
+        "{why}{left}): these are the numbers of a fit of the whole log at once (--method batch)"
     );
     fitted.notes.insert(0, note);
     Ok(Some(fitted))

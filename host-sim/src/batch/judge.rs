@@ -32,6 +32,7 @@ impl Given<'_> {
             lateness: late.filter(|reason| *reason == Reason::Lag),
             relaxes: relaxes(&batch.inspection, fit.family),
             has_better_law: false,
+            has_nearer_law: false,
             is_surface_doubtful: self.is_surface_late(&batch),
         };
         (batch.status, batch.reason) = judged(batch.status, &evidence);

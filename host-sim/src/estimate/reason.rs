@@ -36,6 +36,8 @@ pub struct Evidence {
     pub relaxes: bool,
     /// Another law that was tried leaves clearly less.
     pub has_better_law: bool,
+    /// Another law that was tried leaves less than scatter allows, and its method has not converged.
+    pub has_nearer_law: bool,
     /// The surface is not where the force leaves its baseline, or its error alone explains the misfit.
     pub is_surface_doubtful: bool,
 }
@@ -52,6 +54,7 @@ impl Default for Evidence {
             lateness: None,
             relaxes: false,
             has_better_law: false,
+            has_nearer_law: false,
             is_surface_doubtful: false,
         }
     }
@@ -100,6 +103,7 @@ fn doubt(evidence: &Evidence) -> Option<Reason> {
         .lateness
         .or(found(Reason::Bound, evidence.is_at_bound))
         .or(found(Reason::Surface, evidence.is_surface_doubtful))
+        .or(found(Reason::Law, evidence.has_nearer_law))
 }
 
 /// Why a law leaves more than the noise: what damages the force itself first, then what the law lacks.
@@ -184,5 +188,11 @@ mod tests {
             ..with(1.0)
         };
         assert_eq!(judged(Status::Converged, &bound), suspect(Reason::Bound));
+        // And so is another law that leaves less.
+        let nearer = Evidence {
+            has_nearer_law: true,
+            ..with(1.0)
+        };
+        assert_eq!(judged(Status::Converged, &nearer), suspect(Reason::Law));
     }
 }

@@ -102,8 +102,11 @@ pub(super) fn replay_force(
     let remembers = kind.law().info().relaxes;
     let mut state = law.at_rest();
     let stretches = replay.records.stretches();
+    // A force finds a touch late, and what relaxes began to do so at the surface; one that the impact gave is no
+    // earlier than that.
+    let knows_its_surface = remembers && found.is_some();
     let mut touched = stretches
-        .skip_while(|(_, said)| said.phase != Phase::Contact)
+        .skip_while(|(_, said)| !knows_its_surface && said.phase != Phase::Contact)
         // What a law forgets at once needs no free air.
         .filter(|(_, said)| remembers || said.phase == Phase::Contact)
         .flat_map(|(range, said)| range.map(move |index| (index, said.phase)));

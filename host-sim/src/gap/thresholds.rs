@@ -320,6 +320,9 @@ thresholds! {
             /// Errors that make the force late do not reach this share of Σ w r²: it was 6.6 % and more for a
             /// lag that was one, mostly in the fastest of 48 stretches.
             late: 0.05,
+            /// And this where they make it late by less than a period: how a force went between two samples is no
+            /// part of a log. A lag of 0.3 periods left 0.13 more than a delay.
+            late_within_a_period: 0.3,
             /// Where what a model left is allowed for, effects that leave less than this many times the Σ w r² of each
             /// other are one: that is no noise. In a foam's record an offset and a drift left 4 % less than the drag by
             /// direction that was put in, and what was another effect 25 % more.

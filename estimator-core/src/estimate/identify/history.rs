@@ -8,6 +8,7 @@
 //! ([`bank`]). Each pass measures what its reference costs exactly, so that a step that made it
 //! worse is halved ([`contender`]). A method with several laws chooses among them ([`selection`]).
 
+mod approach;
 mod bank;
 mod block;
 mod block_history;
@@ -18,6 +19,7 @@ mod predict;
 mod selection;
 mod theta;
 
+use approach::Approach;
 use bank::RelaxationBank;
 use block::Block;
 use block_history::BlockHistory;
@@ -82,6 +84,7 @@ fn laws(method: Method) -> &'static [LawKind] {
 /// Bank, history and passes, scaled.
 #[derive(Clone, Debug)]
 pub struct HistoryFit<T: Real> {
+    approach: Approach<T>,
     history: BlockHistory<T>,
     bank: Option<RelaxationBank<T>>,
     selection: Selection<T>,
@@ -111,6 +114,7 @@ impl<T: Real> HistoryFit<T> {
     fn with_history(params: &IdentifyParams<T>, history: BlockHistory<T>, learned: u32) -> Self {
         HistoryFit {
             selection: Selection::new(laws(params.method), history.oldest()),
+            approach: Approach::new(),
             history,
             bank: None,
             current: None,
@@ -134,13 +138,20 @@ impl<T: Real> HistoryFit<T> {
     /// Takes an instant, to learn from it if it is `usable`, and goes on with the work over the
     /// history.
     fn take(&mut self, at: &Instant<T>, usable: bool, in_contact: bool) {
+        let is_first = in_contact && self.impact.is_none();
         if in_contact {
             self.impact.get_or_insert((at.surface, at.surface_error));
+        } else if self.impact.is_none() {
+            self.approach.add(at);
         }
         let depth = self.depth(at);
         if let Some(block) = self.history.add(at, depth, usable, in_contact) {
             // Bank and passes wait: no sample pays for everything.
             self.take_block(&block, at);
+            if is_first {
+                let way = self.approach.touched();
+                way.for_each(|block| self.history.push(block));
+            }
             return;
         }
         if let Some(current) = &mut self.current {

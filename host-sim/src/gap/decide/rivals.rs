@@ -8,7 +8,7 @@ use super::one_speed::is_one_speed;
 use crate::gap::data::scales::Scales;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
 use crate::gap::noise::known::most_correlation;
-use crate::gap::search::relatives::{are_late, oppose_motion, related, simpler};
+use crate::gap::search::relatives::{are_late, is_lateness, oppose_motion, related, simpler};
 use crate::gap::search::{run::SearchResult, sets::added_effects};
 use crate::gap::thresholds::Rivalry;
 
@@ -152,8 +152,13 @@ fn alternatives(
         };
         let more = fit.cost - best.cost;
         let is_late = are_late(id, other)
-            && more < decide.late * best.cost
-            && !is_worse_throughout(all, best, fit, decide.throughout_sigmas);
+            && match is_within_a_period(all, &[best, fit]) {
+                true => more < decide.late_within_a_period * best.cost,
+                false => {
+                    more < decide.late * best.cost
+                        && !is_worse_throughout(all, best, fit, decide.throughout_sigmas)
+                }
+            };
         let is_open = match related(id, other) {
             true => simpler(other) == Some(id) && is_form_open(best.cost, fit.cost, margin, decide),
             false => more < margin || is_late || oppose_motion(id, other) && more < at_one_speed,
@@ -163,6 +168,18 @@ fn alternatives(
         }
     }
     alternatives
+}
+
+/// Whether what makes the force late does so by less than a period: the force between two samples, which tells a
+/// lag from a delay then, is not in a log. A lag of 1.5 ms at 200 Hz was a delay, `certain`.
+fn is_within_a_period(all: &Problem<'_>, fits: &[&Fit]) -> bool {
+    let period_s = all.logs.iter().map(|log| log.period_s).fold(0.0, f64::max);
+    let late_s = |fit: &&Fit| {
+        let terms = fit.shape.terms_at(&fit.numbers).into_iter();
+        let late = terms.filter(|term| !term.given && is_lateness(term.id));
+        late.map(|term| term.row[0].abs()).fold(0.0, f64::max)
+    };
+    fits.iter().map(late_s).all(|late_s| late_s < period_s)
 }
 
 /// Whether a richer form takes so much off that it may be the right one; the simpler one suffices.

@@ -14,11 +14,15 @@ pub(crate) fn simpler(id: EffectId) -> Option<EffectId> {
     EffectId::from_name(id.info().simpler?)
 }
 
+/// Whether an effect only makes the force late, by its first number (s).
+pub(crate) fn is_lateness(id: EffectId) -> bool {
+    id.info().family == Family::Lateness
+}
+
 /// Whether both effects only make the force late: in slow motion they differ by less than the errors of
 /// a rig.
 pub(crate) fn are_late(one: EffectId, other: EffectId) -> bool {
-    let is_late = |id: EffectId| id.info().family == Family::Lateness;
-    one != other && is_late(one) && is_late(other)
+    one != other && is_lateness(one) && is_lateness(other)
 }
 
 /// Whether both effects oppose the motion, and differ by how they depend on its speed: at one speed they are one.

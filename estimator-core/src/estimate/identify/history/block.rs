@@ -3,6 +3,10 @@
 use crate::estimate::identify::Instant;
 use crate::maths::scalar::Real;
 
+/// A motion is uneven where its mean lies this share of the way off its middle: a press that becomes a hold half way
+/// lies a quarter off.
+const UNEVEN: f64 = 0.1;
+
 /// Means over a block of instants, scaled as in [`Instant`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Block<T> {
@@ -75,6 +79,12 @@ impl<T: Real> OpenBlock<T> {
         self.force += at.force;
         self.position_variance += at.position_variance;
         self.position_velocity_cov += at.position_velocity_cov;
+    }
+
+    /// Whether the mean lies more than a tenth of the way off its middle; `moved` is the way so far.
+    pub(super) fn is_uneven(&self, moved: T) -> bool {
+        let mean = (self.position / T::from_f64(f64::from(self.samples))).abs();
+        (mean - T::from_f64(0.5) * moved).abs() > T::from_f64(UNEVEN) * moved
     }
 
     /// The means so far.

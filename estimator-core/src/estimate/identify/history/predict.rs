@@ -5,14 +5,19 @@
 //! F = K·s + λ·s·w − ΣBᵢzᵢ, żᵢ = νᵢ(s − zᵢ),
 //!
 //! which is (10)–(17) for λ = 0 and Bᵢ = Kcᵢ, Hunt–Crossley (3) for B = 0, Zener (2) for n = 1 and
-//! λ = 0. z is carried over a block exactly for the block's mean of s, and so are its derivatives by
-//! n, x₀ and ln ν, so that the gradient is that of the force.
+//! λ = 0. z is carried over a block exactly for an s that changes evenly over it, and so are its derivatives by n,
+//! x₀ and ln ν, so that the gradient is that of the force. (With the mean of s alone a press of 0.3 mm/s, whose blocks
+//! last up to 0.3 s, had a mode of 6.6/s at 4.1 ± 0.2.)
 
 use super::block::Block;
 use super::theta::{DAMPING, EXPONENT, MODES, STIFFNESS, SURFACE, Theta, modes};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
+/// Below this share of a time constant a series gives how an even change is followed.
+const SHORT: f64 = 0.12;
+/// No block is a smaller share of a time constant: the slowest mode is e⁻⁹/s, and a sample lasts 50 µs.
+const SHORTEST: f64 = 6e-9;
 /// Largest variance of the position in a block, over the square of the depth.
 const WIDEST: f64 = 0.04;
 
@@ -37,28 +42,57 @@ struct Decay<T> {
     decayed: T,
     /// (1 − e^{−x})/x
     mean: T,
+    /// ½(1 + e^{−x}) − (1 − e^{−x})/x: what a change of the input by 1, evenly over the duration, adds to the end.
+    change: T,
+    /// Its derivative by ln ν.
+    change_by_log_rate: T,
 }
 
 impl<T: Real> Decay<T> {
     fn at(&mut self, log_rate: T, duration_s: T) -> Self {
         if self.log_rate != log_rate || self.duration_s != duration_s || self.mean == T::zero() {
             let x = log_rate.exp() * duration_s;
+            let (decayed, mean) = ((-x).exp(), (-x).exprel());
+            let half = T::from_f64(0.5);
+            let (change, change_by_log_rate) = match x < T::from_f64(SHORT) {
+                // The next terms, x⁴/80 and x⁴/20, are 3·10⁻⁶ and 10⁻⁵ here; beyond, the differences have four digits.
+                true => {
+                    let twelfth = x * x * T::from_f64(1.0 / 12.0);
+                    let (slower, twice) = (T::one() - half * x, T::from_f64(2.0));
+                    (twelfth * slower, twelfth * (twice * slower - half * x))
+                }
+                false => (
+                    half * (T::one() + decayed) - mean,
+                    mean - decayed * (T::one() + half * x),
+                ),
+            };
             *self = Decay {
                 log_rate,
                 duration_s,
                 x,
-                decayed: (-x).exp(),
-                mean: (-x).exprel(),
+                decayed,
+                mean,
+                change,
+                change_by_log_rate,
             };
         }
         *self
     }
 
-    /// Carries a state over the duration at an input that stays; returns its mean.
-    fn carry(&self, state: &mut T, input: T) -> T {
+    /// Carries a state over the duration at an input with a mean that rises evenly; returns the state's mean.
+    fn carry(&self, state: &mut T, input: T, rise: T) -> T {
         let away = *state - input;
-        *state = input + away * self.decayed;
-        input + away * self.mean
+        let more = self.change * rise;
+        *state = input + away * self.decayed + more;
+        // ż = ν(s − z) over the whole block: what is more at the end was less in the mean.
+        input + away * self.mean - more / self.x.max_of(T::from_f64(SHORTEST))
+    }
+
+    /// What the rise adds to the derivatives of end and mean by ln ν.
+    fn by_log_rate(&self, rise: T) -> (T, T) {
+        let less = self.change - self.change_by_log_rate;
+        let mean = less * rise / self.x.max_of(T::from_f64(SHORTEST));
+        (self.change_by_log_rate * rise, mean)
     }
 }
 
@@ -96,6 +130,10 @@ struct Shape<T> {
     by_exponent: T,
     by_surface: T,
     damped: T,
+    /// By how much s changes over the block, if it does so evenly, and its derivatives by n and x₀.
+    rise: T,
+    rise_by_exponent: T,
+    rise_by_surface: T,
     log: T,
     /// 1/depth as far as the damper depends on the depth.
     damped_per_depth: T,
@@ -122,10 +160,21 @@ impl<T: Real> Shape<T> {
             T::zero()
         };
         let s = power * (T::one() + curve);
+        let slope = exponent * s * per_depth;
+        // An even motion over a way w has the variance w²/12.
+        let way = (T::from_f64(12.0) * variance).sqrt();
+        let rise = match (narrow, block.speed > T::zero()) {
+            (false, _) => T::zero(),
+            (true, true) => slope * way,
+            (true, false) => -(slope * way),
+        };
         Shape {
             s,
+            rise,
+            rise_by_exponent: rise * (log + T::one() / exponent),
+            rise_by_surface: -(rise * (exponent - T::one()) * per_depth),
             by_exponent: s * log,
-            by_surface: -(exponent * s * per_depth),
+            by_surface: -slope,
             damped: s * block.speed + power * exponent * block.position_velocity_cov * per_depth,
             log,
             damped_per_depth: per_depth,
@@ -175,13 +224,16 @@ impl<T: Real> Predicted<T> {
             let share = theta[relaxing];
             let decay = mode.decay.at(theta[log_rate], duration_s);
             let apart = shape.s - mode.relaxed;
-            let lag = mode.by_log_rate * decay.mean + apart * (decay.mean - decay.decayed);
-            mode.by_log_rate = decay.decayed * (mode.by_log_rate + decay.x * apart);
-            let relaxed = decay.carry(&mut mode.relaxed, shape.s);
+            let (end, mean) = decay.by_log_rate(shape.rise);
+            let lag = mode.by_log_rate * decay.mean + apart * (decay.mean - decay.decayed) + mean;
+            mode.by_log_rate = decay.decayed * (mode.by_log_rate + decay.x * apart) + end;
+            let relaxed = decay.carry(&mut mode.relaxed, shape.s, shape.rise);
+            let (exponent, surface) = (&mut mode.by_exponent, &mut mode.by_surface);
+            let by_exponent = decay.carry(exponent, shape.by_exponent, shape.rise_by_exponent);
+            let by_surface = decay.carry(surface, shape.by_surface, shape.rise_by_surface);
             self.force -= share * relaxed;
-            self.gradient[EXPONENT] -=
-                share * decay.carry(&mut mode.by_exponent, shape.by_exponent);
-            self.gradient[SURFACE] -= share * decay.carry(&mut mode.by_surface, shape.by_surface);
+            self.gradient[EXPONENT] -= share * by_exponent;
+            self.gradient[SURFACE] -= share * by_surface;
             self.gradient[relaxing] = -relaxed;
             self.gradient[log_rate] = -(share * lag);
         }
@@ -234,10 +286,22 @@ mod tests {
 
     #[test]
     fn the_gradient_is_that_of_the_force_with_its_memory() {
+        gradient_is_that_of_the_force(block, 2e-4);
+        // In blocks of 0.2 s, 0.7 time constants of the faster mode, that move by a twentieth of the depth.
+        let slow = |i: u32| Block {
+            duration_s: 0.2,
+            position_variance: 1e-3,
+            ..block(i)
+        };
+        gradient_is_that_of_the_force(slow, 2e-3);
+    }
+
+    fn gradient_is_that_of_the_force(block: impl Fn(u32) -> Block<f64>, within: f64) {
         let force = |theta: &Theta<f64>| {
             let mut relaxation = RelaxationState::default();
             let mut last = None;
-            for i in 0..100 {
+            // Until the end of the stroke, and into the hold.
+            for i in 0..70 {
                 let predicted = predict(theta, LawKind::QuasiLinear2, &relaxation, &block(i));
                 relaxation = predicted.relaxation;
                 last = Some(predicted);
@@ -254,15 +318,15 @@ mod tests {
             let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
             // The derivative of the window's curvature by n and x₀ is left out: 1e-4 of 1e-4·s″/s.
             assert!(
-                (gradient[slot] - slope).abs() < 2e-4 * slope.abs().max(1.0),
+                (gradient[slot] - slope).abs() < within * slope.abs().max(1.0),
                 "{slot}: {} {slope}",
                 gradient[slot]
             );
         }
     }
 
-    #[test]
-    fn the_mean_force_of_a_block_is_that_of_the_law() {
+    /// How far the force of a mode of 2/s is off, at most, over a stroke whose blocks have `samples` of 0.1 ms each.
+    fn error_over_blocks(samples: u32, rad_per_s: f64) -> f64 {
         let law = QuasiLinear {
             elastic: Elastic::Power {
                 stiffness_n_per_m: 2000.0,
@@ -276,15 +340,17 @@ mod tests {
         };
         let theta = SVector::from([2.0, 0.0, 1.6, 0.0, 0.6, libm::log(2.0), 0.0, 0.0]);
         let (mut state, mut relaxation) = (law.at_rest(), RelaxationState::default());
-        let depth = |t: f64| 3e-3 * (1.0 - libm::cos(6.0 * t)) / 2.0;
-        for i in 0..200 {
+        let depth = |t: f64| 3e-3 * (1.0 - libm::cos(rad_per_s * t)) / 2.0;
+        let (count, duration_s) = (f64::from(samples), 1e-4 * f64::from(samples));
+        let mut largest = 0.0_f64;
+        for i in 0..(1.6 * 6.0 / rad_per_s / duration_s) as u32 {
             let (mut force, mut mean, mut square) = (0.0, 0.0, 0.0);
-            for k in 1..=80 {
-                // 0.1 ms each: the mean over the block of 8 ms.
-                let d = depth(8e-3 * f64::from(i) + 1e-4 * f64::from(k));
-                force += law.step(&mut state, d, 0.0, 1e-4) / 80.0;
-                mean += d / 80e-3;
-                square += d * d / 80e-6;
+            let from_s = duration_s * f64::from(i);
+            for k in 1..=samples {
+                let d = depth(from_s + 1e-4 * f64::from(k));
+                force += law.step(&mut state, d, 0.0, 1e-4) / count;
+                mean += d / count / 1e-3;
+                square += d * d / count / 1e-6;
             }
             let predicted = predict(
                 &theta,
@@ -293,17 +359,24 @@ mod tests {
                 &Block {
                     position: mean,
                     position_variance: square - mean * mean,
-                    duration_s: 8e-3,
+                    speed: libm::sin(rad_per_s * (from_s + 0.5 * duration_s)),
+                    duration_s,
                     ..Block::default()
                 },
             );
             relaxation = predicted.relaxation;
-            // (νD)²/12 of what a block changes, and the shallow end of the stroke.
-            assert!(
-                (predicted.force - force).abs() < 2e-3,
-                "{i}: {} {force}",
-                predicted.force
-            );
+            largest = largest.max((predicted.force - force).abs());
         }
+        largest
+    }
+
+    #[test]
+    fn the_mean_force_of_a_block_is_that_of_the_law() {
+        // Of up to 11.6 N: in blocks of 8 ms, at the shallow end of the stroke,
+        let fast = error_over_blocks(80, 6.0);
+        assert!(fast < 1e-4, "{fast}");
+        // and in those of a slow one, of 0.2 s each, 0.4 time constants of the mode: 0.8 mN where only the mean is seen.
+        let slow = error_over_blocks(2000, 0.3);
+        assert!(slow < 2e-4, "{slow}");
     }
 }
