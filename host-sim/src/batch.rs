@@ -113,7 +113,9 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         late: Some(late),
         ..given
     };
-    Ok(given.fitted(empty, options, fixed))
+    let mut again = given.fitted(empty, options, fixed);
+    again.widen_by_lateness(&fitted, late.late_s);
+    Ok(again)
 }
 
 impl Given<'_> {
@@ -143,9 +145,12 @@ impl Given<'_> {
     }
 
     /// How late the force is, where a fit says that it is: the skew of a fit is one step of first order from a
-    /// prior of almost none, and of 3 ms it takes a half, and the damping the rest.
+    /// prior of almost none, and of 3 ms it takes a half, and the damping the rest. A law without one says nothing, and
+    /// is always asked: of a force that came 3.5 ms early a mode of 8.3/s was one of 10.9 ± 0.6.
     fn late(&self, fitted: &Batch, touches: Vec<Range<usize>>, fixed: &Fixed) -> Option<Lateness> {
-        note::late_s(self, fitted)?;
+        if fitted.family.skew().is_some() {
+            note::late_s(self, fitted)?;
+        }
         let found = lateness_under(self.log, touches, fitted.family, fixed.clone())?;
         found.reason().map(|_| found)
     }

@@ -322,16 +322,13 @@ impl<'a> Table<'a> {
         match item.as_value() {
             Some(value) => self.wrong_value(key, value, wanted),
             None => self
-                .wrong(
-                    key,
-                    format!("a {} where something else should be", item.type_name()),
-                )
+                .wrong(key, another_type(item.type_name()))
                 .remedy(format!("`{key}` is {wanted}")),
         }
     }
 
     fn wrong_value(&self, key: &str, value: &Value, wanted: &str) -> Diagnostic {
-        let what = format!("a {} where something else should be", value.type_name());
+        let what = another_type(value.type_name());
         self.file
             .diagnostic(what, value.span())
             .at_key(&self.path_of(key))
@@ -391,6 +388,16 @@ fn plain(value: &Value) -> String {
         Some(text) => text.to_string(),
         None => value.to_string().trim().to_string(),
     }
+}
+
+/// What is wrong with a value of this type, as TOML names it.
+fn another_type(name: &str) -> String {
+    let article = if name.starts_with(['a', 'i']) {
+        "an"
+    } else {
+        "a"
+    };
+    format!("{article} {name} where something else should be")
 }
 
 #[cfg(test)]

@@ -157,6 +157,21 @@ pub struct Columns {
 }
 
 impl Batch {
+    /// Adds to the standard errors what that of a lateness does, which was found beside a law that has none among its
+    /// numbers: the numbers go from those without it, `punctual`, to these on the way of `late` (s).
+    pub(super) fn widen_by_lateness(&mut self, punctual: &Batch, late: Estimated<f64>) {
+        if self.family.skew().is_some() || self.family != punctual.family || late.value == 0.0 {
+            return;
+        }
+        let of_way = (late.std_error / late.value).abs();
+        for (own, before) in self.parameters.iter_mut().zip(&punctual.parameters) {
+            if let (Some(own), Some(before)) = (&mut own.estimate, before.estimate) {
+                let moved = of_way * (own.value - before.value);
+                own.std_error = own.std_error.hypot(moved);
+            }
+        }
+    }
+
     /// The parameter of that name.
     pub fn value(&self, name: &str) -> Option<Estimated<f64>> {
         let mut own = self.parameters.iter();

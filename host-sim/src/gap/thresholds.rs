@@ -82,6 +82,10 @@ thresholds! {
             rest_steps: 2.5,
             /// The outermost part of the travel, as large as this share of it, is free air. Not measured.
             free_air: 0.25,
+            /// Where a rig touches nothing all of its travel is, as long as the mean forces of two rests and more lie
+            /// within so many standard deviations at rest: friction holds a drive at another force each time. Derived:
+            /// means of slow noise differ by as much as it is. 0 where something is touched.
+            rests_agree: 0.0,
             /// A sample that is this many standard deviations from its neighbours, or from the trend of a rest,
             /// is a spike and no noise. Not measured.
             spike_sigmas: 4.0,
@@ -279,6 +283,11 @@ thresholds! {
             /// An effect may as well be 0 if its size is below this many standard errors. Of 810 effects that
             /// were right one was that badly known, of 36 wrong ones ten.
             size_sigmas: 3.0,
+            /// The same of what slow noise looks like. In 36 s of 1/f noise two waves of three and four periods were
+            /// known to 4.0 and 5.1, and a ramp to 5.6.
+            wander_sigmas: 6.0,
+            /// A wave of fewer periods does. In such noise they had up to 4.1.
+            fewest_periods: 6.0,
             /// A friction of a richer form is certain if its size is known to this many standard errors, and may be
             /// Coulomb's otherwise: where bristles were hidden the stiffness of Bouc and Wen's loop, which is how it
             /// sticks, was known to 3 and 6.
@@ -286,6 +295,12 @@ thresholds! {
             /// An effect is worth telling from another if it takes more than this share off the held-out
             /// squares. Not measured.
             missed: 0.1,
+            /// An effect is dropped with which the held-out part is left this share more squares: it is none of what
+            /// repeats. Of those that were right, and act outside the held-out windows, none was beyond 0.02.
+            harm: 0.05,
+            /// And one that is left no fewer there, where this share of what it does is. Derived: three fifths of the third
+            /// that is held out.
+            acts_there: 0.2,
             /// The bias of the motion's errors is taken off the numbers of a fit if that costs at most this
             /// share of Σ w r²; what costs more is no small correction. Not measured.
             correction_cost: 0.02,
@@ -370,11 +385,15 @@ thresholds! {
     }
 }
 
+/// See [`Floor`].
+const RESTS_AGREE: f64 = 2.0;
+
 impl Floor {
     /// What decides where nothing is touched: the outermost part of the travel may be an end that is held.
     pub(crate) fn without_free_air(self) -> Floor {
         Floor {
             fewest_at_rest: self.shortest_rest,
+            rests_agree: RESTS_AGREE,
             ..self
         }
     }

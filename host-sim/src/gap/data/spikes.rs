@@ -62,6 +62,14 @@ fn off(channel: &[f64], at: usize) -> f64 {
     channel[at] - 0.5 * (channel[at - 1] + channel[at + 1])
 }
 
+/// Whether a reading leaves both its neighbours on one side, by half at least of how far it is from their mean: the
+/// first one after a step, as where a probe snaps in, leaves only the one before.
+fn is_peak(channel: &[f64], at: usize) -> bool {
+    let sides = [at - 1, at + 1].map(|other| channel[at] - channel[other]);
+    let half = 0.5 * off(channel, at);
+    sides.iter().all(|side| side * half > half * half)
+}
+
 /// How far the position (m) is from the mean of its neighbours where the probe turns no more than it usually does.
 fn usual_turn_m(position_m: &[f64]) -> f64 {
     let noise_m = 1.5_f64.sqrt() * signal::noise(position_m);
@@ -80,6 +88,7 @@ fn spikes(log: &UniformLog) -> Vec<usize> {
     let candidates = margin..force_n.len().saturating_sub(margin);
     let spikes: Vec<usize> = candidates
         .filter(|at| off(force_n, *at).abs() > STANDS_OUT * usual_n)
+        .filter(|at| is_peak(force_n, *at))
         .filter(|at| off(position_m, *at).abs() <= turn_m)
         .filter(|at| (at - margin..=at + margin).all(is_measured))
         .filter(|at| stands_alone(&force_n[at - margin..=at + margin], GOES_ON * usual_n))
@@ -128,6 +137,17 @@ fn without(log: &UniformLog, spikes: &[usize]) -> UniformLog {
 mod tests {
     use super::*;
     use crate::log::Log;
+
+    #[test]
+    fn a_step_of_the_force_is_no_spike() {
+        let peak = |around: [f64; 3]| is_peak(&around, 1);
+        // A snap-in, a release after a pull that grows, and a reading that stands alone, on a slope as well.
+        assert!(!peak([0.0, -0.4, -0.38]) && !peak([-0.3, -0.4, 0.0]));
+        assert!(peak([0.0, 1.0, 0.1]) && peak([0.0, 1.0, 0.4]) && peak([0.3, -1.0, 0.2]));
+        // Steps of 12 to 16 times what noise leaves its neighbours by were spikes, at their first reading.
+        let steps = log(0.0, |at| if at % 200 >= 150 { 0.19 } else { 0.0 });
+        assert_eq!(spikes(&steps), Vec::<usize>::new());
+    }
 
     /// Two seconds of strokes at 500 Hz with 10 mN of noise, and what is added to the force at a sample; every third
     /// stamp is off by `off_s`.

@@ -28,6 +28,8 @@ pub(crate) struct Decision {
     pub(crate) alternatives: Vec<Vec<EffectId>>,
     /// For every added effect, the share of the held-out squares that it takes off.
     pub(crate) gains: Vec<f64>,
+    /// For every added effect, the share of what it does to the squares of the force that is in the held-out part.
+    pub(crate) there: Vec<f64>,
     /// For every added effect, the fit without it.
     pub(crate) without: Vec<Fit>,
     /// RMSE (N) on the held-out part, before and after.
@@ -94,7 +96,8 @@ impl Decision {
         self.std_errors = std_errors(&dataset.problem(&weights), &self.best);
         self.rmse_n.1 = self.rmse_n.0;
         self.least_rmse_n = self.rmse_n.0;
-        (self.alternatives, self.gains, self.without) = Default::default();
+        (self.alternatives, self.gains) = Default::default();
+        (self.there, self.without) = Default::default();
     }
 
     /// Its names stand beside a remainder that was allowed for; `dataset` has the floors without it.

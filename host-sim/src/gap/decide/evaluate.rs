@@ -53,6 +53,7 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         thresholds: *dataset.thresholds,
         alternatives,
         gains,
+        there: shares_there(&all, &best, &without, &held_out),
         without,
         rmse_n: (before.rmse_n, after.rmse_n),
         least_rmse_n: after.rmse_n,
@@ -84,6 +85,22 @@ fn held_out_errors(
     fits.into_par_iter()
         .map(|fit| held_out_error(all, &trained(&training, fit), held_out))
         .collect()
+}
+
+/// For each fit without an effect, the share of the squares by which its forces differ that is in the held-out part.
+fn shares_there(all: &Problem<'_>, best: &Fit, without: &[Fit], held_out: &[bool]) -> Vec<f64> {
+    let forces = |fit: &Fit| all.forces(&fit.shape, &fit.numbers);
+    let with = forces(best);
+    let share = |fit: &Fit| {
+        let (mut there, mut whole) = (0.0, f64::MIN_POSITIVE);
+        for ((with, without), out) in with.iter().zip(forces(fit)).zip(held_out) {
+            let square = (with - without).powi(2);
+            whole += square;
+            there += if *out { square } else { 0.0 };
+        }
+        there / whole
+    };
+    without.par_iter().map(share).collect()
 }
 
 /// The held-out error (N) of a fit that is refitted to the rest.

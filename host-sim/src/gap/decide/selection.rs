@@ -5,7 +5,7 @@ use estimator_core::physics::effect::EffectId;
 
 use super::acceptance::{
     effect_without_size, effects_of_uncertain_form, fit_in_plain_form, fit_with_offset,
-    fit_without_idle_effect,
+    fit_without_harmful_effect, fit_without_idle_effect,
 };
 use super::decision::Decision;
 use super::evaluate::{evaluate, held_out_rmse_n};
@@ -47,7 +47,7 @@ pub(crate) fn decide(
             result.best = offset;
             continue;
         }
-        match effect_without_size(&decision) {
+        match effect_without_size(&decision, dataset.scales.duration_s) {
             Some(at) => match fit_in_plain_form(dataset, &decision, at) {
                 Some(plain) => result.best = plain,
                 None => result = result_without(result, decision.without.swap_remove(at), dataset),
@@ -99,7 +99,8 @@ fn accepted_decision(
         }
         // An effect that seemed significant on the search's samples may take nothing off at the log's
         // own rate: a delay of 2 µs moved the turn of a play by a sample.
-        if let Some(best) = fit_without_idle_effect(&decision) {
+        let idle = fit_without_idle_effect(&decision);
+        if let Some(best) = idle.or_else(|| fit_without_harmful_effect(&decision)) {
             result = result_without(result, best.clone(), dataset);
             continue;
         }

@@ -163,6 +163,14 @@ impl Shape {
         values
     }
 
+    /// From the lowest to the highest value of a free number, in the parameter's unit; infinite without bounds.
+    pub(in crate::gap) fn room(&self, at: usize) -> f64 {
+        let Free {
+            lowest, highest, ..
+        } = self.free[at];
+        self.natural(at, highest) - self.natural(at, lowest)
+    }
+
     /// The rig that free numbers mean.
     pub(in crate::gap) fn rig<S: Scalar>(&self, numbers: &[S]) -> Rig<S> {
         let parameters = self.base.parameters();
@@ -230,6 +238,11 @@ impl Free {
     /// Whether a free number lies at its lowest value.
     pub(in crate::gap) fn is_at_lowest(&self, number: f64) -> bool {
         self.is_at_bound(number) && number - self.lowest < self.highest - number
+    }
+
+    /// Whether a free number lies at its highest value.
+    pub(in crate::gap) fn is_at_highest(&self, number: f64) -> bool {
+        self.is_at_bound(number) && number - self.lowest > self.highest - number
     }
 
     /// Whether a free number lies at its bound: a parameter that wants to be what it cannot be.
