@@ -100,7 +100,10 @@ fn accepted_decision(
         // An effect that seemed significant on the search's samples may take nothing off at the log's
         // own rate: a delay of 2 µs moved the turn of a play by a sample.
         let idle = fit_without_idle_effect(&decision);
-        if let Some(best) = idle.or_else(|| fit_without_harmful_effect(&decision)) {
+        // Where something remains each effect stands for itself, below.
+        let is_small = decision.verdict != Verdict::Unexplained;
+        let harmful = || fit_without_harmful_effect(&decision).filter(|_| is_small);
+        if let Some(best) = idle.or_else(harmful) {
             result = result_without(result, best.clone(), dataset);
             continue;
         }
