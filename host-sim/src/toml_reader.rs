@@ -304,10 +304,8 @@ impl<'a> Table<'a> {
     }
 
     fn value_as_number(&self, key: &str, value: &Value, bounds: Bounds) -> Result<f64, Diagnostic> {
-        let number = value
-            .as_float()
-            .or_else(|| value.as_integer().map(|whole| whole as f64));
-        match number {
+        let whole = || value.as_integer().map(|whole| whole as f64);
+        match value.as_float().or_else(whole) {
             None => Err(self.wrong_value(key, value, &bounds::say(bounds))),
             Some(number) if bounds.allow(number) => Ok(number),
             Some(_) => {
@@ -328,9 +326,8 @@ impl<'a> Table<'a> {
     }
 
     fn wrong_value(&self, key: &str, value: &Value, wanted: &str) -> Diagnostic {
-        let what = another_type(value.type_name());
         self.file
-            .diagnostic(what, value.span())
+            .diagnostic(another_type(value.type_name()), value.span())
             .at_key(&self.path_of(key))
             .value(plain(value))
             .remedy(format!("`{key}` is {wanted}"))

@@ -385,20 +385,6 @@ thresholds! {
     }
 }
 
-/// See [`Floor`].
-const RESTS_AGREE: f64 = 2.0;
-
-impl Floor {
-    /// What decides where nothing is touched: the outermost part of the travel may be an end that is held.
-    pub(crate) fn without_free_air(self) -> Floor {
-        Floor {
-            fewest_at_rest: self.shortest_rest,
-            rests_agree: RESTS_AGREE,
-            ..self
-        }
-    }
-}
-
 impl Significance {
     /// The χ² by which a difference counts, for the best of so many effects.
     pub(crate) fn chi2_of(&self, catalogue: usize) -> f64 {

@@ -10,6 +10,19 @@ use crate::stats::{lowest, range, rms};
 /// Most samples in a row that may be invented in a rest. With 30 % of them missing 128 in a row are never
 /// measured, and what is there at rest was not seen at all.
 const LONGEST_GAP: usize = 8;
+/// `rests_agree` where nothing is touched, with its reason there.
+const RESTS_AGREE: f64 = 2.0;
+
+impl Floor {
+    /// What decides where nothing is touched: the outermost part of the travel may be an end that is held.
+    pub(crate) fn without_free_air(self) -> Floor {
+        Floor {
+            fewest_at_rest: self.shortest_rest,
+            rests_agree: RESTS_AGREE,
+            ..self
+        }
+    }
+}
 
 /// For each sample, whether it is measured in free air: in the quarter of the travel that is furthest out.
 pub(super) fn in_free_air(log: &UniformLog, decide: &Floor) -> Vec<bool> {
