@@ -185,6 +185,34 @@ fn a_force_that_is_late_is_found_beside_what_a_drive_keeps_to_itself() {
 }
 
 #[test]
+fn a_force_that_is_much_too_late_or_too_early_has_that_delay() {
+    // GIVEN a drive that is known, behind a low-pass of 20 Hz, and its forces 6 ms late, or 3 ms early; the record's own
+    // are 0.2 ms early
+    for (samples, late_s) in [(6_isize, 5.8e-3), (-3, -3.2e-3)] {
+        let mut log = read("emps/data.csv.gz");
+        let force_n = log.force_n.clone();
+        let last = force_n.len() as isize - 1;
+        for (at, force) in (0_isize..).zip(&mut log.force_n) {
+            *force = force_n[(at - samples).clamp(0, last) as usize];
+        }
+        let options = Options {
+            bandwidth_hz: Some(20.0),
+            ..Options::default()
+        };
+        let finding = gap(&complete_drive(), &[log], &options).unwrap();
+        // THEN it is found to a fifth of a sample: without the jerk the fit had no direction, and stayed at 0.1 ms.
+        let delay = finding
+            .effects
+            .iter()
+            .find(|effect| effect.id == EffectId::TimeDelay);
+        let delay = delay.unwrap_or_else(|| panic!("{:?}", finding.verdict));
+        assert_eq!(delay.grade, Grade::Strong);
+        let off_s = delay.parameters[0].value - late_s;
+        assert!(off_s.abs() < 2e-4, "{off_s} s off");
+    }
+}
+
+#[test]
 fn a_drive_that_rubs_more_than_when_it_was_identified_is_seen() {
     // GIVEN what `gap` found on the first record of the drive, with its standard errors
     let toml = "[environment]\nlaw = \"free\"\n\
