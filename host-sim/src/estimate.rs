@@ -17,6 +17,7 @@ use evidence::{evidence, surface_late_m};
 pub use explain::explain;
 pub use lateness::{Form, Lateness};
 pub use outcome::Outcome;
+pub(crate) use reason::trust_in_words;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
 use residual::{Motions, times_the_errors};
 pub use setup::{Choices, Setup, setup};

@@ -96,6 +96,38 @@ pub fn judged(status: Status, evidence: &Evidence) -> (Status, Option<Reason>) {
     }
 }
 
+/// What a reason says, as the end of a sentence.
+pub(crate) fn in_words(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Residual => "more than the noise is left",
+        Reason::Bound => "a parameter is at the end of its range",
+        Reason::Skew => "the force is read later or earlier than the position",
+        Reason::Lag => "the force lags behind the contact",
+        Reason::Zero => "its resting force was not seen well enough in free air",
+        Reason::Surface => "the position of the surface is not known well enough",
+        Reason::Excitation => "the motion does not determine all of its parameters well",
+        Reason::Saturated => "the force is at the end of its range",
+        Reason::Relaxing => "the force decays in holds",
+        Reason::Law => "another law explains the force better",
+        // The core may get more of them.
+        reason => reason.name(),
+    }
+}
+
+/// Whether a law is trusted, as the verb of a sentence; `misfit` is what it leaves over the noise.
+pub(crate) fn trust_in_words(status: Status, reason: Option<Reason>, misfit: f64) -> String {
+    let but = |what: &str| match reason {
+        Some(reason) => format!("{what}: {}", in_words(reason)),
+        None => what.into(),
+    };
+    match status {
+        Status::Converged => "explains the force".into(),
+        Status::ModelSuspect if misfit > EXPLAINED => "does not explain the force".into(),
+        Status::ModelSuspect => but("follows the force and is not to be trusted"),
+        _ => but("is not certain yet"),
+    }
+}
+
 /// What stays wrong however small the residual is.
 fn doubt(evidence: &Evidence) -> Option<Reason> {
     let found = |reason, is_so: bool| is_so.then_some(reason);
@@ -159,6 +191,17 @@ mod tests {
         );
         let suspect = (Status::ModelSuspect, Some(Reason::Residual));
         assert_eq!(judged(Status::Converged, &with(2.01)), suspect);
+    }
+
+    #[test]
+    fn a_law_that_leaves_the_noise_is_never_said_not_to_explain_the_force() {
+        let suspect = |misfit| trust_in_words(Status::ModelSuspect, Some(Reason::Zero), misfit);
+        assert!(suspect(2.1).starts_with("does not explain"));
+        let (text, why) = (suspect(1.0), in_words(Reason::Zero));
+        assert!(
+            text.starts_with("follows the force") && text.ends_with(why),
+            "{text}"
+        );
     }
 
     #[test]

@@ -9,9 +9,10 @@ use estimator_core::{Estimate, Status};
 
 use super::thin;
 use crate::estimate::{
-    Estimation,
+    Estimation, Reason,
     explain::multiple,
     outcome::{Outcome, Segment, law_with},
+    trust_in_words,
 };
 use crate::log::UniformLog;
 use crate::model::law_title;
@@ -27,6 +28,7 @@ const CURVE_POINTS: usize = 200;
 pub struct Shown {
     run: report::Run<'static>,
     status: Status,
+    reason: Option<Reason>,
     notes: Vec<String>,
 }
 
@@ -215,6 +217,7 @@ impl Shown {
         Shown {
             run,
             status: outcome.status,
+            reason: outcome.reason,
             notes: estimation.notes.clone(),
         }
     }
@@ -251,16 +254,10 @@ impl Shown {
             (Status::NoContact, _) => format!("{name}nothing was touched."),
             (_, None) => format!("{name}the data do not determine the parameters of {law}."),
             (status, Some((rmse, noise))) => {
-                let ratio = rmse / noise;
-                let trust = match status {
-                    Status::Converged if ratio < 3.0 => "explains the force",
-                    Status::Converged => "has settled, but leaves a misfit",
-                    Status::ModelSuspect => "does not explain the force",
-                    _ => "has not settled",
-                };
+                let trust = trust_in_words(status, self.reason, rmse / noise);
                 format!(
-                    "{name}{law} {trust}: in contact the residual is {} the noise.",
-                    multiple(ratio)
+                    "{name}{law} {trust}; in contact the residual is {} the noise.",
+                    multiple(rmse / noise)
                 )
             }
         }

@@ -3,12 +3,10 @@
 use std::io;
 use std::path::Path;
 
-use estimator_core::Status;
-
 use super::print::name;
 use crate::batch::{Batch, ModulusKind, Parameter};
 use crate::cli::estimate::show::tone;
-use crate::estimate::explain::multiple;
+use crate::estimate::{explain::multiple, trust_in_words};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::fixed;
@@ -84,14 +82,10 @@ fn verdict(batch: &Batch) -> String {
         return "Nothing was touched.".into();
     };
     let law = law_title(batch.family.name());
-    let trust = match batch.status {
-        Status::Converged => "explains the force",
-        Status::ModelSuspect => "does not explain the force within its noise",
-        Status::Unobservable => "has parameters that this log does not determine",
-        _ => "has not come to a minimum",
-    };
-    let multiple = multiple(rmse / batch.noise_n);
-    format!("{law} {trust}: in contact the residual is {multiple} the noise.")
+    let misfit = rmse / batch.noise_n;
+    let trust = trust_in_words(batch.status, batch.reason, misfit);
+    let multiple = multiple(misfit);
+    format!("{law} {trust}; in contact the residual is {multiple} the noise.")
 }
 
 /// What the recursive methods do not have.
