@@ -55,7 +55,7 @@ use crate::estimate::{
 };
 use crate::inspect::inspect;
 use crate::log::UniformLog;
-use crate::replay::{Replay, replay};
+use crate::replay::{Replay, as_seen, replay};
 
 #[cfg(test)]
 mod tests;
@@ -77,8 +77,10 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
             .value(error.value)
             .remedy(error.expected)
     })?;
+    let mut empty = nothing(log, &replay, &kinematics(log), notes);
+    let seen = as_seen(log);
+    let log: &UniformLog = &seen;
     let motion = kinematics(log);
-    let mut empty = nothing(log, &replay, &motion, notes);
     let Some(course) = Course::of(log, &motion, replay.contacts(), options.thresholds) else {
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);

@@ -451,6 +451,21 @@ fn invented_samples_in_gaps_do_not_count() {
 }
 
 #[test]
+fn spikes_that_are_said_to_be_dropped_are() {
+    // GIVEN a palpation with a single reading 5 N off every 0.2 s
+    let mut log = palpated(GEL.at(0.0), GEL.peak_depth_m, SEED_RIG);
+    let spikes = (100..log.len()).step_by(200);
+    spikes.clone().for_each(|at| log.force_n[at] += 5.0);
+    let found = fitted(&log, &with(&[Family::HUNT_CROSSLEY]));
+    // THEN the gel is the gel, the rest is the noise, and none of them was fitted to.
+    assert_near(&found, &truth(&GEL, 0.0), NEAR);
+    let misfit = found.force_rmse_n.unwrap() / found.noise_n;
+    assert!(misfit < 1.1, "{misfit}");
+    let used = |at: &usize| found.columns.used[*at];
+    assert_eq!(spikes.filter(used).count(), 0);
+}
+
+#[test]
 fn a_threshold_that_is_set_changes_the_answer_without_a_recompile() {
     let log = palpated(GEL.at(0.0), GEL.peak_depth_m, SEED_RIG);
     let mut options = with(&[Family::HUNT_CROSSLEY]);
