@@ -77,10 +77,10 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
             .value(error.value)
             .remedy(error.expected)
     })?;
-    let mut empty = nothing(log, &replay, &kinematics(log), notes);
     let seen = as_seen(log);
+    let motion = kinematics(&seen);
+    let mut empty = nothing(log, &replay, &motion, notes);
     let log: &UniformLog = &seen;
-    let motion = kinematics(log);
     let Some(course) = Course::of(log, &motion, replay.contacts(), options.thresholds) else {
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);

@@ -44,10 +44,7 @@ fn read(name: &str) -> UniformLog {
 fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
     // GIVEN a mass on a viscous slide as the base, and forces below 20 Hz
     let base = Model::read(Path::new(&record("emps/base.toml"))).unwrap();
-    let options = Options {
-        bandwidth_hz: Some(20.0),
-        ..Options::default()
-    };
+    let options = below_20_hz();
     let finding = gap(&base, &[read("emps/data.csv.gz")], &options).unwrap();
     // THEN dry friction and a direction are named, and that something is left is said. The published
     // model has an offset of −3.2 N where this has a drag that differs by direction: next to that one
@@ -122,6 +119,14 @@ fn a_linear_drive_has_dry_friction_and_a_drag_that_differs_by_direction() {
     assert!((1.0..2.45).contains(&left), "{left} N");
 }
 
+/// How the drive is asked: what is above is noise of its differences.
+fn below_20_hz() -> Options {
+    Options {
+        bandwidth_hz: Some(20.0),
+        ..Options::default()
+    }
+}
+
 /// A base that is complete but for what no catalogue explains in the drive.
 fn complete_drive() -> Model {
     let toml = "[environment]\nlaw = \"free\"\n\
@@ -142,10 +147,7 @@ fn an_effect_that_alone_is_clear_of_all_others_is_named_though_several_together_
     for at in 2..force.len() {
         log.force_n[at] = 0.7 * force[at - 1] + 0.3 * force[at - 2];
     }
-    let options = Options {
-        bandwidth_hz: Some(20.0),
-        ..Options::default()
-    };
+    let options = below_20_hz();
     let finding = gap(&complete_drive(), &[log], &options).unwrap();
     // THEN lateness is a strong name.
     let strong = finding
@@ -195,10 +197,7 @@ fn a_force_that_is_much_too_late_or_too_early_has_that_delay() {
         for (at, force) in (0_isize..).zip(&mut log.force_n) {
             *force = force_n[(at - samples).clamp(0, last) as usize];
         }
-        let options = Options {
-            bandwidth_hz: Some(20.0),
-            ..Options::default()
-        };
+        let options = below_20_hz();
         let finding = gap(&complete_drive(), &[log], &options).unwrap();
         // THEN it is found to a fifth of a sample: without the jerk the fit had no direction, and stayed at 0.1 ms.
         let delay = finding
@@ -224,9 +223,8 @@ fn a_drive_that_rubs_more_than_when_it_was_identified_is_seen() {
     folder.write("base.toml", toml);
     let base = Model::read(&folder.path("base.toml")).unwrap();
     let options = Options {
-        bandwidth_hz: Some(20.0),
         catalogue: Vec::new(),
-        ..Options::default()
+        ..below_20_hz()
     };
     let changed = |log: UniformLog| gap(&base, &[log], &options).unwrap().changed.unwrap();
     let later = read("emps/data_pulses.csv.gz");
@@ -250,10 +248,7 @@ fn a_drive_that_rubs_more_than_when_it_was_identified_is_seen() {
 #[test]
 fn a_drive_that_is_as_it_was_has_nothing_new_though_its_record_is_not_explained() {
     // GIVEN what `gap` found on the first record of the drive
-    let options = Options {
-        bandwidth_hz: Some(20.0),
-        ..Options::default()
-    };
+    let options = below_20_hz();
     let base = Model::read(Path::new(&record("emps/base.toml"))).unwrap();
     let found = gap(&base, &[read("emps/data.csv.gz")], &options).unwrap();
     let left = found.model.remainder.unwrap();

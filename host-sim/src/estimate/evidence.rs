@@ -14,7 +14,8 @@ use crate::replay::Replay;
 
 /// A law that leaves so much less than another is clearly better.
 const CLEARLY: f64 = 1.5;
-/// A law that was chosen is not certain where another one, whose method has not converged, leaves so much less (two modes for one: 0.6 %):
+/// A law that was chosen is not certain where another one, whose method has not converged, leaves so much less (two
+/// modes for one: 0.6 %):
 const NEARER: f64 = 1.005;
 /// and where that is so much of the logarithm of the likelihood. Two modes, one of them left out: 22.3 and 20.0 mN over
 /// 16 s, and K 1055 ± 6 N/m for 1500.

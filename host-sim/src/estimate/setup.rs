@@ -272,7 +272,13 @@ mod tests {
 
     /// 1 s of rest, then a ramp of 1 s to `depth_m` against `stiffness` N/m.
     fn ramp(depth_m: f64, stiffness: f64, rest_s: f64) -> UniformLog {
-        let time: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();
+        ramp_at(1000.0, depth_m, stiffness, rest_s)
+    }
+
+    /// The same at another rate.
+    fn ramp_at(rate_hz: f64, depth_m: f64, stiffness: f64, rest_s: f64) -> UniformLog {
+        let count = (2.0 * rate_hz) as u32;
+        let time: Vec<f64> = (0..count).map(|i| f64::from(i) / rate_hz).collect();
         let depth = |t: &f64| depth_m * (t - rest_s).max(0.0);
         let position: Vec<f64> = time.iter().map(depth).collect();
         let force = position.iter().map(|x| stiffness * x).collect();
@@ -343,17 +349,7 @@ mod tests {
 
     #[test]
     fn at_a_hundred_hertz_a_long_free_air_is_enough_to_measure_the_noise_in() {
-        let fast = ramp(1e-3, 1000.0, 2.0);
-        let thin = |column: &[f64]| column.iter().copied().step_by(10).collect::<Vec<f64>>();
-        let slow = UniformLog {
-            rate_hz: 100.0,
-            time_s: thin(&fast.time_s),
-            position_m: thin(&fast.position_m),
-            force_n: thin(&fast.force_n),
-            in_gap: vec![false; fast.len().div_ceil(10)],
-            ..UniformLog::default()
-        };
-        let setup = of(&slow);
+        let setup = of(&ramp_at(100.0, 1e-3, 1000.0, 2.0));
         assert!(setup.config.contact.settle_s >= 0.5, "{setup:?}");
         assert!(
             setup.notes.iter().all(|note| !note.contains("too few")),

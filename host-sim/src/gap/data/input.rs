@@ -56,26 +56,24 @@ pub(crate) fn can_be_filtered(
     bandwidth_hz: Option<f64>,
     decide: &Input,
 ) -> Result<(), Diagnostic> {
-    let refused = |log: &UniformLog, hz: f64, what: String, limit: String| {
+    let Some(hz) = bandwidth_hz else {
+        return Ok(());
+    };
+    let refused = |log: &UniformLog, what: String, limit: String| {
         Diagnostic::new(what)
             .in_file(&log.path)
             .at_key("bandwidth")
             .value(hz)
             .remedy(format!("give {limit}, or no --bandwidth"))
     };
-    for (log, hz) in logs.iter().zip(bandwidth_hz.iter().cycle()) {
+    for log in logs {
         let fastest_hz = 0.5 * log.rate_hz;
         // Two values a cycle are all that passes.
         let duration_s = log.period_s() * log.len() as f64;
         let values = 2.0 * hz * duration_s;
-        if *hz >= fastest_hz {
+        if hz >= fastest_hz {
             let what = "a low-pass above half the rate of a log takes nothing away".into();
-            return Err(refused(
-                log,
-                *hz,
-                what,
-                format!("less than {fastest_hz} Hz"),
-            ));
+            return Err(refused(log, what, format!("less than {fastest_hz} Hz")));
         }
         if values < decide.fewest_values {
             let what = format!(
@@ -85,7 +83,7 @@ pub(crate) fn can_be_filtered(
                 decide.fewest_values
             );
             let slowest = setting(decide.fewest_values / (2.0 * duration_s), "Hz");
-            return Err(refused(log, *hz, what, format!("more than {slowest}")));
+            return Err(refused(log, what, format!("more than {slowest}")));
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
-use crate::gap::model::shape::{Owner, Term};
+use crate::gap::model::shape::{Free, Owner, Term};
 use crate::gap::model::{dataset::Dataset, fit::Fit, start::whole, weights::weights};
 use crate::gap::search::{forms::in_plain_form, relatives::simpler};
 
@@ -72,10 +72,8 @@ fn wanders(term: &Term, duration_s: f64, fewest_periods: f64) -> bool {
 /// Whether an effect is a relaxation as fast as one can be: within a sample it is a damper, and the errors of the
 /// motion look like one.
 fn is_too_fast(best: &Fit, number: usize) -> bool {
-    let owner = Owner::Effect(number, 1);
-    let mut each = best.shape.free.iter().zip(&best.numbers);
     best.shape.terms[number].id == EffectId::StressRelaxation
-        && each.any(|(free, number)| free.owner == owner && free.is_at_highest(*number))
+        && is_second_at(best, number, Free::is_at_highest)
 }
 
 /// The places of the added effects that may as well be the simpler effect of their family, with that effect: their
@@ -106,10 +104,15 @@ pub(crate) fn fit_with_offset(dataset: &Dataset<'_>, decision: &Decision) -> Opt
 
 /// Whether an effect is a drift that comes to rest as soon as a drift can.
 fn is_over_at_once(best: &Fit, number: usize) -> bool {
+    best.shape.terms[number].id == EffectId::ForceDrift
+        && is_second_at(best, number, Free::is_at_lowest)
+}
+
+/// Whether the second number of an effect is free and at an end.
+fn is_second_at(best: &Fit, number: usize, is_at: impl Fn(&Free, f64) -> bool) -> bool {
     let owner = Owner::Effect(number, 1);
     let mut each = best.shape.free.iter().zip(&best.numbers);
-    best.shape.terms[number].id == EffectId::ForceDrift
-        && each.any(|(free, number)| free.owner == owner && free.is_at_lowest(*number))
+    each.any(|(free, number)| free.owner == owner && is_at(free, *number))
 }
 
 /// Whether an effect's size differs from 0 by so many standard errors. One that is held does; of one at a bound, or
@@ -179,6 +182,17 @@ pub(super) mod tests {
         let log = Log::from_channels(time, position, force).uniform().unwrap();
         let model = Model::from_toml(&file, path).unwrap();
         (model, Scales::of(&[FitData::of(&log)]))
+    }
+
+    /// A fit with an added effect that is where it starts.
+    fn at_start(model: &Model, scales: &Scales, term: Term) -> Fit {
+        let shape = Shape::new(&model.environment, vec![term], scales);
+        let (numbers, cost) = (shape.start(), 1.0);
+        Fit {
+            shape,
+            numbers,
+            cost,
+        }
     }
 
     /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
@@ -299,16 +313,7 @@ pub(super) mod tests {
         let is_too_fast = |rate_per_s: f64| {
             let row = [0.2, rate_per_s, 0.0, 0.0];
             let term = whole(EffectId::StressRelaxation, row, 2);
-            let shape = Shape::new(&model.environment, vec![term], &scales);
-            let (numbers, cost) = (shape.start(), 1.0);
-            is_too_fast(
-                &Fit {
-                    shape,
-                    numbers,
-                    cost,
-                },
-                0,
-            )
+            is_too_fast(&at_start(&model, &scales, term), 0)
         };
         assert!(is_too_fast(1e9) && !is_too_fast(30.0) && !is_too_fast(1e-9));
     }
@@ -334,16 +339,7 @@ pub(super) mod tests {
             let mut row = [0.0; MOST_PARAMETERS];
             row[..2].copy_from_slice(&[1.0, time_constant_s]);
             let drift = whole(EffectId::ForceDrift, row, 2);
-            let shape = Shape::new(&model.environment, vec![drift], &scales);
-            let (numbers, cost) = (shape.start(), 1.0);
-            is_over_at_once(
-                &Fit {
-                    shape,
-                    numbers,
-                    cost,
-                },
-                0,
-            )
+            is_over_at_once(&at_start(&model, &scales, drift), 0)
         };
         assert!(with(1e-9) && !with(0.5) && !with(1e9));
     }

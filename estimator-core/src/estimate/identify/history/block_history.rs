@@ -1,8 +1,8 @@
 //! The recent past, condensed: means over blocks of samples, the last [`BLOCKS`] of them.
 //!
-//! Where the depth moves a block is [`SHORTEST`] samples long, or moves by 3 % of the depth, in a hold 4 % of the time since the
-//! motion ended, in free air as long as the flight: a press and a hold of a minute are 150 blocks, a
-//! stroke of a palpation 60. A law whose memory is linear gives the mean force of a block from the
+//! Where the depth moves a block is [`SHORTEST`] samples long, or moves by 3 % of the depth, in a hold 4 % of
+//! the time since the motion ended, in free air as long as the flight: a press and a hold of a minute are
+//! 150 blocks, a stroke of a palpation 60. A law whose memory is linear gives the mean force of a block from the
 //! mean of its elastic response, however long the block.
 
 use super::block::{Block, Kind, OpenBlock};
@@ -16,8 +16,8 @@ pub(super) const BLOCKS: usize = 640;
 pub(super) const SHORTEST: u32 = 8;
 /// A block ends when the depth has moved by this share of itself,
 pub(super) const MOVES: f64 = 0.03;
-/// when it has moved by half of that and not evenly, as a law with memory takes it: where a slow press became a hold,
-/// within a block of 0.3 s, a rate of 6.5/s was 4.1 ± 0.2;
+/// when it has moved by half of that and not evenly, as a law with memory takes it: a slow press may become a hold
+/// within a block of 0.3 s, two time constants of a mode of 6.5/s;
 /// or when it is this share of the time since the motion ended.
 const HOLD_SHARE: f64 = 0.04;
 /// A probe this many standard errors of the surface above it is in free air.
