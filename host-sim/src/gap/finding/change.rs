@@ -71,14 +71,16 @@ pub fn changes_in_words(changed: Option<&[Change]>) -> Vec<String> {
     }
     let each = changed.iter().map(|change| {
         let Change { was, now } = change;
-        let more = match change.share() > 0.0 {
-            true => "larger",
-            false => "smaller",
+        let share = change.share();
+        let percent = 100.0 * share.abs();
+        let how = match share {
+            ..-1.0 => "has another sign than in the model".into(),
+            ..0.0 => format!("is {percent:.0} % smaller than in the model"),
+            _ => format!("is {percent:.0} % larger than in the model"),
         };
         format!(
-            "{} is {:.0} % {more} than in the model: {}, was {} ({:.0} standard errors)",
+            "{} {how}: {}, was {} ({:.0} standard errors)",
             now.name,
-            100.0 * change.share().abs(),
             Measured::new(now.value, now.std_error, now.unit),
             Measured::new(was.0, Some(was.1), now.unit),
             change.std_errors(),

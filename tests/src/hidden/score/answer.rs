@@ -64,6 +64,15 @@ pub(crate) struct Named {
     pub(crate) support: Option<Support>,
 }
 
+/// A number of the base that is said to have changed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Changed {
+    /// Its name, with the effect's id before it.
+    pub(crate) name: String,
+    /// How much larger it is than it was.
+    pub(crate) by: f64,
+}
+
 /// What the workflow answered.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
@@ -85,6 +94,8 @@ pub struct Answer {
     pub(crate) best_set: Vec<String>,
     /// The base's parameters after the fit.
     pub base: Estimates,
+    /// The numbers of the base that are said to have changed since it was identified, with what they were and are.
+    pub(crate) changed: Vec<Changed>,
     /// Wall-clock time of the process (s).
     pub(crate) seconds: f64,
     /// Processor time of all its threads (s); NaN where the system does not say it.
@@ -144,6 +155,12 @@ impl Answer {
             explained_share: json["explained_share"].as_f64(),
             best_set: strings(&json["candidates"][0]["effects"]),
             base: estimates(&json["base"]["after"]),
+            changed: json["changed"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter_map(change)
+                .collect(),
             seconds: json["seconds"].as_f64().unwrap_or(f64::NAN),
             cpu_s: f64::NAN,
         })
@@ -209,6 +226,13 @@ impl Answer {
             _ => ids,
         }
     }
+}
+
+fn change(value: &Value) -> Option<Changed> {
+    Some(Changed {
+        name: value["name"].as_str()?.to_string(),
+        by: value["now"]["value"].as_f64()? - value["was"]["value"].as_f64()?,
+    })
 }
 
 fn grade(value: &Value) -> Option<Grade> {

@@ -5,7 +5,7 @@
 //! again, with the owner's model. What a refit of that model follows does not count: it has to stay
 //! [`WORSE`] times as bad as on the clean record.
 
-use super::answer::{Answer, Grade, Named};
+use super::answer::{Answer, Changed, Grade, Named};
 use super::records::{self, Record};
 use crate::hidden::rig::inject::{self, EFFECTS, Injection, inject};
 use palpate::gap::{Options, gap};
@@ -73,12 +73,17 @@ pub struct Outcome {
     pub worse: f64,
     /// The error with what was named, over the same.
     pub left: f64,
-    /// The name of the effect, or of a member of its family, stands.
+    /// The name of the effect, or of a member of its family, stands; of one that the owner's model has, its size is
+    /// said to have changed.
     pub named: bool,
+    /// It is named by that alone.
+    pub by_change: bool,
     /// It stands, or is among what is left open.
     pub open: bool,
     /// Another name stands.
     pub companion: bool,
+    /// The numbers that are said to have changed, and are not the effect's size.
+    pub also_changed: Vec<String>,
     /// The found size over the true one, where the effect is named.
     pub ratio: Option<f64>,
     /// The effect is in the best set of all that were fitted, whatever was then said of it.
@@ -96,10 +101,11 @@ impl Outcome {
     }
 }
 
-/// The names that are right for an effect: it and its nested family; a lag and a delay are one in slow motion.
+/// The names that are right for an effect: it and its nested family; a lag and a delay are one in slow motion. The
+/// friction that is put in sticks before it slides, as Bouc and Wen's.
 fn family(id: &str) -> &[&str] {
     match id {
-        "coulomb_friction" => &["coulomb_friction", "stribeck_friction"],
+        "coulomb_friction" => &["coulomb_friction", "stribeck_friction", "bouc_wen"],
         "time_delay" => &["time_delay", "force_lag"],
         "force_lag" => &["force_lag", "time_delay"],
         other => {
@@ -270,8 +276,10 @@ fn altered(
             worse,
             left: f64::NAN,
             named: false,
+            by_change: false,
             open: false,
             companion: false,
+            also_changed: Vec::new(),
             ratio: None,
             in_best_set: false,
             detail: String::new(),
@@ -291,22 +299,35 @@ fn judged(id: &str, injection: &Injection, answer: &Answer, worse: f64, left: f6
     let right = |named: &&Named| family(id).contains(&named.id.as_str());
     let mut standing = answer.effects.iter().filter(|named| stands(named));
     let named = standing.clone().find(right);
+    // An effect that the model has already cannot be missing: its size is another.
+    let is_own = |changed: &&Changed| {
+        let of = changed.name.split_once('.');
+        of.is_some_and(|(of, name)| family(id).contains(&of) && size_name(of, injection) == name)
+    };
+    let changed = answer.changed.iter().find(is_own);
+    let also = answer.changed.iter().filter(|changed| !is_own(changed));
     let mut best = answer.best_set.iter();
     let mut detail = format!("{} {:.3e}", injection.name, injection.value);
     let supported = answer.effects.iter().filter(right);
     for support in supported.filter_map(|named| named.support.as_ref()) {
         detail += &format!(", {support}");
     }
+    let by = changed.map(|changed| changed.by / injection.value);
     Outcome {
         worse,
         left,
-        named: named.is_some(),
-        open: named.is_some() || is_left_open(id, answer),
+        named: named.is_some() || changed.is_some(),
+        by_change: named.is_none() && changed.is_some(),
+        open: named.is_some() || changed.is_some() || is_left_open(id, answer),
         companion: standing.any(|named| !right(&named)),
-        ratio: named.and_then(|named| ratio(named, injection)),
+        also_changed: also.map(|changed| changed.name.clone()).collect(),
+        ratio: named.map_or(by, |named| ratio(named, injection)),
         in_best_set: best.any(|best| family(id).contains(&best.as_str())),
         detail,
-        label: answer.label(),
+        label: match changed {
+            None => answer.label(),
+            Some(changed) => format!("{} changed, {}", changed.name, answer.label()),
+        },
     }
 }
 
@@ -322,14 +343,19 @@ pub(crate) fn stands(named: &Named) -> bool {
     named.grade != Some(Grade::Open)
 }
 
-/// The found size over the true one.
-fn ratio(named: &Named, injection: &Injection) -> Option<f64> {
-    let name = match named.id.as_str() {
+/// The parameter of an effect that says how large it is.
+fn size_name(id: &str, injection: &Injection) -> &'static str {
+    match id {
         "stribeck_friction" => "kinetic_force",
         "time_delay" => "delay",
         "force_lag" => "time_constant",
         _ => injection.name,
-    };
+    }
+}
+
+/// The found size over the true one; the force at which a loop slides is none of its numbers.
+fn ratio(named: &Named, injection: &Injection) -> Option<f64> {
+    let name = size_name(&named.id, injection);
     // A wave of negative amplitude is a positive one that is half a turn ahead.
     let (value, _) = named.params.get(name)?;
     let size = value / injection.value;

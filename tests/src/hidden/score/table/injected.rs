@@ -124,11 +124,18 @@ fn effects(examined: &[Examined]) -> String {
             crate::hidden::score::share::quantile(&left, 0.5),
         );
     }
+    let all = |what: &dyn Fn(&Outcome) -> bool| {
+        let outcomes = each(examined).filter_map(|(_, injected)| injected.outcome.as_ref().ok());
+        outcomes.filter(|one| what(one)).count()
+    };
     line!(
         text,
-        "named: itself or a member of its nested family stands. or open: it is among what is left open.\n\
+        "named: itself or a member of its nested family stands, or its size, where the model has it, is said to\n\
+         have changed ({}; of all, {} are said to have another number changed). or open: among what is left open.\n\
          best set: it is in the best set of all that were fitted. left: error after over the error on the clean\n\
-         record, median; 1 is as good as before the effect came."
+         record, median; 1 is as good as before the effect came.",
+        all(&|one| one.by_change),
+        all(&|one| !one.also_changed.is_empty()),
     );
     text
 }
