@@ -95,14 +95,19 @@ pub(crate) fn position_jumps(log: &UniformLog) -> impl Iterator<Item = usize> {
     (0..log.len()).filter(move |at| readings.faults.at(*at).has(Fault::PositionJump))
 }
 
+/// Whether a channel hangs at each sample, as the board's own code recognises it.
+pub(crate) fn hanging(log: &UniformLog) -> Vec<bool> {
+    let readings = Readings::of(log);
+    (0..log.len()).map(|at| readings.hangs(at)).collect()
+}
+
 /// The log as [`replay`] has seen it: single readings that are wrong are bridged and none of its own, and neither are
 /// those of a channel that hangs. A fit of all samples learned from 39 spikes of 5 N, and said that they were dropped.
 pub(crate) fn as_seen(log: &UniformLog) -> Cow<'_, UniformLog> {
     let readings = Readings::of(log);
     let is_wrong = |at: usize| {
-        let hangs = [Fault::ForceStuck, Fault::PositionStuck];
         let bridged = [Fault::ForceUnusable, Fault::PositionJump];
-        hangs.iter().any(|fault| readings.faults.at(at).has(*fault))
+        readings.hangs(at)
             || (bridged.iter()).any(|fault| readings.bridged_faults.at(at).has(*fault))
     };
     let wrong: Vec<bool> = (0..log.len()).map(is_wrong).collect();
@@ -131,6 +136,12 @@ pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {
 }
 
 impl Readings<'_> {
+    /// Whether a channel hangs at a sample.
+    fn hangs(&self, at: usize) -> bool {
+        let faults = self.faults.at(at);
+        faults.has(Fault::ForceStuck) || faults.has(Fault::PositionStuck)
+    }
+
     fn samples(&self, rate_hz: f64) -> impl Iterator<Item = Sample<f32>> + '_ {
         let faults = (0..self.position_m.len()).map(|at| self.faults.at(at));
         sampled(rate_hz, &self.position_m, &self.force_n, faults)

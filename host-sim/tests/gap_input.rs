@@ -105,6 +105,30 @@ fn a_good_log_has_no_notes() {
 }
 
 #[test]
+fn a_load_cell_that_hangs_is_left_out_and_nothing_is_missing() {
+    // GIVEN a force that hangs where the press is steepest, and in free air, 60 ms each
+    let samples = press();
+    let period_s = samples[1][0] - samples[0][0];
+    let count = (0.06 / period_s) as usize;
+    let steepest = (1..samples.len())
+        .max_by(|a, b| {
+            let rise = |at: &usize| samples[*at][2] - samples[at - 1][2];
+            rise(a).total_cmp(&rise(b))
+        })
+        .unwrap();
+    for from in [10, steepest] {
+        let mut hung = samples.clone();
+        for at in from..from + count {
+            hung[at][2] = samples[from][2];
+        }
+        let (_, done) = gap(BASE, csv(hung));
+        let text = said(&done);
+        assert!(text.starts_with("nothing is missing"), "{from}: {text}");
+        assert!(text.contains("hangs, it does not change at all"), "{text}");
+    }
+}
+
+#[test]
 fn a_model_is_asked_behind_the_low_pass_that_it_was_identified_behind_and_none_is_above_half_the_rate()
  {
     // GIVEN a model that left 20 mN behind a low-pass of 40 Hz, beside a tenth of the log's noise there

@@ -2,6 +2,7 @@
 
 pub(crate) mod budget;
 pub(crate) mod fit_data;
+pub(crate) mod hangs;
 pub(crate) mod input;
 pub(crate) mod leaps;
 pub(crate) mod low_pass;
