@@ -117,7 +117,7 @@ fn workflow(
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
     let (measured, hangs) = hangs::left_out(logs);
     let (bridged, spikes) = spikes::bridged(&measured);
-    notes.extend([hangs, spikes].into_iter().flatten());
+    notes.extend(hangs.into_iter().chain(spikes));
     let whole: &[UniformLog] = &bridged;
     let (logs, shortened) = budget::within(whole, thresholds.rest);
     notes.extend(shortened);

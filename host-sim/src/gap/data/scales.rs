@@ -38,6 +38,8 @@ pub(crate) struct Scales {
     pub(crate) motion_hz: Option<f64>,
     /// Quantiles of the position (m), evenly spaced from the lowest to the deepest one.
     pub(crate) positions_m: [f64; QUANTILES],
+    /// How often the motion goes beyond each of them.
+    pub(crate) passes: [usize; QUANTILES],
 }
 
 /// Quantiles of the position that are kept.
@@ -72,6 +74,12 @@ impl Scales {
         self.duration_s * beyond.count() as f64 / QUANTILES as f64
     }
 
+    /// How often the motion goes beyond a position (m).
+    pub(crate) fn passes_beyond(&self, position_m: f64) -> usize {
+        let at = self.positions_m.iter().position(|x| *x > position_m);
+        at.map_or(0, |at| self.passes[at])
+    }
+
     /// Measures the scales of logs.
     pub(crate) fn of(logs: &[FitData]) -> Scales {
         let first = &logs[0];
@@ -88,8 +96,10 @@ impl Scales {
             .filter(|acceleration| *acceleration > 0.0);
         let duration_s = logs.iter().map(|log| log.duration_s() + log.period_s);
         let (lowest_m, deepest_m) = (quantile(position(), 0.0), quantile(position(), 1.0));
+        let positions_m = evenly_spaced_quantiles(position());
+        let travel_m = deepest_m - lowest_m;
         Scales {
-            travel_m: deepest_m - lowest_m,
+            travel_m,
             force_n: (quantile(force(), 0.995) - quantile(force(), 0.005)).max(f64::MIN_POSITIVE),
             highest_n: quantile(force(), 1.0),
             lowest_n: quantile(force(), 0.0),
@@ -102,9 +112,28 @@ impl Scales {
             deepest_m,
             reach_m: deepest_m.abs().max(lowest_m.abs()),
             motion_hz: repetition::of(first),
-            positions_m: evenly_spaced_quantiles(position()),
+            positions_m,
+            passes: positions_m.map(|own| {
+                let each = logs
+                    .iter()
+                    .map(|log| passes(&log.position_m, own, travel_m));
+                each.sum()
+            }),
         }
     }
+}
+
+/// How often a motion goes beyond a position (m), having been a twentieth of the travel (m) before it.
+fn passes(motion_m: &[f64], position_m: f64, travel_m: f64) -> usize {
+    let (mut is_before, mut count) = (false, 0);
+    for own in motion_m {
+        if *own < position_m - 0.05 * travel_m {
+            is_before = true;
+        } else if is_before && *own > position_m {
+            (is_before, count) = (false, count + 1);
+        }
+    }
+    count
 }
 
 /// Quantiles of numbers, evenly spaced from the lowest to the highest.
