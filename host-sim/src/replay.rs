@@ -95,10 +95,10 @@ pub(crate) fn position_jumps(log: &UniformLog) -> impl Iterator<Item = usize> {
     (0..log.len()).filter(move |at| readings.faults.at(*at).has(Fault::PositionJump))
 }
 
-/// Whether a channel hangs at each sample, as the board's own code recognises it.
-pub(crate) fn hanging(log: &UniformLog) -> Vec<bool> {
+/// Whether force and position hang at each sample, as the board's own code recognises it.
+pub(crate) fn hanging(log: &UniformLog) -> Vec<[bool; 2]> {
     let readings = Readings::of(log);
-    (0..log.len()).map(|at| readings.hangs(at)).collect()
+    (0..log.len()).map(|at| readings.hang(at)).collect()
 }
 
 /// The log as [`replay`] has seen it: single readings that are wrong are bridged and none of its own, and neither are
@@ -107,7 +107,7 @@ pub(crate) fn as_seen(log: &UniformLog) -> Cow<'_, UniformLog> {
     let readings = Readings::of(log);
     let is_wrong = |at: usize| {
         let bridged = [Fault::ForceUnusable, Fault::PositionJump];
-        readings.hangs(at)
+        readings.hang(at).contains(&true)
             || (bridged.iter()).any(|fault| readings.bridged_faults.at(at).has(*fault))
     };
     let wrong: Vec<bool> = (0..log.len()).map(is_wrong).collect();
@@ -136,10 +136,10 @@ pub fn samples(log: &UniformLog) -> impl Iterator<Item = Sample<f32>> + '_ {
 }
 
 impl Readings<'_> {
-    /// Whether a channel hangs at a sample.
-    fn hangs(&self, at: usize) -> bool {
+    /// Whether force and position hang at a sample.
+    fn hang(&self, at: usize) -> [bool; 2] {
         let faults = self.faults.at(at);
-        faults.has(Fault::ForceStuck) || faults.has(Fault::PositionStuck)
+        [Fault::ForceStuck, Fault::PositionStuck].map(|fault| faults.has(fault))
     }
 
     fn samples(&self, rate_hz: f64) -> impl Iterator<Item = Sample<f32>> + '_ {

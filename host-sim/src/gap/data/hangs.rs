@@ -15,9 +15,9 @@ const MOST: f64 = 0.1;
 
 /// The logs without the readings of channels that hang, and what was left out.
 pub(crate) fn left_out(logs: &[UniformLog]) -> (Cow<'_, [UniformLog]>, Option<String>) {
-    let marked: Vec<Vec<bool>> = logs.iter().map(marks).collect();
-    let of_log = |(log, hangs): (&UniformLog, &Vec<bool>)| {
-        hangs.iter().filter(|own| **own).count() as f64 * log.period_s()
+    let marked: Vec<Vec<[bool; 2]>> = logs.iter().map(marks).collect();
+    let of_log = |(log, hangs): (&UniformLog, &Vec<[bool; 2]>)| {
+        hangs.iter().filter(|own| own.contains(&true)).count() as f64 * log.period_s()
     };
     let hung_s: f64 = logs.iter().zip(&marked).map(of_log).sum();
     if hung_s == 0.0 {
@@ -32,29 +32,30 @@ pub(crate) fn left_out(logs: &[UniformLog]) -> (Cow<'_, [UniformLog]>, Option<St
     (Cow::Owned(without), Some(note))
 }
 
-/// Whether a channel hangs at each sample.
-fn marks(log: &UniformLog) -> Vec<bool> {
+/// Whether force and position hang at each sample.
+fn marks(log: &UniformLog) -> Vec<[bool; 2]> {
     let hangs = hanging(log);
-    let count = hangs.iter().filter(|own| **own).count();
+    let count = hangs.iter().filter(|own| own.contains(&true)).count();
     match count as f64 > MOST * log.len() as f64 {
-        true => vec![false; log.len()],
+        true => vec![[false; 2]; log.len()],
         false => hangs,
     }
 }
 
 /// The log without some of its samples.
-fn without(log: &UniformLog, hangs: &[bool]) -> UniformLog {
+fn without(log: &UniformLog, hangs: &[[bool; 2]]) -> UniformLog {
     let mut log = log.clone();
     let gaps = log.in_gap.iter_mut().zip(hangs);
-    gaps.for_each(|(gap, hangs)| *gap |= *hangs);
+    gaps.for_each(|(gap, hang)| *gap |= hang.contains(&true));
+    bridge(&mut log.position_m, hangs);
     if let Some(taken) = &mut log.taken {
         let start_s = log.time_s.first().copied().unwrap_or(0.0);
         let slot = |time_s: f64| ((time_s - start_s) * log.rate_hz).round().max(0.0) as usize;
-        let kept: Vec<bool> = taken
-            .time_s
-            .iter()
-            .map(|time_s| hangs.get(slot(*time_s)) != Some(&true))
-            .collect();
+        let is_kept = |time_s: &f64| {
+            let hang = hangs.get(slot(*time_s));
+            !hang.is_some_and(|hang| hang.contains(&true))
+        };
+        let kept: Vec<bool> = taken.time_s.iter().map(is_kept).collect();
         let channel = |channel: &[f64]| {
             let each = channel.iter().zip(&kept).filter(|(_, kept)| **kept);
             each.map(|(own, _)| *own).collect()
@@ -66,6 +67,23 @@ fn without(log: &UniformLog, hangs: &[bool]) -> UniformLog {
         };
     }
     log
+}
+
+/// Puts a straight line across where the position hangs: the leap at the end of it would be a speed of 1 m/s.
+fn bridge(position_m: &mut [f64], hangs: &[[bool; 2]]) {
+    let mut at = 0;
+    for run in hangs.chunk_by(|a, b| a[1] == b[1]) {
+        let here = at..at + run.len();
+        at = here.end;
+        if !run[0][1] || here.start == 0 || here.end == position_m.len() {
+            continue;
+        }
+        let (from_m, to_m) = (position_m[here.start - 1], position_m[here.end]);
+        let step_m = (to_m - from_m) / (here.len() + 1) as f64;
+        for (count, own) in (1..).zip(&mut position_m[here]) {
+            *own = from_m + step_m * f64::from(count);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -106,6 +124,21 @@ mod tests {
             let gap = |at: &usize| without[0].in_gap[*at];
             assert!((0..3000).filter(gap).eq(hangs));
         }
+    }
+
+    #[test]
+    fn a_position_that_hangs_leaves_no_leap() {
+        let mut log = log(0.0, 0..1);
+        let held_m = log.position_m[1300];
+        log.position_m[1300..1400].fill(held_m);
+        let (without, note) = left_out(std::slice::from_ref(&log));
+        assert!(note.is_some());
+        // 6 mm/s at most are 6 µm from sample to sample.
+        let steps = without[0]
+            .position_m
+            .windows(2)
+            .map(|x| (x[1] - x[0]).abs());
+        assert!(steps.fold(0.0, f64::max) < 7e-6);
     }
 
     #[test]
