@@ -27,6 +27,7 @@ mod data;
 mod decide;
 mod experiment;
 mod finding;
+mod lost_counts;
 mod model;
 mod noise;
 mod options;
@@ -108,17 +109,36 @@ fn workflow(
     progress: &dyn Progress,
 ) -> Result<Finding, Diagnostic> {
     progress.at(0.0, "noise floor and motion");
+    let mut notes = input_notes(model, logs, &options.thresholds.input)?;
+    let (measured, hangs) = hangs::left_out(logs);
+    let (bridged, spikes) = spikes::bridged(&measured);
+    let left_n = |logs: &[UniformLog]| {
+        let nothing = Options {
+            catalogue: Vec::new(),
+            ..options.clone()
+        };
+        asked(model, logs, &nothing, &Silent).map(|finding| finding.rmse_before_n)
+    };
+    let (closed, lost) = lost_counts::taken_back(&bridged, left_n)?;
+    notes.extend(hangs.into_iter().chain(spikes).chain(lost));
+    let mut finding = asked(model, &closed, options, progress)?;
+    finding.notes.splice(0..0, notes);
+    Ok(finding)
+}
+
+/// The workflow for logs in which the readings that are wrong are bridged or left out.
+fn asked(
+    model: &Model,
+    whole: &[UniformLog],
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Finding, Diagnostic> {
     let given = given(model)?;
     let (options, of_bandwidth) = as_identified::with_bandwidth(model, options);
     let (options, thresholds) = (&options, &options.thresholds);
-    let mut notes = input_notes(model, logs, &thresholds.input)?;
-    notes.extend(of_bandwidth);
-    input::can_be_filtered(logs, options.bandwidth_hz, &thresholds.input)?;
+    let mut notes: Vec<String> = of_bandwidth.into_iter().collect();
+    input::can_be_filtered(whole, options.bandwidth_hz, &thresholds.input)?;
     let low_pass = options.bandwidth_hz.map(|corner_hz| LowPass { corner_hz });
-    let (measured, hangs) = hangs::left_out(logs);
-    let (bridged, spikes) = spikes::bridged(&measured);
-    notes.extend(hangs.into_iter().chain(spikes));
-    let whole: &[UniformLog] = &bridged;
     let (logs, shortened) = budget::within(whole, thresholds.rest);
     notes.extend(shortened);
     let floors = floors(&logs, low_pass, &floor_decides(model, options));

@@ -11,7 +11,7 @@ use crate::number::quantity;
 use crate::replay::hanging;
 
 /// If more than this share of a log hangs, it is something else: a logger that writes each reading several times.
-const MOST: f64 = 0.1;
+const MOST: f64 = 0.6;
 
 /// The logs without the readings of channels that hang, and what was left out.
 pub(crate) fn left_out(logs: &[UniformLog]) -> (Cow<'_, [UniformLog]>, Option<String>) {
