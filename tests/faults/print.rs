@@ -1,5 +1,6 @@
 //! Prints the fault table, or writes single logs of it:
 //! `cargo run --release -p tests --example faults -- table --logs 24`,
+//! `cargo run --release -p tests --example faults -- gap --logs 3`,
 //! `cargo run --release -p tests --example faults -- write DIR --fault skew --severity 1`.
 
 use std::io::{IsTerminal, Write};
@@ -9,12 +10,15 @@ use tests::arguments::{known, number, option};
 use tests::faults::rig::case::Case;
 use tests::faults::rig::fault::{self, Fault};
 use tests::faults::score::cell::Cell;
+use tests::faults::score::gap;
 use tests::faults::score::judge::Look;
 use tests::faults::score::table;
 
 const USAGE: &str = "\
 faults table [--logs N] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2] [--list]
              (N logs a cell, 100 unless given; --list names each log that is wrong or recovers late)
+faults gap [--logs N] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2]
+             (what `palpate gap` says of N logs a cell, 3 unless given; each that is wrong or in doubt is named)
 faults write DIR [--logs N] [--log INDEX] [--seed S] [--fault NAME[,NAME…]] [--severity 0|1|2]
              (NAME.csv and NAME.json of the first N logs of each cell, 1 unless given, or of one)
 faults list  (the faults, with their severities)";
@@ -24,6 +28,7 @@ fn main() {
     let done =
         known(&arguments, USAGE).and_then(|()| match arguments.first().map(String::as_str) {
             Some("table") => print(&arguments[1..]),
+            Some("gap") => print_gap(&arguments[1..]),
             Some("write") => write(&arguments[1..]),
             Some("list") => list(),
             _ => Err(USAGE.into()),
@@ -82,6 +87,16 @@ fn write(arguments: &[String]) -> Result<(), String> {
             }
         }
     }
+    Ok(())
+}
+
+fn print_gap(arguments: &[String]) -> Result<(), String> {
+    let (faults, severities) = (faults(arguments)?, severities(arguments)?);
+    let (seed, logs) = (
+        number(arguments, "--seed", 1)?,
+        number(arguments, "--logs", 3)?,
+    );
+    print!("{}", gap::table(&faults, &severities, seed, logs));
     Ok(())
 }
 

@@ -3,6 +3,8 @@
 mod rig;
 
 use std::path::Path;
+use tests::faults::rig::{case::Case, fault};
+use tests::faults::score::gap::{Worth, asked};
 use tests::faults::score::snapshot;
 
 /// Set to 1, the table of this run becomes the snapshot.
@@ -30,4 +32,51 @@ fn every_fault_ends_as_in_the_snapshot() {
         "outcomes differ from faults/snapshot.txt:\n{}\nIf they should: {ACCEPT}=1 cargo test -p tests --test faults",
         changes.join("\n")
     );
+}
+
+/// `cargo run --release -p tests --example faults -- gap` in small: a log of each fault that a sensor or a logger has.
+#[test]
+fn a_sensors_fault_is_no_missing_effect() {
+    let faults = [
+        "stuck_adc",
+        "stuck_adc_first",
+        "stuck_enc",
+        "spikes_force",
+        "spikes_position",
+        "spike_one_position",
+        "coarse_adc",
+        "enc_jump",
+        "enc_jump_air",
+        "lost_rows",
+        "thinned_rows",
+        "jitter_both",
+        "late_samples",
+        "toggling",
+    ];
+    for name in faults {
+        let fault = fault::named(name).unwrap_or_else(|| panic!("no fault {name}"));
+        let severity = if name == "coarse_adc" { 2 } else { 1 };
+        let one = asked(&Case::new(fault, severity, 77, 1));
+        assert!(
+            one.worth == Worth::Right && !one.off,
+            "{name}: {}",
+            one.label
+        );
+    }
+}
+
+#[test]
+fn what_an_effect_does_is_named_among_faults_as_well() {
+    for name in [
+        "breathing",
+        "adhesion",
+        "backlash",
+        "creep_slow",
+        "saturated",
+        "lag",
+    ] {
+        let fault = fault::named(name).unwrap_or_else(|| panic!("no fault {name}"));
+        let one = asked(&Case::new(fault, 1, 77, 1));
+        assert!(one.worth == Worth::Right, "{name}: {}", one.label);
+    }
 }

@@ -3,6 +3,7 @@
 pub mod cell;
 pub mod efficient;
 pub mod fit;
+pub mod gap;
 pub mod judge;
 pub mod run;
 pub mod snapshot;

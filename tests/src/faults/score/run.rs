@@ -55,7 +55,7 @@ pub fn answer(case: &Case) -> Result<Answer, String> {
     Ok(Answer::of(&estimation.map_err(|e| e.to_string())?))
 }
 
-fn log(rows: &Rows) -> Log {
+pub(super) fn log(rows: &Rows) -> Log {
     let Rows {
         time_s,
         position_m,
