@@ -22,7 +22,12 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     let is_shown =
         |term: &Term| term.id != EffectId::SurfaceMotion || is_shown_in_contact(term, fit, scales);
     let mut each = terms.iter().enumerate().filter(|(_, term)| !term.given);
-    is_late_one_way(&terms)
+    // Beside a material that is never touched another spring stands for it: of positions with a reversed sign a cable's of
+    // -5.9 N/mm was strong.
+    let is_touched =
+        fit.shape.base.is_free() || fit.shape.surface_at(&fit.numbers) < scales.deepest_m;
+    is_touched
+        && is_late_one_way(&terms)
         && each.all(|(at, term)| {
             is_physical(term) && is_shown(term) && is_resolved(term, &terms[..at], scales)
         })
@@ -31,17 +36,17 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
 /// Whether a surface moves to and fro often enough while it is touched: as with an encoder's error, two cycles
 /// and a half, or it is any law's form. A surface that moved 1.7 times in the one touch of a foot, and one with
 /// another frequency beside it, fitted the curve of its spring. Many touches each see where it is: of a breath at
-/// 0.25 Hz ten presses in 10 s saw 2.5 cycles, of which one was in contact. A wave of less than a count is the encoder's:
-/// a hand that trembles at 8 Hz made one of 1.7 µm of its counts of 5 µm.
+/// 0.25 Hz ten presses in 10 s saw 2.5 cycles, of which one was in contact. A wave of less than half a count is the
+/// encoder's: a hand that trembles at 8 Hz made one of 1.7 µm of its counts of 5 µm. One of 0.6 counts was found.
 fn is_shown_in_contact(wave: &Term, fit: &Fit, scales: &Scales) -> bool {
     const FEWEST_CYCLES: f64 = 2.5;
     const FEWEST_TOUCHES: usize = 5;
     let surface_m = fit.shape.surface_at(&fit.numbers);
     // The error of a count is √1/12 of it.
-    let count_m = 12.0_f64.sqrt() * scales.position_noise_m;
+    let half_count_m = 0.5 * 12.0_f64.sqrt() * scales.position_noise_m;
     let is_seen = wave.row[1] * scales.time_beyond_s(surface_m) >= FEWEST_CYCLES
         || scales.passes_beyond(surface_m) >= FEWEST_TOUCHES;
-    is_seen && wave.row[0].abs() >= count_m
+    is_seen && wave.row[0].abs() >= half_count_m
 }
 
 /// Whether effects that make the force late do not make up for each other: a lag and the position as late do so but
