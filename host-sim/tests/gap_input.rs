@@ -118,8 +118,8 @@ fn a_load_cell_that_hangs_is_left_out_and_nothing_is_missing() {
         .unwrap();
     for from in [10, steepest] {
         let mut hung = samples.clone();
-        for at in from..from + count {
-            hung[at][2] = samples[from][2];
+        for row in &mut hung[from..from + count] {
+            row[2] = samples[from][2];
         }
         let (_, done) = gap(BASE, csv(hung));
         let text = said(&done);

@@ -65,6 +65,16 @@ fn a_sensors_fault_is_no_missing_effect() {
     }
 }
 
+/// Counts of 0.1 mm on a stiff material leave some numbers of the catalogue no room: that was a panic.
+#[test]
+fn an_encoder_of_five_counts_a_press_is_answered() {
+    let fault = fault::named("coarse_enc").unwrap_or_else(|| panic!("no such fault"));
+    for index in [3, 7] {
+        let one = asked(&Case::new(fault, 2, 1050, index));
+        assert!(one.worth != Worth::Refused, "{}", one.label);
+    }
+}
+
 #[test]
 fn what_an_effect_does_is_named_among_faults_as_well() {
     for name in [

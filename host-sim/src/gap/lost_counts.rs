@@ -11,8 +11,8 @@ use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 
 /// Without the leap the base leaves less than this share: of 16 logs whose encoder had lost 10 to 250 µm it left 0.01 to
-/// 0.6 times as much.
-const LESS: f64 = 0.7;
+/// 0.56 times as much. Where a cantilever's hold ends in a leap it was 0.63 with one model and more with others.
+const LESS: f64 = 0.6;
 
 /// The logs without their leaps, where the base then leaves much less, and what is said of it; `left_n` is what the base
 /// leaves (N rms).

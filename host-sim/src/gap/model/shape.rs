@@ -271,21 +271,22 @@ fn environment<S: Scalar>(base: &model::Environment, values: &[S]) -> Environmen
     }
 }
 
+// Where a log leaves a number no room it is held at the lowest: of a travel of 0.5 mm in counts of 0.1 mm a width of two
+// counts is more than a tenth.
 fn linear(owner: Owner, lowest: f64, highest: f64) -> Free {
     Free {
         owner,
         logarithmic: false,
         lowest,
-        highest,
+        highest: highest.max(lowest),
     }
 }
 
 fn logarithmic(owner: Owner, lowest: f64, highest: f64) -> Free {
+    let own = |natural: f64| natural.max(f64::MIN_POSITIVE).ln();
     Free {
-        owner,
         logarithmic: true,
-        lowest: lowest.max(f64::MIN_POSITIVE).ln(),
-        highest: highest.max(f64::MIN_POSITIVE).ln(),
+        ..linear(owner, own(lowest), own(highest))
     }
 }
 
