@@ -67,14 +67,16 @@ fn leave_out(data: &mut FitData, log: &UniformLog) -> Vec<f64> {
 /// had lost counts.
 pub(crate) fn closed(logs: &[UniformLog]) -> Option<Vec<UniformLog>> {
     let found: Vec<Vec<(usize, f64)>> = logs.iter().map(leaps).collect();
-    let count: usize = found.iter().map(Vec::len).sum();
+    if found.iter().all(Vec::is_empty) {
+        return None;
+    }
     let mut closed = logs.to_vec();
     for (log, leaps) in closed.iter_mut().zip(&found) {
-        leaps
-            .iter()
-            .for_each(|(at, leap_m)| close(log, *at, *leap_m));
+        for (at, leap_m) in leaps {
+            close(log, *at, *leap_m);
+        }
     }
-    (count > 0).then_some(closed)
+    Some(closed)
 }
 
 fn close(log: &mut UniformLog, at: usize, leap_m: f64) {

@@ -104,11 +104,6 @@ fn spikes(log: &UniformLog, channel: Channel) -> Vec<usize> {
     };
     let (own, beside) = (raw(log, channel), raw(log, other));
     let [most, goes_on] = usual(channel, own);
-    let most_beside = match other {
-        // Toggling counts are no motion, but a tap of a few is one.
-        Channel::Position => usual(other, beside)[1],
-        Channel::Force | Channel::Time => usual(other, beside)[0],
-    };
     let is_measured = |at: usize| log.taken.is_some() || !log.in_gap[at];
     let margin = AROUND + 1;
     let candidates = margin..own.len().saturating_sub(margin);
@@ -116,13 +111,17 @@ fn spikes(log: &UniformLog, channel: Channel) -> Vec<usize> {
         .filter(|at| off(own, *at).abs() > most)
         .filter(|at| is_peak(own, *at))
         .collect();
-    // One that is near another does not go on before that is bridged as well. Three are a wave.
-    let near = |at: &usize| {
-        peaks
-            .iter()
-            .filter(|own| own.abs_diff(*at) <= margin)
-            .count()
+    if peaks.is_empty() {
+        return peaks;
+    }
+    let most_beside = match other {
+        // Toggling counts are no motion, but a tap of a few is one.
+        Channel::Position => usual(other, beside)[1],
+        Channel::Force | Channel::Time => usual(other, beside)[0],
     };
+    // One that is near another does not go on before that is bridged as well. Three are a wave.
+    let before = |at: usize| peaks.partition_point(|own| *own < at);
+    let near = |at: &usize| before(at + margin + 1) - before(at - margin);
     let few: Vec<bool> = peaks.iter().map(|at| near(at) <= 2).collect();
     let mut without = own.to_vec();
     for (at, _) in peaks.iter().zip(&few).filter(|(_, few)| **few) {

@@ -7,7 +7,7 @@ use super::run::log;
 use crate::faults::rig::case::Case;
 use crate::faults::rig::fault::Fault;
 use crate::hidden::score::answer::Answer;
-use crate::hidden::score::injected::stands;
+use crate::hidden::score::injected::{is_left_open, stands};
 use crate::hidden::score::records::parsed;
 use crate::tolerance::CLOSE;
 use palpate::gap::{Options, gap};
@@ -124,17 +124,12 @@ fn worth(right: Right, answer: &Answer) -> Worth {
         return Worth::Wrong;
     }
     let is_named = standing.next().is_some();
-    let left_open = answer
-        .effects
-        .iter()
-        .flat_map(|named| named.alternatives.iter().chain([&named.id]));
-    let is_open = left_open.into_iter().any(|id| ids.contains(&id.as_str()));
     match (right, answer.verdict.as_str()) {
         (Right::Nothing, "no_missing_effect") | (Right::Unexplained, _) => Worth::Right,
         (Right::Nothing, _) => Worth::Doubtful,
         (Right::Effect(_), _) if is_named => Worth::Right,
         (Right::Effect(_), "no_missing_effect") => Worth::Open,
-        (Right::Effect(_), _) if is_open => Worth::Open,
+        (Right::Effect(ids), _) if is_left_open(ids, answer) => Worth::Open,
         (Right::Effect(_), _) => Worth::Doubtful,
     }
 }

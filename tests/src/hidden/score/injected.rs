@@ -318,7 +318,7 @@ fn judged(id: &str, injection: &Injection, answer: &Answer, worse: f64, left: f6
         left,
         named: named.is_some() || changed.is_some(),
         by_change: named.is_none() && changed.is_some(),
-        open: named.is_some() || changed.is_some() || is_left_open(id, answer),
+        open: named.is_some() || changed.is_some() || is_left_open(family(id), answer),
         companion: standing.any(|named| !right(&named)),
         also_changed: also.map(|changed| changed.name.clone()).collect(),
         ratio: named.map_or(by, |named| ratio(named, injection)),
@@ -331,11 +331,11 @@ fn judged(id: &str, injection: &Injection, answer: &Answer, worse: f64, left: f6
     }
 }
 
-/// Whether the effect is an open name, or could stand for one.
-fn is_left_open(id: &str, answer: &Answer) -> bool {
+/// Whether one of these effects is an open name, or could stand for one.
+pub(crate) fn is_left_open(effects: &[&str], answer: &Answer) -> bool {
     let open = answer.effects.iter().filter(|named| !stands(named));
     let mut ids = open.flat_map(|named| named.alternatives.iter().chain([&named.id]));
-    ids.any(|other| family(id).contains(&other.as_str()))
+    ids.any(|id| effects.contains(&id.as_str()))
 }
 
 /// Whether a name stands: certain or strong; where the answer gives no grades, whatever it names.
