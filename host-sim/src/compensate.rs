@@ -13,10 +13,7 @@ use crate::diagnostic::{Diagnostic, listed};
 use crate::log::UniformLog;
 use crate::model::Model;
 use crate::number::{counted, quantity};
-use crate::stats::lowest;
-
-/// Positions on whole counts within this share of a count come from a counter.
-const ON_COUNT: f64 = 0.02;
+use crate::signal::step;
 
 /// The log without what the rig of the model at `path` adds.
 ///
@@ -32,10 +29,10 @@ pub fn read(log: UniformLog, path: &Path) -> Result<UniformLog, Diagnostic> {
 /// As [`read`].
 pub fn compensate(log: &UniformLog, model: &Model) -> Result<UniformLog, Diagnostic> {
     let rig = model.rig()?;
-    let count_m = count_m(&log.position_m);
+    let count_m = log.position_step_m.or_else(|| step(&log.position_m));
     let rate_hz = log.rate_hz as f32;
-    let compensation =
-        Compensation::<f64>::new(&rig.effects, rate_hz, count_m).map_err(|error| {
+    let compensation = Compensation::<f64>::new(&rig.effects, rate_hz, count_m.unwrap_or(0.0))
+        .map_err(|error| {
             Diagnostic::new("the effects cannot be compensated at this rate")
                 .in_file(&model.path)
                 .at_key(&format!("effect.{}", error.field))
@@ -44,6 +41,7 @@ pub fn compensate(log: &UniformLog, model: &Model) -> Result<UniformLog, Diagnos
                 .remedy(format!("it {}", error.expected))
         })?;
     let mut out = run(log, &compensation);
+    out.position_step_m = count_m;
     let names = |own: bool| {
         let effects = rig.effects().map(|effect| effect.id());
         let names = effects.filter(move |id| id.belongs_to_rig() == own);
@@ -92,6 +90,7 @@ fn notes(
 fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
     let delay_s = compensation.delay_s();
     let late = (delay_s * log.rate_hz).ceil() as usize;
+    let memory = compensation.memory_samples() - 1;
     let start_s = log.time_s.first().copied().unwrap_or(0.0);
     let mut out = UniformLog {
         path: log.path.clone(),
@@ -121,25 +120,11 @@ fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
         out.position_m.push(sample.position_m);
         out.force_n.push(sample.force_n);
         out.in_gap
-            .push(log.in_gap[index - late..=index].contains(&true));
+            .push(log.in_gap[index.saturating_sub(memory)..=index].contains(&true));
         let saturated = sample.faults.has(Fault::ForceSaturated);
         out.compensated.saturated.push(saturated);
     }
     out
-}
-
-/// A count of the encoder (m): the smallest step, if the others are multiples of it; else 0.
-fn count_m(position_m: &[f64]) -> f64 {
-    let steps = position_m.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let largest = position_m.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    // Differences of equal counts differ by the rounding of the positions.
-    let steps: Vec<f64> = steps.filter(|step| *step > 1e-12 * largest).collect();
-    let smallest = lowest(steps.iter().copied());
-    let on_count = |step: &&f64| (**step / smallest - (**step / smallest).round()).abs() < ON_COUNT;
-    match steps.iter().filter(on_count).count() * 10 >= steps.len() * 9 && steps.len() > 10 {
-        true => smallest,
-        false => 0.0,
-    }
 }
 
 #[cfg(test)]

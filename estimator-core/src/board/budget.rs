@@ -80,9 +80,9 @@ pub struct Budget {
     pub task: Meter,
     /// This measures the time from the instant at which a sample was due to the end of its task.
     pub response: Meter,
-    /// The output was armed at the last sample, and the faults that hold it at rest since.
+    /// Whether the output was armed at the last sample.
     pub armed: bool,
-    /// See [`Budget::armed`].
+    /// The faults that hold it at rest.
     pub latched: Faults,
     last_start: Option<u32>,
     /// The time of the last sample (µs), of which 32 bits tell how long ago it was: differences of 64 cost more.

@@ -304,7 +304,7 @@ impl Sampler {
         else {
             return read;
         };
-        self.state.observe_raw_force(read.force_n);
+        self.state.observe_raw(read.position_m, read.force_n);
         isolated_compensation(compensation, state, read)
     }
 

@@ -29,7 +29,10 @@ mod tests {
     fn the_defaults_are_the_estimators_and_can_be_used() {
         let settings = Settings::default();
         settings.check().unwrap();
-        assert_eq!(settings.config(), Config::default());
+        let mut config = Config::default();
+        // 32 codes of 1 µm/32.
+        config.contact.position_step_m = Some(1e-6);
+        assert_eq!(settings.config(), config);
         assert!(settings.standing().has(Fault::NotCalibrated));
     }
 

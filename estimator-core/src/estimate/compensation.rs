@@ -27,7 +27,7 @@
 //! The result is delayed by the half width of the window and one sample (6 ms at 1 kHz), and by a
 //! `time_delay`. A rig whose effects need no derivative has no window and no such delay. Noise that
 //! went through the window is no longer white: give the estimator that of the raw force
-//! (`contact.force_noise_n`, or [`crate::State::observe_raw_force`]). A fault of a sample is a fault
+//! (`contact.force_noise_n`, or [`crate::State::observe_raw`]). A fault of a sample is a fault
 //! of every result that the sample is part of.
 
 mod delay;
@@ -273,9 +273,13 @@ impl<T: Real> Compensation<T> {
         if restarted {
             lingering = lingering.with(Fault::SampleMissed);
         }
+        read.faults | state.faults.update(lingering, self.memory_samples())
+    }
+
+    /// Number of samples that a result is made of, the newest among them.
+    pub fn memory_samples(&self) -> usize {
         let window_samples = self.window.map_or(0, |window| 2 * window.delay_samples());
-        let memory_samples = window_samples + self.delay.samples() + 1;
-        read.faults | state.faults.update(lingering, memory_samples)
+        window_samples + self.delay.samples() + 1
     }
 
     fn is_saturated(&self, reading_n: T) -> bool {

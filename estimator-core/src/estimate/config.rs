@@ -99,6 +99,10 @@ pub struct Contact {
     /// Standard deviation of the noise of the raw force (N). `None` stands for that measured while
     /// settling.
     pub force_noise_n: Option<f32>,
+    /// One count of the encoder (m). `None` stands for the smallest step that the position makes, which is less
+    /// than a count where samples are sums of latches, interpolated or averaged: at rest and in slow motion the
+    /// error is still that of a whole one.
+    pub position_step_m: Option<f32>,
     /// Time in free air at the start over which noise and resting force are measured (s).
     pub settle_s: f32,
 }
@@ -173,6 +177,7 @@ impl Default for Config {
                 touch_sigma: 6.0,
                 release_sigma: 3.0,
                 force_noise_n: None,
+                position_step_m: None,
                 settle_s: 0.2,
             },
             method: Method::HUNT_CROSSLEY_BANK,

@@ -12,7 +12,9 @@ mod surface;
 pub use params::{ContactParams, NOISE_FLOOR};
 pub use surface::SurfacePosition;
 
-use count::{COUNT_ERROR, measure_step, rounding_n};
+pub(super) use count::COUNT_ERROR;
+
+use count::{Step, rounding_n};
 use pull::Pull;
 use resting_force::{RestingForce, Shift, WAY_COUNTS};
 use surface::{PRE_TRIGGER, Tangent};
@@ -60,8 +62,10 @@ pub struct Contact<T> {
     pub zero_was_wrong: bool,
     /// Standard deviation of the noise of the raw force (N).
     pub force_noise_n: T,
-    /// Smallest step that the position has made (m), which is one count of an encoder; 0 before the
+    /// One count of the encoder (m): as configured, or the smallest step that it has made, which is 0 before the
     /// first motion.
+    pub count_m: T,
+    /// Smallest step that the position has made (m): less than a count where it is a mean of several readings.
     pub position_step_m: T,
 }
 
@@ -82,19 +86,21 @@ pub struct ContactState<T> {
     noise: Noise<T>,
     /// Noise of the load cell itself, where the samples went through a window before they came here.
     raw_noise: Noise<T>,
-    raw_force_n: Option<T>,
+    /// Position (m) and force (N) of the next sample as the sensors read them, where it went through one.
+    raw: Option<(T, T)>,
     rest: RestingForce<T>,
     pull: Pull,
     /// Where the probe was at the first sample (m), and how far it went from there while settling.
     settling: Option<(T, T)>,
     /// Number of samples in free air since the last contact.
     free_samples: u32,
-    position_step_m: T,
-    last_position_m: Option<T>,
-    /// The last force (N), and the smallest step that it has made.
-    last_force_n: Option<T>,
-    force_step_n: T,
-    force_noise_n: T,
+    position_step: Step<T>,
+    /// Those of the sensors themselves.
+    count: Step<T>,
+    force_step: Step<T>,
+    configured_count_m: Option<T>,
+    /// Noise of the raw force, without the error of its counts: a tangent weighs its samples by what they scatter.
+    measured_noise_n: T,
     /// The unit of the thresholds (N): the noise, or the wander of the force in free air if larger.
     wander_n: T,
     phase: Phase,
@@ -119,16 +125,16 @@ impl<T: Real> ContactState<T> {
         ContactState {
             noise: Noise::default(),
             raw_noise: Noise::default(),
-            raw_force_n: None,
+            raw: None,
             rest: RestingForce::default(),
             pull: Pull::default(),
             settling: None,
             free_samples: 0,
-            position_step_m: T::zero(),
-            last_position_m: None,
-            last_force_n: None,
-            force_step_n: T::zero(),
-            force_noise_n: params.noise_floor_n,
+            position_step: Step::default(),
+            count: Step::default(),
+            force_step: Step::default(),
+            configured_count_m: params.count_m,
+            measured_noise_n: params.noise_floor_n,
             wander_n: params.noise_floor_n,
             phase: Phase::Settling,
             loaded_samples: 0,
@@ -152,49 +158,44 @@ impl<T: Real> ContactState<T> {
         self.surface
     }
 
-    /// Smallest step that the position has made (m); 0 before the first motion.
-    pub(super) fn position_step_m(&self) -> T {
-        self.position_step_m
+    /// One count of the encoder (m), see [`Contact::count_m`].
+    pub(super) fn count_m(&self) -> T {
+        self.configured_count_m.unwrap_or(self.count.smallest())
     }
 
     /// Standard deviation of the noise of the raw force (N), at least that of its counts: where they are
     /// coarser than the noise, free air shows neither.
     pub fn force_noise_n(&self) -> T {
-        let count_n = self.force_step_n * T::from_f64(COUNT_ERROR);
-        self.force_noise_n.max_of(count_n)
+        let count_n = self.force_step.smallest() * T::from_f64(COUNT_ERROR);
+        self.measured_noise_n.max_of(count_n)
     }
 
     /// Standard error of the resting force (N): by chance, drift and rounding.
     fn resting_force_error_n(&self) -> T {
-        let error_n = self.rest.std_error_n(self.force_noise_n);
-        match rounding_n(self.force_noise_n, self.force_step_n) {
+        let error_n = self.rest.std_error_n(self.measured_noise_n);
+        match rounding_n(self.measured_noise_n, self.force_step.smallest()) {
             Some(rounding_n) => (error_n * error_n + rounding_n * rounding_n).sqrt(),
             None => error_n,
         }
     }
 
-    /// Takes the force (N) as the load cell read it, where that of the next sample went through a
-    /// window.
-    pub fn observe_raw_force(&mut self, force_n: T) {
-        self.raw_force_n = Some(force_n);
+    /// Takes position (m) and force (N) as the sensors read them, where those of the next sample went through a
+    /// window: counts and noise are theirs.
+    pub fn observe_raw(&mut self, position_m: T, force_n: T) {
+        self.raw = Some((position_m, force_n));
     }
 
     /// Takes one raw sample and decides whether the probe touches.
     pub fn update(&mut self, params: &ContactParams<T>, sample: &Sample<T>) -> Contact<T> {
         let before = self.phase;
-        measure_step(
-            &mut self.last_position_m,
-            &mut self.position_step_m,
-            sample.position_m,
-        );
-        measure_step(
-            &mut self.last_force_n,
-            &mut self.force_step_n,
-            sample.force_n,
-        );
+        let raw = self.raw.take();
+        let (position_m, force_n) = raw.unwrap_or((sample.position_m, sample.force_n));
+        self.position_step.observe(sample.position_m);
+        self.count.observe(position_m);
+        self.force_step.observe(force_n);
         let mut shift = Shift::None;
         if self.phase == Phase::Settling {
-            self.settle(params, sample);
+            self.settle(params, sample, force_n);
         } else {
             shift = self.observe_rest(params, sample);
             self.remember(sample);
@@ -213,19 +214,20 @@ impl<T: Real> ContactState<T> {
             pulls: self.pull.has_pulled,
             zero_was_wrong: matches!(shift, Shift::Elsewhere),
             force_noise_n: self.force_noise_n(),
-            position_step_m: self.position_step_m,
+            count_m: self.count_m(),
+            position_step_m: self.position_step.smallest(),
         }
     }
 
-    fn settle(&mut self, params: &ContactParams<T>, sample: &Sample<T>) {
+    /// `raw_n` is the force (N) as the load cell read it.
+    fn settle(&mut self, params: &ContactParams<T>, sample: &Sample<T>, raw_n: T) {
         self.noise.update(sample.force_n);
+        self.raw_noise.update(raw_n);
+        let count_m = self.count_m();
         let (from_m, way_m) = self.settling.get_or_insert((sample.position_m, T::zero()));
         *way_m = way_m.max_of((sample.position_m - *from_m).abs());
         // A force that changes under way may be a contact's: how far it wandered is no measure of free air.
-        let moves = *way_m > T::from_f64(WAY_COUNTS) * self.position_step_m;
-        if let Some(force_n) = self.raw_force_n.take() {
-            self.raw_noise.update(force_n);
-        }
+        let moves = *way_m > T::from_f64(WAY_COUNTS) * count_m;
         if self.noise.samples() >= params.settle_samples {
             self.rest.settle(self.noise.mean_n(), self.noise.samples());
             let measured = self
@@ -233,10 +235,10 @@ impl<T: Real> ContactState<T> {
                 .white_noise_n()
                 .max_of(self.raw_noise.white_noise_n());
             let sigma = params.configured_noise_n.unwrap_or(measured);
-            self.force_noise_n = params.noise_floor_n.max_of(sigma);
+            self.measured_noise_n = params.noise_floor_n.max_of(sigma);
             self.wander_n = match params.configured_noise_n {
-                None if !moves => self.force_noise_n.max_of(self.noise.std_dev_n()),
-                _ => self.force_noise_n,
+                None if !moves => self.measured_noise_n.max_of(self.noise.std_dev_n()),
+                _ => self.measured_noise_n,
             };
             self.phase = Phase::Free;
             self.free_samples = REST_MARGIN;
@@ -258,11 +260,11 @@ impl<T: Real> ContactState<T> {
         if self.phase == Phase::Free && force_n.abs() < below_n {
             self.rest.observe_free(sample.position_m);
         }
-        let (noise_n, step_m) = (self.force_noise_n, self.position_step_m);
+        let (noise_n, count_m) = (self.measured_noise_n, self.count_m());
         let position_m = sample.position_m;
         self.pull.observe(self.phase, force_n < -below_n);
         // A lift-off in units of the noise: how far the force wandered while settling is no drift.
-        let units = (params.release_sigma, noise_n, step_m);
+        let units = (params.release_sigma, noise_n, count_m);
         let forces = (sample.force_n, force_n);
         let shift = self.rest.observe(position_m, forces, below_n, units);
         if matches!(shift, Shift::Elsewhere) && params.surface.is_none() {
@@ -277,7 +279,7 @@ impl<T: Real> ContactState<T> {
     #[inline(never)]
     fn leave_what_was_no_contact(&mut self, position_m: T) {
         // How far the force wandered while settling is not what thresholds are measured in: that was no free air.
-        self.wander_n = self.force_noise_n;
+        self.wander_n = self.measured_noise_n;
         // And what seemed to pull lay below a zero that was none.
         self.pull = Pull::default();
         self.phase = Phase::Free;
@@ -337,10 +339,10 @@ impl<T: Real> ContactState<T> {
             self.phase = other;
             if !touching && core::mem::take(&mut self.outside_since_touch) {
                 let surface = self.locate(params);
-                let step_m = self.position_step_m;
-                let noise = (self.force_noise_n, params.rest_gain);
+                let count_m = self.count_m();
+                let noise = (self.measured_noise_n, params.rest_gain);
                 self.rest
-                    .touched(surface.position_m, position_m, step_m, noise);
+                    .touched(surface.position_m, position_m, count_m, noise);
                 self.surface = Some(surface);
             }
         }
@@ -358,7 +360,7 @@ impl<T: Real> ContactState<T> {
         let (position_m, force_n) = self.before(REST_MARGIN as usize);
         if force_n.abs() < T::from_f64(3.0) * self.wander_n {
             self.rest
-                .follow(position_m, force_n, params.rest_gain, self.force_noise_n);
+                .follow(position_m, force_n, params.rest_gain, self.measured_noise_n);
         }
     }
 
@@ -374,10 +376,10 @@ impl<T: Real> ContactState<T> {
             };
         }
         let mut tangent = Tangent::of(&self.recent);
-        if let Some(surface) = tangent.surface(self.force_noise_n) {
+        if let Some(surface) = tangent.surface(self.measured_noise_n) {
             let way_m = self.before(0).0 - surface.position_m;
             tangent.force_n += self.rest.go_back(tangent.samples_for(way_m));
-            return tangent.surface(self.force_noise_n).unwrap_or(surface);
+            return tangent.surface(self.measured_noise_n).unwrap_or(surface);
         }
         let touch = self.before(0);
         let impact = (1..PRE_TRIGGER)
@@ -450,7 +452,7 @@ mod tests {
             let mut state = ContactState::new(&params);
             for i in 0..300 {
                 if observes {
-                    state.observe_raw_force(noise(i));
+                    state.observe_raw(0.0, noise(i));
                 }
                 let averaged = Sample {
                     time_us: u64::from(i) * 1000,
@@ -465,6 +467,36 @@ mod tests {
         let white = 0.08 / libm::sqrt(6.0);
         assert!((settled(true) / white - 1.0).abs() < 1e-6);
         assert!((settled(false) / white - 0.01).abs() < 1e-6);
+    }
+
+    #[test]
+    fn counts_are_those_of_the_encoder_where_samples_went_through_a_window() {
+        let counts = |configured: Option<f32>, observes: bool| {
+            let mut config = Config::default();
+            config.contact.position_step_m = configured;
+            let params = ContactParams::<f64>::validate(&config).unwrap();
+            let mut state = ContactState::new(&params);
+            for i in 0..300_u32 {
+                if observes {
+                    state.observe_raw(1e-6 * f64::from(i / 3), 0.0);
+                }
+                let averaged = Sample {
+                    time_us: u64::from(i) * 1000,
+                    position_m: 1e-6 / 3.0 * f64::from(i),
+                    ..Sample::default()
+                };
+                state.update(&params, &averaged);
+            }
+            state.count_m()
+        };
+        for (configured, observes, expected) in [
+            (None, false, 1e-6 / 3.0),
+            (None, true, 1e-6),
+            (Some(2e-6), true, 2e-6),
+        ] {
+            let found = counts(configured, observes);
+            assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+        }
     }
 
     #[test]

@@ -57,11 +57,11 @@ impl<T: Real> State<T> {
         }
     }
 
-    /// Takes the force (N) as the load cell read it, before a [`step`] with a sample that went through
-    /// the window of a [`Compensation`](crate::estimate::compensation::Compensation). The averaged force
-    /// is no measure of the noise, and with it standard errors would be ten times too small.
-    pub fn observe_raw_force(&mut self, force_n: T) {
-        self.contact.observe_raw_force(force_n);
+    /// Takes position (m) and force (N) as the sensors read them, before a [`step`] with a sample that went
+    /// through the window of a [`Compensation`](crate::estimate::compensation::Compensation). Averages are no
+    /// measure of the noise and of the counts, and with them standard errors would be ten times too small.
+    pub fn observe_raw(&mut self, position_m: T, force_n: T) {
+        self.contact.observe_raw(position_m, force_n);
     }
 
     /// Switches learning on or off; it is on at the start. While it is off the estimates stay as they
@@ -180,7 +180,7 @@ impl<T: Real> State<T> {
     fn accept(&mut self, params: &Params<T>, sample: &Sample<T>, elapsed_us: u64, faults: Faults) {
         self.last_time_us = Some(sample.time_us);
         let gap = is_gap(params, elapsed_us) || faults.has(Fault::PositionJump);
-        let count_m = self.contact.position_step_m();
+        let count_m = self.contact.count_m();
         let hops = self.regularity.update(sample.position_m, gap, count_m);
         if gap || hops {
             self.filter.restart(sample);

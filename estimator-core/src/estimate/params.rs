@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn every_field_is_checked_and_not_a_number_is_never_valid() {
         type Change = fn(&mut Config);
-        let changes: [(&str, Change); 16] = [
+        let changes: [(&str, Change); 17] = [
             ("rate_hz", |c| c.rate_hz = f32::NAN),
             ("reference.depth_m", |c| c.reference.depth_m = f32::NAN),
             ("reference.force_n", |c| c.reference.force_n = 0.0),
@@ -109,6 +109,9 @@ mod tests {
             }),
             ("contact.force_noise_n", |c| {
                 c.contact.force_noise_n = Some(f32::INFINITY)
+            }),
+            ("contact.position_step_m", |c| {
+                c.contact.position_step_m = Some(-1e-6)
             }),
             ("contact.settle_s", |c| c.contact.settle_s = 0.0),
             ("contact.surface.position_m", |c| {

@@ -65,6 +65,10 @@ pub fn setup(log: &UniformLog, base: Config, method: Method, choices: Choices) -
     if let Some(noise_n) = log.compensated.noise_n {
         config.contact.force_noise_n.get_or_insert(noise_n as f32);
     }
+    if let Some(count_m) = log.position_step_m {
+        let count_m = count_m as f32;
+        config.contact.position_step_m.get_or_insert(count_m);
+    }
     set_scales(&mut config, &mut notes, log, choices.reference_depth_m);
     set_noise_as_taken(&mut config, log);
     set_free_air(&mut config, &mut notes, log);

@@ -35,6 +35,9 @@ pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
         kind: log.kind,
         rate_hz: log.rate_hz / factor as f64,
         slower: log.slower.clone(),
+        position_step_m: log
+            .position_step_m
+            .or_else(|| signal::step(&log.position_m)),
         notes: log.notes.clone(),
         compensated: log.compensated.clone(),
         ..UniformLog::default()

@@ -69,8 +69,8 @@ pub fn notices(trace: &Trace, measures: &Measures) -> [Notice; 3] {
 const LAG_STEP_S: f64 = 2e-3;
 const LONGEST_LAG_S: f64 = 6.0;
 
-/// By how much the felt force lags behind the true one over the first material (s): where their
-/// correlation is largest. `None` without a contact.
+/// By how much the felt force lags behind the true one over the first material (s): the first lag at which
+/// the square of their difference is nearly the least. `None` without a contact.
 pub fn lag_s(trace: &Trace) -> Option<f64> {
     let end_s = trace.changed_s.unwrap_or(f64::INFINITY);
     let settled = super::measure::felt::scored(trace);

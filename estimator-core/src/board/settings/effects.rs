@@ -2,7 +2,6 @@
 
 use super::compensation::{MOST_AT_ONCE, Parameter};
 use super::{key::Key, values::Invalid, values::Settings};
-use crate::board::sensing::CODES_PER_COUNT;
 use crate::estimate::{compensation::Compensation, config::Config, error::ConfigError};
 use crate::physics::{effect::Effect, effect::EffectId, effect::MOST_PARAMETERS, rig::Effects};
 
@@ -30,8 +29,8 @@ impl Settings {
         if effects.is_empty() {
             return Ok(None);
         }
-        let count_m = self.get(Key::PositionPerCode).abs() * CODES_PER_COUNT as f32;
-        Compensation::from_rig_effects(effects, Config::default().rate_hz, f64::from(count_m))
+        let count_m = f64::from(self.count_m());
+        Compensation::from_rig_effects(effects, Config::default().rate_hz, count_m)
             .map(Some)
             .map_err(|error| self.of_the_delay(&error))
     }

@@ -123,10 +123,10 @@ keys! {
     /// The samples on either side of the Savitzky–Golay filter's centre.
     EstimatorHalfWidth = 35, "estimator.half_width", "1", Whole(2.0, 32.0), 8.0, RESTARTS,
         "samples on either side of the filter's centre";
-    /// The standard deviations of the filtered force at which a touch begins.
+    /// The standard deviations of the raw force at which a touch begins.
     EstimatorTouchSigma = 36, "estimator.touch_sigma", "1", Within(1.0, 1e3), 6.0, RESTARTS,
-        "touch at this many standard deviations of the force";
-    /// The standard deviations of the filtered force below which it ends.
+        "touch at this many standard deviations of the raw force";
+    /// The standard deviations of the raw force below which it ends.
     EstimatorReleaseSigma = 37, "estimator.release_sigma", "1", Within(1.0, 100.0), 3.0, RESTARTS,
         "lift-off below this many";
     /// The time in free air at the start (s).

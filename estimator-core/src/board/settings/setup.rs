@@ -3,7 +3,7 @@
 use super::{key::Key, values::Invalid, values::Settings};
 use crate::board::protection::Arming;
 use crate::board::reflection::{Output, RenderConfig, RenderParams};
-use crate::board::sensing::{Conversion, Limits};
+use crate::board::sensing::{CODES_PER_COUNT, Conversion, Limits};
 use crate::estimate::{
     compensation::Compensation, config::Config, config::Filter, error::ConfigError, fault::Fault,
     fault::Faults, method::Method, params::Params,
@@ -157,7 +157,13 @@ impl Settings {
         config.contact.touch_sigma = self.get(Key::EstimatorTouchSigma);
         config.contact.release_sigma = self.get(Key::EstimatorReleaseSigma);
         config.contact.settle_s = self.get(Key::EstimatorSettleS);
+        config.contact.position_step_m = Some(self.count_m());
         config
+    }
+
+    /// One count of the encoder (m).
+    pub(super) fn count_m(&self) -> f32 {
+        self.get(Key::PositionPerCode).abs() * CODES_PER_COUNT as f32
     }
 
     /// Faults that last as long as these settings do.

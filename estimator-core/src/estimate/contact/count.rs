@@ -3,18 +3,32 @@
 use crate::maths::scalar::Real;
 
 /// Standard deviation of the error of a count: 1/√12.
-pub(super) const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
+pub(in crate::estimate) const COUNT_ERROR: f64 = 0.288_675_134_594_812_9;
 /// What rounding to counts of q leaves of the mean of a noise σ: q/(π√2)·exp(−2π²σ²/q²), the first harmonic
 /// of the sawtooth of rounding (Widrow 1956): without noise 0.23 q on the mean.
 const ROUNDING: (f64, f64) = (0.225_079_079, -19.739_208_8);
 /// Counts below this many standard deviations of the noise are even in the mean to a thousandth.
 const COARSE: f64 = 1.8;
 
-/// Keeps the smallest step that a channel has made, its count.
-pub(super) fn measure_step<T: Real>(last: &mut Option<T>, step: &mut T, value: T) {
-    let moved = (value - last.replace(value).unwrap_or(value)).abs();
-    if moved > T::zero() && (*step == T::zero() || moved < *step) {
-        *step = moved;
+/// The smallest step that a channel has made.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Step<T> {
+    last: Option<T>,
+    smallest: T,
+}
+
+impl<T: Real> Step<T> {
+    /// Takes the next value of the channel.
+    pub(super) fn observe(&mut self, value: T) {
+        let moved = (value - self.last.replace(value).unwrap_or(value)).abs();
+        if moved > T::zero() && (self.smallest == T::zero() || moved < self.smallest) {
+            self.smallest = moved;
+        }
+    }
+
+    /// The smallest step so far; 0 before the first change.
+    pub(super) fn smallest(&self) -> T {
+        self.smallest
     }
 }
 

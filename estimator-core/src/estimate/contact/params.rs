@@ -16,6 +16,7 @@ pub struct ContactParams<T> {
     pub(super) release_sigma: T,
     pub(super) configured_noise_n: Option<T>,
     pub(super) noise_floor_n: T,
+    pub(super) count_m: Option<T>,
     pub(super) settle_samples: u32,
     pub(super) rest_gain: T,
 }
@@ -25,6 +26,7 @@ impl<T: Real> ContactParams<T> {
         let contact = config.contact;
         let (touch, release) = (contact.touch_sigma, contact.release_sigma);
         let noise = contact.force_noise_n.unwrap_or(0.0);
+        let step = contact.position_step_m.unwrap_or(0.0);
         let settle_samples = contact.settle_s * config.rate_hz;
         require_each! {
             (1.0..=100.0).contains(&release), "contact.release_sigma", release,
@@ -33,6 +35,8 @@ impl<T: Real> ContactParams<T> {
                 "must lie between release_sigma and 1000 standard deviations";
             (0.0..=1e6).contains(&noise), "contact.force_noise_n", noise,
                 "must be a standard deviation in newtons, or absent";
+            (0.0..=1e3).contains(&step), "contact.position_step_m", step,
+                "must be one count in metres, or absent";
             (10.0..=1e6).contains(&settle_samples), "contact.settle_s", contact.settle_s,
                 "must cover 10 to 1 000 000 samples in free air";
         }
@@ -52,6 +56,7 @@ impl<T: Real> ContactParams<T> {
             touch_sigma: from(contact.touch_sigma),
             release_sigma: from(contact.release_sigma),
             configured_noise_n: contact.force_noise_n.map(from),
+            count_m: contact.position_step_m.map(from),
             noise_floor_n: T::from_f64(NOISE_FLOOR * f64::from(config.reference.force_n)),
             settle_samples: settle_samples as u32,
             rest_gain: follow_gain(config.rate_hz),

@@ -1,6 +1,7 @@
 //! The whole loop on strokes over gel: what it finds, and what it makes of samples that are none.
 
 use super::*;
+extern crate std;
 use crate::estimate::config::{Config, Surface};
 use crate::estimate::status::Status;
 use crate::physics::law::{ContactLaw, HuntCrossley};
@@ -45,6 +46,67 @@ fn gel_is_found_from_nothing() {
     assert!((value(0) / 1350.0 - 1.0).abs() < 0.02, "{}", value(0));
     assert!((value(1) / 36.0 - 1.0).abs() < 0.02, "{}", value(1));
     assert!((value(2) / 1.35 - 1.0).abs() < 0.02, "{}", value(2));
+}
+
+/// The largest error of the stiffness (in its own standard errors) in presses at 0.3 counts a sample, an encoder of
+/// 5 µm read `latches` times in each; with what it claims (N/m).
+fn of_slow_presses(latches: u32, count_m: Option<f32>) -> (f64, f64) {
+    const COUNT: f64 = 5e-6;
+    let gel = HuntCrossley::new(1350.0_f64, 36.0, 1.35, 1e-3);
+    let mut config = Config::default();
+    config.contact.position_step_m = count_m;
+    let params = config.validate::<f32>().unwrap();
+    let mut state = State::new(&params);
+    let way_m = |s: f64| {
+        let phase = (s - 0.5).max(0.0) % 2.4;
+        1.5e-3 * (if phase < 1.2 { phase } else { 2.4 - phase }) - 3e-4
+    };
+    let mut seed = 7_u32;
+    let mut noise = || {
+        // Twelve uniform numbers: normal to the third digit, and the same everywhere.
+        let sum: f64 = (0..12)
+            .map(|_| {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(seed >> 8) / f64::from(1 << 24)
+            })
+            .sum();
+        0.02 * (sum - 6.0)
+    };
+    let mut worst = 0.0_f64;
+    let mut claimed = 0.0;
+    for i in 0_u32..12_000 {
+        let at = |part: f64| (f64::from(i) + part) * 1e-3;
+        let read = |part: f64| libm::floor(way_m(at(part)) / COUNT + 0.37) * COUNT;
+        let parts = (0..latches).map(|k| (f64::from(k) + 0.5) / f64::from(latches));
+        let position_m = parts.map(read).sum::<f64>() / f64::from(latches);
+        let speed_mps = (way_m(at(0.51)) - way_m(at(0.49))) / 2e-5;
+        let end = step(
+            &params,
+            &mut state,
+            Sample {
+                time_us: u64::from(i + 1) * 1000,
+                position_m: position_m as f32,
+                force_n: (gel.force_n(way_m(at(0.5)), speed_mps) + noise()) as f32,
+                faults: Faults::NONE,
+            },
+        );
+        if end.status == Status::Converged {
+            let stiffness = end.parameters[0].unwrap();
+            claimed = f64::from(stiffness.std_error);
+            worst = worst.max((f64::from(stiffness.value) - 1350.0).abs() / claimed);
+        }
+    }
+    (worst, claimed)
+}
+
+#[test]
+fn an_encoder_that_is_read_32_times_a_sample_has_the_error_of_a_count_all_the_same() {
+    let (off, claimed) = of_slow_presses(1, None);
+    let (off_of_sums, claimed_of_sums) = of_slow_presses(32, Some(5e-6));
+    assert!(off < 3.0 && off_of_sums < 3.0, "{off} {off_of_sums}");
+    // By the smallest step of the sums, 5 µm / 32, it never converged: what was left was far above its errors.
+    let ratio = claimed_of_sums / claimed;
+    assert!((0.9..1.1).contains(&ratio), "{claimed} {claimed_of_sums}");
 }
 
 #[test]

@@ -195,14 +195,14 @@ fn periodogram(wave: Vec<f64>) -> Vec<f64> {
 
 /// The standard deviation of normal deviations from the median of their magnitudes, or `noise_n` where that
 /// is more.
-fn robust_deviation(magnitudes: impl Iterator<Item = f64>, noise_n: f64) -> f64 {
+fn deviation_of(magnitudes: impl Iterator<Item = f64>, noise_n: f64) -> f64 {
     (1.4826 * median(magnitudes)).max(noise_n)
 }
 
 /// Clips what stands out by more than noise does: spikes are no noise, and a floor that counts them would
 /// hide them. A line or a coloured noise has no such tails.
 fn clipped(mut detrended: Vec<f64>, noise_n: f64, sigmas: f64) -> Vec<f64> {
-    let most = sigmas * robust_deviation(detrended.iter().map(|value| value.abs()), noise_n);
+    let most = sigmas * deviation_of(detrended.iter().map(|value| value.abs()), noise_n);
     if most > 0.0 {
         detrended
             .iter_mut()
@@ -223,7 +223,7 @@ fn without_spikes(force: &[f64], noise_n: f64, sigmas: f64) -> Vec<f64> {
     let flat: Vec<f64> = each.map(|(at, force)| force - slope * at as f64).collect();
     let level = middle(&flat);
     let magnitudes: Vec<f64> = flat.iter().map(|force| (force - level).abs()).collect();
-    let most = sigmas * robust_deviation(magnitudes.iter().copied(), noise_n);
+    let most = sigmas * deviation_of(magnitudes.iter().copied(), noise_n);
     let is_calm: Vec<bool> = magnitudes
         .iter()
         .map(|magnitude| *magnitude <= most)

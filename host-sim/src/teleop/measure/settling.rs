@@ -29,7 +29,7 @@ pub fn settled_s(trace: &Trace) -> Option<f64> {
     settled_in(trace, 0)
 }
 
-/// Felt minus true force on the second material, rms over peak.
+/// The same of the second material, from where the slave touches it (s).
 pub fn resettled_s(trace: &Trace) -> Option<f64> {
     settled_in(trace, 1)
 }

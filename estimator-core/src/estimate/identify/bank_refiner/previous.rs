@@ -52,7 +52,9 @@ impl<T: Real> Agreement<T> {
     /// this pool alone.
     fn take(&mut self, force: T, error: T, most: T, slope: T, alone: Option<T>) {
         let moves = alone.is_some();
-        if error * error >= most {
+        // Of an error that is no number neither is true, and it agrees with nothing.
+        let agrees = error * error < most;
+        if !agrees {
             self.shift = alone.unwrap_or_default();
             (self.pools, self.span) = (0, (force, force));
             return;
