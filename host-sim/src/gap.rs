@@ -60,8 +60,9 @@ use data::scales::Scales;
 use data::{budget, hangs, input, leaps, orientation, ringing, spikes};
 use noise::floors::{Floors, largest_correlation};
 use rounds::{Answer, Rounds};
-use say::{builder, plausibility};
+use say::{builder, each_log, plausibility};
 use search::run::MOST_ADDED;
+use search::sets::keep_first;
 use thresholds::{Floor, Input, Rest};
 
 use crate::diagnostic::Diagnostic;
@@ -179,7 +180,8 @@ fn asked(
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
     let another_unit = thresholds.regions.another_unit;
     notes.extend(plausibility::implausible(model, &finding, another_unit));
-    finding.notes.splice(0..0, notes);
+    let differs = each_log::in_words(&rounds.fine, decision, whole);
+    finding.notes.splice(0..0, notes.into_iter().chain(differs));
     Ok(finding)
 }
 
@@ -241,6 +243,8 @@ fn input_notes(
         notes.extend(input::suspected(model, log, decide)?);
         notes.extend(log.notes.iter().cloned());
     }
+    // Of several logs of a rig each says the same.
+    keep_first(&mut notes, String::clone);
     Ok(notes)
 }
 

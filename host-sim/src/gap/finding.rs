@@ -9,6 +9,7 @@ pub(crate) use change::changes;
 pub use change::{Change, changes_in_words};
 pub use parameter::ParameterEstimate;
 pub use region::{Region, regions_in_words};
+pub(in crate::gap) use result::NEARLY_NOISE;
 pub use result::{
     AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, Support, Verdict,
     share_in_words, times_larger,

@@ -9,7 +9,7 @@ use estimator_core::physics::effect::EffectId;
 
 use super::decide::decision::Decision;
 use super::decide::selection::decide;
-use super::finding::{Candidate, Verdict};
+use super::finding::{Candidate, NEARLY_NOISE, Verdict};
 use super::model::dataset::Dataset;
 use super::model::fit::Fit;
 use super::model::shape::Term;
@@ -21,9 +21,6 @@ use crate::model::Environment;
 
 /// Most rounds, each of which takes a search: a foam's record needed two, and a third that found nothing.
 const MOST_ROUNDS: usize = 4;
-
-/// What remains may be slow noise if it is at most this many times as much: it is known to a quarter.
-const NEARLY: f64 = 1.5;
 
 /// What every round is asked with.
 pub(super) struct Rounds<'a> {
@@ -55,7 +52,7 @@ impl Answer {
         let remains = self.decision.verdict.leaves_a_remainder();
         let sets = self.ladder.iter().map(|set| set.ratio);
         let least = sets.fold(self.decision.ratio.1, f64::min);
-        remains && times > 1.0 && least <= NEARLY * times
+        remains && times > 1.0 && least <= NEARLY_NOISE * times
     }
 
     /// The base alone; `dataset` is what was decided with.
@@ -137,6 +134,7 @@ impl<'a> Rounds<'a> {
         let base = search.base_fit();
         search.weigh(&base);
         let base = search.unstuck(search.refitted(&base));
+        let base = search.with_forms_of_given(base);
         let result = search.run(base.clone());
         let ladder = search.ladder(&base, &result);
         let evidence = search.evidence(&base, &result);

@@ -1,6 +1,7 @@
 //! A decision as a finding for people and files.
 
 pub(crate) mod builder;
+pub(crate) mod each_log;
 mod estimates;
 mod left;
 mod lines;

@@ -69,6 +69,11 @@ pub(super) fn verdict(finding: &Finding) -> String {
             let what = finding.nothing_new_in_words();
             format!("{what}: hardly more is left than the model left when it was identified")
         }
+        Verdict::Unexplained if finding.may_be_slow_noise() => format!(
+            "unexplained: {:.2} times what noise and the motion's errors allow remains, which may be slow noise of \
+             the force or an effect that is not in the catalogue",
+            finding.ratio_after
+        ),
         Verdict::Unexplained if closest(finding).is_some() => {
             "unexplained: something is missing, and no effect of the catalogue stands out".into()
         }
@@ -180,9 +185,10 @@ fn error(finding: &Finding) -> String {
 }
 
 fn floor(finding: &Finding) -> String {
-    let each = finding.floors.iter().map(|floor| floor.why.clone());
+    let mut each: Vec<&str> = finding.floors.iter().map(|own| own.why.as_str()).collect();
+    each.dedup();
     let noise = quantity(finding.noise_floor_n, 3, "N");
-    format!("{noise} {}", each.collect::<Vec<_>>().join("; "))
+    format!("{noise} {}", each.join("; "))
 }
 
 /// An effect: its parameters below each other, then what it explains.

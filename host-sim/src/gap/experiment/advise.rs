@@ -51,6 +51,11 @@ fn without_ambiguity(finding: &Finding) -> String {
         Verdict::NoMissingEffect => {
             "Nothing is missing: the base model explains this log to its noise.".into()
         }
+        Verdict::Unexplained if finding.may_be_slow_noise() => {
+            "What remains is little, and in no part of the log more than in others. The log shows no rest in free air, \
+             from which slow noise of the force would be known: record a second of it before the motion, and ask again."
+                .into()
+        }
         // A region may stand out without words, where it has hardly more than its share of the samples.
         Verdict::Unexplained => match regions_in_words(&finding.remaining) {
             words if words.is_empty() => {

@@ -1,5 +1,7 @@
 //! The effects that the base model has.
 
+use estimator_core::physics::effect::{EffectId, Form, Role};
+
 use crate::diagnostic::Diagnostic;
 use crate::gap::model::shape::Term;
 use crate::model::{Effect, Model};
@@ -16,18 +18,27 @@ fn term(effect: &Effect) -> Result<Term, Diagnostic> {
     let core = effect.core()?;
     let (id, row) = (core.id(), core.row());
     let infos = id.info().parameters;
-    let is_free = |at: usize| {
-        infos.get(at).is_some_and(|info| {
-            // An optional parameter that is 0 since the model does not give it is not part of the form.
-            let is_absent = info.default.is_some() && row[at] == 0.0;
-            let is_fixed = effect.fit.fixed.iter().any(|name| name == info.name);
-            !(is_absent || is_fixed)
-        })
+    let is_fixed = |name: &str| effect.fit.fixed.iter().any(|fixed| fixed == name);
+    // An optional parameter that is 0 since the model does not give it is not part of the form.
+    let is_absent = |at: usize| infos[at].default.is_some() && row[at] == 0.0;
+    let is_free = |at: usize| at < infos.len() && !is_absent(at) && !is_fixed(infos[at].name);
+    // An identified model lacks a form since its own record did not show it.
+    let is_identified = !effect.fit.std_error.is_empty();
+    let is_open = |at: usize| {
+        let is_open = at < infos.len() && is_absent(at) && !is_fixed(infos[at].name);
+        is_open && is_form(id, at) && !is_identified
     };
     Ok(Term {
         id,
         row,
         free: std::array::from_fn(is_free),
         given: true,
+        open: std::array::from_fn(is_open),
     })
+}
+
+/// Whether a number of an effect is that of an optional form, which comes by itself.
+fn is_form(id: EffectId, at: usize) -> bool {
+    let role = id.info().fits.get(at).map(|fit| fit.role);
+    matches!(role, Some(Role::Form(_, form)) if !matches!(form, Form::Beside(_)))
 }

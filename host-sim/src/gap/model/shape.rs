@@ -23,6 +23,8 @@ pub(in crate::gap) struct Term {
     pub(in crate::gap) free: [bool; MOST_PARAMETERS],
     /// Whether it stands in the base model, and stays.
     pub(in crate::gap) given: bool,
+    /// Which numbers one that is given may take on, although the model file does not give them.
+    pub(in crate::gap) open: [bool; MOST_PARAMETERS],
 }
 
 /// Whose number.

@@ -14,7 +14,18 @@ pub(in crate::gap) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: us
         row,
         free: std::array::from_fn(|at| at < count),
         given: false,
+        open: [false; MOST_PARAMETERS],
     }
+}
+
+/// The values from which a fit may start with one number of an effect.
+pub(in crate::gap) fn starts_of_number(id: EffectId, at: usize, scales: &Scales) -> Vec<f64> {
+    let size = |number: Scaled| number.value(|scale| scales.size(scale));
+    let all = id.info().starts.iter();
+    let own = all.filter_map(|starts| starts.values.get(at));
+    own.filter(|values| !matches!(values, StartValues::Held(_)))
+        .flat_map(|values| numbers(values, &size))
+        .collect()
 }
 
 /// Whether an effect can be added: it needs something to touch unless it acts in free air, and a

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use estimator_core::physics::effect::EffectId;
+use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS, Role};
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::decide::decision::Decision;
@@ -12,7 +12,8 @@ use crate::gap::finding::{
     regions_in_words,
 };
 use crate::gap::model::{
-    dataset::Dataset, error::std_errors, problem::Problem, simulate::depths, weights::weights,
+    dataset::Dataset, error::std_errors, problem::Problem, shape::Term, simulate::depths,
+    weights::weights,
 };
 use crate::gap::options::Options;
 use crate::gap::say::{
@@ -69,11 +70,31 @@ pub(crate) fn finding(
         },
         bandwidth_hz: options.bandwidth_hz,
         curves: builder.curves(),
-        notes: Vec::new(),
+        notes: forms_in_words(&decision.best.shape.terms),
         effects,
     };
     (finding.advice, finding.advised) = advice(&finding, dataset, decision);
     finding
+}
+
+/// The forms that effects of the model have taken on, a sentence each.
+fn forms_in_words(terms: &[Term]) -> Vec<String> {
+    let given = terms.iter().filter(|term| term.given);
+    let taken_on = given.flat_map(|term| {
+        let info = term.id.info();
+        let places = (0..MOST_PARAMETERS).filter(|at| term.open[*at] && term.free[*at]);
+        places.filter_map(move |at| {
+            let Role::Form(plain, _) = info.fits[at].role else {
+                return None;
+            };
+            let (effect, name) = (info.name, info.parameters[at].name);
+            Some(format!(
+                "{effect} takes a {name} that the model does not give: without one {plain}, and the log says otherwise \
+                 (fixed = [\"{name}\"] keeps it out)"
+            ))
+        })
+    });
+    taken_on.collect()
 }
 
 /// How sure the name of an effect is, and what could stand in its place. At the noise floor the rivals of the

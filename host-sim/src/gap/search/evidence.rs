@@ -20,6 +20,7 @@ use crate::gap::search::relatives::{are_alike, stands_for};
 use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::{Search, SearchResult};
 use crate::gap::search::sets::{added_effects, is_repeated};
+use crate::gap::search::step::is_rather_a_step;
 use crate::gap::thresholds;
 
 /// What speaks for one effect of the best set.
@@ -69,6 +70,7 @@ impl Search<'_> {
             all: &all,
             alone,
             parts: Parts::of(&self.dataset, &self.weights, best),
+            is_step: is_rather_a_step(&self.dataset, &self.weights, best),
             remainder: Remainder::of(&self.weighted_residuals(best)),
             blocks,
         };
@@ -111,7 +113,8 @@ impl Search<'_> {
         let is_curve = repeats(id)
             && (is_scale || gain.beside.0 < decide.sharp)
             && is_series(best, id, self.decide());
-        let agrees = parts.agree(best, id, decide) && !is_curve;
+        let is_no_drift = id == EffectId::ForceDrift && weighing.is_step;
+        let agrees = parts.agree(best, id, decide) && !is_curve && !is_no_drift;
         let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
@@ -124,7 +127,7 @@ impl Search<'_> {
                         self.gain(without, with, weighing).is_sound(id, decide)
                     }
         });
-        let is_alone = alone.is_some_and(|own| stands_for(own, id));
+        let is_alone = alone.is_some_and(|own| stands_for(own, id)) && !is_no_drift;
         let is_sound_group = is_sound_group || is_alone;
         Evidence {
             is_strong: is_alone || is_sound && gain.lead >= decide.lead,
@@ -201,6 +204,8 @@ struct Weighing<'a> {
     /// The effect that stands out of all others if one alone is added.
     alone: Option<EffectId>,
     parts: Parts,
+    /// Whether what was taken for a drift is a step.
+    is_step: bool,
     remainder: Remainder,
     blocks: Blocks,
 }

@@ -5,24 +5,24 @@ use estimator_core::physics::fit_range::Scaled;
 use rayon::prelude::*;
 
 use crate::gap::data::scales::Scales;
-use crate::gap::model::{fit::Fit, shape::Term};
+use crate::gap::model::{fit::Fit, shape::Term, start::starts_of_number};
 use crate::gap::search::run::Search;
 
 /// A form that a fit can choose: the effect, the place of its number in the row, and what its row says.
 #[derive(Clone, Copy)]
-struct Choice {
-    id: EffectId,
+pub(super) struct Choice {
+    pub(super) id: EffectId,
     place: usize,
     form: Form,
 }
 
 impl Choice {
-    /// The forms of the catalogue that a fit may add or drop.
-    fn all() -> impl Iterator<Item = Choice> {
+    /// The forms of the catalogue that a fit may add or drop, and an effect of the model may take on.
+    pub(super) fn all() -> impl Iterator<Item = Choice> {
         EffectId::ALL.iter().flat_map(|id| {
             let fits = id.info().fits.iter().enumerate();
             fits.filter_map(|(place, fit)| match fit.role {
-                Role::Form(_, form) => Some(Choice {
+                Role::Form(_, form) if !matches!(form, Form::Beside(_)) => Some(Choice {
                     id: *id,
                     place,
                     form,
@@ -47,11 +47,15 @@ impl Choice {
         term.id == self.id && !term.given && term.free[self.place]
     }
 
-    /// Whether an added term could take the form on. A switch that is on has chosen another law: adhesion that
-    /// is a bond has a memory already.
-    fn is_open_to(&self, term: &Term) -> bool {
-        term.id == self.id
-            && !term.given
+    /// Whether a term could take the form on. A switch that is on has chosen another law: adhesion that is a bond
+    /// has a memory already.
+    pub(super) fn is_open_to(&self, term: &Term) -> bool {
+        let is_open = match term.given {
+            true => term.open[self.place],
+            false => matches!(self.form, Form::TakenOn { .. }),
+        };
+        is_open
+            && term.id == self.id
             && !term.free[self.place]
             && !term.id.info().is_switched(&term.row)
     }
@@ -59,12 +63,11 @@ impl Choice {
     /// The term with the form, from each of its starts.
     fn taken_on_by(&self, term: &Term, scales: &Scales) -> Vec<Term> {
         let Form::TakenOn { start, first } = self.form else {
-            return Vec::new();
+            let starts = starts_of_number(self.id, self.place, scales).into_iter();
+            return starts.map(|start| self.put_into(term, start)).collect();
         };
         let size = |number: Scaled| number.value(|scale| scales.size(scale));
-        let mut own = term.clone();
-        own.row[self.place] = size(start);
-        own.free[self.place] = true;
+        let mut own = self.put_into(term, size(start));
         own.row[0] *= first;
         let Some((place, starts)) = self.beside() else {
             return vec![own];
@@ -76,6 +79,13 @@ impl Choice {
             own
         });
         each.collect()
+    }
+
+    fn put_into(&self, term: &Term, value: f64) -> Term {
+        let mut own = term.clone();
+        own.row[self.place] = value;
+        own.free[self.place] = true;
+        own
     }
 
     /// The number that comes and goes with the form: its place, and where it starts.
@@ -166,9 +176,10 @@ impl Search<'_> {
     }
 
     /// The fit with a form in the place of another effect that only took its error: a pull that differs by
-    /// direction, where a friction seemed to come to a pull that does not.
+    /// direction, where a friction seemed to come to a pull that does not. Or a friction of the model that first bends,
+    /// where a loop seemed to come to one that does not.
     pub(crate) fn with_form_instead_of_effect(&self, mut best: Fit, base_cost: f64) -> Fit {
-        for choice in Choice::taken_on() {
+        for choice in Choice::all() {
             let others = best.added().into_iter();
             let others: Vec<usize> = others
                 .filter(|at| best.shape.terms[*at].id != choice.id)
@@ -205,7 +216,7 @@ impl Search<'_> {
     }
 
     /// Refits with a form that an added effect lacks.
-    fn with_form(&self, fit: &Fit, choice: Choice) -> Option<Fit> {
+    pub(super) fn with_form(&self, fit: &Fit, choice: Choice) -> Option<Fit> {
         let terms = fit.shape.terms_at(&fit.numbers);
         let at = terms.iter().position(|term| choice.is_open_to(term))?;
         let starts = choice.taken_on_by(&terms[at], self.dataset.scales);

@@ -24,8 +24,8 @@ pub(crate) fn is_last_repeated(fit: &Fit) -> bool {
 }
 
 /// Keeps the first item with each set of effects.
-pub(crate) fn keep_first<T>(list: &mut Vec<T>, ids: impl Fn(&T) -> Vec<EffectId>) {
-    let mut seen: Vec<Vec<EffectId>> = Vec::new();
+pub(crate) fn keep_first<T, K: PartialEq>(list: &mut Vec<T>, ids: impl Fn(&T) -> K) {
+    let mut seen: Vec<K> = Vec::new();
     list.retain(|item| {
         let ids = ids(item);
         let is_new = !seen.contains(&ids);
