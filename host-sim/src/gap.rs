@@ -39,8 +39,8 @@ pub mod thresholds;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
-    AdvisedMotion, Candidate, Change, Curves, Finding, Grade, MOTION, MissingEffect, Next,
-    ParameterEstimate, Region, Support, Verdict, changes_in_words, regions_in_words,
+    AdvisedMotion, Candidate, Change, ChangesSince, Curves, Finding, Grade, MOTION, MissingEffect,
+    Next, ParameterEstimate, Region, Support, Verdict, changes_in_words, regions_in_words,
     share_in_words, times_larger,
 };
 pub use noise::floor::NoiseFloor;

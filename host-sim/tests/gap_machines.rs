@@ -96,7 +96,7 @@ fn asked(model: &str, machines: &[Machine]) -> (serde_json::Value, String) {
     let mut command = "gap --model base.toml --out out".to_string();
     for (at, machine) in machines.iter().enumerate() {
         let name = format!("log{}.csv", at + 1);
-        folder.write(&name, csv(machine.rows(at as u64 + 1).into_iter()));
+        folder.write(&name, csv(machine.rows(at as u64 + 1)));
         command += &format!(" --log {name}");
     }
     let done = folder.palpate(&command);

@@ -6,7 +6,7 @@ mod region;
 mod result;
 
 pub(crate) use change::changes;
-pub use change::{Change, changes_in_words};
+pub use change::{Change, ChangesSince, changes_in_words};
 pub use parameter::ParameterEstimate;
 pub use region::{Region, regions_in_words};
 pub(in crate::gap) use result::NEARLY_NOISE;

@@ -144,7 +144,7 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
             "before": parameters(&finding.base_before),
             "after": parameters(&finding.base_after),
         },
-        "changed": finding.changed.as_ref().map(|all| all.iter().map(change).collect::<Vec<_>>()),
+        "changed": finding.changed.as_ref().map(|all| all.counted.iter().map(change).collect::<Vec<_>>()),
         "disagreement": finding.disagreement.iter().map(region).collect::<Vec<_>>(),
         "remaining": finding.remaining.iter().map(region).collect::<Vec<_>>(),
         "candidates": finding.ladder.iter().map(candidate).collect::<Vec<_>>(),

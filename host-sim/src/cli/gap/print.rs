@@ -34,7 +34,7 @@ pub fn summary(finding: &Finding) -> String {
         effect(&mut text, missing);
     }
     base(&mut text, finding);
-    for words in changes_in_words(finding.changed.as_deref()) {
+    for words in changes_in_words(finding.changed.as_ref()) {
         line(&mut text, "changed", &words);
     }
     line(&mut text, "slow", &finding.slow_remainder_in_words());
@@ -61,6 +61,9 @@ pub(super) fn verdict(finding: &Finding) -> String {
     let ids: Vec<EffectId> = finding.effects.iter().map(|effect| effect.id).collect();
     let names = listed(&ids);
     match finding.verdict {
+        Verdict::NoMissingEffect if finding.has_changed() => {
+            "nothing is missing, but numbers have changed: with those the base model explains the log".into()
+        }
         Verdict::NoMissingEffect => "nothing is missing: the base model explains the log".into(),
         Verdict::MissingEffects => format!("missing: {names}"),
         Verdict::Ambiguous => format!("ambiguous: {names} or a rival"),
@@ -238,8 +241,9 @@ fn base(text: &mut String, finding: &Finding) {
     }
     let changed = !finding.effects.is_empty();
     let mut rows = vec![["".into(), "before".to_string(), "after".to_string()]];
-    for (before, after) in finding.base_before.iter().zip(&finding.base_after) {
-        rows.push([after.name.clone(), measured(before), measured(after)]);
+    for (before, after) in finding.base_pairs() {
+        let before = before.map_or("–".into(), measured);
+        rows.push([after.name.clone(), before, measured(after)]);
     }
     let width = |at: usize| {
         rows.iter()

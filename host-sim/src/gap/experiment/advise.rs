@@ -34,7 +34,7 @@ pub(crate) fn advice(
             let gap = not_discriminated(effect.id, &effect.alternatives);
             format!("{gap} Record {}.", effect.id.info().motion)
         }
-        _ => without_ambiguity(finding),
+        _ => without_ambiguity(finding, dataset.thresholds.explained.residuals),
     };
     match observing_motion(dataset, &decision.best, &decision.std_errors) {
         Some(advised) => (
@@ -46,8 +46,14 @@ pub(crate) fn advice(
 }
 
 /// What to do with a finding that no motion has to disambiguate.
-fn without_ambiguity(finding: &Finding) -> String {
+/// What leaves less than `noise` times what is allowed is explained to the noise as it was measured.
+fn without_ambiguity(finding: &Finding, noise: f64) -> String {
     match finding.verdict {
+        Verdict::NoMissingEffect if finding.ratio_before > noise => format!(
+            "Nothing stands out: {:.2} times what noise and the motion's errors allow remains, which the noise may be, \
+             since its slow part is hardly known from this log. A longer rest in free air would tell.",
+            finding.ratio_before
+        ),
         Verdict::NoMissingEffect => {
             "Nothing is missing: the base model explains this log to its noise.".into()
         }

@@ -14,10 +14,40 @@ pub struct Change {
     pub now: ParameterEstimate,
 }
 
+/// What has changed since a model was identified.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChangesSince {
+    /// The numbers that are clearly others.
+    pub counted: Vec<Change>,
+    /// The number that is certainly another, and by the largest share too small to count: records of one rig differ as much.
+    pub little: Option<Change>,
+}
+
 impl Change {
     /// How much larger its magnitude is, as a share of what it was.
     pub fn share(&self) -> f64 {
         (self.now.value - self.was.0) / self.was.0
+    }
+
+    fn in_words(&self) -> String {
+        let Change { was, now } = self;
+        let share = self.share();
+        let percent = match 100.0 * share.abs() {
+            percent if percent < 9.95 => format!("{percent:.1}"),
+            percent => format!("{percent:.0}"),
+        };
+        let how = match share {
+            ..-1.0 => "has another sign than in the model".into(),
+            ..0.0 => format!("is {percent} % smaller than in the model"),
+            _ => format!("is {percent} % larger than in the model"),
+        };
+        format!(
+            "{} {how}: {}, was {} ({:.0} standard errors)",
+            now.name,
+            Measured::new(now.value, now.std_error, now.unit),
+            Measured::new(was.0, Some(was.1), now.unit),
+            self.std_errors(),
+        )
     }
 
     /// By how many standard errors of the difference it is another.
@@ -34,7 +64,7 @@ pub(crate) fn changes(
     model: &Model,
     now: &[ParameterEstimate],
     decide: &Changes,
-) -> Option<Vec<Change>> {
+) -> Option<ChangesSince> {
     let known = known(model);
     let changes = known
         .iter()
@@ -49,44 +79,48 @@ pub(crate) fn changes(
                 now: now.clone(),
             })
         });
-    let is_other = |change: &Change| {
-        change.share().abs() > decide.share && change.std_errors() > decide.sigmas
+    // What an effect does is shared among its numbers: one means little beside another that is at its bound.
+    let effect_of = |name: &str| name.split_once('.').map(|(effect, _)| effect.to_string());
+    let beside_a_bound = |name: &str| {
+        let own = effect_of(name);
+        own.is_some()
+            && now
+                .iter()
+                .any(|other| other.at_bound && effect_of(&other.name) == own)
     };
+    let is_certain =
+        |change: &Change| change.std_errors() > decide.sigmas && !beside_a_bound(&change.now.name);
     let is_identified = known.iter().any(|(_, _, error)| error.is_some());
-    is_identified.then(|| changes.filter(is_other).collect())
+    is_identified.then(|| {
+        let certain = changes.filter(is_certain);
+        let (counted, little): (Vec<Change>, Vec<Change>) =
+            certain.partition(|change| change.share().abs() > decide.share);
+        let by_share = |a: &Change, b: &Change| a.share().abs().total_cmp(&b.share().abs());
+        ChangesSince {
+            counted,
+            little: little.into_iter().max_by(by_share),
+        }
+    })
 }
 
 /// What has changed since the base model was identified, a sentence each; nothing where it never was.
-pub fn changes_in_words(changed: Option<&[Change]>) -> Vec<String> {
-    let Some(changed) = changed else {
+pub fn changes_in_words(changed: Option<&ChangesSince>) -> Vec<String> {
+    let Some(ChangesSince { counted, little }) = changed else {
         return Vec::new();
     };
-    if changed.is_empty() {
+    if counted.is_empty() {
         let rule = Thresholds::default().changes;
-        return vec![format!(
+        let nothing = format!(
             "nothing: no number is another than in the model by more than {:.0} % of it and {} standard errors",
             100.0 * rule.share,
             rule.sigmas
-        )];
+        );
+        return vec![match little {
+            Some(little) => format!("{nothing}; by less {}", little.in_words()),
+            None => nothing,
+        }];
     }
-    let each = changed.iter().map(|change| {
-        let Change { was, now } = change;
-        let share = change.share();
-        let percent = 100.0 * share.abs();
-        let how = match share {
-            ..-1.0 => "has another sign than in the model".into(),
-            ..0.0 => format!("is {percent:.0} % smaller than in the model"),
-            _ => format!("is {percent:.0} % larger than in the model"),
-        };
-        format!(
-            "{} {how}: {}, was {} ({:.0} standard errors)",
-            now.name,
-            Measured::new(now.value, now.std_error, now.unit),
-            Measured::new(was.0, Some(was.1), now.unit),
-            change.std_errors(),
-        )
-    });
-    each.collect()
+    counted.iter().map(Change::in_words).collect()
 }
 
 /// Names, values and, where the model file has them, standard errors of the parameters, named as in
@@ -139,7 +173,7 @@ mod tests {
 
     fn changed(model: &Model, now: ParameterEstimate) -> Option<usize> {
         let decide = Thresholds::default().changes;
-        changes(model, &[now], &decide).map(|changes| changes.len())
+        changes(model, &[now], &decide).map(|changes| changes.counted.len())
     }
 
     #[test]
@@ -167,7 +201,9 @@ mod tests {
             unit: "",
             ..friction(value, Some(0.01))
         });
-        let changes = changes(&model, &now, &Thresholds::default().changes).unwrap();
+        let changes = changes(&model, &now, &Thresholds::default().changes)
+            .unwrap()
+            .counted;
         assert_eq!(changes.len(), 1);
         assert_eq!((changes[0].was.0, changes[0].now.value), (0.091, 0.16));
     }
@@ -187,11 +223,41 @@ mod tests {
 
     #[test]
     fn nothing_that_has_changed_says_what_would_have_counted() {
-        let words = changes_in_words(Some(&[]));
+        let words = changes_in_words(Some(&ChangesSince::default()));
         assert!(
-            words[0].contains("more than 5 % of it and 5 standard errors"),
+            words[0].ends_with("more than 5 % of it and 5 standard errors"),
             "{words:?}"
         );
+        // AND what is certain though it does not count.
+        let little = Change {
+            was: (400.0, 0.25),
+            now: friction(380.0, Some(0.27)),
+        };
+        let words = changes_in_words(Some(&ChangesSince {
+            little: Some(little),
+            ..ChangesSince::default()
+        }));
+        assert!(
+            words[0]
+                .contains("; by less coulomb_friction.force is 5.0 % smaller than in the model"),
+            "{words:?}"
+        );
+    }
+
+    #[test]
+    fn a_number_beside_one_at_its_bound_has_not_changed() {
+        let model = identified();
+        let other = |at_bound: bool| ParameterEstimate {
+            name: "coulomb_friction.width".into(),
+            at_bound,
+            ..friction(1e-3, None)
+        };
+        let changed = |at_bound: bool| {
+            let now = [friction(26.0, Some(0.14)), other(at_bound)];
+            let changes = changes(&model, &now, &Thresholds::default().changes);
+            changes.unwrap().counted.len()
+        };
+        assert_eq!((changed(false), changed(true)), (1, 0));
     }
 
     #[test]

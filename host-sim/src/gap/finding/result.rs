@@ -2,7 +2,7 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use super::change::Change;
+use super::change::ChangesSince;
 use super::parameter::ParameterEstimate;
 use super::region::{Region, regions_in_words};
 use crate::gap::noise::floor::NoiseFloor;
@@ -182,7 +182,7 @@ pub struct Finding {
     /// Parameters of the base, refitted with the effects.
     pub base_after: Vec<ParameterEstimate>,
     /// What has changed since the base model was identified; `None` where its file has no standard errors.
-    pub changed: Option<Vec<Change>>,
+    pub changed: Option<ChangesSince>,
     /// Where the base model and the log disagree.
     pub disagreement: Vec<Region>,
     /// Where the model with the effects and the log still disagree.
@@ -216,7 +216,7 @@ impl Finding {
     pub fn has_changed(&self) -> bool {
         self.changed
             .as_ref()
-            .is_some_and(|changed| !changed.is_empty())
+            .is_some_and(|changed| !changed.counted.is_empty())
     }
 
     /// What is no noise though it may be as small, in words; empty where there is none.
@@ -237,6 +237,20 @@ impl Finding {
             && self.ratio_after < NEARLY_NOISE
             && self.floors.iter().any(|floor| floor.rest_n.is_none())
             && regions_in_words(&self.remaining).is_empty()
+    }
+
+    /// The parameters of the base after the fit, each with what it was in the base alone; `None` for one that an effect of
+    /// the base took on beside those that are added.
+    pub fn base_pairs(
+        &self,
+    ) -> impl Iterator<Item = (Option<&ParameterEstimate>, &ParameterEstimate)> {
+        let after = self.base_after.iter().enumerate();
+        after.map(|(at, after)| {
+            // Modes of a spectrum share their names, and keep their order.
+            let is_same = |own: &&ParameterEstimate| own.name == after.name;
+            let earlier = self.base_after[..at].iter().filter(is_same).count();
+            (self.base_before.iter().filter(is_same).nth(earlier), after)
+        })
     }
 
     /// The share of the disagreement that the named effects explain: 1 − (after² − floor²)/(before² − floor²);

@@ -24,7 +24,7 @@ pub(in crate::gap) fn starts_of_number(id: EffectId, at: usize, scales: &Scales)
     let all = id.info().starts.iter();
     let own = all.filter_map(|starts| starts.values.get(at));
     own.filter(|values| !matches!(values, StartValues::Held(_)))
-        .flat_map(|values| numbers(values, &size))
+        .flat_map(|values| numbers(values, size))
         .collect()
 }
 

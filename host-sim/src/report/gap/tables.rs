@@ -142,6 +142,15 @@ fn measured(estimate: &ParameterEstimate) -> Cell {
     Cell::measured(estimate.value, estimate.std_error, estimate.unit)
 }
 
+fn measured_or_none(estimate: Option<&ParameterEstimate>) -> Cell {
+    or_none(estimate, measured)
+}
+
+/// A cell about a parameter, or that there is none.
+fn or_none(estimate: Option<&ParameterEstimate>, of: impl Fn(&ParameterEstimate) -> Cell) -> Cell {
+    estimate.map_or(Cell::Missing("–".into()), of)
+}
+
 /// The 95 % interval of a parameter, with both ends in the digits and the unit of the value.
 fn interval(estimate: &ParameterEstimate) -> Cell {
     if let Some(remark) = estimate.remark() {
@@ -184,7 +193,7 @@ pub(super) fn base(finding: &Finding) -> Section {
         .iter()
         .map(|(id, parameters)| table(&heading(*id), parameters));
     let section = given.fold(environment(finding), Section::table);
-    match changes_in_words(finding.changed.as_deref()) {
+    match changes_in_words(finding.changed.as_ref()) {
         words if words.is_empty() => section,
         words => section.text(format!(
             "Changed since the model was identified: {}.",
@@ -197,7 +206,7 @@ fn environment(finding: &Finding) -> Section {
     if finding.base_after.is_empty() {
         return Section::new("The effects that the base model had already");
     }
-    let pairs = finding.base_before.iter().zip(&finding.base_after);
+    let pairs = finding.base_pairs();
     if finding.effects.is_empty() {
         let rows = pairs.map(|(_, after)| {
             [
@@ -214,11 +223,11 @@ fn environment(finding: &Finding) -> Section {
     let rows = pairs.map(|(before, after)| {
         [
             Cell::from(label(&after.name)),
-            measured(before),
+            measured_or_none(before),
             measured(after),
             interval(after),
-            Cell::Number(change(before, after)),
-            moved(before, after),
+            or_none(before, |before| Cell::Number(change(before, after))),
+            or_none(before, |before| moved(before, after)),
         ]
     });
     let columns = [
@@ -243,10 +252,15 @@ pub(super) fn against(finding: &Finding, truths: &[(&str, f64)]) -> Table {
         Some((_, truth)) => Cell::measured(*truth, None, own.unit),
         None => Cell::Missing("–".into()),
     };
-    let base = finding.base_before.iter().zip(&finding.base_after);
+    let base = finding.base_pairs();
     let base = base.map(|(before, after)| {
         let name = Cell::from(label(&after.name));
-        [name, measured(before), measured(after), truth(after)]
+        [
+            name,
+            measured_or_none(before),
+            measured(after),
+            truth(after),
+        ]
     });
     let effects = finding.effects.iter().flat_map(|effect| {
         effect.parameters.iter().map(|own| {

@@ -79,7 +79,7 @@ fn changes(finding: &Finding) -> String {
     if !finding.has_changed() {
         return String::new();
     }
-    let all = changes_in_words(finding.changed.as_deref());
+    let all = changes_in_words(finding.changed.as_ref());
     format!(" ({})", spaced(&all.join("; ")))
 }
 
