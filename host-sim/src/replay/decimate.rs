@@ -30,20 +30,7 @@ pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
     }
     let readings = Readings::of(log);
     let measured = |at: &usize| !readings.invented.contains(*at);
-    let mut means = UniformLog {
-        path: log.path.clone(),
-        kind: log.kind,
-        rate_hz: log.rate_hz / factor as f64,
-        slower: log.slower.clone(),
-        position_step_m: log
-            .position_step_m
-            .or_else(|| signal::step(&log.position_m)),
-        notes: log.notes.clone(),
-        compensated: log.compensated.clone(),
-        ..UniformLog::default()
-    };
-    means.compensated.noise_n = log.compensated.noise_n.map(|n| n / (factor as f64).sqrt());
-    means.compensated.saturated = Vec::new();
+    let mut means = without_samples(log, factor);
     let mut is_line = Vec::new();
     for block in 0..log.len() / factor {
         let samples = block * factor..(block + 1) * factor;
@@ -80,6 +67,24 @@ pub fn decimated(log: &UniformLog) -> Option<UniformLog> {
         (means.rate_hz * 1e3).round() / 1e3
     ));
     Some(means)
+}
+
+/// A log for means of `factor` samples of another.
+fn without_samples(log: &UniformLog, factor: usize) -> UniformLog {
+    let count_m = log.position_step_m;
+    let mut means = UniformLog {
+        path: log.path.clone(),
+        kind: log.kind,
+        rate_hz: log.rate_hz / factor as f64,
+        slower: log.slower.clone(),
+        position_step_m: count_m.or_else(|| signal::step(&log.position_m)),
+        notes: log.notes.clone(),
+        compensated: log.compensated.clone(),
+        ..UniformLog::default()
+    };
+    means.compensated.noise_n = log.compensated.noise_n.map(|n| n / (factor as f64).sqrt());
+    means.compensated.saturated = Vec::new();
+    means
 }
 
 #[cfg(test)]

@@ -128,12 +128,11 @@ impl Search<'_> {
                     }
         });
         let is_alone = alone.is_some_and(|own| stands_for(own, id)) && !is_no_drift;
-        let is_sound_group = is_sound_group || is_alone;
         Evidence {
             is_strong: is_alone || is_sound && gain.lead >= decide.lead,
             // A wave fits any remainder, whatever it stands beside.
-            is_needed: gain.lead >= decide.needed && (is_sound_group || !repeats(id)),
-            is_strong_group: is_sound_group,
+            is_needed: gain.lead >= decide.needed && (is_sound_group || is_alone || !repeats(id)),
+            is_strong_group: is_sound_group || is_alone,
             faint_waves: self.faint_waves(id, weighing),
             alternatives: alternatives.unwrap_or_default(),
             id,

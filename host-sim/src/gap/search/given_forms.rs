@@ -4,6 +4,8 @@
 //! but a number that the file leaves at 0: a stage whose friction had a width of 20 µm was missing Bouc and Wen's loop,
 //! certain, and its own friction was 9 mN instead of 2 N.
 
+use estimator_core::physics::effect::{EffectId, Family};
+
 use crate::gap::model::fit::Fit;
 use crate::gap::search::{forms::Choice, run::Search};
 
@@ -26,10 +28,26 @@ impl Search<'_> {
                 let is_most = left < 1.0 - MOST || self.is_adequate(&fit);
                 (is_most && base.cost - fit.cost > threshold).then_some(fit)
             });
-            match fits.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
+            let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
+            match best.filter(|fit| self.is_adequate(fit) || !self.is_behind_an_effect(&base, fit))
+            {
                 Some(fit) => base = fit,
                 None => return base,
             }
         }
+    }
+
+    /// Whether an effect alone leaves less beside the base than a form: a drive's force that is 1.3 ms late is nearly a
+    /// friction with a width. One that is another form of the same, as a loop of a friction, is no such effect.
+    fn is_behind_an_effect(&self, base: &Fit, with_form: &Fit) -> bool {
+        let given = &base.shape.terms;
+        let is_other = |id: EffectId| {
+            let family = id.info().family;
+            let same = given.iter().filter(|term| term.id.info().family == family);
+            family == Family::Alone || same.count() == 0
+        };
+        let alone = self.expanded(base);
+        let mut ahead = alone.iter().filter(|fit| fit.cost < with_form.cost);
+        ahead.any(|fit| fit.added_ids().into_iter().any(is_other))
     }
 }

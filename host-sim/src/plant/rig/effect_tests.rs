@@ -193,6 +193,7 @@ fn every_effect_of_the_catalogue_runs_on_the_rig() {
         let mut row = [0.0; 4];
         for (own, info) in row.iter_mut().zip(id.info().parameters) {
             *own = match info.unit.symbol() {
+                "m" if info.name == "hardening_length" => 3e-3,
                 "m" => 1e-4,
                 "m/s" => 1e-3,
                 "N" | "N s/m" => 0.5,

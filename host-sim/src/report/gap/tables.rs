@@ -142,10 +142,6 @@ fn measured(estimate: &ParameterEstimate) -> Cell {
     Cell::measured(estimate.value, estimate.std_error, estimate.unit)
 }
 
-fn measured_or_none(estimate: Option<&ParameterEstimate>) -> Cell {
-    or_none(estimate, measured)
-}
-
 /// A cell about a parameter, or that there is none.
 fn or_none(estimate: Option<&ParameterEstimate>, of: impl Fn(&ParameterEstimate) -> Cell) -> Cell {
     estimate.map_or(Cell::Missing("–".into()), of)
@@ -223,7 +219,7 @@ fn environment(finding: &Finding) -> Section {
     let rows = pairs.map(|(before, after)| {
         [
             Cell::from(label(&after.name)),
-            measured_or_none(before),
+            or_none(before, measured),
             measured(after),
             interval(after),
             or_none(before, |before| Cell::Number(change(before, after))),
@@ -257,7 +253,7 @@ pub(super) fn against(finding: &Finding, truths: &[(&str, f64)]) -> Table {
         let name = Cell::from(label(&after.name));
         [
             name,
-            measured_or_none(before),
+            or_none(before, measured),
             measured(after),
             truth(after),
         ]
