@@ -37,8 +37,10 @@ fn term(effect: &Effect) -> Result<Term, Diagnostic> {
     })
 }
 
-/// Whether a number of an effect is that of an optional form, which comes by itself.
+/// Whether a number of an effect is that of an optional form, which comes by itself, and which a search would not have
+/// dropped. A speed at which a friction reverses is no property of dry surfaces, and a force that is 1.3 ms late looks
+/// like one of 9 mm/s.
 fn is_form(id: EffectId, at: usize) -> bool {
     let role = id.info().fits.get(at).map(|fit| fit.role);
-    matches!(role, Some(Role::Form(_, form)) if !matches!(form, Form::Beside(_)))
+    matches!(role, Some(Role::Form(_, form)) if !matches!(form, Form::Beside(_) | Form::Dropped))
 }

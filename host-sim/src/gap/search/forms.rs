@@ -193,7 +193,15 @@ impl Search<'_> {
                     cost: best.cost,
                 };
                 let fit = self.with_form(&without, choice)?;
-                let threshold = self.effect_threshold(id, fit.cost, &best, base_cost);
+                // A form of an effect that is there already is no explanation by itself: it stands for another form of
+                // the same, or leaves less.
+                let is_given = |term: &Term| term.given && term.open[choice.place];
+                let mut own = fit.shape.terms.iter().filter(|term| term.id == choice.id);
+                let is_same = id.info().family == choice.id.info().family;
+                let threshold = match own.any(is_given) && !is_same {
+                    true => 0.0,
+                    false => self.effect_threshold(id, fit.cost, &best, base_cost),
+                };
                 (fit.cost - best.cost < threshold).then_some(fit)
             });
             if let Some(fit) = instead.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
