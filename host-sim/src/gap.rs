@@ -17,7 +17,7 @@
 //! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
 //! - `say` makes the `finding` of it: regions, estimates, advice.
 //!
-//! Below all of them, [`thresholds`] holds every number that decides, with its reason and how it was found.
+//! Below all of them, [`thresholds`] holds what decides about answers, every number with its reason and how it was found.
 //! The rooms are handed what they decide with, from [`Options`] down, so that a threshold is changed by its
 //! name without a recompile: `cargo run --release -p tests --example hidden -- sweep` lists them, and
 //! `sweep NAME` scores rigs with hidden effects with it at −25 %, as it is, and at +25 %.

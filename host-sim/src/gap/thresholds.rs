@@ -3,8 +3,9 @@
 //! `cargo run --release -p tests --example hidden -- sweep NAME` changes one without a recompile and prints
 //! what that does to the score. The head of [`crate::threshold`] says what a factor means.
 //!
-//! Elsewhere stand numbers that decide nothing: steps of a fit, samples that a search can afford, places
-//! where fits start, what the names of the regions mean, and the models of the motion's errors.
+//! Elsewhere stand what recognises a fault of a sensor in a log (`data`, `lost_counts`), what a rule of one file asks of
+//! its own kind of effect, and numbers that decide nothing: steps of a fit, samples that a search can afford, places where
+//! fits start, what the names of the regions mean, and the models of the motion's errors.
 
 use crate::threshold::thresholds;
 
