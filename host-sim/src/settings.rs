@@ -15,6 +15,7 @@
 //! touch_sigma = 6.0
 //! release_sigma = 3.0
 //! force_noise_n = 0.02     # measured if absent
+//! position_step_m = 1e-6   # one count, where samples are sums of several readings
 //! settle_s = 0.2
 //!
 //! [forgetting]             # (24)
@@ -266,6 +267,8 @@ fn contact(table: &Table, config: &mut Config) -> Result<(), Diagnostic> {
     set(table, "settle_s", &mut config.contact.settle_s)?;
     let noise = table.number("force_noise_n", Bounds::Any)?;
     config.contact.force_noise_n = noise.map(|noise| noise as f32);
+    let count = table.number("position_step_m", Bounds::Any)?;
+    config.contact.position_step_m = count.map(|count| count as f32);
     Ok(())
 }
 

@@ -100,9 +100,9 @@ pub struct Contact {
     /// Standard deviation of the noise of the raw force (N). `None` stands for that measured while
     /// settling.
     pub force_noise_n: Option<f32>,
-    /// One count of the encoder (m). `None` stands for the smallest step that the position makes, which is less
-    /// than a count where samples are sums of latches, interpolated or averaged: at rest and in slow motion the
-    /// error is still that of a whole one.
+    /// One count of the encoder (m), where the smallest step that the position makes may be less: where samples are
+    /// sums of latches, interpolated or averaged. At rest and in slow motion their error is still that of a whole one.
+    /// `None` stands for that step.
     pub position_step_m: Option<f32>,
     /// Time in free air at the start over which noise and resting force are measured (s).
     pub settle_s: f32,

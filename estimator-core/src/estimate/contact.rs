@@ -27,6 +27,9 @@ use crate::maths::scalar::Real;
 const TOUCH_SAMPLES: u32 = 2;
 /// Consecutive samples below the threshold that make a lift-off.
 const RELEASE_SAMPLES: u32 = 3;
+/// The smallest step that a position has made is a count if it is at least this share of one: half a count and less are
+/// means of several readings.
+const NEARLY_A_COUNT: f64 = 0.75;
 /// Samples next to a contact, on either side, that the resting force is not taken from: a probe that
 /// is pushed by less than the noise is not in free air. Up to the touch, gel at 1.2 Hz raised the
 /// resting force by 2 mN, which put the surface 1.2 µm too deep.
@@ -62,8 +65,8 @@ pub struct Contact<T> {
     pub zero_was_wrong: bool,
     /// Standard deviation of the noise of the raw force (N).
     pub force_noise_n: T,
-    /// One count of the encoder (m): as configured, or the smallest step that it has made, which is 0 before the
-    /// first motion.
+    /// One count of the encoder (m): the smallest step that it has made, or as configured where that is more; 0 before
+    /// the first motion.
     pub count_m: T,
     /// Smallest step that the position has made (m): less than a count where it is a mean of several readings.
     pub position_step_m: T,
@@ -160,7 +163,16 @@ impl<T: Real> ContactState<T> {
 
     /// One count of the encoder (m), see [`Contact::count_m`].
     pub(super) fn count_m(&self) -> T {
-        self.configured_count_m.unwrap_or(self.count.smallest())
+        let smallest_m = self.count.smallest();
+        match self.configured_count_m {
+            // A step that is a count but for its rounding stays as it is: a host that knows no settings has the same bits.
+            Some(count_m)
+                if smallest_m > T::zero() && smallest_m < T::from_f64(NEARLY_A_COUNT) * count_m =>
+            {
+                count_m
+            }
+            _ => smallest_m,
+        }
     }
 
     /// Standard deviation of the noise of the raw force (N), at least that of its counts: where they are
@@ -493,6 +505,7 @@ mod tests {
             (None, false, 1e-6 / 3.0),
             (None, true, 1e-6),
             (Some(2e-6), true, 2e-6),
+            (Some(1.1e-6), true, 1e-6),
         ] {
             let found = counts(configured, observes);
             assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
