@@ -27,9 +27,6 @@ use crate::maths::scalar::Real;
 const TOUCH_SAMPLES: u32 = 2;
 /// Consecutive samples below the threshold that make a lift-off.
 const RELEASE_SAMPLES: u32 = 3;
-/// The smallest step that a position has made is a count if it is at least this share of one: half a count and less are
-/// means of several readings.
-const NEARLY_A_COUNT: f64 = 0.75;
 /// Samples next to a contact, on either side, that the resting force is not taken from: a probe that
 /// is pushed by less than the noise is not in free air. Up to the touch, gel at 1.2 Hz raised the
 /// resting force by 2 mN, which put the surface 1.2 µm too deep.
@@ -163,16 +160,7 @@ impl<T: Real> ContactState<T> {
 
     /// One count of the encoder (m), see [`Contact::count_m`].
     pub(super) fn count_m(&self) -> T {
-        let smallest_m = self.count.smallest();
-        match self.configured_count_m {
-            // A step that is a count but for its rounding stays as it is: a host that knows no settings has the same bits.
-            Some(count_m)
-                if smallest_m > T::zero() && smallest_m < T::from_f64(NEARLY_A_COUNT) * count_m =>
-            {
-                count_m
-            }
-            _ => smallest_m,
-        }
+        self.count.at_least(self.configured_count_m)
     }
 
     /// Standard deviation of the noise of the raw force (N), at least that of its counts: where they are
