@@ -45,8 +45,8 @@ pub(crate) fn advice(
     }
 }
 
-/// What to do with a finding that no motion has to disambiguate.
-/// What leaves less than `noise` times what is allowed is explained to the noise as it was measured.
+/// What to do with a finding that no motion has to disambiguate. What leaves less than `noise` times what is allowed is
+/// explained to the noise as it was measured.
 fn without_ambiguity(finding: &Finding, noise: f64) -> String {
     match finding.verdict {
         Verdict::NoMissingEffect if finding.ratio_before > noise => format!(

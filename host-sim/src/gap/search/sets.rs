@@ -23,13 +23,13 @@ pub(crate) fn is_last_repeated(fit: &Fit) -> bool {
     last.is_some_and(|term| is_repeated(term.id, fit))
 }
 
-/// Keeps the first item with each set of effects.
-pub(crate) fn keep_first<T, K: PartialEq>(list: &mut Vec<T>, ids: impl Fn(&T) -> K) {
+/// Keeps the first item with each key, as a set of effects or a sentence.
+pub(crate) fn keep_first<T, K: PartialEq>(list: &mut Vec<T>, key: impl Fn(&T) -> K) {
     let mut seen: Vec<K> = Vec::new();
     list.retain(|item| {
-        let ids = ids(item);
-        let is_new = !seen.contains(&ids);
-        seen.push(ids);
+        let key = key(item);
+        let is_new = !seen.contains(&key);
+        seen.push(key);
         is_new
     });
 }
