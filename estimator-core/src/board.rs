@@ -3,6 +3,8 @@
 
 pub mod budget;
 pub mod calibration;
+#[cfg(test)]
+mod cut_flash;
 pub mod frame;
 pub mod history;
 pub mod instants;

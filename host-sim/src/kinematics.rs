@@ -15,7 +15,7 @@ use std::borrow::Cow;
 
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::{median, rms};
+use crate::stats::{median, rms, rounding_deviation};
 use bend::Bends;
 use beyond::Beyond;
 use misfit::within;
@@ -281,7 +281,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
 /// variance 252 σ² for white noise and hardly see 5 Hz at 200 Hz. The median over blocks keeps corners out.
 fn of_counts(step_m: Option<f64>, noise_m: f64, moving: Option<f64>) -> Option<f64> {
     let step_m = step_m.filter(|step_m| noise_m < *step_m)?;
-    Some(moving.map_or(noise_m, |noise_m| noise_m.max(step_m / 12.0_f64.sqrt())))
+    Some(moving.map_or(noise_m, |noise_m| noise_m.max(rounding_deviation(step_m))))
 }
 
 /// Standard deviation (m) of the noise of a position while it moves, from what was measured; `None` if it hardly
@@ -344,6 +344,7 @@ fn edge_slope(channel: &[f64], at: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::log::Log;
+    use crate::stats::rounding_step;
 
     fn of(position: impl Fn(f64) -> f64) -> (Kinematics, Vec<f64>) {
         let time: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();
@@ -438,7 +439,7 @@ mod tests {
         assert!((1000..1400).contains(&missing), "{missing}");
         let found = kinematics(&log);
         // THEN the noise is that of a count, and not of the lines across the gaps, and the speed as good as ever.
-        assert!((found.noise_m * 12.0_f64.sqrt() / 1e-6 - 1.0).abs() < 1e-6);
+        assert!((rounding_step(found.noise_m) / 1e-6 - 1.0).abs() < 1e-6);
         let speed = |at: usize| 2e-3 * 9.42 * (9.42 * log.time_s[at]).sin();
         let error_mps = rms((20..3970).map(|at| found.speed_mps[at] - speed(at)));
         assert!(error_mps < 4e-5, "{error_mps:e}");

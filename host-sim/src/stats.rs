@@ -43,6 +43,16 @@ pub(crate) fn robust_deviation(values: impl IntoIterator<Item = f64>) -> f64 {
     median(values.into_iter().map(f64::abs)) / 0.6745
 }
 
+/// The standard deviation of an error that is spread evenly over a step, such as what rounding leaves.
+pub(crate) fn rounding_deviation(step: f64) -> f64 {
+    step / 12.0_f64.sqrt()
+}
+
+/// The step that rounds with this standard deviation.
+pub(crate) fn rounding_step(deviation: f64) -> f64 {
+    deviation * 12.0_f64.sqrt()
+}
+
 /// The root of the mean square; 0 if there are no values.
 pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, count), value| {

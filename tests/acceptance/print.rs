@@ -4,8 +4,9 @@
 use estimator_core::estimate::method::Method;
 use tests::acceptance::cases::{Case, SETTINGS, Touched};
 use tests::acceptance::rows::{Skew, Swap};
-use tests::acceptance::score::{Row, quantile, score};
+use tests::acceptance::score::{Row, score};
 use tests::acceptance::{relaxing, rows};
+use tests::quantile::quantile;
 use tests::tolerance::{CLOSE, STRICT};
 
 /// The methods side by side: name, method, whether the surface is known.

@@ -5,7 +5,8 @@ use estimator_core::estimate::method::Method;
 use tests::acceptance::cases::{self, Case, SETTINGS, Touched};
 use tests::acceptance::relaxing;
 use tests::acceptance::rows::{self, Skew, Swap};
-use tests::acceptance::score::{Row, quantile, score};
+use tests::acceptance::score::{Row, score};
+use tests::quantile::quantile;
 use tests::tolerance::{self, CLOSE, STRICT};
 
 /// The seeds of each setting.

@@ -15,6 +15,7 @@ pub mod hidden;
 pub mod house;
 #[cfg(feature = "rigs")]
 pub mod information;
+pub mod quantile;
 pub mod signal;
 #[cfg(all(feature = "rigs", not(test)))]
 pub mod teleop;

@@ -1,6 +1,6 @@
 //! The noise of a channel and its step, and those of its samples that were measured.
 
-use crate::stats::{lowest, quantile, range, robust_deviation};
+use crate::stats::{lowest, quantile, range, robust_deviation, rounding_deviation};
 
 /// Standard deviation of the noise of a channel, from second differences: x(h) − 2x(h−1) + x(h−2)
 /// has variance 6σ² for white noise, and slow signals drop out. The median keeps jumps at touches
@@ -11,7 +11,7 @@ pub fn noise(channel: &[f64]) -> f64 {
 
 pub(super) fn noise_beside(step: Option<f64>, channel: &[f64]) -> f64 {
     let sigma = sigma(channel.windows(3).map(second_difference));
-    sigma.max(step.unwrap_or(0.0) / 12.0_f64.sqrt())
+    sigma.max(rounding_deviation(step.unwrap_or(0.0)))
 }
 
 /// Samples of the blocks of [`loud_noise`], and the share of them that do not exceed it.
@@ -44,7 +44,9 @@ pub(crate) fn noise_of_measured(channel: &[f64], invented: &[bool]) -> f64 {
         return noise(channel);
     }
     let sigma = sigma(second_differences_of_measured(channel, invented));
-    sigma.max(step(&measured(channel, invented)).unwrap_or(0.0) / 12.0_f64.sqrt())
+    sigma.max(rounding_deviation(
+        step(&measured(channel, invented)).unwrap_or(0.0),
+    ))
 }
 
 /// The samples of a channel that are not invented.
@@ -175,6 +177,6 @@ mod tests {
     #[test]
     fn without_noise_the_step_is_the_noise() {
         let ramp: Vec<f64> = (0..1000).map(|i| f64::from(i / 4) * 0.01).collect();
-        assert!((noise(&ramp) - 0.01 / 12.0_f64.sqrt()).abs() < 1e-12);
+        assert!((noise(&ramp) - rounding_deviation(0.01)).abs() < 1e-12);
     }
 }

@@ -19,7 +19,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::cases::Stroke;
-use super::score::{Ran, largest, quantile, run};
+use super::score::{Ran, largest, run};
+use crate::quantile::quantile;
 use crate::tolerance::{CLOSE, STRICT, SURE};
 
 /// Length of a case (s).

@@ -15,7 +15,8 @@ use rand_pcg::Pcg64;
 
 use super::cases::{Case, SETTINGS, Stroke, Touched, motion, reach};
 use super::floor::Floor;
-use super::score::{Row, errors, quantile, score};
+use super::score::{Row, errors, score};
+use crate::quantile::quantile;
 use crate::tolerance::CLOSE;
 
 /// Errors of λ and of the skew on plastic whose force is read up to 2 ms late or early.
@@ -61,7 +62,7 @@ impl Skew {
 
     /// The `share`-quantiles of the relative error of λ and of the error of the skew (s).
     pub fn errors(&self, share: f64) -> (f64, f64) {
-        let of = |errors: &Vec<f64>| quantile(errors.iter().copied(), share);
+        let of = |errors: &Vec<f64>| quantile(errors, share);
         (of(&self.damping), of(&self.skew_s))
     }
 }

@@ -9,6 +9,7 @@ use palpate::replay::samples;
 
 use super::cases::Case;
 use super::floor::Floor;
+use crate::quantile::quantile;
 use crate::tolerance::{CLOSE, SURE};
 
 /// How well one method estimates one case.
@@ -186,12 +187,4 @@ impl Row {
     pub fn coverage(&self) -> [f64; 3] {
         std::array::from_fn(|slot| self.share(|score| score.covered[slot]))
     }
-}
-
-/// The `share`-quantile of the values.
-pub fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    let at = ((values.len().max(1) - 1) as f64 * share).round() as usize;
-    values.get(at).copied().unwrap_or(f64::NAN)
 }

@@ -3,6 +3,7 @@
 use palpate::teleop::environment::{Environment, Material};
 use palpate::teleop::{Cell, Grid, Measures, Options, SchemeId, System, compare, measure};
 
+use crate::quantile::quantile;
 use crate::tolerance;
 
 /// A row of the bar.
@@ -22,13 +23,6 @@ const MATERIALS: [(&str, f64); 3] = [
     ("plastic", tolerance::FELT),
     ("foam", tolerance::FELT_RELAXING),
 ];
-
-pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-    sorted.get(at).copied().unwrap_or(f64::NAN)
-}
 
 fn of<'a>(
     cells: &'a [Cell],

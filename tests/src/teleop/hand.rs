@@ -6,7 +6,8 @@ use palpate::teleop::hand::Excitation;
 use palpate::teleop::operator::{Grip, HAND};
 use palpate::teleop::{Options, SchemeId, System, Trace};
 
-use super::bar::{Row, quantile};
+use super::bar::Row;
+use crate::quantile::quantile;
 use crate::tolerance;
 
 /// When the hand is looked at (s): after eight seconds of palpation.

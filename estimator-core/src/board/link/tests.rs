@@ -1,63 +1,20 @@
 use super::*;
+use crate::board::cut_flash::CutFlash;
 use crate::board::frame::{Frame, MAX_ENCODED, encode};
 use crate::board::history::{Crash, CrashKind, History, ResetCause, Stage};
-use crate::board::settings::store::{SLOT, Store};
+use crate::board::ram_flash::SECTOR;
+use crate::board::settings::store::Store;
 use crate::board::wire::FrameError;
 use crate::estimate::fault::Fault;
-use embedded_storage::nor_flash::ReadNorFlash;
-use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind};
 extern crate std;
 use std::vec;
 use std::vec::Vec;
 
-/// Flash in memory that can be told to fail.
-struct RamFlash {
-    bytes: Vec<u8>,
-    broken: bool,
-}
-
-#[derive(Debug)]
-struct Broken;
-
-impl NorFlashError for Broken {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl ErrorType for RamFlash {
-    type Error = Broken;
-}
-
-impl ReadNorFlash for RamFlash {
-    const READ_SIZE: usize = 1;
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Broken> {
-        let start = offset as usize;
-        bytes.copy_from_slice(&self.bytes[start..start + bytes.len()]);
-        Ok(())
-    }
-    fn capacity(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
-impl NorFlash for RamFlash {
-    const WRITE_SIZE: usize = 1;
-    const ERASE_SIZE: usize = 2 * SLOT;
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), Broken> {
-        self.bytes[from as usize..to as usize].fill(0xff);
-        if self.broken { Err(Broken) } else { Ok(()) }
-    }
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Broken> {
-        let start = offset as usize;
-        self.bytes[start..start + bytes.len()].copy_from_slice(bytes);
-        if self.broken { Err(Broken) } else { Ok(()) }
-    }
-}
-
-fn store(broken: bool) -> Store<RamFlash> {
-    let bytes = vec![0xff; 4 * SLOT];
-    Store::new(RamFlash { bytes, broken }, 0, 2 * SLOT as u32)
+/// Settings in a flash that loses power after so many steps.
+fn store(steps_left: u64) -> Store<CutFlash> {
+    let mut flash = CutFlash::new(0xff);
+    flash.steps_left = steps_left;
+    Store::new(flash, 0, SECTOR)
 }
 
 fn identity() -> Identity {
@@ -71,8 +28,8 @@ fn identity() -> Identity {
     }
 }
 
-fn responder() -> Responder<RamFlash> {
-    Responder::new(store(false), identity())
+fn responder() -> Responder<CutFlash> {
+    Responder::new(store(u64::MAX), identity())
 }
 
 fn encoded(frame: &Frame, sequence: u16) -> Vec<u8> {
@@ -81,7 +38,7 @@ fn encoded(frame: &Frame, sequence: u16) -> Vec<u8> {
     out[..length].to_vec()
 }
 
-fn ask(responder: &mut Responder<RamFlash>, command: Command) -> Answer {
+fn ask(responder: &mut Responder<CutFlash>, command: Command) -> Answer {
     responder.answer(1, command, false, false).reply.answer
 }
 
@@ -215,7 +172,7 @@ fn the_board_describes_every_setting_in_the_order_of_their_numbers() {
 }
 
 /// A responder that renders up to 5 N.
-fn rendering() -> Responder<RamFlash> {
+fn rendering() -> Responder<CutFlash> {
     let mut responder = responder();
     for (key, value) in [(Key::RenderDeviceNsPerM, 5.0), (Key::RenderForceN, 5.0)] {
         let answer = ask(&mut responder, Command::Set(key.id(), value));
@@ -309,7 +266,7 @@ fn a_setting_is_read_changed_saved_reloaded_and_set_back() {
         ask(&mut responder, Command::Set(id, 12.0)),
         Answer::Value(id, 12.0)
     );
-    let unsaved = |responder: &mut Responder<RamFlash>| match ask(responder, Command::Identify) {
+    let unsaved = |responder: &mut Responder<CutFlash>| match ask(responder, Command::Identify) {
         Answer::Identity(identity) => identity.unsaved,
         other => panic!("{other:?}"),
     };
@@ -434,7 +391,7 @@ fn what_was_prepared_comes_into_force_as_a_whole_or_not_at_all() {
     assert_eq!(*responder.settings(), before);
     // WHEN the force comes too, THEN it is refused in contact and while the board is busy
     ask(&mut responder, prepare(force, 0.4));
-    let refused = |responder: &mut Responder<RamFlash>, in_contact, busy| {
+    let refused = |responder: &mut Responder<CutFlash>, in_contact, busy| {
         let answered = responder.answer(1, Command::Commit, in_contact, busy);
         assert_eq!(answered.change, None);
         answered.reply.answer
@@ -500,7 +457,7 @@ fn what_an_earlier_host_prepared_can_be_discarded_and_never_slips_in() {
 
 #[test]
 fn a_flash_that_fails_is_said() {
-    let mut responder = Responder::new(store(true), identity());
+    let mut responder = Responder::new(store(1), identity());
     assert_eq!(
         ask(&mut responder, Command::Save),
         Answer::Refused(Refusal::FlashFailed, 0)
@@ -510,7 +467,7 @@ fn a_flash_that_fails_is_said() {
 #[test]
 fn settings_that_cannot_be_used_stand_as_a_fault_until_new_ones_are_saved() {
     // GIVEN flash whose only record holds a half-width of 77
-    let mut store = store(false);
+    let mut store = store(u64::MAX);
     let mut bad = crate::board::settings::Settings::default();
     bad.put(Key::EstimatorHalfWidth, 77.0);
     store.save(&bad).unwrap();
@@ -573,7 +530,7 @@ fn impedance(time_us: u64, stiffness: f32) -> Packet {
 }
 
 /// What a master is set to.
-fn master() -> Responder<RamFlash> {
+fn master() -> Responder<CutFlash> {
     let mut responder = responder();
     for (key, value) in [(Key::RenderForceN, 5.0), (Key::RenderDeviceNsPerM, 5.0)] {
         ask(&mut responder, Command::Prepare(key.id(), value));
@@ -614,7 +571,7 @@ fn the_frame_that_a_slave_sends_is_a_command_to_a_master() {
 
 #[test]
 fn an_impedance_that_is_not_rendered_is_refused_for_its_reason() {
-    let refused = |responder: &mut Responder<RamFlash>, packet| {
+    let refused = |responder: &mut Responder<CutFlash>, packet| {
         let answered = responder.answer(1, Command::Reflect(packet), false, false);
         assert_eq!(answered.packet, None);
         answered.reply.answer

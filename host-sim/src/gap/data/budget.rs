@@ -251,7 +251,7 @@ fn kept_samples(log: &FitData, still: &[bool]) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::log::Log;
-    use crate::stats::rms;
+    use crate::stats::{rms, rounding_step};
 
     fn log(samples: usize, rate_hz: f64, position: impl Fn(f64) -> f64) -> UniformLog {
         let time_s: Vec<f64> = (0..samples).map(|at| at as f64 / rate_hz).collect();
@@ -338,7 +338,7 @@ mod tests {
         assert_eq!(logs[0].len(), 100_000);
         // THEN means of two are still in counts of 1 µm, not of half of that, and their speed is good to 0.1 %.
         let data = FitData::of(&logs[0]);
-        let whole = data.position_noise_m * 12.0_f64.sqrt();
+        let whole = rounding_step(data.position_noise_m);
         assert!((whole / 1e-6 - 1.0).abs() < 1e-6, "{whole:e}");
         let errors = (200..99_800).map(|at| {
             let true_mps = 4e-3 * turn * (turn * data.time_s[at]).cos();

@@ -9,6 +9,7 @@ use crate::gap::experiment::plan::{FurtherMotion, best_excitation};
 use crate::gap::experiment::recordings::{Recordings, Sensor};
 use crate::gap::model::{dataset::Dataset, fit::Fit, simulate::forces};
 use crate::gap::noise::floor::NoiseFloor;
+use crate::stats::rounding_step;
 
 /// Samples of the log that are kept.
 const SAMPLES: usize = 2_000;
@@ -32,8 +33,7 @@ impl ExperimentDesign {
         let logs: Vec<FitData> = dataset.logs.iter().map(|log| log.thinned(step)).collect();
         let sensor = Sensor {
             rate_hz: 1.0 / dataset.logs[0].period_s,
-            // The error of a count is evenly distributed.
-            position_step_m: dataset.scales.position_noise_m * 12.0_f64.sqrt(),
+            position_step_m: rounding_step(dataset.scales.position_noise_m),
             noise_n: dataset.floors[0].used_n.max(f64::MIN_POSITIVE),
         };
         let at_pace = |pace: &f64| excitations(range(dataset, fit, *pace));

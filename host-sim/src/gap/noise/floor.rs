@@ -22,6 +22,7 @@ use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::model::Remainder;
 use crate::signal;
+use crate::stats::rounding_deviation;
 
 /// The noise of a measured force.
 #[derive(Clone, Debug, PartialEq)]
@@ -224,7 +225,7 @@ impl NoiseFloor {
         let (used_n, why) = used(log, raw, rests, (high_pass, rest_n), decide);
         // A force at rest stays on one step of a coarse converter: steps of 0.5 N had a floor of 44 mN, and nothing
         // explained the 0.14 N that they leave of any motion.
-        let rounding_n = raw.code_n / 12.0_f64.sqrt();
+        let rounding_n = rounding_deviation(raw.code_n);
         let (used_n, why) = match used_n < rounding_n {
             true => (
                 rounding_n,

@@ -3,7 +3,7 @@
 use crate::gap::thresholds::Floor;
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::rms;
+use crate::stats::{rms, rounding_deviation};
 
 /// Sum of the squared weights of second differences, and of fourth ones.
 const SECOND: f64 = 6.0;
@@ -25,7 +25,7 @@ impl HighPass {
     pub(super) fn second(log: &UniformLog, code_n: f64, spike_sigmas: f64) -> HighPass {
         // Of pink noise of half a code at 5 kHz more than half of the differences are 0; without a line that is no
         // difference at all, and the floor was 0.8 nN of 8 mN.
-        let coarse = log.force_noise_n().max(code_n / 12.0_f64.sqrt());
+        let coarse = log.force_noise_n().max(rounding_deviation(code_n));
         let differences = signal::second_differences_of_measured(&log.force_n, &log.in_gap);
         let fine = noise_n(differences, SECOND, spike_sigmas * coarse);
         HighPass {

@@ -4,6 +4,7 @@ use estimator_core::physics::effect::{EffectId, Family, Repeats};
 
 use crate::gap::data::{repetition::repeats_with, scales::Scales};
 use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
+use crate::stats::rounding_step;
 
 /// A wave is a harmonic of another if their pitches or frequencies differ by a whole factor within this.
 const HARMONIC: f64 = 0.02;
@@ -42,8 +43,7 @@ fn is_shown_in_contact(wave: &Term, fit: &Fit, scales: &Scales) -> bool {
     const FEWEST_CYCLES: f64 = 2.5;
     const FEWEST_TOUCHES: usize = 5;
     let surface_m = fit.shape.surface_at(&fit.numbers);
-    // The error of a count is √1/12 of it.
-    let half_count_m = 0.5 * 12.0_f64.sqrt() * scales.position_noise_m;
+    let half_count_m = 0.5 * rounding_step(scales.position_noise_m);
     let is_seen = wave.row[1] * scales.time_beyond_s(surface_m) >= FEWEST_CYCLES
         || scales.passes_beyond(surface_m) >= FEWEST_TOUCHES;
     is_seen && wave.row[0].abs() >= half_count_m

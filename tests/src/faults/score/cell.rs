@@ -2,9 +2,9 @@
 
 use super::judge::{Look, Verdict, judge};
 use super::run::Flag;
-use crate::acceptance::score::quantile;
 use crate::faults::rig::case::Case;
 use crate::faults::rig::fault::Fault;
+use crate::quantile::quantile;
 use estimator_core::Status;
 use rayon::prelude::*;
 
@@ -73,14 +73,14 @@ impl Cell {
     pub fn flagged(&self, kind: Flag) -> (usize, f64) {
         let times = self.verdicts.iter().filter_map(|v| v.flag);
         let times: Vec<f64> = times.filter(|f| f.0 == kind).map(|f| f.1).collect();
-        (times.len(), quantile(times.iter().copied(), 0.5))
+        (times.len(), quantile(&times, 0.5))
     }
 
     /// Logs that had to recover, those that did so in time, and the median (s).
     pub fn recovery(&self) -> (usize, usize, f64) {
         let times: Vec<f64> = self.verdicts.iter().filter_map(|v| v.recovered_s).collect();
         let timely = self.count(Verdict::recovered_in_time);
-        (times.len(), timely, quantile(times.iter().copied(), 0.5))
+        (times.len(), timely, quantile(&times, 0.5))
     }
 
     /// Logs that had to learn another material, those that did so in time, and those of an efficient estimator.

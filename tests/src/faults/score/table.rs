@@ -3,8 +3,8 @@
 use super::cell::Cell;
 use super::judge::Verdict;
 use super::run::Flag;
-use crate::acceptance::score::quantile;
 use crate::faults::rig::case::names;
+use crate::quantile::quantile;
 use crate::tolerance::CLOSE;
 use estimator_core::Status;
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! Shares with their confidence intervals, and quantiles.
+//! Shares with their confidence intervals.
 
 use crate::tolerance::SURE;
 
@@ -75,15 +75,4 @@ impl std::fmt::Display for Share {
             100.0 * high
         ))
     }
-}
-
-/// The quantile of the finite values by nearest rank; NaN where there is none.
-pub fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let rank = (share * sorted.len() as f64).ceil() as usize;
-    sorted
-        .get(rank.saturating_sub(1))
-        .copied()
-        .unwrap_or(f64::NAN)
 }

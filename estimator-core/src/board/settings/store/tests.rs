@@ -1,121 +1,13 @@
 use super::*;
+use crate::board::cut_flash::{CutFlash, PowerCut};
+use crate::board::ram_flash::SECTOR;
 use crate::board::settings::compensation::Parameter;
 use crate::physics::{effect::EffectId, rig::MOST_EFFECTS};
-use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
-};
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 extern crate std;
-use std::vec;
 use std::vec::Vec;
 
-/// Four slots: a sector fills, and the other is erased, every fourth save.
-const SECTOR: u32 = 4 * SLOT as u32;
-/// Bytes that an erase clears in a step: a cut leaves a part erased.
-const ERASE_STEP: usize = 64;
-
-/// Flash in memory that loses power after so many steps: a byte written, or [`ERASE_STEP`] bytes
-/// erased. Like the real one, a write only clears bits.
-#[derive(Clone)]
-struct RamFlash {
-    bytes: Vec<u8>,
-    steps_left: u64,
-    /// The bits that the byte in work still has after the cut.
-    torn: u8,
-}
-
-#[derive(Debug, PartialEq, Eq)]
-struct PowerCut;
-
-impl NorFlashError for PowerCut {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl ErrorType for RamFlash {
-    type Error = PowerCut;
-}
-
-impl RamFlash {
-    fn new(fill: u8) -> Self {
-        RamFlash {
-            bytes: vec![fill; 2 * SECTOR as usize],
-            steps_left: u64::MAX,
-            torn: 0,
-        }
-    }
-
-    /// One step, unless the power is gone: `last` is then the step that it was cut in.
-    fn step(&mut self) -> Result<(), bool> {
-        match self.steps_left {
-            0 => Err(false),
-            1 => {
-                self.steps_left = 0;
-                Err(true)
-            }
-            _ => {
-                self.steps_left -= 1;
-                Ok(())
-            }
-        }
-    }
-}
-
-impl ReadNorFlash for RamFlash {
-    const READ_SIZE: usize = 1;
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerCut> {
-        let start = offset as usize;
-        bytes.copy_from_slice(&self.bytes[start..start + bytes.len()]);
-        if self.steps_left == 0 {
-            Err(PowerCut)
-        } else {
-            Ok(())
-        }
-    }
-    fn capacity(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
-impl NorFlash for RamFlash {
-    const WRITE_SIZE: usize = 1;
-    const ERASE_SIZE: usize = SECTOR as usize;
-
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerCut> {
-        for start in (from as usize..to as usize).step_by(ERASE_STEP) {
-            match self.step() {
-                Ok(()) => self.bytes[start..start + ERASE_STEP].fill(0xff),
-                Err(in_work) => {
-                    if in_work {
-                        let torn = self.torn;
-                        let piece = &mut self.bytes[start..start + ERASE_STEP];
-                        piece.iter_mut().for_each(|byte| *byte |= torn);
-                    }
-                    return Err(PowerCut);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerCut> {
-        for (index, byte) in bytes.iter().enumerate() {
-            let at = offset as usize + index;
-            match self.step() {
-                Ok(()) => self.bytes[at] &= byte,
-                Err(in_work) => {
-                    if in_work {
-                        self.bytes[at] &= byte | self.torn;
-                    }
-                    return Err(PowerCut);
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-fn store(flash: RamFlash) -> Store<RamFlash> {
+fn store(flash: CutFlash) -> Store<CutFlash> {
     Store::new(flash, 0, SECTOR)
 }
 
@@ -132,7 +24,7 @@ fn good(count: u16) -> Loaded {
 }
 
 /// Saves 0, 1, … until the power is cut or `saves` are done; gives the number that were done.
-fn save_all(store: &mut Store<RamFlash>, saves: u16) -> u16 {
+fn save_all(store: &mut Store<CutFlash>, saves: u16) -> u16 {
     (0..saves)
         .find(|count| store.save(&settings(*count)).is_err())
         .unwrap_or(saves)
@@ -140,7 +32,7 @@ fn save_all(store: &mut Store<RamFlash>, saves: u16) -> u16 {
 
 #[test]
 fn what_was_saved_last_is_loaded_through_many_changes_of_sector() {
-    let mut store = store(RamFlash::new(0xff));
+    let mut store = store(CutFlash::new(0xff));
     assert_eq!(store.load(), Ok(Loaded::Nothing));
     for count in 0..50 {
         store.save(&settings(count)).unwrap();
@@ -154,7 +46,7 @@ fn what_was_saved_last_is_loaded_through_many_changes_of_sector() {
 fn a_power_cut_at_every_step_leaves_the_old_settings_or_the_new() {
     const SAVES: u16 = 13;
     for fill in [0xff, 0x00, 0x5a] {
-        let mut counting = RamFlash::new(fill);
+        let mut counting = CutFlash::new(fill);
         counting.steps_left = u64::MAX / 2;
         let mut whole = store(counting);
         assert_eq!(save_all(&mut whole, SAVES), SAVES);
@@ -162,7 +54,7 @@ fn a_power_cut_at_every_step_leaves_the_old_settings_or_the_new() {
         assert!(steps > u64::from(SAVES) * SLOT as u64);
         for cut in 1..=steps {
             for torn in [0x00, 0xff, 0xa5] {
-                let mut flash = RamFlash::new(fill);
+                let mut flash = CutFlash::new(fill);
                 (flash.steps_left, flash.torn) = (cut, torn);
                 let mut cut_store = store(flash);
                 let done = save_all(&mut cut_store, SAVES);
@@ -193,7 +85,7 @@ fn a_second_cut_while_the_first_is_being_repaired_does_no_harm() {
     // Six saves, so that the last repair erases a sector.
     for first in (1..2 * u64::from(SECTOR)).step_by(37) {
         for second in (1..600).step_by(7) {
-            let mut flash = RamFlash::new(0xff);
+            let mut flash = CutFlash::new(0xff);
             (flash.steps_left, flash.torn) = (first, 0x3c);
             let mut store_1 = store(flash);
             let done = save_all(&mut store_1, 9);
@@ -219,7 +111,7 @@ fn a_second_cut_while_the_first_is_being_repaired_does_no_harm() {
 #[test]
 fn a_slot_that_cannot_be_written_is_an_error_and_the_old_settings_stay() {
     /// The second slot has a bit that is stuck low, unseen while it reads blank.
-    struct Worn(RamFlash);
+    struct Worn(CutFlash);
     impl ErrorType for Worn {
         type Error = PowerCut;
     }
@@ -247,7 +139,7 @@ fn a_slot_that_cannot_be_written_is_an_error_and_the_old_settings_stay() {
             Ok(())
         }
     }
-    let mut store = Store::new(Worn(RamFlash::new(0xff)), 0, SECTOR);
+    let mut store = Store::new(Worn(CutFlash::new(0xff)), 0, SECTOR);
     store.save(&settings(1)).unwrap();
     assert_eq!(store.save(&settings(2)), Err(StoreError::Verify));
     assert_eq!(store.load(), Ok(good(1)));
@@ -271,7 +163,7 @@ fn record(layout: u8, pairs: &[(u8, f32)]) -> [u8; SLOT] {
 }
 
 fn loaded(record: [u8; SLOT]) -> Loaded {
-    let mut flash = RamFlash::new(0xff);
+    let mut flash = CutFlash::new(0xff);
     flash.bytes[..SLOT].copy_from_slice(&record);
     store(flash).load().unwrap()
 }
@@ -431,7 +323,7 @@ fn every_value_of_every_setting_survives() {
         if at_once.contains(&EffectId::TimeDelay) {
             settings.put(Key::from_id(116).unwrap(), 0.064);
         }
-        let mut store = store(RamFlash::new(0xff));
+        let mut store = store(CutFlash::new(0xff));
         store.save(&settings).unwrap();
         assert_eq!(store.load(), Ok(Loaded::Good(settings)));
     }

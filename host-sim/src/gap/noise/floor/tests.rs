@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::log::Log;
-use crate::stats::rms;
+use crate::stats::{rms, rounding_deviation};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
@@ -158,7 +158,7 @@ fn a_noise_below_the_converters_step_is_no_spike() {
     let floor = NoiseFloor::of(&log(&noise, |_, _| 0.0, code_n), &Floor::default());
     // THEN the floor is what noise and codes make together: not that of second differences, nor what
     // four medians of the sizes leave, 0.5 of it.
-    let sigma_n = rms(noise).hypot(code_n / 12.0_f64.sqrt());
+    let sigma_n = rms(noise).hypot(rounding_deviation(code_n));
     assert!(
         floor.coloured && floor.high_pass_n < 0.8 * sigma_n,
         "{floor:?}"

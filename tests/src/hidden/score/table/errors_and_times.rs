@@ -4,7 +4,7 @@ use super::{KINDS, Runs, with_forms};
 use crate::hidden::score::answer::Answer;
 use crate::hidden::score::judge::Mark;
 use crate::hidden::score::scored::Scored;
-use crate::hidden::score::share::quantile;
+use crate::quantile::quantile;
 
 /// The table, a row for each kind that has runs.
 pub(super) fn text<'a>(of: &dyn Fn(&str) -> Runs<'a>) -> String {
@@ -50,7 +50,7 @@ pub(super) fn text<'a>(of: &dyn Fn(&str) -> Runs<'a>) -> String {
         };
         let (cpu, wall) = (time(|a| a.cpu_s), time(|a| a.seconds));
         let shown = |values: &[f64], share: f64, decimals: usize| {
-            let value = quantile(values, share);
+            let value = quantile(values.iter().filter(|one| one.is_finite()), share);
             let text = format!("{value:.decimals$}");
             format!("{:>6}", if value.is_nan() { "–" } else { &text })
         };

@@ -3,7 +3,8 @@
 use super::{Runs, coverage, runs, share};
 use crate::hidden::score::judge::Mark;
 use crate::hidden::score::scored::Scored;
-use crate::hidden::score::share::{Share, quantile};
+use crate::hidden::score::share::Share;
+use crate::quantile::quantile;
 
 /// The groups: their row, and the kinds of rigs that belong to them. A kind that is in none has a row of
 /// its own.
@@ -101,6 +102,7 @@ fn row(name: &str, of: &[&Scored]) -> String {
         .iter()
         .filter(|one| alone(one) && something(one) || one.truth.effects.is_empty())
         .map(|one| one.ratio())
+        .filter(|ratio| ratio.is_finite())
         .collect();
     let adequate: Runs<'_> = of
         .iter()

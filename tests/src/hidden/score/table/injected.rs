@@ -3,6 +3,7 @@
 use super::wrapped;
 use crate::hidden::score::injected::{Clean, Examined, Injected, Outcome, stands};
 use crate::hidden::score::share::Share;
+use crate::quantile::quantile;
 use std::collections::BTreeMap;
 
 /// The tables: the clean records, the effects by size and by name, the misses, what left the count and why.
@@ -121,7 +122,7 @@ fn effects(examined: &[Examined]) -> String {
             share(&|one| one.in_best_set).hits,
             share(&|one| one.companion).to_string(),
             format!("{} of {}", close.hits, close.of),
-            crate::hidden::score::share::quantile(&left, 0.5),
+            quantile(left.iter().filter(|one| one.is_finite()), 0.5),
         );
     }
     let all = |what: &dyn Fn(&Outcome) -> bool| {

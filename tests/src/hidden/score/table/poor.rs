@@ -4,7 +4,7 @@
 use super::{Runs, share, wrapped};
 use crate::hidden::score::judge::{Mark, mark};
 use crate::hidden::score::scored::Scored;
-use crate::hidden::score::share::quantile;
+use crate::quantile::quantile;
 
 /// The table, empty where there is no such rig.
 pub(super) fn text(of: &[&Scored]) -> String {
