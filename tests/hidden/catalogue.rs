@@ -73,7 +73,7 @@ fn theirs(case: &Case) -> Vec<f64> {
     if let Some(cable) = case.cable_n_per_m() {
         rig = rig.with(Effect::new(
             EffectId::CableStiffness,
-            &[cable, 0.0, 0.0, 0.0],
+            &[cable, 0.0, 0.0, 0.0, 0.0],
         ));
     }
     let (track, mut state) = (&case.track, rig.at_rest());

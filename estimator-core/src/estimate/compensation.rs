@@ -117,7 +117,7 @@ impl<T: Real> Compensation<T> {
         });
         let delay_s: f64 = delays.sum();
         let delay = ChannelDelay::new(delay_s, rate)?;
-        let moving = effects.iter().any(needs_derivative);
+        let moving = effects.iter().any(Effect::needs_derivative);
         let window = moving.then(|| Window::new(rate, position_step_m));
         let window_samples = window.map_or(0, |window| window.delay_samples());
         let delay_s = window_samples as f64 / rate + delay_s.max(0.0);
@@ -211,14 +211,24 @@ impl<T: Real> Compensation<T> {
     /// The contact force (N): the mean over the window without what the load path adds.
     fn contact_n(&self, state: &mut CompensationState<T>, mean: &WindowMean<T>) -> T {
         let play_m = play_m(self.effects());
-        let known_n = mean.force_n - self.load_path_n(state, mean, play_m);
-        let at = |motion: &Motion<T>| share_of_load(self.effects(), motion.speed_mps);
-        if at(&mean.motion).is_none() {
+        let change_m = mean.motion.position_m - state.motor_m;
+        state.motor_m = mean.motion.position_m;
+        let known_n = mean.force_n - self.load_path_n(state, mean, change_m, play_m);
+        let each = self.effects.iter().zip(&mut state.load_path);
+        let share = share_of_load(each, |friction, memory| {
+            let follows_way = friction.width_m > T::zero();
+            self.in_the_mean(
+                mean,
+                follows_way,
+                memory,
+                change_m,
+                |memory, at, change_m| {
+                    friction.share_of_load(memory, at.speed_mps, change_m, play_m)
+                },
+            )
+        });
+        let Some(share) = share else {
             return known_n;
-        }
-        let share = match &self.window {
-            Some(window) => window.mean_force_n(mean, |motion| at(motion).unwrap_or(T::zero())),
-            None => T::zero(),
         };
         let cables_n = cables_n(self.effects(), mean.motion.position_m, play_m);
         without_load_friction_n(known_n, cables_n, share)
@@ -226,21 +236,43 @@ impl<T: Real> Compensation<T> {
 
     /// Force that the load path adds (N), in the mean over the window, but for a friction that grows
     /// with the load.
-    fn load_path_n(&self, state: &mut CompensationState<T>, mean: &WindowMean<T>, play_m: T) -> T {
-        let motion = &mean.motion;
-        let change_m = motion.position_m - state.motor_m;
-        state.motor_m = motion.position_m;
+    fn load_path_n(
+        &self,
+        state: &mut CompensationState<T>,
+        mean: &WindowMean<T>,
+        change_m: T,
+        play_m: T,
+    ) -> T {
         let mut force_n = T::zero();
         for (effect, memory) in self.effects.iter().zip(&mut state.load_path) {
-            force_n += match &self.window {
-                // A force that depends on the travel has its state at one end of the window only.
-                Some(window) if !effect.depends_on_travel() => window.mean_force_n(mean, |at| {
-                    effect.load_n(&mut { *memory }, at, T::zero(), play_m)
-                }),
-                _ => effect.load_n(memory, motion, change_m, play_m),
-            };
+            let follows_way = effect.depends_on_travel();
+            force_n += self.in_the_mean(
+                mean,
+                follows_way,
+                memory,
+                change_m,
+                |memory, at, change_m| effect.load_n(memory, at, change_m, play_m),
+            );
         }
         force_n
+    }
+
+    /// What an effect does in the mean over the window; what follows the way has its memory at one end of the window
+    /// only, and is taken after the whole way of `change_m`.
+    fn in_the_mean(
+        &self,
+        mean: &WindowMean<T>,
+        follows_way: bool,
+        memory: &mut LoadPathMemory<T>,
+        change_m: T,
+        does: impl Fn(&mut LoadPathMemory<T>, &Motion<T>, T) -> T,
+    ) -> T {
+        match &self.window {
+            Some(window) if !follows_way => {
+                window.mean_force_n(mean, |at| does(&mut { *memory }, at, T::zero()))
+            }
+            _ => does(memory, &mean.motion, change_m),
+        }
     }
 
     /// Position of the tip (m) behind the play and the springs of the transmission.
@@ -300,11 +332,6 @@ impl<T: Real> Compensation<T> {
         state.window.restart(position_m, force_n);
         (state.motor_m, state.far_m) = (position_m, position_m);
     }
-}
-
-/// Whether an effect cannot be removed without speed, acceleration or the rate of the force.
-fn needs_derivative<T: Scalar>(effect: &Effect<T>) -> bool {
-    effect.id().needs_derivative() && !effect.depends_on_travel()
 }
 
 /// The same effect in another precision.

@@ -180,7 +180,9 @@ impl<S: Scalar> Effect<S> {
             Effect::CoulombFriction(effect) => {
                 effect.force_n(memory, motor.speed_mps, change_m, play_m)
             }
-            Effect::StribeckFriction(effect) => effect.force_n(motor.speed_mps),
+            Effect::StribeckFriction(effect) => {
+                effect.force_n(memory, motor.speed_mps, change_m, play_m)
+            }
             Effect::ViscousDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::AsymmetricDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::QuadraticDrag(effect) => effect.force_n(motor.speed_mps),
@@ -198,13 +200,26 @@ impl<S: Scalar> Effect<S> {
         }
     }
 
-    /// Whether the force depends on the way since the last reversal, and not on the speed.
+    /// Whether the force depends on the way since the last reversal.
     pub(crate) fn depends_on_travel(&self) -> bool {
         match self {
             Effect::CoulombFriction(friction) => friction.width_m > S::zero(),
+            Effect::StribeckFriction(friction) => friction.width_m > S::zero(),
+            Effect::LoadFriction(friction) => friction.width_m > S::zero(),
             Effect::BoucWen(_) => true,
             _ => false,
         }
+    }
+
+    /// Whether these values can be compensated only with speed, acceleration or the rate of the force: those whose
+    /// force depends on the way alone need none.
+    pub(crate) fn needs_derivative(&self) -> bool {
+        let by_way_alone = match self {
+            Effect::StribeckFriction(_) => false,
+            Effect::LoadFriction(friction) => friction.excess == S::zero(),
+            _ => true,
+        };
+        self.id().needs_derivative() && !(by_way_alone && self.depends_on_travel())
     }
 }
 

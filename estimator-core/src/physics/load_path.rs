@@ -1,6 +1,6 @@
 //! What the effects of a load path share: a play, and a load.
 
-use super::effect::{Effect, beyond_play};
+use super::effect::{Effect, LoadFriction, LoadPathMemory, beyond_play};
 use crate::maths::scalar::Scalar;
 
 /// The play in front of whatever restores in the load path (m); 0 without one.
@@ -24,15 +24,13 @@ pub(crate) fn cables_n<'a, S: Scalar>(
     })
 }
 
-/// What friction adds for each newton of load at a speed; `None` where none grows with the load.
+/// What the frictions that grow with the load add for each newton of it, a `share` each; `None` without one.
 pub(crate) fn share_of_load<'a, S: Scalar>(
-    effects: impl Iterator<Item = &'a Effect<S>>,
-    speed_mps: S,
+    effects: impl Iterator<Item = (&'a Effect<S>, &'a mut LoadPathMemory<S>)>,
+    share: impl Fn(&'a LoadFriction<S>, &'a mut LoadPathMemory<S>) -> S,
 ) -> Option<S> {
-    effects.fold(None, |sum, effect| match effect {
-        Effect::LoadFriction(friction) => {
-            Some(sum.unwrap_or(S::zero()) + friction.share_of_load(speed_mps))
-        }
+    effects.fold(None, |sum, (effect, memory)| match effect {
+        Effect::LoadFriction(friction) => Some(sum.unwrap_or(S::zero()) + share(friction, memory)),
         _ => sum,
     })
 }

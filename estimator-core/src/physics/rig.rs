@@ -241,7 +241,11 @@ impl<S: Scalar> Rig<S> {
         let change_m = motor.position_m - state.motor_m;
         let play_m = play_m(self.effects());
         let mut force_n = S::zero();
-        if let Some(share) = share_of_load(self.effects(), motor.speed_mps) {
+        let each = self.effects.iter().zip(&mut state.load_path);
+        let share = share_of_load(each, |friction, memory| {
+            friction.share_of_load(memory, motor.speed_mps, change_m, play_m)
+        });
+        if let Some(share) = share {
             let cables_n = cables_n(self.effects(), motor.position_m, play_m);
             force_n = share * (contact_n + cables_n).abs();
         }

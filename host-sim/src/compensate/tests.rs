@@ -168,7 +168,7 @@ fn a_force_at_the_limit_is_not_learned_from() {
 #[test]
 fn a_delay_that_is_too_long_is_refused_with_its_rate() {
     let model = model("[[effect]]\nid = \"time_delay\"\ndelay = 0.2\n");
-    let delay = Effect::new(EffectId::TimeDelay, &[0.2, 0.0, 0.0, 0.0]);
+    let delay = Effect::new(EffectId::TimeDelay, &[0.2, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!(model.rig().unwrap().effects, Effects::from_iter([delay]));
     let error = compensate(&recorded(&model), &model)
         .unwrap_err()

@@ -180,7 +180,7 @@ mod tests {
         assert!((depth - exact).abs() < 1e-17, "{depth}");
         assert!(depth_at_m(&Contact::FREE, &Effects::none(), 1.0).is_none());
         // A spring of 10 N/mm behind it gives way by a millimetre.
-        let spring = Effect::new(EffectId::SeriesCompliance, &[1e4, 0.0, 0.0, 0.0]);
+        let spring = Effect::new(EffectId::SeriesCompliance, &[1e4, 0.0, 0.0, 0.0, 0.0]);
         let spring = Effects::from_iter([spring]);
         let behind = depth_at_m(&GEL.at(2e-3), &spring, 10.0).unwrap();
         assert!((behind - depth - 1e-3).abs() < 1e-15, "{behind}");

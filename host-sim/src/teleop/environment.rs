@@ -157,7 +157,7 @@ impl Material {
     /// The gel with a stiffer layer 1.5 mm below its surface.
     pub fn layered() -> Material {
         let gel = Material::gel();
-        let layer = Effect::new(EffectId::BuriedLayer, &[3000.0, 1.5e-3, 0.0, 0.0]);
+        let layer = Effect::new(EffectId::BuriedLayer, &[3000.0, 1.5e-3, 0.0, 0.0, 0.0]);
         Material {
             name: "layered".into(),
             rig: gel.rig.with(layer),

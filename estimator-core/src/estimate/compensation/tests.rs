@@ -1,6 +1,7 @@
 //! What the signal chain of a rig adds is removed again.
 
 use super::*;
+use crate::physics::effect::MOST_PARAMETERS;
 use crate::physics::{effect::Motion, law::HuntCrossley, rig::Environment, rig::Rig};
 
 const RATE_HZ: f32 = 1000.0;
@@ -27,7 +28,7 @@ fn palpation(time_s: f64) -> Motion<f64> {
 
 /// Largest errors of the tip (m) and of the contact force (N) after the effects of a rig have been
 /// removed from the readings of its sensors, from the tenth of a second on.
-fn remaining_errors(effects: &[(EffectId, [f64; 4])]) -> [f64; 2] {
+fn remaining_errors(effects: &[(EffectId, [f64; MOST_PARAMETERS])]) -> [f64; 2] {
     let mut rig = Rig::bare(Environment::from(GEL));
     for (id, row) in effects {
         rig = rig.with(Effect::new(*id, row));
@@ -74,66 +75,101 @@ fn each_effect_of_the_rig_is_removed_from_its_readings() {
     // (effect, parameters, error of the tip (m), error of the force (N)). A window of ±5 ms rounds the
     // touch off by 12 mN and the sine by ½ẍΣhₖ(kT)² = 0.406 µm; a rig without a window is exact.
     for (id, row, tip_m, force_n) in [
-        (EffectId::ForceOffset, [0.5, 0.0, 0.0, 0.0], 1e-15, 1e-12),
-        (EffectId::ForceDrift, [0.05, 10.0, 0.0, 0.0], 1e-15, 1e-12),
+        (
+            EffectId::ForceOffset,
+            [0.5, 0.0, 0.0, 0.0, 0.0],
+            1e-15,
+            1e-12,
+        ),
+        (
+            EffectId::ForceDrift,
+            [0.05, 10.0, 0.0, 0.0, 0.0],
+            1e-15,
+            1e-12,
+        ),
         (
             EffectId::CableStiffness,
-            [100.0, 0.0, 0.0, 0.0],
+            [100.0, 0.0, 0.0, 0.0, 0.0],
             1e-15,
             1e-12,
         ),
-        (EffectId::Cogging, [0.3, 5e-4, 0.3, 0.0], 1e-15, 1e-12),
+        (EffectId::Cogging, [0.3, 5e-4, 0.3, 0.0, 0.0], 1e-15, 1e-12),
         (
             EffectId::PeriodicDisturbance,
-            [0.3, 12.0, 0.3, 0.0],
+            [0.3, 12.0, 0.3, 0.0, 0.0],
             1e-15,
             1e-12,
         ),
         (
             EffectId::SeriesCompliance,
-            [12_000.0, 0.0, 0.0, 0.0],
+            [12_000.0, 0.0, 0.0, 0.0, 0.0],
             1e-9,
             1e-9,
         ),
         (
             EffectId::SeriesCompliance,
-            [9_000.0, 2.0, 0.0, 0.0],
+            [9_000.0, 2.0, 0.0, 0.0, 0.0],
             1e-9,
             1e-9,
         ),
-        (EffectId::Backlash, [1e-4, 0.0, 0.0, 0.0], 1e-15, 1e-12),
+        (EffectId::Backlash, [1e-4, 0.0, 0.0, 0.0, 0.0], 1e-15, 1e-12),
         (
             EffectId::EncoderPeriodicError,
-            [1e-5, 4e-4, 0.2, 0.0],
+            [1e-5, 4e-4, 0.2, 0.0, 0.0],
             1e-8,
             1e-9,
         ),
-        (EffectId::TimeDelay, [4.3e-3, 0.0, 0.0, 0.0], 2e-8, 1e-12),
-        (EffectId::TimeDelay, [-4.3e-3, 0.0, 0.0, 0.0], 1e-15, 2e-3),
-        (EffectId::ViscousDrag, [5.0, 0.0, 0.0, 0.0], 4.1e-7, 1.2e-2),
         (
-            EffectId::AsymmetricDrag,
-            [3.0, 0.0, 0.0, 0.0],
+            EffectId::TimeDelay,
+            [4.3e-3, 0.0, 0.0, 0.0, 0.0],
+            2e-8,
+            1e-12,
+        ),
+        (
+            EffectId::TimeDelay,
+            [-4.3e-3, 0.0, 0.0, 0.0, 0.0],
+            1e-15,
+            2e-3,
+        ),
+        (
+            EffectId::ViscousDrag,
+            [5.0, 0.0, 0.0, 0.0, 0.0],
             4.1e-7,
             1.2e-2,
         ),
-        (EffectId::ToolInertia, [0.5, 0.0, 0.0, 0.0], 4.1e-7, 1.2e-2),
-        (EffectId::ForceLag, [5e-3, 0.0, 0.0, 0.0], 4.1e-7, 1.2e-2),
+        (
+            EffectId::AsymmetricDrag,
+            [3.0, 0.0, 0.0, 0.0, 0.0],
+            4.1e-7,
+            1.2e-2,
+        ),
+        (
+            EffectId::ToolInertia,
+            [0.5, 0.0, 0.0, 0.0, 0.0],
+            4.1e-7,
+            1.2e-2,
+        ),
+        (
+            EffectId::ForceLag,
+            [5e-3, 0.0, 0.0, 0.0, 0.0],
+            4.1e-7,
+            1.2e-2,
+        ),
         (
             EffectId::CoulombFriction,
-            [0.4, 0.0, 0.0, 0.0],
+            [0.4, 0.0, 0.0, 0.0, 0.0],
             4.1e-7,
             6e-2,
         ),
         (
             EffectId::CoulombFriction,
-            [0.4, 2e-5, 0.0, 0.0],
+            [0.4, 2e-5, 0.0, 0.0, 0.0],
             1e-15,
             1e-12,
         ),
         (
             EffectId::StribeckFriction,
-            [0.3, 0.5, 2e-3, 1e-4],
+            [0.3, 0.5, 2e-3, 1e-4, 0.0],
             4.1e-7,
             6e-2,
         ),
@@ -147,12 +183,12 @@ fn each_effect_of_the_rig_is_removed_from_its_readings() {
 #[test]
 fn several_effects_are_removed_together_and_those_of_the_material_stay() {
     let together = [
-        (EffectId::ToolInertia, [0.2, 0.0, 0.0, 0.0]),
-        (EffectId::ForceLag, [3e-3, 0.0, 0.0, 0.0]),
-        (EffectId::SeriesCompliance, [12_000.0, 0.0, 0.0, 0.0]),
-        (EffectId::ForceOffset, [-0.7, 0.0, 0.0, 0.0]),
-        (EffectId::Adhesion, [0.2, 4e-4, 0.0, 0.0]),
-        (EffectId::StressRelaxation, [0.3, 2.0, 0.0, 0.0]),
+        (EffectId::ToolInertia, [0.2, 0.0, 0.0, 0.0, 0.0]),
+        (EffectId::ForceLag, [3e-3, 0.0, 0.0, 0.0, 0.0]),
+        (EffectId::SeriesCompliance, [12_000.0, 0.0, 0.0, 0.0, 0.0]),
+        (EffectId::ForceOffset, [-0.7, 0.0, 0.0, 0.0, 0.0]),
+        (EffectId::Adhesion, [0.2, 4e-4, 0.0, 0.0, 0.0]),
+        (EffectId::StressRelaxation, [0.3, 2.0, 0.0, 0.0, 0.0]),
     ];
     let [tip, force] = remaining_errors(&together);
     // Adhesion begins with a step of 0.2 N, half of which the window does not contain yet.
@@ -178,7 +214,7 @@ fn every_effect_is_the_rigs_or_the_materials() {
 
 /// A compensation of effects with a first number each.
 fn compensation<const N: usize>(effects: [(EffectId, f64); N]) -> Compensation<f32> {
-    let effect = |(id, first)| Effect::new(id, &[first, 0.0, 0.0, 0.0]);
+    let effect = |(id, first)| Effect::new(id, &[first, 0.0, 0.0, 0.0, 0.0]);
     let effects = effects.into_iter().map(effect).collect();
     Compensation::new(&effects, RATE_HZ, 1e-6).unwrap()
 }
@@ -205,7 +241,7 @@ fn friction_has_no_direction_where_the_encoder_sees_no_motion() {
 
 #[test]
 fn a_finite_sample_gives_a_finite_result_after_any_other() {
-    let row = [0.5, 0.1, 0.05, 0.01];
+    let row = [0.5, 0.1, 0.05, 0.01, 0.0];
     for id in EffectId::ALL {
         let effects = Effects::from_iter([Effect::new(*id, &row)]);
         let Ok(compensation) = Compensation::<f32>::new(&effects, RATE_HZ, 1e-6) else {

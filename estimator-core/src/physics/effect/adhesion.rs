@@ -20,7 +20,7 @@ effect! {
     }
     stage: Contact, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.3, 4e-4, 0.0, 0.0], starts: &[
+    example: [0.3, 4e-4, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[At(Times(1.0, SmallForce)), Each(&[Times(0.015, Travel), Times(0.05, Travel), Times(0.15, Travel)])]),
         // A bond carries what was pulled at most.
         Starts::at(&[At(Times(-1.0, LowestForce)), Each(&[Times(0.05, Travel), Times(0.15, Travel)]), Held(1.0)])

@@ -11,7 +11,7 @@ effect! {
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: Drag, simpler: None, is_physical: |_| true,
-    example: [5.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Speed))])],
+    example: [5.0, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Speed))])],
     law: "c·|v|",
     signature: "differs by direction, also in free motion",
     motion: "free motion both ways at several speeds",

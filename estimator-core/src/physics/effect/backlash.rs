@@ -11,7 +11,7 @@ effect! {
     }
     stage: Transmission, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [1e-4, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Times(5e-3, Travel), Times(0.015, Travel), Times(0.05, Travel)])])],
+    example: [1e-4, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Times(5e-3, Travel), Times(0.015, Travel), Times(0.05, Travel)])])],
     law: "play of ±w/2 about x",
     signature: "flat pieces after each reversal, in contact only",
     motion: "reversals in contact",

@@ -19,7 +19,7 @@ effect! {
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: DryFriction, simpler: Some("coulomb_friction"),
     is_physical: |_| true,
-    example: [4000.0, 3000.0, 3000.0, 1.0], starts: &[
+    example: [4000.0, 3000.0, 3000.0, 1.0, 0.0], starts: &[
         Starts::at(&[At(Ratio(10.0, SmallForce, Travel)), At(Per(5.0, Travel)), At(Per(5.0, Travel)), Held(1.0)]),
         Starts::at(&[At(Ratio(10.0, SmallForce, Travel)), At(PerSquare(25.0, Travel)), At(PerSquare(25.0, Travel)), Held(2.0)]),
         Starts::at(&[At(Ratio(40.0, SmallForce, Travel)), At(Per(20.0, Travel)), At(Per(20.0, Travel)), Held(1.0)]),

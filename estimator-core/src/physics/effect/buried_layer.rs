@@ -20,7 +20,7 @@ effect! {
     // A layer that sets in over a quarter of its depth pushes from the touch on, with 2 % of its
     // stiffness: it is no layer, but any stiffening.
     is_physical: |[_, depth_m, rounding_m, ..]| *rounding_m <= 0.25 * depth_m,
-    example: [1500.0, 2.5e-3, 0.0, 0.0], starts: &[
+    example: [1500.0, 2.5e-3, 0.0, 0.0, 0.0], starts: &[
         // Down to a twentieth of the travel, most of which may be free air.
         Starts::at(&[At(Times(0.6, Stiffness)), Series(Series { first: Times(1.0, Travel), ratio: 0.8, powers: [1, 13], below: Number(f64::INFINITY) })]),
         Starts::at(&[At(Times(0.6, Stiffness)), Each(&[Times(0.2, Travel), Times(0.4, Travel), Times(0.6, Travel)]), At(Times(0.03, Travel))]),

@@ -16,7 +16,7 @@ effect! {
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [100.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Reach))])],
+    example: [100.0, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Reach))])],
     law: "k_c·x; with a hardening length l_h k_c·x·(1 + (x/l_h)²)",
     signature: "linear in x, or steeper towards the ends, also in free motion",
     motion: "free motion over a long way",

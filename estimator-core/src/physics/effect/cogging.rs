@@ -15,7 +15,7 @@ effect! {
     }
     stage: LoadPath, sign: Either, proportional: false, several: true, repeats: AlongTheWay, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.15, 1e-3, 0.3, 0.0], starts: &[],
+    example: [0.15, 1e-3, 0.3, 0.0, 0.0], starts: &[],
     law: "A sin(2πx/p + φ)",
     signature: "periodic in x, also in free motion",
     motion: "free motion over many pitches",

@@ -18,7 +18,7 @@ effect! {
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: DryFriction, simpler: None, is_physical: |_| true,
-    example: [0.4, 1e-5, 0.0, 0.0], starts: &[
+    example: [0.4, 1e-5, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[At(Times(1.0, SmallForce)), Held(0.0), Each(&[
             Largest([(1.0, SpeedNoise), (2e-3, Speed)]), Largest([(4.0, SpeedNoise), (2e-3, Speed)]),
         ])]),

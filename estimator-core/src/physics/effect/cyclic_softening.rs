@@ -14,7 +14,7 @@ effect! {
     }
     stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: leaves_some,
-    example: [0.2, 1e-3, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Each(&[Times(0.025, Travel), Times(0.1, Travel), Times(0.3, Travel)])])],
+    example: [0.2, 1e-3, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Each(&[Times(0.025, Travel), Times(0.1, Travel), Times(0.3, Travel)])])],
     law: "Fᵉ·[1 − α(1 − e^{−(δ_max − δ)/d_s})]",
     signature: "the depth reached before matters, full recovery at new depth",
     motion: "strokes of growing depth, each repeated",

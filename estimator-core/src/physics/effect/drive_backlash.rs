@@ -11,7 +11,7 @@ effect! {
     }
     stage: LoadPath, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [2e-4, 0.0, 0.0, 0.0], starts: &[Starts::at(&[
+    example: [2e-4, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[
         Each(&[Times(0.01, Travel), Times(0.03, Travel), Times(0.1, Travel), Times(0.2, Travel)]),
     ])],
     law: "x_d = x ∓ w/2 on a flank that pushes; no force between the flanks",

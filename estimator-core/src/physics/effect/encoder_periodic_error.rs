@@ -18,7 +18,7 @@ effect! {
     // Where the reading falls while the position rises, the error is any curve at all (70 nm that
     // repeat every 140 nm).
     is_physical: |[amplitude_m, pitch_m, ..]| core::f64::consts::TAU * amplitude_m < *pitch_m,
-    example: [4e-5, 1e-3, 0.2, 0.0], starts: &[],
+    example: [4e-5, 1e-3, 0.2, 0.0, 0.0], starts: &[],
     law: "x_read = x + A sin(2πx/p + φ)",
     signature: "periodic in x, in contact only, scales with the local stiffness",
     motion: "slow strokes in contact over many pitches",

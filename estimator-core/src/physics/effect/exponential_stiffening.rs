@@ -15,7 +15,7 @@ effect! {
     }
     stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: NotExponential, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [60.0, 0.0, 0.0, 0.0], starts: &[
+    example: [60.0, 0.0, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[At(Per(0.2, Travel))]),
         // A power of the depth imitates an exponential, and its residuals show nothing of one: an exponent of
         // 4.4 for 1.5 and e^{1.2}.

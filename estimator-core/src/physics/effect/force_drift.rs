@@ -14,7 +14,7 @@ effect! {
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: true,
     laws: AnyLaw, needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
-    example: [0.03, 20.0, 0.0, 0.0], starts: &[
+    example: [0.03, 20.0, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[At(Ratio(1.0, SmallForce, Duration))]),
         Starts::at(&[At(Ratio(3.0, SmallForce, Duration)), At(Times(0.2, Duration))]),
         Starts::at(&[At(Ratio(10.0, SmallForce, Duration)), At(Times(0.05, Duration))]),

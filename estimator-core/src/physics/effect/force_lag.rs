@@ -12,7 +12,7 @@ effect! {
     }
     stage: ForceReading, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: Lateness, simpler: None, is_physical: |_| true,
-    example: [8e-3, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Times(1.5, Period), Times(6.0, Period), Times(25.0, Period)])])],
+    example: [8e-3, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Times(1.5, Period), Times(6.0, Period), Times(25.0, Period)])])],
     law: "first-order low-pass on F",
     signature: "force late at every rate, high frequencies damped",
     motion: "fast strokes, and a step",

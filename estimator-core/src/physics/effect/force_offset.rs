@@ -11,7 +11,7 @@ effect! {
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,
-    example: [0.3, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce))])],
+    example: [0.3, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce))])],
     law: "constant",
     signature: "nonzero force at rest in free motion",
     motion: "rest in free air",

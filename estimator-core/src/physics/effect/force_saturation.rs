@@ -14,7 +14,7 @@ effect! {
     }
     stage: ForceReading, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [7.0, 0.0, 0.0, 0.0], starts: &[
+    example: [7.0, 0.0, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[Each(&[Times(0.97, HighestForce), Times(0.9, HighestForce)])]),
         Starts::at(&[At(Times(1.0, HighestForce)), At(Times(0.03, HighestForce))]),
     ],

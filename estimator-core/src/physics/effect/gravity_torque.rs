@@ -21,7 +21,7 @@ effect! {
     }
     stage: LoadPath, sign: Either, proportional: false, several: false, repeats: EveryTurn, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.5, 0.2, 0.0, 0.0], starts: &[
+    example: [0.5, 0.2, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[Each(&[Times(0.1, Force), Times(0.5, Force)]), Each(&[
             Number(0.0), Number(0.5 * core::f64::consts::PI), Number(core::f64::consts::PI), Number(-0.5 * core::f64::consts::PI),
         ])])

@@ -14,7 +14,7 @@ effect! {
     }
     stage: Contact, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.5, 2e-4, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce)), Series(Series { first: Times(0.5, Travel), ratio: 0.5, powers: [1, 7], below: Number(f64::INFINITY) })])],
+    example: [0.5, 2e-4, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce)), Series(Series { first: Times(0.5, Travel), ratio: 0.5, powers: [1, 7], below: Number(f64::INFINITY) })])],
     law: "F_h·z, ż = (δ̇/d_h)(1 − z·sgn δ̇)",
     signature: "loop area independent of the rate, in contact only",
     motion: "the same stroke at several speeds",

@@ -23,7 +23,7 @@ effect! {
     }
     stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: LoopOfLoad, simpler: None, is_physical: leaves_some,
-    example: [0.1, 2e-4, 0.0, 0.0], starts: &[
+    example: [0.1, 2e-4, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[At(Number(0.05)), Each(&[
             Largest([(1.0, SpeedNoise), (2e-3, Speed)]), Largest([(4.0, SpeedNoise), (5e-2, Speed)]),
         ])]),

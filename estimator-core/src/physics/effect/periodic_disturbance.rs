@@ -17,7 +17,7 @@ effect! {
     }
     stage: LoadPath, sign: Either, proportional: false, several: true, repeats: InTime, timed: true,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.15, 12.0, 0.3, 0.0], starts: &[],
+    example: [0.15, 12.0, 0.3, 0.0, 0.0], starts: &[],
     law: "A sin(2πft + φ)",
     signature: "a line in the spectrum whatever the motion",
     motion: "rest in free air",

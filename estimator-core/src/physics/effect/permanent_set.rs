@@ -14,7 +14,7 @@ effect! {
     }
     stage: Depth, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.1, 5e-4, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Each(&[Number(0.0), Times(0.15, Travel), Times(0.3, Travel)])])],
+    example: [0.1, 5e-4, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Each(&[Number(0.0), Times(0.15, Travel), Times(0.3, Travel)])])],
     law: "δ = tip − surface − α·max(δ_max − δ_y, 0)",
     signature: "the first stroke differs from the next ones",
     motion: "press to the same depth again and again, then deeper",

@@ -12,7 +12,7 @@ effect! {
     }
     stage: Elastic, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
     laws: LinearElasticity, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [1.4, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Number(1.15), Number(1.4), Number(1.8), Number(0.85)])])],
+    example: [1.4, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Number(1.15), Number(1.4), Number(1.8), Number(0.85)])])],
     law: "Kδ → Kδ₀(δ/δ₀)ⁿ",
     signature: "curvature of F(δ), the same both ways",
     motion: "press to different depths, slowly",

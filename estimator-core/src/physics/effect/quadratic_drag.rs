@@ -11,7 +11,7 @@ effect! {
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: Alone, simpler: None, is_physical: |_| true,
-    example: [400.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(RatioOfSquare(1.0, SmallForce, Speed))])],
+    example: [400.0, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(RatioOfSquare(1.0, SmallForce, Speed))])],
     law: "c·v|v|",
     signature: "grows faster than the speed, also in free motion",
     motion: "free motion at several speeds",

@@ -7,7 +7,7 @@ use super::starts::Starts;
 use crate::physics::{fit_range::FitRange, fit_range::Scaled, parameter::ParameterInfo};
 
 /// The largest number of parameters that an effect has.
-pub const MOST_PARAMETERS: usize = 4;
+pub const MOST_PARAMETERS: usize = 5;
 
 /// The stage of the rig's signal chain at which an effect enters, in the order of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -16,7 +16,7 @@ effect! {
     }
     stage: Transmission, sign: OneWay, proportional: false, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [12_000.0, 0.0, 0.0, 0.0], starts: &[
+    example: [12_000.0, 0.0, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[Each(&[Times(8.0, Stiffness), Times(40.0, Stiffness)])]),
         Starts::at(&[At(Times(4.0, Stiffness)), At(Times(0.1, Force))]),
         Starts::at(&[At(Times(12.0, Stiffness)), At(Times(0.3, Force))]),

@@ -48,13 +48,18 @@ pub(super) fn direction<S: Scalar>(speed_mps: S, transition_mps: S) -> S {
     }
 }
 
-/// The state z of Dahl's friction and of Bouc and Wen's loop after a way of `change_m`:
-/// dz/ds = (1 − z·sgn ṡ)/w, exactly, however long the way.
+/// The state z of Dahl's friction after a way of `change_m`: dz/ds = (1 − z·sgn ṡ)/w, exactly, however long the way.
 pub(super) fn slid<S: Scalar>(z: S, change_m: S, width_m: S) -> S {
+    slid_to(S::one(), z, change_m, width_m)
+}
+
+/// The state z of a friction that slides with the share `most` of what it sticks with, after a way of `change_m`:
+/// dz/ds = (1 − z·sgn ṡ/most)/w, exactly while the share stays (LuGre's bristles without their own damping).
+pub(super) fn slid_to<S: Scalar>(most: S, z: S, change_m: S, width_m: S) -> S {
     let zero = S::zero();
     if change_m == zero {
         return z;
     }
-    let towards = if change_m > zero { S::one() } else { -S::one() };
-    towards + (z - towards) * (-(change_m.abs() / width_m)).exp()
+    let towards = if change_m > zero { most } else { -most };
+    towards + (z - towards) * (-(change_m.abs() / (width_m * most))).exp()
 }

@@ -16,8 +16,8 @@ effect! {
     stage: Elastic, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None,
     // A step that is as wide as a third of its depth bends the whole curve, and fitted any other bend.
-    is_physical: |[_, depth_m, width_m, _]| *depth_m > 4.0 * *width_m,
-    example: [1.0, 2e-3, 1e-4, 0.0], starts: &[
+    is_physical: |[_, depth_m, width_m, ..]| *depth_m > 4.0 * *width_m,
+    example: [1.0, 2e-3, 1e-4, 0.0, 0.0], starts: &[
         Starts::at(&[
             At(Times(1.0, SmallForce)),
             Each(&[

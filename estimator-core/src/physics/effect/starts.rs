@@ -36,6 +36,8 @@ pub struct Starts {
     pub values: &'static [StartValues],
     /// The starts are for logs of which the first number exceeds the second.
     pub exceeds: Option<[Scaled; 2]>,
+    /// The starts are for models that have this effect.
+    pub beside: Option<&'static str>,
     /// Whether a fit with this start also begins at the law's values in the model file, whatever the
     /// residuals promise: the fitted law imitates the effect.
     pub from_file: bool,
@@ -47,6 +49,7 @@ impl Starts {
         Starts {
             values,
             exceeds: None,
+            beside: None,
             from_file: false,
         }
     }
@@ -55,6 +58,14 @@ impl Starts {
     pub(super) const fn where_exceeds(self, one: Scaled, other: Scaled) -> Starts {
         Starts {
             exceeds: Some([one, other]),
+            ..self
+        }
+    }
+
+    /// The same starts, for models that have the effect of this name.
+    pub(super) const fn beside(self, name: &'static str) -> Starts {
+        Starts {
+            beside: Some(name),
             ..self
         }
     }

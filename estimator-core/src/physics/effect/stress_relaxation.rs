@@ -14,7 +14,7 @@ effect! {
     }
     stage: Relaxation, sign: OneWay, proportional: true, several: true, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.2, 2.0, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Series(Series { first: Per(0.3, Duration), ratio: 4.0, powers: [0, 8], below: Per(0.2, Period) })])],
+    example: [0.2, 2.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Number(0.1)), Series(Series { first: Per(0.3, Duration), ratio: 4.0, powers: [0, 8], below: Per(0.2, Period) })])],
     law: "Fᵉ − c(Fᵉ − w), ẇ = Ḟᵉ − νw",
     signature: "force decays in a hold, slow tail after a step",
     motion: "press and hold for several time constants; press at different speeds",

@@ -17,7 +17,7 @@ effect! {
     }
     stage: Depth, sign: OneWay, proportional: false, several: true, repeats: InTime, timed: true,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [5e-5, 3.0, 0.4, 0.0], starts: &[],
+    example: [5e-5, 3.0, 0.4, 0.0, 0.0], starts: &[],
     law: "δ = tip − surface − A sin(2πft + φ)",
     signature: "in contact only, scales with the local stiffness, periodic in time",
     motion: "hold in contact for several periods",

@@ -16,7 +16,7 @@ fn ids_and_keys_are_unique_and_lead_back_to_their_effect() {
 
 #[test]
 fn a_row_of_values_goes_in_and_comes_out() {
-    let row = [0.25, 1.5, 2.5, 3.5];
+    let row = [0.25, 1.5, 2.5, 3.5, 4.5];
     for id in EffectId::ALL {
         let effect = Effect::new(*id, &row);
         let count = id.info().parameters.len();
@@ -88,7 +88,7 @@ fn an_unloading_curve_keeps_some_of_the_force_and_every_example_means_what_it_sa
         assert!((info.is_physical)(&info.example), "{}", info.name);
     }
     for id in [EffectId::LoadingCurve, EffectId::CyclicSoftening] {
-        let with = |share: f64| (id.info().is_physical)(&[share, 1e-3, 0.0, 0.0]);
+        let with = |share: f64| (id.info().is_physical)(&[share, 1e-3, 0.0, 0.0, 0.0]);
         // At 0.8 the way in takes nine times the force of the way out, at 0.95 39 times.
         assert_eq!((with(0.8), with(0.95)), (true, false));
     }

@@ -10,7 +10,7 @@ effect! {
     }
     stage: ForceReading, sign: Either, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Lateness, simpler: None, is_physical: |_| true,
-    example: [8e-3, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Times(1.0, Period), Times(6.0, Period), Times(-6.0, Period)])])],
+    example: [8e-3, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[Each(&[Times(1.0, Period), Times(6.0, Period), Times(-6.0, Period)])])],
     law: "F(t − T_d)",
     signature: "a pure shift between the channels",
     motion: "fast strokes, and a step",

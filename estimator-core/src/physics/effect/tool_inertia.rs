@@ -11,7 +11,7 @@ effect! {
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.4, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Acceleration))])],
+    example: [0.4, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Acceleration))])],
     law: "m·a",
     signature: "proportional to a, also in free motion",
     motion: "free motion with hard accelerations",

@@ -11,7 +11,7 @@ effect! {
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: true, family: Drag, simpler: None, is_physical: |_| true,
-    example: [8.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Speed))])],
+    example: [8.0, 0.0, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Ratio(1.0, SmallForce, Speed))])],
     law: "b·v",
     signature: "proportional to v, also in free motion",
     motion: "free motion at several speeds",

@@ -71,7 +71,8 @@ mod tests {
 
     #[test]
     fn effects_keep_their_order_and_no_more_fit_than_there_are_slots() {
-        let offset = |force_n: f64| Effect::new(EffectId::ForceOffset, &[force_n, 0.0, 0.0, 0.0]);
+        let offset =
+            |force_n: f64| Effect::new(EffectId::ForceOffset, &[force_n, 0.0, 0.0, 0.0, 0.0]);
         let all = || (0..10).map(|at| offset(f64::from(at)));
         let mut effects: Effects<f64> = all().collect();
         assert!(effects.iter().copied().eq(all().take(MOST_EFFECTS)));

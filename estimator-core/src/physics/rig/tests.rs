@@ -1,6 +1,7 @@
 use super::*;
 use crate::maths::Dual;
 use crate::physics::effect::EffectId;
+use crate::physics::effect::MOST_PARAMETERS;
 use crate::physics::law::{
     Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
 };
@@ -85,14 +86,14 @@ fn without_effects_it_is_the_law_and_does_not_pull() {
 }
 
 /// The row's example, with the optional forms that have gradients, and of a size that shows at 2 mm.
-fn usual(id: EffectId) -> [f64; 4] {
+fn usual(id: EffectId) -> [f64; MOST_PARAMETERS] {
     match id {
-        EffectId::ExponentialStiffening => [200.0, 0.0, 0.0, 0.0],
-        EffectId::Adhesion => [0.2, 4e-4, 0.0, 0.3],
-        EffectId::BuriedLayer => [2000.0, 1.5e-3, 0.0, 0.0],
-        EffectId::SeriesCompliance => [12_000.0, 4.0, 0.0, 0.0],
-        EffectId::ForceSaturation => [3.0, 0.0, 0.0, 0.0],
-        EffectId::EncoderPeriodicError => [1e-5, 4e-4, 0.2, 0.0],
+        EffectId::ExponentialStiffening => [200.0, 0.0, 0.0, 0.0, 0.0],
+        EffectId::Adhesion => [0.2, 4e-4, 0.0, 0.3, 0.0],
+        EffectId::BuriedLayer => [2000.0, 1.5e-3, 0.0, 0.0, 0.0],
+        EffectId::SeriesCompliance => [12_000.0, 4.0, 0.0, 0.0, 0.0],
+        EffectId::ForceSaturation => [3.0, 0.0, 0.0, 0.0, 0.0],
+        EffectId::EncoderPeriodicError => [1e-5, 4e-4, 0.2, 0.0, 0.0],
         _ => id.info().example,
     }
 }
@@ -162,7 +163,7 @@ fn gradients_agree_with_central_differences() {
                 forces(&bare(id).with(Effect::new(id, &row)), 1200)
             };
             let (more, less) = (at(row[parameter] + h), at(row[parameter] - h));
-            let dual: [One; 4] = core::array::from_fn(|i| {
+            let dual: [One; MOST_PARAMETERS] = core::array::from_fn(|i| {
                 let one = One::parameter(row[i], 0);
                 if i == parameter {
                     one
@@ -244,7 +245,7 @@ fn a_spring_behind_a_spring_is_softer() {
     }))
     .with(Effect::new(
         EffectId::SeriesCompliance,
-        &[8000.0, 0.0, 0.0, 0.0],
+        &[8000.0, 0.0, 0.0, 0.0, 0.0],
     ));
     for (at, force) in forces(&rig, 2000).iter().enumerate() {
         let exact = 1600.0 * palpation(at).position_m.max(0.0);
@@ -262,7 +263,7 @@ fn a_spring_that_hardens_gives_way_by_the_logarithm_of_its_force() {
     }))
     .with(Effect::new(
         EffectId::SeriesCompliance,
-        &[own, hardening_n, 0.0, 0.0],
+        &[own, hardening_n, 0.0, 0.0, 0.0],
     ));
     let mut highest_n = 0.0_f64;
     for (at, force) in forces(&rig, 2000).iter().enumerate() {
@@ -284,7 +285,10 @@ fn surfaces_that_close_pull_less_than_surfaces_that_part() {
         stiffness_n_per_m: 2000.0,
         damping_ns_per_m: 0.0,
     }));
-    let rig = spring.with(Effect::new(EffectId::Adhesion, &[0.2, 1e-4, 0.0, 0.25]));
+    let rig = spring.with(Effect::new(
+        EffectId::Adhesion,
+        &[0.2, 1e-4, 0.0, 0.25, 0.0],
+    ));
     let pull_n = |position_m: f64, speed_mps: f64, state: &mut RigState<f64>| {
         let motion = Motion {
             time_s: 0.0,
@@ -322,7 +326,7 @@ fn a_damper_behind_a_spring_takes_its_time() {
     }))
     .with(Effect::new(
         EffectId::SeriesCompliance,
-        &[4000.0, 0.0, 0.0, 0.0],
+        &[4000.0, 0.0, 0.0, 0.0, 0.0],
     ));
     let mut state = rig.at_rest();
     for at in 0..60 {
@@ -346,9 +350,9 @@ fn a_bond_pulls_as_far_as_a_hold_has_relaxed_and_tears() {
     let rig = Rig::bare(Environment::from(GEL))
         .with(Effect::new(
             EffectId::StressRelaxation,
-            &[0.5, 5.0, 0.0, 0.0],
+            &[0.5, 5.0, 0.0, 0.0, 0.0],
         ))
-        .with(Effect::new(EffectId::Adhesion, &[0.2, 1e-4, 1.0, 0.0]));
+        .with(Effect::new(EffectId::Adhesion, &[0.2, 1e-4, 1.0, 0.0, 0.0]));
     let mut state = rig.at_rest();
     let (mut lowest_n, mut torn_at_m, mut last_n) = (0.0, 0.0, 0.0);
     for at in 0..5000 {

@@ -5,7 +5,7 @@
 
 use estimator_core::Config;
 use estimator_core::estimate::Estimated;
-use estimator_core::physics::effect::{Effect, EffectId};
+use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
 use estimator_core::physics::law::{KelvinVoigt, Law};
 
 use crate::batch::{Family, Options, batch};
@@ -21,7 +21,7 @@ pub struct Ignored {
     /// Which effect.
     pub id: EffectId,
     /// Its parameters, in the order of the catalogue.
-    pub row: [f64; 4],
+    pub row: [f64; MOST_PARAMETERS],
     /// What was touched, and by which kind of machine.
     pub touched: Touched,
     /// The law that was fitted.

@@ -115,15 +115,17 @@ fn is_second_at(best: &Fit, number: usize, is_at: impl Fn(&Free, f64) -> bool) -
     each.any(|(free, number)| free.owner == owner && is_at(free, *number))
 }
 
-/// Whether an effect's size differs from 0 by so many standard errors. One that is held does; of one at a bound, or
+/// Whether a size of an effect differs from 0 by so many standard errors. One that is held does; of one at a bound, or
 /// that the log does not determine, nobody knows.
 fn has_size(decision: &Decision, number: usize, sigmas: f64) -> bool {
-    let (best, owner) = (&decision.best, Owner::Effect(number, 0));
-    let at = best.shape.free.iter().position(|free| free.owner == owner);
-    at.is_none_or(|at| {
+    let best = &decision.best;
+    let mut sizes = best.shape.sizes_of(number).peekable();
+    let is_held = sizes.peek().is_none();
+    let differs = |at: usize| {
         let size = best.shape.natural(at, best.numbers[at]);
         decision.std_errors[at].is_some_and(|error| size.abs() >= sigmas * error)
-    })
+    };
+    is_held || sizes.any(differs)
 }
 
 /// The fit with an added effect in its plain form, if that is nearer to the best than to the fit without it: the
@@ -311,7 +313,7 @@ pub(super) mod tests {
     fn a_relaxation_as_fast_as_one_can_be_is_none() {
         let (model, scales) = contact();
         let is_too_fast = |rate_per_s: f64| {
-            let row = [0.2, rate_per_s, 0.0, 0.0];
+            let row = [0.2, rate_per_s, 0.0, 0.0, 0.0];
             let term = whole(EffectId::StressRelaxation, row, 2);
             is_too_fast(&at_start(&model, &scales, term), 0)
         };

@@ -5,7 +5,7 @@
 //! log is long, no pitch longer than the travel.
 
 use estimator_core::maths::scalar::Scalar;
-use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS, Role};
 use estimator_core::physics::fit_range::{FitRange, Scale};
 use estimator_core::physics::law::{Law, LawId};
 use estimator_core::physics::rig::{Environment, Rig};
@@ -163,6 +163,18 @@ impl Shape {
             }
         }
         values
+    }
+
+    /// The free numbers that say how much there is of a term: its first one, and further sizes. The kinetic force of a
+    /// Stribeck friction beside a Coulomb friction may well be none: its static force says it then.
+    pub(in crate::gap) fn sizes_of(&self, term: usize) -> impl Iterator<Item = usize> + '_ {
+        let fits = self.terms[term].id.info().fits;
+        let is_further = |place: usize| matches!(fits[place].role, Role::Size);
+        let is_own = move |free: &Free| match free.owner {
+            Owner::Effect(of, place) => of == term && (place == 0 || is_further(place)),
+            _ => false,
+        };
+        (0..self.free.len()).filter(move |at| is_own(&self.free[*at]))
     }
 
     /// From the lowest to the highest value of a free number, in the parameter's unit; infinite without bounds.

@@ -73,13 +73,31 @@ fn starts_among(
         return Vec::new();
     }
     let size = |number: Scaled| number.value(|scale| scales.size(scale));
+    let is_given = |name: &str| {
+        let mut given = shape.terms.iter().filter(|term| term.given);
+        given.any(|term| term.id.name() == name)
+    };
     let of_this_log = |starts: &&Starts| {
         let holds = |[one, other]: [Scaled; 2]| size(one) > size(other);
-        wanted(starts) && starts.exceeds.is_none_or(holds)
+        wanted(starts) && starts.exceeds.is_none_or(holds) && starts.beside.is_none_or(is_given)
     };
     let all = id.info().starts.iter().filter(of_this_log);
-    all.flat_map(|starts| combinations(id, starts, size))
-        .collect()
+    let mut terms: Vec<Term> = all
+        .flat_map(|starts| combinations(id, starts, size))
+        .collect();
+    if has_its_plain_part(id, shape) {
+        for term in &mut terms {
+            (term.row[0], term.free[0]) = (0.0, false);
+        }
+    }
+    terms
+}
+
+/// Whether the model has the part of an effect that its first number sizes: a Coulomb friction is the kinetic force of
+/// Stribeck's, and beside each other neither number could be told, nor the static force above them.
+fn has_its_plain_part(id: EffectId, shape: &Shape) -> bool {
+    let has = |other| shape.terms.iter().any(|term| term.id == other);
+    id == EffectId::StribeckFriction && has(EffectId::CoulombFriction)
 }
 
 /// Whether an effect means anything on the law that is fitted.

@@ -257,9 +257,12 @@ mod tests {
 
     #[test]
     fn a_drift_that_comes_to_rest_is_a_ramp_in_its_plain_form() {
-        let resting = whole(EffectId::ForceDrift, [0.2, 1.8, 0.0, 0.0], 2);
+        let resting = whole(EffectId::ForceDrift, [0.2, 1.8, 0.0, 0.0, 0.0], 2);
         let ramp = in_plain_form(&resting).unwrap();
-        assert_eq!(ramp, whole(EffectId::ForceDrift, [0.2, 0.0, 0.0, 0.0], 1));
+        assert_eq!(
+            ramp,
+            whole(EffectId::ForceDrift, [0.2, 0.0, 0.0, 0.0, 0.0], 1)
+        );
         // What has no form has no plainer one.
         assert_eq!(in_plain_form(&ramp), None);
     }

@@ -8,7 +8,7 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::model::dataset::Dataset;
-use crate::gap::model::{error::std_errors, fit::Fit, shape::Owner};
+use crate::gap::model::{error::std_errors, fit::Fit};
 use crate::gap::thresholds;
 
 /// Most steps of the fit to a part of the logs.
@@ -52,14 +52,17 @@ impl Parts {
 
     /// Whether the size of an effect is known, and each pair of parts gives the same.
     pub(super) fn agree(&self, best: &Fit, id: EffectId, decide: &thresholds::Evidence) -> bool {
-        let is_size = |at: &usize| match best.shape.free[*at].owner {
-            Owner::Effect(number, 0) => {
-                let term = &best.shape.terms[number];
-                !term.given && term.id == id
-            }
-            _ => false,
+        let is_own = |number: &usize| {
+            let term = &best.shape.terms[*number];
+            !term.given && term.id == id
         };
-        let mut sizes = (0..best.shape.free.len()).filter(is_size);
+        let terms: Vec<usize> = (0..best.shape.terms.len()).filter(is_own).collect();
+        // A relaxation of 0.95, as far as it goes, followed a material that tires.
+        let known = |number: &usize| {
+            let mut sizes = best.shape.sizes_of(*number);
+            sizes.find(|at| self.errors[*at].is_some())
+        };
+        let mut sizes = terms.iter().filter_map(known);
         let of = |at: usize, (fit, errors): &Part| {
             Some((best.shape.natural(at, fit.numbers[at]), errors[at]?))
         };
@@ -72,10 +75,11 @@ impl Parts {
                     _ => false,
                 })
         };
-        // A relaxation of 0.95, as far as it goes, followed a material that tires.
-        let is_known = sizes.clone().any(|at| self.errors[at].is_some());
+        let Some(size) = sizes.next() else {
+            return false;
+        };
         // Modes of a spectrum trade their shares.
-        is_known && (sizes.clone().count() > 1 || !sizes.any(differ))
+        terms.len() > 1 || !differ(size)
     }
 }
 
@@ -125,7 +129,7 @@ mod tests {
             scales: &scales,
             thresholds: &thresholds,
         };
-        let drag = whole(EffectId::QuadraticDrag, [in_contact, 0.0, 0.0, 0.0], 1);
+        let drag = whole(EffectId::QuadraticDrag, [in_contact, 0.0, 0.0, 0.0, 0.0], 1);
         let shape = Shape::new(&model.environment, vec![drag], &scales);
         let weights = vec![1e4; logs[0].force_n.len()];
         let fit = dataset.problem(&weights).fit(&shape, shape.start());

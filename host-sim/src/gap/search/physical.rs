@@ -76,7 +76,7 @@ fn is_resolved(wave: &Term, others: &[Term], scales: &Scales) -> bool {
 /// fitted a foot's curve with 0.2 to 0.5.
 fn is_open_loop(term: &Term, scales: &Scales) -> bool {
     const LEAST: f64 = 0.75;
-    let [_, beta, _, exponent] = term.row;
+    let [_, beta, _, exponent, ..] = term.row;
     term.id != EffectId::BoucWen || beta * scales.travel_m.powf(exponent) > LEAST
 }
 
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn what_makes_a_force_late_is_not_taken_back() {
-        let late = |id, size: f64| whole(id, [size, 0.0, 0.0, 0.0], 1);
+        let late = |id, size: f64| whole(id, [size, 0.0, 0.0, 0.0, 0.0], 1);
         let (lag, delay) = (EffectId::ForceLag, EffectId::TimeDelay);
         assert!(is_late_one_way(&[late(lag, 3e-3), late(delay, 2e-3)]));
         assert!(is_late_one_way(&[late(delay, -2e-3)]));
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_log_resolves_two_waves_of_a_kind_that_are_a_cycle_apart() {
-        let wave = |id, second: f64| whole(id, [1.0, second, 0.0, 0.0], 3);
+        let wave = |id, second: f64| whole(id, [1.0, second, 0.0, 0.0, 0.0], 3);
         let disturbance = |hz| wave(EffectId::PeriodicDisturbance, hz);
         let (scales, first) = (scales(), [disturbance(0.40)]);
         // GIVEN 10 s THEN 0.40 and 0.41 Hz are one that swells, 0.40 and 0.52 Hz are two.

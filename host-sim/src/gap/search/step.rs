@@ -23,7 +23,7 @@ impl Search<'_> {
         let mut terms = best.shape.terms_at(&best.numbers);
         let [rate, time_constant, ..] = terms[at].row;
         let force_n = rate * time_constant.clamp(0.0, self.dataset.scales.duration_s);
-        terms[at] = whole(EffectId::ForceOffset, [force_n, 0.0, 0.0, 0.0], 1);
+        terms[at] = whole(EffectId::ForceOffset, [force_n, 0.0, 0.0, 0.0, 0.0], 1);
         let (shape, start) = best.with_terms(terms, self.dataset.scales);
         let offset = self.problem().fit(&shape, start);
         let without = self.without(&best, at);

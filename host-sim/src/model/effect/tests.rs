@@ -20,7 +20,7 @@ fn parse(effects: &str) -> Result<Model, Diagnostic> {
 #[test]
 fn every_effect_of_the_catalogue_goes_from_the_core_to_a_file_and_back() {
     for id in EffectId::ALL {
-        let core = effect::Effect::new(*id, &[0.5, 0.25, 0.125, 0.0625]);
+        let core = effect::Effect::new(*id, &[0.5, 0.25, 0.125, 0.0625, 0.0]);
         // A machine that turns has every effect.
         let mut model = parse("").unwrap().of_kind(Kind::Rotary);
         model.effects.push(core.into());
@@ -38,7 +38,7 @@ fn what_is_not_given_is_usual_and_what_is_given_counts() {
         .rig()
         .unwrap();
     let row = rig.effects().next().unwrap().row();
-    assert_eq!(row, [0.4, 0.0, 0.0, 0.0]);
+    assert_eq!(row, [0.4, 0.0, 0.0, 0.0, 0.0]);
     let spring = parse("[[effect]]\nid = \"series_compliance\"\nstiffness = 12e3\n").unwrap();
     assert_eq!(
         spring.rig().unwrap().effects().next(),

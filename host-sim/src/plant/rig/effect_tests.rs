@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use estimator_core::physics::{effect::Effect, effect::EffectId, law::KelvinVoigt, law::Law};
+use estimator_core::physics::effect::{Effect, EffectId, MOST_PARAMETERS};
+use estimator_core::physics::{law::KelvinVoigt, law::Law};
 
 use super::super::GEL;
 use super::*;
@@ -11,8 +12,8 @@ use crate::motion::Segment;
 const SEED: u64 = 7;
 
 /// A rig with perfect sensors and these effects.
-fn rig<const N: usize>(effects: [(EffectId, [f64; 4]); N]) -> Rig {
-    let effect = |(id, row): (EffectId, [f64; 4])| Effect::new(id, &row);
+fn rig<const N: usize>(effects: [(EffectId, [f64; MOST_PARAMETERS]); N]) -> Rig {
+    let effect = |(id, row): (EffectId, [f64; MOST_PARAMETERS])| Effect::new(id, &row);
     Rig {
         sensors: Sensors::PERFECT,
         effects: effects.into_iter().map(effect).collect(),
@@ -46,7 +47,7 @@ fn there_and_back() -> Motion {
 
 #[test]
 fn friction_in_free_air_is_a_force_against_the_way_and_nothing_else() {
-    let rig = rig([(EffectId::CoulombFriction, [0.4, 0.0, 0.0, 0.0])]);
+    let rig = rig([(EffectId::CoulombFriction, [0.4, 0.0, 0.0, 0.0, 0.0])]);
     let run = run(&rig, Contact::FREE, &there_and_back());
     let mut seen = [0, 0];
     for (force, speed) in run.log.force_n.iter().zip(&run.truth.velocity_mps) {
@@ -65,7 +66,7 @@ fn friction_in_free_air_is_a_force_against_the_way_and_nothing_else() {
 #[test]
 fn the_load_cell_feels_a_tools_inertia_as_the_closed_loop_moves_it() {
     // X/R = (kp + jω·kd)/(kp − mω² + jω·kd), F = 0.2 kg·ω²|X|, an amplitude.
-    let rig = rig([(EffectId::ToolInertia, [0.2, 0.0, 0.0, 0.0])]);
+    let rig = rig([(EffectId::ToolInertia, [0.2, 0.0, 0.0, 0.0, 0.0])]);
     let sine = Segment::Sine {
         mean_m: 0.0,
         amplitude_m: 1e-3,
@@ -90,8 +91,8 @@ fn on_the_ramp(run: &Run) -> (f64, f64) {
 
 #[test]
 fn a_ramp_of_force_comes_late_by_the_lag() {
-    let cable = (EffectId::CableStiffness, [500.0, 0.0, 0.0, 0.0]);
-    let lag = (EffectId::ForceLag, [8e-3, 0.0, 0.0, 0.0]);
+    let cable = (EffectId::CableStiffness, [500.0, 0.0, 0.0, 0.0, 0.0]);
+    let lag = (EffectId::ForceLag, [8e-3, 0.0, 0.0, 0.0, 0.0]);
     let (force, position) = on_the_ramp(&run(&rig([cable, lag]), Contact::FREE, &there_and_back()));
     let exact = 500.0 * (position - 8e-3 * 0.01);
     // e^{−0.38 s/8 ms} = 2e-21 of the start is left; the drive follows the ramp to rounding.
@@ -100,9 +101,9 @@ fn a_ramp_of_force_comes_late_by_the_lag() {
 
 #[test]
 fn a_delay_shifts_the_force_and_a_negative_one_the_position() {
-    let cable = (EffectId::CableStiffness, [500.0, 0.0, 0.0, 0.0]);
+    let cable = (EffectId::CableStiffness, [500.0, 0.0, 0.0, 0.0, 0.0]);
     for delay_s in [3.33e-3, -3.33e-3] {
-        let delay = (EffectId::TimeDelay, [delay_s, 0.0, 0.0, 0.0]);
+        let delay = (EffectId::TimeDelay, [delay_s, 0.0, 0.0, 0.0, 0.0]);
         let run = run(&rig([cable, delay]), Contact::FREE, &there_and_back());
         let (force, position) = on_the_ramp(&run);
         let exact = 500.0 * (position - delay_s * 0.01);
@@ -115,7 +116,7 @@ fn a_delay_shifts_the_force_and_a_negative_one_the_position() {
 
 #[test]
 fn play_leaves_the_force_as_it_is_after_a_reversal() {
-    let rig = rig([(EffectId::Backlash, [2e-4, 0.0, 0.0, 0.0])]);
+    let rig = rig([(EffectId::Backlash, [2e-4, 0.0, 0.0, 0.0, 0.0])]);
     let run = run(&rig, spring(2000.0), &there_and_back());
     let peak_m = run.truth.position_m.iter().copied().fold(0.0, f64::max);
     let (mut flat, mut further) = (0, 0);
@@ -141,7 +142,7 @@ fn play_leaves_the_force_as_it_is_after_a_reversal() {
 
 #[test]
 fn a_spring_behind_the_probe_makes_the_contact_softer() {
-    let rig = rig([(EffectId::SeriesCompliance, [6000.0, 0.0, 0.0, 0.0])]);
+    let rig = rig([(EffectId::SeriesCompliance, [6000.0, 0.0, 0.0, 0.0, 0.0])]);
     let run = run(&rig, spring(2000.0), &there_and_back());
     for (force, position) in run.log.force_n.iter().zip(&run.log.position_m) {
         let exact = 1500.0 * position.max(0.0);
@@ -152,8 +153,8 @@ fn a_spring_behind_the_probe_makes_the_contact_softer() {
 
 #[test]
 fn the_encoder_reads_its_ripple_and_the_cell_no_more_than_its_limit() {
-    let ripple = (EffectId::EncoderPeriodicError, [2e-5, 1e-3, 0.4, 0.0]);
-    let limit = (EffectId::ForceSaturation, [3.0, 0.0, 0.0, 0.0]);
+    let ripple = (EffectId::EncoderPeriodicError, [2e-5, 1e-3, 0.4, 0.0, 0.0]);
+    let limit = (EffectId::ForceSaturation, [3.0, 0.0, 0.0, 0.0, 0.0]);
     let run = run(&rig([ripple, limit]), spring(2000.0), &there_and_back());
     for (read, truth) in run.log.position_m.iter().zip(&run.truth.position_m) {
         let exact = truth + 2e-5 * (TAU * 1e3 * truth + 0.4).sin();
@@ -171,10 +172,10 @@ fn what_the_load_path_adds_does_not_move_the_motor() {
     let motion = Motion::palpation(4e-3);
     let plain = run(&rig([]), GEL.at(0.0), &motion);
     let hidden = rig([
-        (EffectId::CoulombFriction, [5.0, 1e-5, 0.0, 0.0]),
-        (EffectId::ToolInertia, [1.0, 0.0, 0.0, 0.0]),
-        (EffectId::ForceOffset, [2.0, 0.0, 0.0, 0.0]),
-        (EffectId::ForceLag, [2e-3, 0.0, 0.0, 0.0]),
+        (EffectId::CoulombFriction, [5.0, 1e-5, 0.0, 0.0, 0.0]),
+        (EffectId::ToolInertia, [1.0, 0.0, 0.0, 0.0, 0.0]),
+        (EffectId::ForceOffset, [2.0, 0.0, 0.0, 0.0, 0.0]),
+        (EffectId::ForceLag, [2e-3, 0.0, 0.0, 0.0, 0.0]),
     ]);
     let hidden = run(&hidden, GEL.at(0.0), &motion);
     assert_eq!(plain.truth, hidden.truth);
@@ -186,11 +187,11 @@ fn every_effect_of_the_catalogue_runs_on_the_rig() {
     let rest = Segment::Hold { seconds: 0.1 };
     let stroke = Motion::new(-1e-3, vec![ramp(3e-3, 0.02), rest, ramp(-1e-3, 0.02)]).unwrap();
     // A cable stands in every rig: a play in a drive changes nothing but what restores behind it.
-    let cable = (EffectId::CableStiffness, [200.0, 0.0, 0.0, 0.0]);
+    let cable = (EffectId::CableStiffness, [200.0, 0.0, 0.0, 0.0, 0.0]);
     let plain = run(&rig([cable]), GEL.at(0.0), &stroke);
     for id in EffectId::ALL {
         // Sizes of a palpation rig for each unit: N and N s/m near 1, lengths 0.1 mm, …
-        let mut row = [0.0; 4];
+        let mut row = [0.0; MOST_PARAMETERS];
         for (own, info) in row.iter_mut().zip(id.info().parameters) {
             *own = match info.unit.symbol() {
                 "m" if info.name == "hardening_length" => 3e-3,
@@ -225,9 +226,9 @@ fn every_effect_of_the_catalogue_runs_on_the_rig() {
 #[test]
 fn what_is_periodic_in_time_has_its_phase_by_the_clock_of_the_position() {
     // F(t − T_d) of A sin(2πft + φ), early or late.
-    let hum = (EffectId::PeriodicDisturbance, [0.5, 12.0, 0.3, 0.0]);
+    let hum = (EffectId::PeriodicDisturbance, [0.5, 12.0, 0.3, 0.0, 0.0]);
     for delay_s in [0.0, 4e-3, -4e-3] {
-        let delay = (EffectId::TimeDelay, [delay_s, 0.0, 0.0, 0.0]);
+        let delay = (EffectId::TimeDelay, [delay_s, 0.0, 0.0, 0.0, 0.0]);
         let run = run(&rig([hum, delay]), Contact::FREE, &there_and_back());
         for (force, time_s) in run.log.force_n.iter().zip(&run.log.time_s).skip(10) {
             let exact = 0.5 * (TAU * 12.0 * (time_s - delay_s) + 0.3).sin();

@@ -42,15 +42,17 @@ fn every_parameter_of_every_effect_of_the_rig_has_its_place_and_no_other() {
 #[test]
 fn the_numbers_are_stable() {
     let ids = Parameter::ALL.map(Parameter::id);
-    // A further effect adds numbers behind these.
+    // A further effect adds numbers behind these, a further parameter one among them.
     assert_eq!(
-        ids[..26],
+        ids[..27],
         [
-            64, 65, 66, 68, 69, 70, 71, 72, 76, 80, 84, 92, 93, 96, 97, 98, 104, 105, 108, 112,
-            116, 120, 121, 124, 125, 126
+            64, 65, 66, 68, 69, 70, 71, 240, 72, 76, 80, 84, 92, 93, 96, 97, 98, 104, 105, 108,
+            112, 116, 120, 121, 124, 125, 126
         ]
     );
     assert_eq!(key("compensation.coulomb_friction.force").id(), 64);
+    assert_eq!(key("compensation.stribeck_friction.width").id(), 240);
+    assert_eq!(key("compensation.load_friction.width").id(), 241);
     assert_eq!(key("compensation.series_compliance.stiffness").id(), 104);
     assert_eq!(key("compensation.encoder_periodic_error.phase").id(), 126);
 }
@@ -68,18 +70,21 @@ fn a_record_holds_all_settings_and_more_numbers_of_effects_than_it_holds_are_ref
     // GIVEN six effects with 20 numbers other than 0, THEN they can be taken off, and one more cannot.
     let mut settings = Settings::default();
     for (id, row) in [
-        (EffectId::StribeckFriction, [0.3, 0.6, 2e-3, 1e-4]),
-        (EffectId::BoucWen, [4e3, 3e3, 3e3, 1.0]),
-        (EffectId::Cogging, [0.1, 1e-3, 0.3, 0.0]),
-        (EffectId::EncoderPeriodicError, [1e-5, 1e-3, 0.2, 0.0]),
-        (EffectId::CoulombFriction, [0.4, 0.0, 1e-4, 0.0]),
-        (EffectId::SeriesCompliance, [1e4, 10.0, 0.0, 0.0]),
-        (EffectId::GravityTorque, [0.5, 0.2, 0.0, 0.0]),
+        (EffectId::StribeckFriction, [0.3, 0.6, 2e-3, 1e-4, 0.0]),
+        (EffectId::BoucWen, [4e3, 3e3, 3e3, 1.0, 0.0]),
+        (EffectId::Cogging, [0.1, 1e-3, 0.3, 0.0, 0.0]),
+        (EffectId::EncoderPeriodicError, [1e-5, 1e-3, 0.2, 0.0, 0.0]),
+        (EffectId::CoulombFriction, [0.4, 0.0, 1e-4, 0.0, 0.0]),
+        (EffectId::SeriesCompliance, [1e4, 10.0, 0.0, 0.0, 0.0]),
+        (EffectId::GravityTorque, [0.5, 0.2, 0.0, 0.0, 0.0]),
     ] {
         settings.put_effect(&Effect::new(id, &row));
     }
     assert_eq!(settings.check(), Ok(()));
-    settings.put_effect(&Effect::new(EffectId::ViscousDrag, &[1.0, 0.0, 0.0, 0.0]));
+    settings.put_effect(&Effect::new(
+        EffectId::ViscousDrag,
+        &[1.0, 0.0, 0.0, 0.0, 0.0],
+    ));
     let error = settings.check().unwrap_err();
     assert!(error.to_string().contains("no more than 20"), "{error}");
 }
@@ -100,14 +105,14 @@ fn nothing_is_taken_off_by_default_and_an_effect_is_once_a_parameter_is_not_zero
 
 #[test]
 fn an_effect_goes_in_as_the_catalogue_has_it_and_out_again() {
-    let friction = Effect::new(EffectId::CoulombFriction, &[0.5, 0.0, 0.25, 0.0]);
+    let friction = Effect::new(EffectId::CoulombFriction, &[0.5, 0.0, 0.25, 0.0, 0.0]);
     let mut settings = Settings::default();
     assert!(settings.put_effect(&friction));
-    let own = Effect::new(EffectId::CoulombFriction, &[0.5, 0.0, 0.25, 0.0]);
+    let own = Effect::new(EffectId::CoulombFriction, &[0.5, 0.0, 0.25, 0.0, 0.0]);
     assert_eq!(settings.effect(EffectId::CoulombFriction), Ok(Some(own)));
     assert_eq!(settings.without_compensation(), Settings::default());
     for id in [EffectId::Adhesion, EffectId::ForceDrift] {
-        let other = Effect::new(id, &[0.5, 0.5, 0.0, 0.0]);
+        let other = Effect::new(id, &[0.5, 0.5, 0.0, 0.0, 0.0]);
         let mut settings = Settings::default();
         assert!(!settings.put_effect(&other));
         assert_eq!(settings, Settings::default());
