@@ -9,13 +9,16 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 
-/// Two cross-slides: mass (kg), drag (N s/m), friction (N) over its width (m), spring (N/m) with its cubic part (N/m³), and
-/// an offset (N) from an instant (s) on.
+/// Two cross-slides: mass (kg), drag (N s/m), friction (N) over its width (m), how much more of it there is at standstill
+/// and below which speed (m/s), how much more per newton of the spring, spring (N/m) with its cubic part (N/m³), and an
+/// offset (N) from an instant (s) on.
 #[derive(Clone, Copy)]
 struct Machine {
     mass: f64,
     drag: f64,
     friction: (f64, f64),
+    at_standstill: (f64, f64),
+    by_load: f64,
     spring: (f64, f64),
     offset: (f64, f64),
     noise: f64,
@@ -25,6 +28,8 @@ const STAGE: Machine = Machine {
     mass: 3.0,
     drag: 20.0,
     friction: (2.0, 20e-6),
+    at_standstill: (0.0, 5e-3),
+    by_load: 0.0,
     spring: (400.0, 0.0),
     offset: (0.0, 0.0),
     noise: 0.05,
@@ -43,16 +48,20 @@ impl Machine {
             let grown = grown.powi(3) * (10.0 - 15.0 * grown + 6.0 * grown * grown);
             grown * (0.02 * (TAU * 0.31 * t).sin() + 0.006 * (TAU * 1.13 * t).sin())
         };
-        let (mut slid, mut last) = (0.0_f64, 0.0);
+        let (mut bent, mut last) = (0.0_f64, 0.0);
+        let (excess, slow_mps) = self.at_standstill;
         let mut row = |at: usize| {
             for step in 1..=FINER {
                 let t = (at as f64 - 1.0 + step as f64 / FINER as f64) / RATE_HZ;
                 let x = way(t);
-                // Dahl: dz/dx = (1 − z sgn(v))/w.
                 let moved: f64 = x - last;
                 last = x;
-                slid += moved / self.friction.1 * (1.0 - slid * moved.signum());
-                slid = slid.clamp(-1.0, 1.0);
+                // Bristles: dz/dx = 1 − z sgn(v)/(w g(v)), where g is what slides over what sticks.
+                let speed = moved * RATE_HZ * FINER as f64;
+                let slides = 1.0 + excess * (-(speed / slow_mps).powi(2)).exp();
+                let most = self.friction.1 * slides / (1.0 + excess);
+                bent += moved * (1.0 - bent * moved.signum() / most);
+                bent = bent.clamp(-self.friction.1, self.friction.1);
             }
             let t = at as f64 / RATE_HZ;
             let h = 1e-4;
@@ -68,7 +77,9 @@ impl Machine {
                 0.0
             };
             let spring = self.spring.0 * x + self.spring.1 * x.powi(3);
-            let force = self.mass * a + self.drag * v + self.friction.0 * slid + spring + offset;
+            let friction = (self.friction.0 * (1.0 + excess) + self.by_load * spring.abs()) * bent
+                / self.friction.1;
+            let force = self.mass * a + self.drag * v + friction + spring + offset;
             [t, (x / 1e-6).round() * 1e-6, force + self.noise * noise]
         };
         (0..10_000).map(&mut row).collect()
@@ -187,4 +198,61 @@ fn the_record_that_differs_from_the_others_is_named() {
         said.contains("something has changed between them: cable_stiffness.stiffness is"),
         "{said}"
     );
+}
+
+#[test]
+fn a_friction_that_sticks_with_more_than_it_slides_with_is_stribecks_beside_the_models_own() {
+    // GIVEN a stage that takes 3.2 N to move and 2 N to keep moving, and a model with a friction of 1 N
+    let machine = Machine {
+        at_standstill: (0.6, 5e-3),
+        ..STAGE
+    };
+    let model = model(&[
+        ("tool_inertia", "mass = 2.5"),
+        ("viscous_drag", "coefficient = 15.0"),
+        ("coulomb_friction", "force = 1.0"),
+        ("cable_stiffness", "stiffness = 350.0"),
+    ]);
+    let (json, said) = asked(&model, &[machine]);
+    // THEN what there is more at standstill is named alone, and what slides stays the model's.
+    let effects = json["effects"].as_array().unwrap();
+    assert_eq!(effects.len(), 1, "{said}");
+    assert_eq!(effects[0]["id"], "stribeck_friction", "{said}");
+    assert_ne!(effects[0]["grade"], "open", "{said}");
+    let of = |name: &str| effects[0]["params"][name]["value"].as_f64().unwrap();
+    assert_eq!(of("kinetic_force"), 0.0);
+    // Two springs of bristles in parallel are not quite one.
+    let (more_n, slow_mps) = (of("static_force"), of("speed"));
+    assert!((more_n / 1.2 - 1.0).abs() < 0.15, "{more_n} N\n{said}");
+    assert!(
+        (slow_mps / 5e-3 - 1.0).abs() < 0.15,
+        "{slow_mps} m/s\n{said}"
+    );
+    let slides_n = base_number(&json, "coulomb_friction.force");
+    assert!((slides_n / 2.0 - 1.0).abs() < 0.05, "{slides_n} N\n{said}");
+}
+
+#[test]
+fn a_friction_that_grows_with_the_load_may_stick_before_it_slides() {
+    // GIVEN a stage whose guide rubs with a tenth of the spring's force more, and a model that knows the rest
+    let machine = Machine {
+        by_load: 0.1,
+        ..STAGE
+    };
+    let model = model(&[
+        ("tool_inertia", "mass = 2.5"),
+        ("viscous_drag", "coefficient = 15.0"),
+        ("coulomb_friction", "force = 1.0"),
+        ("cable_stiffness", "stiffness = 350.0"),
+    ]);
+    let (json, said) = asked(&model, &[machine]);
+    // THEN it is named alone, with its size: sliding only it was unexplained.
+    let effects = json["effects"].as_array().unwrap();
+    assert_eq!(effects.len(), 1, "{said}");
+    assert_eq!(effects[0]["id"], "load_friction", "{said}");
+    assert_ne!(effects[0]["grade"], "open", "{said}");
+    let share = effects[0]["params"]["coefficient"]["value"]
+        .as_f64()
+        .unwrap();
+    assert!((share / 0.1 - 1.0).abs() < 0.1, "{share}\n{said}");
 }
