@@ -213,18 +213,24 @@ fn refused(error: &ConfigError) -> Diagnostic {
 struct Residual {
     /// Over the material that the parameters stand for, in noises.
     misfit: f64,
-    /// Over the whole log (N).
+    /// The same, and no less than noise leaves there.
+    beyond_noise: f64,
+    /// Over the whole log, and no less than noise leaves (N).
     whole_log_n: f64,
     /// Whether the material has changed, so that the two are of other stretches.
     has_changed: bool,
 }
 
 impl Residual {
+    /// A law that leaves less than the noise of force and position would leave of it fits the noise: it counts as one
+    /// that leaves that.
     fn of(replay: &Replay, outcome: &Outcome) -> Residual {
         let or_infinite = |rmse: Option<f64>| rmse.unwrap_or(f64::INFINITY);
+        let rmse_n = or_infinite(outcome.force_rmse_n);
         Residual {
-            misfit: or_infinite(outcome.force_rmse_n) / replay.noise_n,
-            whole_log_n: or_infinite(outcome.whole_log_rmse_n),
+            misfit: rmse_n / replay.noise_n,
+            beyond_noise: rmse_n.max(outcome.allowed_n) / replay.noise_n,
+            whole_log_n: or_infinite(outcome.whole_log_rmse_n).max(outcome.allowed_n),
             has_changed: outcome.whole_log_rmse_n != outcome.force_rmse_n,
         }
     }
@@ -234,9 +240,9 @@ impl Residual {
     /// unless both say that the material has changed: a false change leaves a stretch that any law fits.
     fn is_below(&self, kept: &Residual, margin: f64) -> bool {
         match (self.misfit <= EXPLAINED, kept.misfit <= EXPLAINED) {
-            (true, true) => self.misfit * margin < kept.misfit,
+            (true, true) => self.beyond_noise * margin < kept.beyond_noise,
             (false, false) if self.has_changed && kept.has_changed => {
-                self.misfit * margin < kept.misfit
+                self.beyond_noise * margin < kept.beyond_noise
             }
             (false, false) => self.whole_log_n * margin < kept.whole_log_n,
             (explains, _) => explains,

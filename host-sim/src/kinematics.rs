@@ -15,7 +15,7 @@ use std::borrow::Cow;
 
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::{median, rms, rounding_deviation};
+use crate::stats::{median, rms, rounding_deviation, rounding_step};
 use bend::Bends;
 use beyond::Beyond;
 use misfit::within;
@@ -156,6 +156,8 @@ pub(crate) struct Smoother<'a> {
     is_taken_as_it_is: bool,
     rate_hz: f64,
     noise_m: f64,
+    /// Whether that is of counts.
+    is_counted: bool,
     /// Its noise while it moves; `None` if it hardly does.
     moving_m: Option<f64>,
     /// Half-widths (samples) above those at 1 kHz, widest first.
@@ -191,10 +193,20 @@ impl<'a> Smoother<'a> {
             is_taken_as_it_is,
             rate_hz: log.rate_hz,
             noise_m,
+            is_counted: counts_m.is_some(),
             moving_m,
             windows: all.into_iter().map(Window::new).collect(),
             wider,
             position_m,
+        }
+    }
+
+    /// How far the position may be off for as long as a hold takes (m): half a count of an encoder with counts, else the
+    /// standard deviation of its noise.
+    pub(crate) fn error_m(&self) -> f64 {
+        match self.is_counted {
+            true => 0.5 * rounding_step(self.noise_m),
+            false => self.noise_m,
         }
     }
 
@@ -344,7 +356,6 @@ fn edge_slope(channel: &[f64], at: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::log::Log;
-    use crate::stats::rounding_step;
 
     fn of(position: impl Fn(f64) -> f64) -> (Kinematics, Vec<f64>) {
         let time: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();

@@ -9,7 +9,7 @@ use estimator_core::{Faults, LawKind, Status};
 use super::reason::{Evidence, Reason, judged};
 pub(crate) use super::residual::Motions;
 pub use super::residual::law_with;
-use super::residual::{force_rmse, named, replay_force};
+use super::residual::{depth_misfit, force_rmse, named, replay_force};
 use super::touches::touches;
 use crate::log::UniformLog;
 use crate::replay::{EventKind, EventMark, Replay, Touch};
@@ -53,6 +53,8 @@ pub struct Outcome {
     pub force_rmse_n: Option<f64>,
     /// The same over the contacts of the whole log, whatever has changed in between (N rms).
     pub whole_log_rmse_n: Option<f64>,
+    /// What the noise of the force and the errors of the position leave with these parameters (N rms).
+    pub allowed_n: f64,
     /// How late the force is against the position (s), where that was estimated.
     pub skew: Option<Estimated<f64>>,
     /// From first contact until the parameters had settled (s); `None` if they never did, or only for
@@ -108,6 +110,11 @@ impl Outcome {
             method_reason,
             reason,
             force_rmse_n,
+            allowed_n: {
+                let by_position_n = depth_misfit(replay, law, &parameters, motions.error_m);
+                let noise_n = replay.noise_n.max(log.force_noise_n());
+                noise_n.hypot(by_position_n.unwrap_or(0.0))
+            },
             whole_log_rmse_n: force_rmse(log, replay, &replayed_n, 0..replay.records.len()),
             skew: named(law, &parameters, "skew").map(|skew| Estimated {
                 value: skew.value.into(),

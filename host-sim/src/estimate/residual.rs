@@ -45,7 +45,11 @@ pub fn law_with(
 /// three times as much. A law is judged by the one that leaves less.
 ///
 /// Each is worked out sample by sample: those of an hour would take 120 MB.
-pub(crate) struct Motions<'a>(Vec<Box<Motion<'a>>>);
+pub(crate) struct Motions<'a> {
+    each: Vec<Box<Motion<'a>>>,
+    /// How far the position may be off (m).
+    pub(super) error_m: f64,
+}
 
 /// A position (m) and its rate (m/s) at a sample.
 type Motion<'a> = dyn Fn(usize) -> (f64, f64) + 'a;
@@ -54,18 +58,24 @@ impl<'a> Motions<'a> {
     pub(crate) fn of(log: &'a UniformLog) -> Motions<'a> {
         let (narrow, period_s) = (Smoother::of(log), log.period_s());
         let fixed = move |at| signal::parabola(&log.position_m, at, FIXED_HALF_WIDTH, period_s);
-        Motions(vec![Box::new(move |at| narrow.motion(at)), Box::new(fixed)])
+        let error_m = narrow.error_m();
+        let each: Vec<Box<Motion<'a>>> =
+            vec![Box::new(move |at| narrow.motion(at)), Box::new(fixed)];
+        Motions { each, error_m }
     }
 
     /// The one that is there already.
     pub(crate) fn known(motion: &'a Kinematics) -> Motions<'a> {
         let at = |at: usize| (motion.position_m[at], motion.speed_mps[at]);
-        Motions(vec![Box::new(at)])
+        Motions {
+            each: vec![Box::new(at)],
+            error_m: motion.noise_m,
+        }
     }
 
     /// One after the other.
     pub(super) fn each(&self) -> impl Iterator<Item = &Motion<'a>> {
-        self.0.iter().map(Box::as_ref)
+        self.each.iter().map(Box::as_ref)
     }
 }
 
@@ -141,6 +151,16 @@ pub(super) fn surface_misfit(
     parameters: &Parameters<f32>,
 ) -> Option<f64> {
     let error_m = f64::from(named(kind, parameters, "surface")?.std_error);
+    depth_misfit(replay, kind, parameters, error_m)
+}
+
+/// What a depth that is wrong by `error_m` would change the force by (N rms in contact).
+pub(super) fn depth_misfit(
+    replay: &Replay,
+    kind: LawKind,
+    parameters: &Parameters<f32>,
+    error_m: f64,
+) -> Option<f64> {
     let reference_depth_m = f64::from(replay.config.reference.depth_m);
     let law = law_with(kind, parameters, reference_depth_m)?;
     let contacts = replay.contacts().into_iter().flatten();
