@@ -5,6 +5,7 @@ mod holds;
 mod suspicion;
 
 pub use holds::{Hold, holds};
+pub(crate) use suspicion::columns;
 pub(crate) use suspicion::{exchanged, gives_work};
 pub use suspicion::{suspicions, suspicions_without_contact};
 

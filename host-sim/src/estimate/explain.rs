@@ -9,12 +9,12 @@ use super::evidence::{RELAXES, SURFACE_SHARE};
 use super::outcome::Outcome;
 use super::reason::EXPLAINED;
 use super::residual::surface_misfit;
-use crate::inspect::{Inspection, suspicions};
+use crate::inspect::{Inspection, columns, suspicions};
 use crate::log::UniformLog;
 use crate::model::law_title;
 use crate::number::quantity;
 use crate::replay::Replay;
-use crate::stats::highest;
+use crate::stats::{highest, lowest};
 
 /// The sentences for one estimate.
 pub fn explain(
@@ -29,6 +29,7 @@ pub fn explain(
     notes.extend(relaxation(outcome, inspection));
     notes.extend(adhesion(outcome, inspection));
     notes.extend(surface(replay, outcome));
+    notes.extend(simultaneity(outcome));
     if let Some(limit) = inspection.saturated_n {
         notes.push(format!(
             "the force stays at its largest value, {}: the channel saturates there",
@@ -57,9 +58,25 @@ fn contact(
             )
         }
         Surface::AtImpact => format!(
-            "no contact: the force never rose above its noise in free air ({} rms)",
-            quantity(inspection.noise_n, 2, "N")
+            "no contact: the force never rose above its noise in free air ({} rms){}",
+            quantity(inspection.noise_n, 2, "N"),
+            both_reversed(log).unwrap_or_default()
         ),
+    })
+}
+
+/// What a log looks like whose position and force both have the other sign: pulled where it is farthest out.
+fn both_reversed(log: &UniformLog) -> Option<String> {
+    let lowest_n = lowest(log.force_n.iter().copied());
+    let noise_n = log.force_noise_n();
+    let pulls = -lowest_n > 20.0 * noise_n.max(highest(log.force_n.iter().copied()) / 20.0);
+    pulls.then(|| {
+        let [_, x, f] = columns(log);
+        format!(
+            ", but fell to {}: if that is the contact, position and force both have the other sign \
+             (--columns x=-{x},f=-{f})",
+            quantity(lowest_n, 3, "N")
+        )
     })
 }
 
@@ -135,6 +152,27 @@ fn adhesion(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
     })
 }
 
+/// What a millisecond of skew would do to the damping of a contact whose damping nothing else tells from a delay: with
+/// Kelvin and Voigt's law a force that is late by T leaves λ − KT, at every depth.
+fn simultaneity(outcome: &Outcome) -> Option<String> {
+    const SKEW_S: f64 = 1e-3;
+    /// As much of the damping is worth a sentence.
+    const SHARE: f64 = 0.05;
+    if outcome.law.law() != LawId::KelvinVoigt || outcome.skew.is_some() {
+        return None;
+    }
+    let value = |name| outcome.value(name).map(|found| f64::from(found.value));
+    let taken = SKEW_S * value("stiffness")?;
+    (taken > SHARE * value("damping")?.abs()).then(|| {
+        format!(
+            "the damping takes force and position for read at the same instant: a force that is {} late takes {} off it, \
+             and with this law the log does not tell which of the two it is",
+            quantity(SKEW_S, 1, "s"),
+            quantity(taken, 2, "N s/m")
+        )
+    })
+}
+
 fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
     let surface = outcome.value("surface")?;
     let found = method_info(replay.config.method).is_some_and(|info| info.finds_surface);
@@ -158,4 +196,28 @@ fn surface(replay: &Replay, outcome: &Outcome) -> Option<String> {
         "the surface is taken from the impact{known}: an error of it bends {bent}, and their \
          standard errors include it (--surface gives the true position)"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Log;
+
+    #[test]
+    fn a_log_that_only_pulls_may_have_both_signs_reversed() {
+        let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();
+        let depth = |t: &f64| -2e-3 * (std::f64::consts::TAU * t).cos();
+        let x: Vec<f64> = t.iter().map(depth).collect();
+        let force = |sign: f64| x.iter().map(move |x| sign * 2000.0 * (sign * x).max(0.0));
+        let log = |sign| {
+            let log = Log::from_channels(t.clone(), x.clone(), force(sign).collect());
+            log.uniform().unwrap()
+        };
+        let found = both_reversed(&log(-1.0)).unwrap();
+        assert!(
+            found.contains("fell to −4.00") && found.contains("x=-x_m,f=-f_n"),
+            "{found}"
+        );
+        assert_eq!(both_reversed(&log(1.0)), None);
+    }
 }

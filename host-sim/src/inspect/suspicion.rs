@@ -51,7 +51,7 @@ fn swapped(log: &UniformLog) -> Option<String> {
 }
 
 /// The names of the log's columns.
-fn columns(log: &UniformLog) -> [&'static str; 3] {
+pub(crate) fn columns(log: &UniformLog) -> [&'static str; 3] {
     let kind = log.kind.unwrap_or_default();
     Channel::ALL.map(|channel| channel.column_of(kind))
 }

@@ -1,5 +1,7 @@
 //! What has changed on a rig since its model was identified.
 
+use estimator_core::physics::effect::{EffectId, Repeats};
+
 use super::parameter::ParameterEstimate;
 use crate::gap::thresholds::{Changes, Thresholds};
 use crate::model::Model;
@@ -74,6 +76,9 @@ pub(crate) fn changes(
             let earlier = known[..at].iter().filter(|other| other.0 == *name).count();
             let now = now.iter().filter(|now| now.name == *name).nth(earlier)?;
             now.std_error?;
+            if is_of_the_start(name) {
+                return None;
+            }
             Some(Change {
                 was: (*value, (*error)?),
                 now: now.clone(),
@@ -101,6 +106,14 @@ pub(crate) fn changes(
             little: little.into_iter().max_by(by_share),
         }
     })
+}
+
+/// Whether a number only says when a log was started: the phase of a hum, or of a surface that breathes.
+fn is_of_the_start(name: &str) -> bool {
+    let Some((effect, "phase")) = name.split_once('.') else {
+        return false;
+    };
+    EffectId::from_name(effect).is_some_and(|id| id.info().repeats == Repeats::InTime)
 }
 
 /// What has changed since the base model was identified, a sentence each; nothing where it never was.
@@ -159,6 +172,14 @@ mod tests {
             [[effect]]\nid = \"viscous_drag\"\ncoefficient = 203.0\n";
         let path = Path::new("model.toml");
         Model::from_toml(&TomlFile::parse(toml.into(), path).unwrap(), path).unwrap()
+    }
+
+    #[test]
+    fn when_a_log_was_started_is_no_change_of_the_rig() {
+        assert!(is_of_the_start("periodic_disturbance.phase"));
+        assert!(is_of_the_start("surface_motion.phase"));
+        assert!(!is_of_the_start("periodic_disturbance.amplitude"));
+        assert!(!is_of_the_start("cogging.phase") && !is_of_the_start("stiffness"));
     }
 
     fn friction(value: f64, std_error: Option<f64>) -> ParameterEstimate {
