@@ -18,7 +18,9 @@ effect! {
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: DryFriction, simpler: Some("coulomb_friction"),
-    is_physical: |_| true,
+    // With γ > β the loop gives more energy back than it took (Erlicher and Point 2004). Measured: a friction that only
+    // sticks, with counts of 10 µm at 200 Hz, was a loop with γ of 2.4 and 3.4 β.
+    is_physical: |[_, beta, gamma, ..]| *gamma <= 1.5 * *beta,
     example: [4000.0, 3000.0, 3000.0, 1.0, 0.0], starts: &[
         Starts::at(&[At(Ratio(10.0, SmallForce, Travel)), At(Per(5.0, Travel)), At(Per(5.0, Travel)), Held(1.0)]),
         Starts::at(&[At(Ratio(10.0, SmallForce, Travel)), At(PerSquare(25.0, Travel)), At(PerSquare(25.0, Travel)), Held(2.0)]),
@@ -64,6 +66,13 @@ impl<S: Scalar> BoucWen<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_loop_gives_no_more_back_than_it_took() {
+        let is_physical = BoucWen::<f64>::INFO.is_physical;
+        let with = |gamma: f64| is_physical(&[4e3, 3e3, gamma, 1.0, 0.0]);
+        assert!(with(0.0) && with(3e3) && with(-5e3) && !with(7e3));
+    }
 
     #[test]
     fn it_levels_off_where_beta_and_gamma_say_and_hardens_where_they_are_negative() {
