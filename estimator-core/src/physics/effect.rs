@@ -36,7 +36,7 @@
 //!            reach_m = "reach", Metre, Positive, Shape, Logarithmic(Times(0.02, Travel), Times(0.5, Travel));
 //!        }
 //!        stage: LoadPath, sign: OneWay, proportional: true, …
-//!        example: [0.3, 5e-4, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce)), Each(&[…])])],
+//!        example: [0.3, 5e-4, 0.0, 0.0, 0.0], starts: &[Starts::at(&[At(Times(1.0, SmallForce)), Each(&[…])])],
 //!        law: "−F/(1 + (x/d)²)", …
 //!    }
 //!    ```

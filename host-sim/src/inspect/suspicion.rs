@@ -1,5 +1,6 @@
 //! Columns that look exchanged, units that look wrong: what a person should look at first.
 
+use super::refreshed::refreshed_slowly;
 use crate::kind::Kind;
 use crate::log::{Channel, UniformLog};
 use crate::number::quantity;
@@ -14,6 +15,7 @@ pub fn suspicions(log: &UniformLog) -> Vec<String> {
         millimetres,
         milliseconds,
         force_sign,
+        refreshed_slowly,
     ]
     .into_iter()
     .filter_map(|look| look(log))
@@ -22,10 +24,16 @@ pub fn suspicions(log: &UniformLog) -> Vec<String> {
 
 /// The same of a rig that touches nothing: its force may fall along the way.
 pub fn suspicions_without_contact(log: &UniformLog) -> Vec<String> {
-    [still_position, still_force, millimetres, milliseconds]
-        .into_iter()
-        .filter_map(|look| look(log))
-        .collect()
+    [
+        still_position,
+        still_force,
+        millimetres,
+        milliseconds,
+        refreshed_slowly,
+    ]
+    .into_iter()
+    .filter_map(|look| look(log))
+    .collect()
 }
 
 fn still_position(log: &UniformLog) -> Option<String> {

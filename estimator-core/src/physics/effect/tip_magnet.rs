@@ -13,7 +13,7 @@ effect! {
     }
     stage: LoadPath, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
-    example: [0.3, 5e-4, 0.0, 0.0], starts: &[
+    example: [0.3, 5e-4, 0.0, 0.0, 0.0], starts: &[
         Starts::at(&[At(Times(1.0, SmallForce)), Each(&[Times(0.05, Travel), Times(0.1, Travel), Times(0.2, Travel)])]),
     ],
     law: "−F/(1 + (x/d)²)",
