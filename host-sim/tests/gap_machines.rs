@@ -116,6 +116,15 @@ fn asked(model: &str, machines: &[Machine]) -> (serde_json::Value, String) {
     (json, flowing(&said(&done)))
 }
 
+/// The one effect that is named, which is this one and not left open.
+fn alone<'a>(json: &'a serde_json::Value, id: &str, said: &str) -> &'a serde_json::Value {
+    let effects = json["effects"].as_array().unwrap();
+    assert_eq!(effects.len(), 1, "{said}");
+    assert_eq!(effects[0]["id"], id, "{said}");
+    assert_ne!(effects[0]["grade"], "open", "{said}");
+    &effects[0]
+}
+
 /// A number of the base, after the fit.
 fn base_number(json: &serde_json::Value, name: &str) -> f64 {
     let value = json["base"]["after"][name]["value"].as_f64();
@@ -207,19 +216,10 @@ fn a_friction_that_sticks_with_more_than_it_slides_with_is_stribecks_beside_the_
         at_standstill: (0.6, 5e-3),
         ..STAGE
     };
-    let model = model(&[
-        ("tool_inertia", "mass = 2.5"),
-        ("viscous_drag", "coefficient = 15.0"),
-        ("coulomb_friction", "force = 1.0"),
-        ("cable_stiffness", "stiffness = 350.0"),
-    ]);
-    let (json, said) = asked(&model, &[machine]);
+    let (json, said) = asked(&model(&KNOWN), &[machine]);
     // THEN what there is more at standstill is named alone, and what slides stays the model's.
-    let effects = json["effects"].as_array().unwrap();
-    assert_eq!(effects.len(), 1, "{said}");
-    assert_eq!(effects[0]["id"], "stribeck_friction", "{said}");
-    assert_ne!(effects[0]["grade"], "open", "{said}");
-    let of = |name: &str| effects[0]["params"][name]["value"].as_f64().unwrap();
+    let found = alone(&json, "stribeck_friction", &said);
+    let of = |name: &str| found["params"][name]["value"].as_f64().unwrap();
     assert_eq!(of("kinetic_force"), 0.0);
     // Two springs of bristles in parallel are not quite one.
     let (more_n, slow_mps) = (of("static_force"), of("speed"));
@@ -239,20 +239,9 @@ fn a_friction_that_grows_with_the_load_may_stick_before_it_slides() {
         by_load: 0.1,
         ..STAGE
     };
-    let model = model(&[
-        ("tool_inertia", "mass = 2.5"),
-        ("viscous_drag", "coefficient = 15.0"),
-        ("coulomb_friction", "force = 1.0"),
-        ("cable_stiffness", "stiffness = 350.0"),
-    ]);
-    let (json, said) = asked(&model, &[machine]);
+    let (json, said) = asked(&model(&KNOWN), &[machine]);
     // THEN it is named alone, with its size: sliding only it was unexplained.
-    let effects = json["effects"].as_array().unwrap();
-    assert_eq!(effects.len(), 1, "{said}");
-    assert_eq!(effects[0]["id"], "load_friction", "{said}");
-    assert_ne!(effects[0]["grade"], "open", "{said}");
-    let share = effects[0]["params"]["coefficient"]["value"]
-        .as_f64()
-        .unwrap();
+    let found = alone(&json, "load_friction", &said);
+    let share = found["params"]["coefficient"]["value"].as_f64().unwrap();
     assert!((share / 0.1 - 1.0).abs() < 0.1, "{share}\n{said}");
 }

@@ -40,7 +40,7 @@ use crate::estimate::error::{ConfigError, require_each};
 use crate::estimate::fault::{Fault, Faults};
 use crate::estimate::sample::Sample;
 use crate::maths::scalar::{Real, Scalar, seconds};
-use crate::physics::effect::{Effect, EffectId, LoadPathMemory, Motion};
+use crate::physics::effect::{Effect, EffectId, LoadPathMemory, Motion, Rubbing};
 use crate::physics::load_path::{cables_n, play_m, share_of_load, without_load_friction_n};
 use crate::physics::rig::{Effects, MOST_EFFECTS};
 use delay::{ChannelDelay, DelayLine};
@@ -223,7 +223,12 @@ impl<T: Real> Compensation<T> {
                 memory,
                 change_m,
                 |memory, at, change_m| {
-                    friction.share_of_load(memory, at.speed_mps, change_m, play_m)
+                    let rubbing = Rubbing {
+                        speed_mps: at.speed_mps,
+                        change_m,
+                        play_m,
+                    };
+                    friction.share_of_load(memory, &rubbing)
                 },
             )
         });

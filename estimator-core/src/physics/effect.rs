@@ -96,7 +96,7 @@ mod viscous_drag;
 pub use super::parameter::{Bounds, ParameterInfo};
 use crate::maths::scalar::Scalar;
 use catalogue::catalogue;
-pub(crate) use load_memory::{LoadPathMemory, beyond_play};
+pub(crate) use load_memory::{LoadPathMemory, Rubbing, beyond_play};
 pub use motion::Motion;
 pub use row::{
     ChainStage, EffectInfo, Family, Form, Laws, MOST_PARAMETERS, ParameterFit, Repeats, Role, Sign,
@@ -176,13 +176,14 @@ impl<S: Scalar> Effect<S> {
         change_m: S,
         play_m: S,
     ) -> S {
+        let rubbing = Rubbing {
+            speed_mps: motor.speed_mps,
+            change_m,
+            play_m,
+        };
         match self {
-            Effect::CoulombFriction(effect) => {
-                effect.force_n(memory, motor.speed_mps, change_m, play_m)
-            }
-            Effect::StribeckFriction(effect) => {
-                effect.force_n(memory, motor.speed_mps, change_m, play_m)
-            }
+            Effect::CoulombFriction(effect) => effect.force_n(memory, &rubbing),
+            Effect::StribeckFriction(effect) => effect.force_n(memory, &rubbing),
             Effect::ViscousDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::AsymmetricDrag(effect) => effect.force_n(motor.speed_mps),
             Effect::QuadraticDrag(effect) => effect.force_n(motor.speed_mps),

@@ -18,7 +18,7 @@ pub use contact::{ContactState, Touch};
 pub use effects::{Effects, MOST_EFFECTS};
 
 use crate::maths::scalar::Scalar;
-use crate::physics::effect::{Effect, LoadPathMemory, Motion};
+use crate::physics::effect::{Effect, LoadPathMemory, Motion, Rubbing};
 use crate::physics::load_path::{cables_n, play_m, share_of_load};
 
 /// What is touched, and what touches it.
@@ -242,8 +242,13 @@ impl<S: Scalar> Rig<S> {
         let play_m = play_m(self.effects());
         let mut force_n = S::zero();
         let each = self.effects.iter().zip(&mut state.load_path);
+        let rubbing = Rubbing {
+            speed_mps: motor.speed_mps,
+            change_m,
+            play_m,
+        };
         let share = share_of_load(each, |friction, memory| {
-            friction.share_of_load(memory, motor.speed_mps, change_m, play_m)
+            friction.share_of_load(memory, &rubbing)
         });
         if let Some(share) = share {
             let cables_n = cables_n(self.effects(), motor.position_m, play_m);

@@ -48,10 +48,10 @@ pub(super) fn evidence(
         .fold(f64::INFINITY, f64::min);
     let whole = outcome.whole_log_rmse_n.unwrap_or(0.0);
     let samples: usize = replay.contacts().iter().map(|touch| touch.len()).sum();
-    // Noise of the position is noise of the force times the stiffness, and a law with a memory fits some of it: 15 µm on
-    // 1 N/mm made a relaxation of 0.42 ± 0.03. Three standard errors of what N samples of noise leave.
     // Of a log of two materials the whole is another's, too.
     let of_this_material = outcome.force_rmse_n.unwrap_or(0.0);
+    // Noise of the position is noise of the force times the stiffness, and a law with a memory fits some of it: 15 µm on
+    // 1 N/mm made a relaxation of 0.42 ± 0.03. Three standard errors of what N samples of noise leave.
     let exceeds_noise =
         of_this_material > outcome.allowed_n * (1.0 + 3.0 / (2.0 * samples.max(1) as f64).sqrt());
     let decays = |relaxed: f64| relaxed > RELAXES;

@@ -32,20 +32,23 @@ pub(super) fn refreshed_slowly(log: &UniformLog) -> Option<String> {
 /// Samples from one reading of a channel to the next, where that is more than one.
 fn refreshed_every(channel: &[f64]) -> Option<usize> {
     let is_new = |at: &usize| channel[*at] != channel[at - 1];
-    let news: Vec<usize> = (1..channel.len()).filter(is_new).collect();
-    if news.len() <= FEWEST {
+    let news = || (1..channel.len()).filter(is_new);
+    // One that stands between is new in every other sample at most; of any other nothing is kept, an hour long.
+    let count = news().count();
+    if count <= FEWEST || 5 * count > 3 * channel.len() {
         return None;
     }
+    let news: Vec<usize> = news().collect();
     let apart = || news.windows(2).map(|pair| pair[1] - pair[0]);
     let every = median(apart().map(|samples| samples as f64)) as usize;
     let share = |is: &dyn Fn(usize) -> bool| {
         apart().filter(|samples| is(*samples)).count() as f64 / (news.len() - 1) as f64
     };
-    let change = median(news.iter().map(|at| (channel[*at] - channel[at - 1]).abs()));
+    let change = || median(news.iter().map(|at| (channel[*at] - channel[at - 1]).abs()));
     let is_slow = every > 1
         && share(&|samples| samples == every) >= AS_MOST
         && share(&|samples| samples % every == 0) >= MULTIPLES
-        && signal::step(channel).is_none_or(|step| change > COUNTS * step);
+        && signal::step(channel).is_none_or(|step| change() > COUNTS * step);
     is_slow.then_some(every)
 }
 

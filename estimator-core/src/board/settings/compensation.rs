@@ -6,7 +6,7 @@
 //! knows nothing of it. Its resting force follows a slow drift.
 
 use super::info::{Bounds, Info};
-use crate::physics::{effect, effect::EffectId, effect::MOST_PARAMETERS};
+use crate::physics::{effect, effect::EffectId};
 
 /// How many settings the section has.
 pub const COUNT: usize = {
@@ -30,14 +30,14 @@ const NAME: usize = 48;
 const LARGEST: f32 = 1e9;
 
 /// The number of the setting for a parameter of the effect with a code. Numbers stand in the flash of
-/// boards: those of the effects 11…26 are 64…127; 27…49 have 160…251, since 128 is that of
-/// `reflection` and 144…159 are those of `render`. A fifth parameter came later, and has one of those of an effect that
-/// is not there: 240…247.
+/// boards: those of the effects 11…26 are 64…127; 27…50 have 160…255, since 128 is that of
+/// `reflection` and 144…159 are those of `render`. Fifth parameters came later, and have those of an effect 47, which
+/// there must not be.
 pub(super) const fn number(code: u8, place: u8) -> Option<u8> {
     match code {
         12 if place == 4 => Some(240),
         29 if place == 4 => Some(241),
-        _ if place as usize >= MOST_PARAMETERS || place > 3 => None,
+        _ if place > 3 => None,
         11..=26 => Some(64 + 4 * (code - 11) + place),
         27..=50 => Some(160 + 4 * (code - 27) + place),
         _ => None,

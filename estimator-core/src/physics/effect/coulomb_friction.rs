@@ -1,6 +1,6 @@
 //! Dry friction of the drive or the guide, between the motor and the load cell.
 
-use super::{load_memory::LoadPathMemory, row::effect, shapes::direction, shapes::slid};
+use super::{load_memory::LoadPathMemory, load_memory::Rubbing, row::effect};
 use crate::maths::scalar::Scalar;
 
 effect! {
@@ -30,18 +30,8 @@ effect! {
 }
 
 impl<S: Scalar> CoulombFriction<S> {
-    /// Its force (N) after a way of `change_m`; a play of `play_m` is in front of surfaces that stick.
-    pub(super) fn force_n(
-        &self,
-        memory: &mut LoadPathMemory<S>,
-        speed_mps: S,
-        change_m: S,
-        play_m: S,
-    ) -> S {
-        if self.width_m > S::zero() {
-            let z = memory.follow(change_m, play_m, |z, way_m| slid(z, way_m, self.width_m));
-            return self.force_n * z;
-        }
-        self.force_n * direction(speed_mps, self.transition_mps)
+    /// Its force (N).
+    pub(super) fn force_n(&self, memory: &mut LoadPathMemory<S>, rubbing: &Rubbing<S>) -> S {
+        self.force_n * memory.side(rubbing, self.width_m, self.transition_mps)
     }
 }

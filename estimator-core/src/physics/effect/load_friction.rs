@@ -1,6 +1,6 @@
 //! Friction that grows with the load, as of a screw, a bearing or a tendon in its sheath.
 
-use super::{load_memory::LoadPathMemory, row::effect, shapes::direction, shapes::slid};
+use super::{load_memory::LoadPathMemory, load_memory::Rubbing, row::effect};
 use crate::maths::scalar::Scalar;
 
 effect! {
@@ -39,25 +39,13 @@ effect! {
 }
 
 impl<S: Scalar> LoadFriction<S> {
-    /// Its force for each newton of load after a way of `change_m`; a play of `play_m` is in front of surfaces that
-    /// stick.
-    pub(crate) fn share_of_load(
-        &self,
-        memory: &mut LoadPathMemory<S>,
-        speed_mps: S,
-        change_m: S,
-        play_m: S,
-    ) -> S {
-        let side = if self.width_m > S::zero() {
-            memory.follow(change_m, play_m, |z, way_m| slid(z, way_m, self.width_m))
-        } else {
-            direction(speed_mps, self.transition_mps)
-        };
-        let share = self.coefficient * side;
+    /// Its force for each newton of load.
+    pub(crate) fn share_of_load(&self, memory: &mut LoadPathMemory<S>, rubbing: &Rubbing<S>) -> S {
+        let share = self.coefficient * memory.side(rubbing, self.width_m, self.transition_mps);
         if self.excess == S::zero() || self.speed_mps <= S::zero() {
             return share;
         }
-        let fast = speed_mps / self.speed_mps;
+        let fast = rubbing.speed_mps / self.speed_mps;
         share * (S::one() + self.excess / (S::one() + fast * fast))
     }
 }
@@ -75,7 +63,10 @@ mod tests {
     };
 
     fn share(friction: &LoadFriction<f64>, speed_mps: f64) -> f64 {
-        friction.share_of_load(&mut LoadPathMemory::at_rest(), speed_mps, 0.0, 0.0)
+        friction.share_of_load(
+            &mut LoadPathMemory::at_rest(),
+            &Rubbing::without_play(speed_mps, 0.0),
+        )
     }
 
     #[test]
@@ -101,8 +92,9 @@ mod tests {
             ..LUBRICATED
         };
         let mut memory = LoadPathMemory::at_rest();
-        let mut pushed =
-            |speed_mps, way_m| sticky.share_of_load(&mut memory, speed_mps, way_m, 0.0);
+        let mut pushed = |speed_mps, way_m| {
+            sticky.share_of_load(&mut memory, &Rubbing::without_play(speed_mps, way_m))
+        };
         let slides = pushed(5e-3, 0.2e-3);
         assert!((slides - 0.1).abs() < 1e-5, "{slides}");
         // THEN it is the same at rest, and 0 after w ln 2 on the way back.

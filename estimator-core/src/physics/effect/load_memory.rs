@@ -1,6 +1,29 @@
 //! What an effect of the load path remembers, and the play in front of it.
 
+use super::shapes::{direction, slid};
 use crate::maths::scalar::Scalar;
+
+/// What moves a dry friction from one sample to the next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rubbing<S> {
+    /// Speed of the motor side (m/s).
+    pub(crate) speed_mps: S,
+    /// Way of the motor side since the last sample (m).
+    pub(crate) change_m: S,
+    /// A play in front of surfaces that stick (m).
+    pub(crate) play_m: S,
+}
+
+#[cfg(test)]
+impl Rubbing<f64> {
+    pub(super) fn without_play(speed_mps: f64, change_m: f64) -> Self {
+        Rubbing {
+            speed_mps,
+            change_m,
+            play_m: 0.0,
+        }
+    }
+}
 
 /// What an effect of the load path remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,6 +57,17 @@ pub(crate) fn beyond_play<S: Scalar>(position_m: S, play_m: S) -> S {
 }
 
 impl<S: Scalar> LoadPathMemory<S> {
+    /// The side to which a dry friction pulls, −1 to 1: one that sticks elastically over a width follows the way
+    /// (Dahl), one that only slides has the direction of the speed.
+    pub(super) fn side(&mut self, rubbing: &Rubbing<S>, width_m: S, transition_mps: S) -> S {
+        if width_m > S::zero() {
+            return self.follow(rubbing.change_m, rubbing.play_m, |z, way_m| {
+                slid(z, way_m, width_m)
+            });
+        }
+        direction(rubbing.speed_mps, transition_mps)
+    }
+
     /// The state z of an effect that follows the way, after a way of `change_m` with a play of `play_m` in
     /// front of it: `follow(z, way)` is its state after a way that pushes it. Where z passes through 0 the
     /// flank lets go, and the rest of the way is taken from the play before the other flank pushes.

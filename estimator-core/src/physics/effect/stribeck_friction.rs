@@ -1,6 +1,7 @@
 //! Dry friction that is larger near standstill.
 
-use super::{load_memory::LoadPathMemory, row::effect, shapes::direction, shapes::slid_to};
+use super::{load_memory::LoadPathMemory, load_memory::Rubbing, row::effect};
+use super::{shapes::direction, shapes::slid_to};
 use crate::maths::scalar::Scalar;
 
 effect! {
@@ -30,7 +31,7 @@ effect! {
             At(Largest([(1.0, SpeedNoise), (3e-3, Speed)])),
         ]),
         Starts::at(&[
-            At(Times(1.0, SmallForce)), At(Times(1.5, SmallForce)), Each(&[Times(0.03, Speed), Times(0.2, Speed)]),
+            Held(0.0), At(Times(1.5, SmallForce)), Each(&[Times(0.03, Speed), Times(0.2, Speed)]),
             Held(0.0), Each(&[Times(2e-4, Travel), Times(1.5e-3, Travel), Times(1.5e-2, Travel)]),
         ])
         // Alone it has room enough to follow a foam that relaxes, and halved what nothing else explained of it.
@@ -42,22 +43,16 @@ effect! {
 }
 
 impl<S: Scalar> StribeckFriction<S> {
-    /// Its force (N) after a way of `change_m`; a play of `play_m` is in front of surfaces that stick.
-    pub(super) fn force_n(
-        &self,
-        memory: &mut LoadPathMemory<S>,
-        speed_mps: S,
-        change_m: S,
-        play_m: S,
-    ) -> S {
+    /// Its force (N).
+    pub(super) fn force_n(&self, memory: &mut LoadPathMemory<S>, rubbing: &Rubbing<S>) -> S {
         /// A friction that slides with less of what it sticks with than this is none at that speed.
         const LEAST: f64 = 1e-6;
-        let sliding_n = self.sliding_n(speed_mps);
+        let sliding_n = self.sliding_n(rubbing.speed_mps);
         if self.width_m <= S::zero() || self.static_n <= S::zero() {
-            return sliding_n * direction(speed_mps, self.transition_mps);
+            return sliding_n * direction(rubbing.speed_mps, self.transition_mps);
         }
         let most = (sliding_n / self.static_n).max_of(S::from_f64(LEAST));
-        let z = memory.follow(change_m, play_m, |z, way_m| {
+        let z = memory.follow(rubbing.change_m, rubbing.play_m, |z, way_m| {
             slid_to(most, z, way_m, self.width_m)
         });
         self.static_n * z
@@ -87,16 +82,19 @@ mod tests {
     fn it_sticks_like_a_spring_lets_go_at_its_static_force_and_slides_with_less() {
         // GIVEN a friction that is pushed slowly, in steps of 0.1 µm
         let mut memory = LoadPathMemory::at_rest();
-        let mut slow = |_| STICKS.force_n(&mut memory, 1e-6, 0.1e-6, 0.0);
+        let mut slow = |_| STICKS.force_n(&mut memory, &Rubbing::without_play(1e-6, 0.1e-6));
         let way: [f64; 2000] = core::array::from_fn(&mut slow);
         // THEN it is a spring of F_s/w at first, and levels off at F_s.
         let stiffness = way[0] / 0.1e-6;
         assert!((stiffness * 20e-6 / 0.6 - 1.0).abs() < 0.01, "{stiffness}");
         assert!((way[1999] - 0.6).abs() < 1e-4, "{}", way[1999]);
         // WHEN it is fast, THEN it falls to F_c within a few widths, and keeps that in a hold.
-        let fast = STICKS.force_n(&mut memory, 20e-3, 0.2e-3, 0.0);
+        let fast = STICKS.force_n(&mut memory, &Rubbing::without_play(20e-3, 0.2e-3));
         assert!((fast - 0.4).abs() < 1e-5, "{fast}");
-        assert_eq!(STICKS.force_n(&mut memory, 0.0, 0.0, 0.0), fast);
+        assert_eq!(
+            STICKS.force_n(&mut memory, &Rubbing::without_play(0.0, 0.0)),
+            fast
+        );
     }
 
     #[test]
@@ -106,12 +104,15 @@ mod tests {
             ..STICKS
         };
         let mut memory = LoadPathMemory::at_rest();
-        let fast = only_at_rest.force_n(&mut memory, 1.0, 1e-3, 0.0);
+        let fast = only_at_rest.force_n(&mut memory, &Rubbing::without_play(1.0, 1e-3));
         assert!((0.0..1e-5).contains(&fast), "{fast}");
         let none = StribeckFriction {
             static_n: 0.0,
             ..only_at_rest
         };
-        assert_eq!(none.force_n(&mut memory, 1.0, 1e-3, 0.0), 0.0);
+        assert_eq!(
+            none.force_n(&mut memory, &Rubbing::without_play(1.0, 1e-3)),
+            0.0
+        );
     }
 }
