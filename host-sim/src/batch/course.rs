@@ -9,6 +9,9 @@
 //! 50 Hz is 600 blocks instead of 80 000 samples. Nothing is thrown away: a block weighs what its
 //! samples weigh (see `select` for where that ends).
 //!
+//! Where a force ends though the probe is still inside, samples stay alone: a block across that corner is no force
+//! at a mean depth. Of taps of 10 Hz at 1 kHz such blocks left 15 mN of 1 mN.
+//!
 //! **Gaps.** Samples that the resampling invented are not measurements. They are left out, and a law
 //! with memory gets the straight line between the measurements on either side, which is what they
 //! were invented from; where the depth moves within a gap they stay as points without weight.
@@ -128,7 +131,7 @@ impl Course {
             thresholds.samples.firm_touch,
         )?;
         let uses = uses(log, motion, &force_n, &touches, &scales, thresholds.samples);
-        let nodes = nodes(log, motion, &uses, &scales);
+        let nodes = nodes(log, motion, &uses, &corners(&uses), &scales);
         Some(Course {
             nodes,
             uses,
@@ -247,7 +250,26 @@ struct Block {
     node: Node,
 }
 
-fn nodes(log: &UniformLog, motion: &Kinematics, uses: &[Use], scales: &Scales) -> Vec<Node> {
+/// Whether a force ends near each sample while the probe is still inside: within what the moving mean that finds the end
+/// reaches, and one more.
+fn corners(uses: &[Use]) -> Vec<bool> {
+    let mut corners = vec![false; uses.len()];
+    for (at, pair) in uses.windows(2).enumerate() {
+        if matches!(pair[0], Use::Contact(_)) && pair[1] == Use::Out {
+            let from = at.saturating_sub(MEAN_HALF_WIDTH);
+            corners[from..(at + MEAN_HALF_WIDTH + 2).min(uses.len())].fill(true);
+        }
+    }
+    corners
+}
+
+fn nodes(
+    log: &UniformLog,
+    motion: &Kinematics,
+    uses: &[Use],
+    corners: &[bool],
+    scales: &Scales,
+) -> Vec<Node> {
     let mut nodes = Vec::new();
     let mut block: Option<Block> = None;
     let mut moved_at = 0;
@@ -261,6 +283,7 @@ fn nodes(log: &UniformLog, motion: &Kinematics, uses: &[Use], scales: &Scales) -
         }
         let most = ((at - moved_at) as f64 * HOLD_SHARE) as usize;
         if let Some(block) = &mut block
+            && !corners[at]
             && joins(block, &sample, motion, at, most, scales)
         {
             block.join(&sample);

@@ -40,12 +40,16 @@ pub(super) fn with_bandwidth(model: &Model, options: &Options) -> (Options, Opti
         (Some(hz), None) => Some(format!(
             "the forces pass a low-pass of {hz} Hz, as when the model was identified"
         )),
-        (own_hz, Some(hz)) if model.remainder.is_some() && own_hz != asked_hz => Some(format!(
-            "what the model left when it was identified is not allowed for: that was {}, and not behind {hz} Hz",
-            own_hz.map_or("without a low-pass".into(), |hz| format!(
-                "behind a low-pass of {hz} Hz"
+        (own_hz, Some(hz))
+            if model.remainder.is_some_and(|own| own.rms_n > 0.0) && own_hz != asked_hz =>
+        {
+            Some(format!(
+                "what the model left when it was identified is not allowed for: that was {}, and not behind {hz} Hz",
+                own_hz.map_or("without a low-pass".into(), |hz| format!(
+                    "behind a low-pass of {hz} Hz"
+                ))
             ))
-        )),
+        }
         _ => None,
     };
     let bandwidth_hz = asked_hz.or(own_hz);
@@ -96,14 +100,17 @@ impl AsIdentified {
         })
     }
 
-    /// What is new in an environment with effects; `None` where it is not that one effect is or that none is. `rounds` have
-    /// the floors without the remainder.
+    /// What is new in an environment with effects; `None` where it is not that one effect is or that none is, or nothing
+    /// was left. `rounds` have the floors without the remainder.
     pub(super) fn answer(
         &self,
         rounds: &Rounds<'_>,
         environment: &Environment,
         given: &[Term],
     ) -> Option<Answer> {
+        if self.remainder.rms_n == 0.0 {
+            return None;
+        }
         let each = rounds.fine.floors.iter().zip(&self.rates_hz);
         let floors: Vec<NoiseFloor> = each
             .map(|(floor, rate_hz)| floor.beside(&self.remainder, *rate_hz))

@@ -4,10 +4,10 @@ use crate::diagnostic::Diagnostic;
 use crate::phase::PHASES;
 use crate::toml_reader::{Bounds, Table};
 
-/// What no effect of the catalogue explained when a model was identified: a process of its own, beyond the noise.
+/// What no effect of the catalogue explained when a model was identified, a process of its own, and the noise beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder {
-    /// Root mean square (N).
+    /// Root mean square (N); 0 where the log was explained to its noise.
     pub rms_n: f64,
     /// The same in each phase of the contact that the log had: a bond that breaks leaves more than a hold.
     pub by_phase_n: [Option<f64>; PHASES.len()],
@@ -31,7 +31,7 @@ impl Remainder {
             own.finish()?;
         }
         let remainder = Remainder {
-            rms_n: table.required_number("rms", Bounds::Positive)?,
+            rms_n: table.required_number("rms", Bounds::NotNegative)?,
             by_phase_n,
             noise_n: table.number("noise", Bounds::NotNegative)?,
             correlation_s: table.required_number("correlation_time", Bounds::Positive)?,

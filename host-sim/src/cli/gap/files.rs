@@ -145,6 +145,7 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
             "after": parameters(&finding.base_after),
         },
         "changed": finding.changed.as_ref().map(|all| all.counted.iter().map(change).collect::<Vec<_>>()),
+        "perhaps_changed": finding.changed.as_ref().and_then(|all| all.likely.as_ref().map(change)),
         "disagreement": finding.disagreement.iter().map(region).collect::<Vec<_>>(),
         "remaining": finding.remaining.iter().map(region).collect::<Vec<_>>(),
         "candidates": finding.ladder.iter().map(candidate).collect::<Vec<_>>(),

@@ -46,7 +46,8 @@ pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Optio
             true => decide.wander_sigmas,
             false => decide.size_sigmas,
         };
-        has_size(decision, number, sigmas) && !is_too_fast(best, number)
+        let is_at_an_end = is_too_fast(best, number) || is_too_long(best, number);
+        has_size(decision, number, sigmas) && !is_at_an_end
     };
     // Modes of one spectrum share their size, and no name depends on one of them; but one must be known.
     let added = best.added();
@@ -73,6 +74,14 @@ fn wanders(term: &Term, duration_s: f64, fewest_periods: f64) -> bool {
 /// motion look like one.
 fn is_too_fast(best: &Fit, number: usize) -> bool {
     best.shape.terms[number].id == EffectId::StressRelaxation
+        && is_second_at(best, number, Free::is_at_highest)
+}
+
+/// Whether an effect is an error of the encoder as long as one can be: it wants to be longer than two cycles in contact
+/// and a half, where it is the form of the law. With a true one of 1.5 to 2.6 cycles at its bound, a snap, a layer and a
+/// delay stood beside it, six of eight times.
+fn is_too_long(best: &Fit, number: usize) -> bool {
+    best.shape.terms[number].id == EffectId::EncoderPeriodicError
         && is_second_at(best, number, Free::is_at_highest)
 }
 

@@ -62,6 +62,16 @@ fn without_ambiguity(finding: &Finding, noise: f64) -> String {
              from which slow noise of the force would be known: record a second of it before the motion, and ask again."
                 .into()
         }
+        Verdict::Unexplained if finding.nothing_new => {
+            let words = match regions_in_words(&finding.remaining) {
+                words if words.is_empty() => String::new(),
+                words => format!(" ({words})"),
+            };
+            format!(
+                "What remains{words} is about what the model left before, and as little explained: more than the name of \
+                 a change the parameters do not bear."
+            )
+        }
         // A region may stand out without words, where it has hardly more than its share of the samples.
         Verdict::Unexplained => match regions_in_words(&finding.remaining) {
             words if words.is_empty() => {
@@ -82,7 +92,27 @@ fn without_ambiguity(finding: &Finding, noise: f64) -> String {
                 words => format!("{better} Of it {}.", words.replace("of the excess ", "")),
             }
         }
-        _ => "Use model.toml: simulate with it, or hand it to estimate --compensate.".into(),
+        _ => format!(
+            "Use model.toml: simulate with it, or hand it to estimate --compensate.{}",
+            at_bounds(finding)
+        ),
+    }
+}
+
+/// Which numbers of the effects only say how far they were sought; empty where none does.
+fn at_bounds(finding: &Finding) -> String {
+    let each = finding.effects.iter().flat_map(|effect| {
+        let numbers = effect.parameters.iter().filter(|number| number.at_bound);
+        numbers.map(|number| format!("{} of {}", number.name, effect.id.name()))
+    });
+    let names: Vec<String> = each.collect();
+    match names.as_slice() {
+        [] => String::new(),
+        [one] => format!(" The {one} is at the end of its range: the value is no measurement."),
+        more => format!(
+            " The {} are at the ends of their ranges: the values are no measurements.",
+            more.join(", the ")
+        ),
     }
 }
 

@@ -23,7 +23,13 @@ pub struct ChangesSince {
     pub counted: Vec<Change>,
     /// The number that is certainly another, and by the largest share too small to count: records of one rig differ as much.
     pub little: Option<Change>,
+    /// The number that is off by enough and by the most standard errors too few to count.
+    pub likely: Option<Change>,
 }
+
+/// From so many standard errors of the difference a number is likely to be another: a stiffness that had grown by 20 % was
+/// 4.6 away, since the model's own error was 3 %, and "nothing has changed" kept it back.
+const LIKELY_SIGMAS: f64 = 3.0;
 
 impl Change {
     /// How much larger its magnitude is, as a share of what it was.
@@ -93,17 +99,21 @@ pub(crate) fn changes(
                 .iter()
                 .any(|other| other.at_bound && effect_of(&other.name) == own)
     };
-    let is_certain =
-        |change: &Change| change.std_errors() > decide.sigmas && !beside_a_bound(&change.now.name);
     let is_identified = known.iter().any(|(_, _, error)| error.is_some());
     is_identified.then(|| {
-        let certain = changes.filter(is_certain);
-        let (counted, little): (Vec<Change>, Vec<Change>) =
-            certain.partition(|change| change.share().abs() > decide.share);
+        let judged = changes.filter(|change| !beside_a_bound(&change.now.name));
+        let (certain, uncertain): (Vec<Change>, Vec<Change>) =
+            judged.partition(|change| change.std_errors() > decide.sigmas);
+        let is_large = |change: &Change| change.share().abs() > decide.share;
+        let (counted, little): (Vec<Change>, Vec<Change>) = certain.into_iter().partition(is_large);
+        let likely = uncertain.into_iter().filter(is_large);
+        let likely = likely.filter(|change| change.std_errors() >= LIKELY_SIGMAS);
         let by_share = |a: &Change, b: &Change| a.share().abs().total_cmp(&b.share().abs());
+        let by_errors = |a: &Change, b: &Change| a.std_errors().total_cmp(&b.std_errors());
         ChangesSince {
             counted,
             little: little.into_iter().max_by(by_share),
+            likely: likely.max_by(by_errors),
         }
     })
 }
@@ -118,9 +128,17 @@ fn is_of_the_start(name: &str) -> bool {
 
 /// What has changed since the base model was identified, a sentence each; nothing where it never was.
 pub fn changes_in_words(changed: Option<&ChangesSince>) -> Vec<String> {
-    let Some(ChangesSince { counted, little }) = changed else {
+    let Some(ChangesSince {
+        counted,
+        little,
+        likely,
+    }) = changed
+    else {
         return Vec::new();
     };
+    let likely = likely
+        .iter()
+        .map(|likely| format!("perhaps {}", likely.in_words()));
     if counted.is_empty() {
         let rule = Thresholds::default().changes;
         let nothing = format!(
@@ -128,12 +146,13 @@ pub fn changes_in_words(changed: Option<&ChangesSince>) -> Vec<String> {
             100.0 * rule.share,
             rule.sigmas
         );
-        return vec![match little {
+        let nothing = match little {
             Some(little) => format!("{nothing}; by less {}", little.in_words()),
             None => nothing,
-        }];
+        };
+        return std::iter::once(nothing).chain(likely).collect();
     }
-    counted.iter().map(Change::in_words).collect()
+    counted.iter().map(Change::in_words).chain(likely).collect()
 }
 
 /// Names, values and, where the model file has them, standard errors of the parameters, named as in
@@ -263,6 +282,25 @@ mod tests {
                 .contains("; by less coulomb_friction.force is 5.0 % smaller than in the model"),
             "{words:?}"
         );
+    }
+
+    #[test]
+    fn a_number_that_is_off_by_hardly_enough_errors_is_said_and_not_counted() {
+        let model = identified();
+        let decide = Thresholds::default().changes;
+        let likely = |now: ParameterEstimate| {
+            let changes = changes(&model, &[now], &decide).unwrap();
+            assert_eq!(changes.counted, []);
+            changes_in_words(Some(&changes)).pop().unwrap()
+        };
+        // GIVEN a friction of 20.5 ± 0.15 N that is 24 ± 0.9 N now: 3.8 standard errors
+        assert_eq!(
+            likely(friction(24.0, Some(0.9))),
+            "perhaps coulomb_friction.force is 17 % larger than in the model: 24.0 ± 0.9\u{a0}N, was 20.50 ± 0.15\u{a0}N \
+             (4 standard errors)"
+        );
+        // AND with an error of 1.3 N, 2.7 standard errors, nothing is said.
+        assert!(likely(friction(24.0, Some(1.3))).starts_with("nothing: "));
     }
 
     #[test]

@@ -146,10 +146,10 @@ mod tests {
 
     #[test]
     fn a_damper_on_smoothed_speeds_is_not_found_too_large() {
-        // GIVEN 5 N s/m on strokes of 1.2 mm at 5.5 Hz, read in counts of 1 µm at 200 Hz: five samples are an eighth
-        // of a turn, and their cubics are off by more than the noise
+        // GIVEN 5 N s/m on strokes of 1.2 mm at 5.5 Hz, read in counts of 1 µm at 100 Hz: three samples are an
+        // eighth of a turn, and their parabolas are off by more than the noise
         let turn = |t: f64| 34.56 * t;
-        let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 5e-3).collect();
+        let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 1e-2).collect();
         let read = |t: &f64| (1.2e3 * turn(*t).sin()).round() * 1e-6;
         let position = time.iter().map(read).collect();
         // and 20 mN of noise that says nothing of a slow speed

@@ -344,7 +344,7 @@ fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f
     let size = |scale| match scale {
         // Two cycles and a half of an encoder's error in contact, or it is any law's form: with one and a
         // quarter it fitted other effects, at a pitch of 0.6 to 0.7 of the depth.
-        Scale::PitchInContact => (depth_m / 2.5).clamp(0.05 * scales.travel_m, scales.size(scale)),
+        Scale::PitchInContact => (depth_m / 1.5).clamp(0.05 * scales.travel_m, scales.size(scale)),
         _ => scales.size(scale),
     };
     match id.info().fits[at].range {

@@ -15,6 +15,7 @@ use crate::gap::model::{
     dataset::Dataset, error::std_errors, problem::Problem, shape::Term, simulate::depths,
     weights::weights,
 };
+use crate::gap::noise::floors::largest_noise_n;
 use crate::gap::options::Options;
 use crate::gap::say::{
     estimates::Estimates, left::left, log_residuals::LogResiduals, regions::regions,
@@ -64,7 +65,9 @@ pub(crate) fn finding(
             // What was allowed for stays the measure: it would grow from log to log.
             remainder: match decision.is_beside_remainder {
                 true => model.remainder,
-                false => builder.left(options.bandwidth_hz),
+                false => builder
+                    .left(options.bandwidth_hz)
+                    .or(Some(builder.noise_alone(options.bandwidth_hz))),
             },
             ..estimates.refitted_model(model)
         },
@@ -275,6 +278,17 @@ impl<'a> FindingBuilder<'a> {
             bandwidth_hz,
             ..left
         })
+    }
+
+    /// The noise, where nothing is left beside it: a later log says that it has grown.
+    fn noise_alone(&self, bandwidth_hz: Option<f64>) -> Remainder {
+        Remainder {
+            rms_n: 0.0,
+            by_phase_n: Default::default(),
+            noise_n: Some(largest_noise_n(self.dataset.floors)),
+            correlation_s: self.dataset.logs[0].period_s,
+            bandwidth_hz,
+        }
     }
 
     fn curves(&self) -> Vec<Curves> {
