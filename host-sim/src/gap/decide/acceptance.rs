@@ -77,9 +77,8 @@ fn is_too_fast(best: &Fit, number: usize) -> bool {
         && is_second_at(best, number, Free::is_at_highest)
 }
 
-/// Whether an effect is an error of the encoder as long as one can be: it wants to be longer than two cycles in contact
-/// and a half, where it is the form of the law. With a true one of 1.5 to 2.6 cycles at its bound, a snap, a layer and a
-/// delay stood beside it, six of eight times.
+/// Whether an effect is an error of the encoder as long as one can be: it wants to be longer, where it is the form of the
+/// law.
 fn is_too_long(best: &Fit, number: usize) -> bool {
     best.shape.terms[number].id == EffectId::EncoderPeriodicError
         && is_second_at(best, number, Free::is_at_highest)

@@ -338,13 +338,18 @@ fn of_environment(at: usize, parameter: &model::Parameter, scales: &Scales) -> F
     }
 }
 
+/// An encoder's error has so many cycles in contact, or it is any law's form: with one and a quarter it fitted other
+/// effects, at a pitch of 0.6 to 0.7 of the depth. With two and a half true ones of 1.5 to 2.6 came with a snap, a layer
+/// and a delay, six of eight times.
+pub(in crate::gap) const FEWEST_CYCLES: f64 = 1.5;
+
 /// `depth_m` is the deepest press as the model file has the surface.
 fn of_effect(id: EffectId, number: usize, at: usize, scales: &Scales, depth_m: f64) -> Free {
     let owner = Owner::Effect(number, at);
     let size = |scale| match scale {
-        // Two cycles and a half of an encoder's error in contact, or it is any law's form: with one and a
-        // quarter it fitted other effects, at a pitch of 0.6 to 0.7 of the depth.
-        Scale::PitchInContact => (depth_m / 1.5).clamp(0.05 * scales.travel_m, scales.size(scale)),
+        Scale::PitchInContact => {
+            (depth_m / FEWEST_CYCLES).clamp(0.05 * scales.travel_m, scales.size(scale))
+        }
         _ => scales.size(scale),
     };
     match id.info().fits[at].range {
