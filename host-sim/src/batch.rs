@@ -46,7 +46,7 @@ pub use thresholds::Thresholds;
 use crate::kinematics::{Kinematics, kinematics};
 use assemble::Given;
 use course::Course;
-use lateness::lateness_under;
+use lateness::{late_instead, lateness_under};
 use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
@@ -102,7 +102,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         late: None,
     };
     let fitted = given.fitted(empty.clone(), options, fixed);
-    let Some(late) = given.late(&fitted, replay.contacts(), fixed) else {
+    let Some(late) = given.late(&fitted, replay.contacts(), options, fixed) else {
         return Ok(fitted);
     };
     let motion = motion.delayed(late.late_s.value / log.period_s());
@@ -148,12 +148,27 @@ impl Given<'_> {
 
     /// How late the force is, where a fit says that it is: the skew of a fit is one step of first order from a
     /// prior of almost none, and of 3 ms it takes a half, and the damping the rest. A law without one says nothing, and
-    /// is always asked: of a force that came 3.5 ms early a mode of 8.3/s was one of 10.9 ± 0.6.
-    fn late(&self, fitted: &Batch, touches: Vec<Range<usize>>, fixed: &Fixed) -> Option<Lateness> {
+    /// is always asked: of a force that came 3.5 ms early a mode of 8.3/s was one of 10.9 ± 0.6. What relaxes may be
+    /// Kelvin and Voigt's damper whose force is late.
+    fn late(
+        &self,
+        fitted: &Batch,
+        touches: Vec<Range<usize>>,
+        options: &Options,
+        fixed: &Fixed,
+    ) -> Option<Lateness> {
         if fitted.family.skew().is_some() {
             note::late_s(self, fitted)?;
         }
-        let found = lateness_under(self.log, touches, fitted.family, fixed.clone())?;
+        let family = fitted.family;
+        let other = Family::KELVIN_VOIGT;
+        if options.families.contains(&other)
+            && fixed.held.suits(other)
+            && let Some(late) = late_instead(self.log, touches.clone(), family, fixed.clone())
+        {
+            return Some(late);
+        }
+        let found = lateness_under(self.log, touches, family, fixed.clone())?;
         found.reason().map(|_| found)
     }
 

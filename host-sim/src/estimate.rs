@@ -69,7 +69,8 @@ impl Estimation {
         self.outcome.skew.get_or_insert(late.late_s);
         let (status, reason) = judged(self.outcome.method_status, &self.evidence);
         (self.outcome.status, self.outcome.reason) = (status, reason);
-        self.notes.extend(late.sentence());
+        let law = self.outcome.law.law();
+        self.notes.extend(late.sentence(law));
     }
 
     /// The log that the records belong to, of the one that was given.

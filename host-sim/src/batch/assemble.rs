@@ -101,14 +101,14 @@ impl Given<'_> {
     ) -> Batch {
         let spread_m = self.surface_spread_m(best, tried);
         let (parameters, misfit, offset, skew) = self.estimated(best, fixed, spread_m);
-        let skew = skew.map(|more| match self.late.map(|late| late.late_s) {
+        let skew = match (self.late.map(|late| late.late_s), skew) {
             // The error of what the fit adds is that of its prior where the motion tells less.
-            Some(late_s) => Estimated {
+            (Some(late_s), Some(more)) => Some(Estimated {
                 value: late_s.value + more.value,
                 std_error: late_s.std_error.max(more.std_error),
-            },
-            None => more,
-        });
+            }),
+            (late_s, more) => late_s.or(more),
+        };
         let columns = self.columns(&best.fit);
         let rmse = self.rmse(&best.fit);
         let selection = tried.iter().map(|candidate| Tried {

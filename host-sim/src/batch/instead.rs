@@ -2,7 +2,7 @@
 
 use estimator_core::Config;
 
-use super::{batch, options::Options, result::Batch};
+use super::{batch, lateness::is_late_instead, options::Options, result::Batch};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Estimation, explain::times};
 use crate::log::UniformLog;
@@ -26,7 +26,8 @@ pub fn batch_instead(
     estimation: &Estimation,
 ) -> Result<Option<Batch>, Diagnostic> {
     let touches = !estimation.outcome.touches.is_empty();
-    if estimation.is_explained() || !touches {
+    let is_late = touches && is_late_instead(log, estimation);
+    if estimation.is_explained() && !is_late || !touches {
         return Ok(None);
     }
     let mut fitted = batch(log, base, options)?;
@@ -57,6 +58,7 @@ pub fn batch_instead(
         None => "none determines all its parameters".into(),
     };
     let why = match estimation.evidence.has_nearer_law {
+        _ if is_late => "a late force explains more than the relaxation of a recursive method (",
         true => {
             "the best recursive method has not converged on the law that leaves least (of those that have, "
         }

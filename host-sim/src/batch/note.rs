@@ -1,5 +1,7 @@
 //! What a reader of a batch fit must know: what was left out, what was assumed, what does not fit.
 
+use estimator_core::physics::law::LawId;
+
 use super::assemble::Given;
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
 use crate::estimate::{Form, RELAXES};
@@ -124,17 +126,21 @@ pub(super) fn late_s(given: &Given, batch: &Batch) -> Option<f64> {
 fn skew(given: &Given, batch: &Batch) -> Option<String> {
     let value = late_s(given, batch)?;
     let late = quantity(value.abs(), 3, "s");
+    let carrier = match batch.family.law {
+        LawId::QuasiLinear => "the relaxation",
+        _ => "the damping",
+    };
     Some(match given.late.map(|late| late.form) {
         Some(Form::Lag) => format!(
             "the force lags behind the contact with a time constant of about {late}: a filter or a soft load \
-             cell; the fit has it as a delay, and the damping carries what differs"
+             cell; the fit has it as a delay, and {carrier} carries what differs"
         ),
         Some(Form::Either) => format!(
             "the force comes {late} late: it is read later than the position, or lags behind the contact by \
              that time constant, which this motion does not tell apart; the fit has it as a delay"
         ),
         _ => format!(
-            "the force is {late} {} than the position; the damping would carry that otherwise",
+            "the force is {late} {} than the position; {carrier} would carry that otherwise",
             if value > 0.0 { "later" } else { "earlier" }
         ),
     })

@@ -160,6 +160,9 @@ impl Batch {
     /// Adds to the standard errors what that of a lateness does, which was found beside a law that has none among its
     /// numbers: the numbers go from those without it, `punctual`, to these on the way of `late` (s).
     pub(super) fn widen_by_lateness(&mut self, punctual: &Batch, late: Estimated<f64>) {
+        if self.family == Family::KELVIN_VOIGT {
+            return self.widen_damper(late.std_error);
+        }
         if self.family.skew().is_some() || self.family != punctual.family || late.value == 0.0 {
             return;
         }
@@ -169,6 +172,16 @@ impl Batch {
                 let moved = of_way * (own.value - before.value);
                 own.std_error = own.std_error.hypot(moved);
             }
+        }
+    }
+
+    /// The same for Kelvin and Voigt's damper, which a lateness of T bends by K·T and nothing else.
+    fn widen_damper(&mut self, of_lateness_s: f64) {
+        let stiffness = self.value("stiffness").map_or(0.0, |own| own.value);
+        let mut own = self.parameters.iter_mut();
+        let damping = own.find(|own| own.name == "damping");
+        if let Some(damping) = damping.and_then(|own| own.estimate.as_mut()) {
+            damping.std_error = damping.std_error.hypot(stiffness * of_lateness_s);
         }
     }
 

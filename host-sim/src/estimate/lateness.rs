@@ -1,6 +1,7 @@
 //! How late the force is read against the position.
 
 use estimator_core::estimate::Estimated;
+use estimator_core::physics::law::LawId;
 
 use super::reason::Reason;
 use crate::number::Measured;
@@ -42,19 +43,27 @@ impl Lateness {
         })
     }
 
-    /// A sentence for people, where it counts.
-    pub(super) fn sentence(&self) -> Option<String> {
+    /// A sentence for people, where it counts, beside the parameters of a law.
+    pub(super) fn sentence(&self, law: LawId) -> Option<String> {
         let late = Measured::new(self.late_s.value.abs(), Some(self.late_s.std_error), "s");
         self.reason()?;
         let when = match self.late_s.value > 0.0 {
             true => "later",
             false => "earlier",
         };
-        let remedy = "the damping carries that in part: --method skew estimates with it";
+        let carrier = match law {
+            LawId::QuasiLinear => "the relaxation carries",
+            _ => "the damping carries",
+        };
+        let method = match law {
+            LawId::HuntCrossley => "skew",
+            _ => "batch",
+        };
+        let remedy = format!("{carrier} that in part: --method {method} estimates with it");
         Some(match self.form {
             Form::Lag => format!(
                 "the force lags behind the contact with a time constant of {late}: a filter or a soft load \
-                 cell; the damping carries that in part"
+                 cell; {carrier} that in part"
             ),
             Form::Delay => {
                 format!("the force is read {late} {when} than the position, and {remedy}")
@@ -85,7 +94,10 @@ mod tests {
                 form,
                 ..late(4e-4, 2e-5)
             };
-            (late.reason(), late.sentence().expect("it counts"))
+            (
+                late.reason(),
+                late.sentence(LawId::HuntCrossley).expect("it counts"),
+            )
         };
         let (reason, either) = said(Form::Either);
         assert_eq!(reason, Some(Reason::Skew));
@@ -97,6 +109,13 @@ mod tests {
             "{lag}"
         );
         assert!(!said(Form::Delay).1.contains("lags"));
+        // What a law has no method for, or no damping, is not spoken of.
+        let relaxing = late(4e-4, 2e-5).sentence(LawId::QuasiLinear).unwrap();
+        assert!(
+            relaxing
+                .ends_with("the relaxation carries that in part: --method batch estimates with it"),
+            "{relaxing}"
+        );
     }
 
     #[test]
