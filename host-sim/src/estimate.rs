@@ -1,5 +1,6 @@
 //! The board's step over a log, and what it comes to.
 
+mod drift;
 mod evidence;
 pub(crate) mod explain;
 mod lateness;
@@ -12,6 +13,7 @@ pub(crate) mod touches;
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, ConfigError, Status};
 
+use drift::Drift;
 pub(crate) use evidence::RELAXES;
 use evidence::{evidence, surface_late_m};
 pub use explain::explain;
@@ -187,6 +189,7 @@ fn compared(
     (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
+    notes.extend(evidence.drift.iter().map(Drift::sentence));
     if evidence.is_unexplained() && !evidence.is_surface_doubtful {
         // A damper that plays left 115 times the noise, and had a surface of 27 mm to 1.6 µm. What the surface's error
         // leaves is in all errors already.

@@ -4,6 +4,8 @@
 use estimator_core::Status;
 pub use estimator_core::estimate::status::Reason;
 
+use super::drift::Drift;
+
 /// A law that leaves more than this many times the noise (rms) does not explain the force. The noise that a
 /// log's own samples give is good to some per cent, and a law that fits leaves 0.9 to 1.15 of it in the
 /// project's tests; the largest misfit of wrong numbers that stays below 2 moves a stiffness by less than 5 %.
@@ -28,6 +30,8 @@ pub struct Evidence {
     pub is_saturated: bool,
     /// The log has no free air before its first touch.
     pub has_no_zero: bool,
+    /// The resting force drifts by what the damping feels.
+    pub(crate) drift: Option<Drift>,
     /// A parameter is at a bound of the law.
     pub is_at_bound: bool,
     /// The force is late (or early), or lags, by more than its errors.
@@ -50,6 +54,7 @@ impl Default for Evidence {
             explained: EXPLAINED,
             is_saturated: false,
             has_no_zero: false,
+            drift: None,
             is_at_bound: false,
             lateness: None,
             relaxes: false,
@@ -135,6 +140,7 @@ fn doubt(evidence: &Evidence) -> Option<Reason> {
         .lateness
         .or(found(Reason::Bound, evidence.is_at_bound))
         .or(found(Reason::Surface, evidence.is_surface_doubtful))
+        .or(found(Reason::Zero, evidence.drift.is_some()))
         .or(found(Reason::Law, evidence.has_nearer_law))
 }
 
@@ -145,7 +151,10 @@ fn cause(evidence: &Evidence) -> Reason {
         (evidence.lateness.is_some(), Reason::Skew),
         (evidence.has_better_law, Reason::Law),
         (evidence.relaxes, Reason::Relaxing),
-        (evidence.has_no_zero, Reason::Zero),
+        (
+            evidence.has_no_zero || evidence.drift.is_some(),
+            Reason::Zero,
+        ),
         (evidence.is_at_bound, Reason::Bound),
         (evidence.is_surface_doubtful, Reason::Surface),
     ];
