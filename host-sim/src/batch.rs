@@ -78,7 +78,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
             .remedy(error.expected)
     })?;
     let seen = as_seen(log);
-    let motion = kinematics(&seen);
+    let motion = kinematics(&seen).completed();
     let mut empty = nothing(log, &replay, &motion, notes);
     let log: &UniformLog = &seen;
     let Some(course) = Course::of(log, &motion, replay.contacts(), options.thresholds) else {

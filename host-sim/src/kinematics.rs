@@ -33,6 +33,9 @@ const FEWEST_BLOCKS: usize = 8;
 /// behind a low-pass at a tenth of the rate a third.
 const SEEN: f64 = 0.3;
 
+/// What is left out of a speed is no noise if its square is so many times that of the noise.
+const LEFT_OUT: f64 = 3.0;
+
 /// Position and speed at every sample of a log.
 #[derive(Clone, Debug)]
 pub(crate) struct Kinematics {
@@ -52,6 +55,8 @@ pub(crate) struct Kinematics {
     /// What smoothing leaves out of position (m) and speed (m/s), each under a noise of its own.
     pub(crate) position_left_m: Vec<f64>,
     pub(crate) speed_left_mps: Vec<f64>,
+    /// Whether what is left out of the speed is more than its noise, all in all.
+    leaves_out: bool,
     /// Standard deviation of the raw position's noise (m).
     pub(crate) noise_m: f64,
     /// Samples around each over which the error of the position stays the same: those that read the
@@ -60,6 +65,21 @@ pub(crate) struct Kinematics {
 }
 
 impl Kinematics {
+    /// The motion with what smoothing leaves out, where that is more than its noise: taps of 10 Hz in counts of 1 µm at
+    /// 1 kHz had a damping 1 % too small, six of its standard errors.
+    pub(crate) fn completed(mut self) -> Kinematics {
+        if self.leaves_out {
+            let add = |own: &mut [f64], left: &[f64]| {
+                own.iter_mut()
+                    .zip(left)
+                    .for_each(|(own, left)| *own += left);
+            };
+            add(&mut self.position_m, &self.position_left_m);
+            add(&mut self.speed_mps, &self.speed_left_mps);
+        }
+        self
+    }
+
     /// The motion of so many samples ago at every sample; at the ends of the log its first or last.
     pub(crate) fn delayed(&self, samples: f64) -> Kinematics {
         let last = self.position_m.len().saturating_sub(1);
@@ -246,12 +266,15 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let (mut position_m, mut speed_mps, mut acceleration_mps2) =
         (Vec::new(), Vec::new(), Vec::new());
     let (mut position_left_m, mut speed_left_mps) = (Vec::new(), Vec::new());
+    let (mut left_square, mut noise_square) = (0.0, 0.0);
     let mut unresolved_mps = Vec::new();
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     for at in 0..channel.len() {
         let ([position, slope, bend], window) = smoother.cubic(at);
         let noise = window.map_or([1.5; 2], Window::noise);
         let left = window.map_or([0.0; 2], |own| own.beyond.at(channel, at));
+        left_square += left[1] * left[1];
+        noise_square += window.map_or(0.0, |own| (own.beyond.noise() * noise_m).powi(2));
         let quintic = bends.at(channel, at);
         let (bend, bend_noise) = quintic.unwrap_or((bend, noise[1]));
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
@@ -284,6 +307,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         unresolved_mps,
         position_left_m,
         speed_left_mps,
+        leaves_out: left_square > LEFT_OUT * noise_square,
         noise_m,
         held,
     }

@@ -267,6 +267,7 @@ fn open_questions() -> Vec<(&'static str, String, &'static [&'static str])> {
     let restart = csv(press()) + csv(press()).split_once('\n').unwrap().1;
     vec![
         ("no unit",        rows("Time (s),Extension (mm),Load", |[t, x, f]| format!("{t},{},{f}", x * 1e3)), &["no column `f_n`", "its unit is not said", "*1e3 if it is in kN", "--columns 't=Time (s),x=Extension (mm)*1e-3,f=Load'"]),
+        ("capitals",       rows("T (S),X (MM),F (MN)", |[t, x, f]| format!("{t},{},{}", x * 1e3, f * 1e3)), &["no column `f_n`", "`F (MN)` may hold the force, but its unit is not said", "*1e-3 if in mN"]),
         ("no unit of time", rows("Time,Extension (mm),Load (N)", |[t, x, f]| format!("{t},{},{f}", x * 1e3)), &["`Time` may hold the time, but its unit is not said", "*1e-3 if it is in ms"]),
         ("two positions",  rows("Time (s),Extension (mm),Position (mm),Load (N)", |[t, x, f]| format!("{t},{},{},{f}", x * 1e3, x * 2e3)), &["more than one column may hold the position", "--columns 'x=Extension (mm)' or --columns 'x=Position (mm)'"]),
         ("no time",        rows("Extension (mm),Load (N)", |[_, x, f]| format!("{},{f}", x * 1e3)), &["no column `t_s`", "--rate HZ"]),

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, flowing, record};
+use common::{Folder, estimated, flowing, number, parameter, record, white};
 use serde_json::Value;
 
 const AFM: &str = "afm_relaxation_rheos/data.csv.gz";
@@ -11,44 +11,12 @@ const AFM: &str = "afm_relaxation_rheos/data.csv.gz";
 const SENSORS: &str =
     "[sensors]\nforce_noise = 0.02\nforce_step = 0.005\nposition_step = 1e-6\nrate = 1000.0\n";
 
-/// Runs `estimate` and reads its numbers.
-fn estimated(folder: &Folder, log: &str, options: &str) -> Value {
-    folder.succeeds(&format!("estimate {log} --out out {options}"));
-    serde_json::from_str(&folder.read("out/estimate.json")).unwrap()
-}
-
 /// Simulates a model under the default palpation.
 fn simulated(folder: &Folder, model: &str, seed: u64) {
     folder.write("model.toml", format!("{model}{SENSORS}"));
     folder.succeeds(&format!(
         "simulate --model model.toml --seed {seed} --out rig"
     ));
-}
-
-fn number(json: &Value, path: &str) -> f64 {
-    let value = json.pointer(path).and_then(Value::as_f64);
-    value.unwrap_or_else(|| panic!("no {path} in {json}"))
-}
-
-/// Value and standard error.
-fn parameter(json: &Value, name: &str) -> (f64, f64) {
-    let of = |field: &str| number(json, &format!("/parameters/{name}/{field}"));
-    (of("value"), of("std_error"))
-}
-
-/// Pseudo-random numbers of variance 1.
-fn white(i: u32) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..12_u32 {
-        let mut h = i
-            .wrapping_mul(747_796_405)
-            .wrapping_add(k.wrapping_mul(2_891_336_453));
-        h ^= h >> 15;
-        h = h.wrapping_mul(2_246_822_519);
-        h ^= h >> 13;
-        sum += f64::from(h) / f64::from(u32::MAX) - 0.5;
-    }
-    sum
 }
 
 const TISSUE_SURFACE_M: f64 = 3.3e-3;
@@ -335,62 +303,4 @@ fn an_exponent_is_held_where_the_settings_say_so() {
     let done =
         folder.palpate("estimate rig/log.csv --law hunt_crossley --method bank --config held.toml");
     assert_eq!(done.status.code(), Some(2));
-}
-
-/// Four trapezoid presses of 2 mm with a spring of 1 N/mm and a damper of 10 N s/m below 0.5 mm, the corners rounded;
-/// the force with noise of 20 mN, the position with noise of so many metres.
-fn presses_with_noise(position_noise_m: f64) -> String {
-    let way = |t: f64| {
-        let turn = (t - 0.8) % 2.0;
-        if t < 0.8 {
-            return -1e-3;
-        }
-        let rounded = |share: f64| share * share * (3.0 - 2.0 * share);
-        let share = match turn {
-            turn if turn < 0.5 => rounded(turn / 0.5),
-            turn if turn < 0.9 => 1.0,
-            turn if turn < 1.4 => 1.0 - rounded((turn - 0.9) / 0.5),
-            _ => 0.0,
-        };
-        -1e-3 + 3.5e-3 * share
-    };
-    let rows = (0..8800_u32).map(|at| {
-        let t = f64::from(at) * 1e-3;
-        let (x, v) = (way(t), (way(t + 1e-5) - way(t - 1e-5)) / 2e-5);
-        let depth = x - 0.5e-3;
-        let force = if depth > 0.0 {
-            1000.0 * depth + 10.0 * v
-        } else {
-            0.0
-        };
-        format!(
-            "{t:.3},{:.7},{:.4}\n",
-            x + position_noise_m * white(2 * at),
-            force + 0.02 * white(2 * at + 1)
-        )
-    });
-    format!("t_s,x_m,f_n\n{}", rows.collect::<String>())
-}
-
-#[test]
-fn noise_of_the_position_is_no_relaxation() {
-    // GIVEN a position that is known to 15 µm: 15 mN of a force with noise of 20 mN
-    let folder = Folder::new();
-    folder.write("log.csv", presses_with_noise(15e-6));
-    let json = estimated(&folder, "log.csv", "");
-    // THEN a law with a memory, which fits some of that noise, is not taken for the nearer one: it had K 1660 ± 90 N/m.
-    assert_eq!(json["law"], "kelvin_voigt", "{json}");
-    let (stiffness, damping) = (
-        parameter(&json, "stiffness").0,
-        parameter(&json, "damping").0,
-    );
-    assert!((stiffness / 1000.0 - 1.0).abs() < 0.01, "{stiffness}");
-    assert!((damping / 10.0 - 1.0).abs() < 0.1, "{damping}");
-    // AND what a skew would do to its damping is said.
-    assert!(
-        json["notes"]
-            .to_string()
-            .contains("read at the same instant"),
-        "{json}"
-    );
 }

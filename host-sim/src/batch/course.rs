@@ -9,6 +9,9 @@
 //! 50 Hz is 600 blocks instead of 80 000 samples. Nothing is thrown away: a block weighs what its
 //! samples weigh (see `select` for where that ends).
 //!
+//! Where depth and speed change together, a mean of λδ̇δⁿ differs from that of the means by n/12 of the product of their
+//! shares, and that product stays below 2·10⁻³: around the crests of taps of 10 Hz eight samples were 88 mN off.
+//!
 //! Where a force ends though the probe is still inside, samples stay alone: a block across that corner is no force
 //! at a mean depth. Of taps of 10 Hz at 1 kHz such blocks left 15 mN of 1 mN.
 //!
@@ -32,6 +35,8 @@ use crate::stats::{highest, lowest, median};
 const MEAN_HALF_WIDTH: usize = 3;
 /// Change of depth within a block, of the depth.
 const DEPTH_SHARE: f64 = 0.04;
+/// Product of the changes of depth and speed within a block, of the depth and of the fast speed.
+const JOINT_SHARE: f64 = 2e-3;
 /// Duration of a block, of the time since the motion ended.
 const HOLD_SHARE: f64 = 0.02;
 /// Most samples of a block in motion, and far out in free air.
@@ -348,10 +353,16 @@ fn joins(
         let change_m = (DEPTH_SHARE * depth).max(3.0 * scales.position_noise_m);
         (most.max(moving), change_m)
     };
+    let moved_m = (sample.position_m - start_m).abs();
+    let noise_mps = motion.speed_noise_mps[block.from].hypot(motion.speed_noise_mps[at]);
+    let faster = (sample.speed_mps - motion.speed_mps[block.from]).abs() - 3.0 * noise_mps;
+    let faster = faster.max(0.0) / scales.speed_mps;
+    let is_joint = depth <= 0.0 || moved_m * faster <= JOINT_SHARE * depth;
     block.node.used == sample.used
+        && is_joint
         && (block.node.count > 0.0) == (sample.count > 0.0)
         && at - block.from < most
-        && (sample.position_m - start_m).abs() <= change_m
+        && moved_m <= change_m
 }
 
 impl Block {

@@ -43,6 +43,12 @@ impl Beyond {
         Beyond(shares.collect())
     }
 
+    /// Standard deviation of what is left out of the slope per sample, for a white noise of 1.
+    pub(super) fn noise(&self) -> f64 {
+        let squares = self.0.iter().map(|[_, slope]| 2.0 * slope * slope);
+        squares.sum::<f64>().sqrt()
+    }
+
     /// What is left out of value and slope per sample; nothing where the log has no such window.
     pub(super) fn at(&self, channel: &[f64], at: usize) -> [f64; 2] {
         let room = at.min(channel.len() - 1 - at);

@@ -134,7 +134,14 @@ fn stated_unit(channel: Channel, header: Header, index: usize) -> Option<Unit> {
     // `torque_nm` in small letters is no length.
     let is_torque =
         channel == Channel::Force && unit.symbol == "nm" && names::FORCE.fit(name).is_some();
-    Some(if is_torque { units::torque() } else { unit })
+    let is_either = unit.symbol == "MN" && is_in_capitals(header);
+    (!is_either).then(|| if is_torque { units::torque() } else { unit })
+}
+
+/// Whether a header has no small letter: `F (MN)` beside `T (S)` may be millinewton.
+fn is_in_capitals(header: Header) -> bool {
+    let mut cells = header.names.iter().chain(header.units);
+    !cells.any(|cell| cell.chars().any(char::is_lowercase))
 }
 
 /// The unit of a column if it is one of the channel; of stamps the one that their size tells.

@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use serde_json::Value;
+
 /// A folder that disappears with its test.
 pub(crate) struct Folder(PathBuf);
 
@@ -142,14 +144,14 @@ pub(crate) fn press() -> Vec<[f64; 3]> {
         [
             time,
             position,
-            2000.0 * position.max(0.0) + 0.0173 * white(i),
+            2000.0 * position.max(0.0) + 0.0173 * uniform(i),
         ]
     };
     (0..2000).map(row).collect()
 }
 
 /// Noise between −½ and ½, the same at the same place.
-fn white(place: u32) -> f64 {
+fn uniform(place: u32) -> f64 {
     let mut hash = place.wrapping_mul(0x9e37_79b9);
     hash = (hash ^ (hash >> 15)).wrapping_mul(0x85eb_ca6b);
     hash = (hash ^ (hash >> 13)).wrapping_mul(0xc2b2_ae35);
@@ -162,4 +164,27 @@ pub(crate) fn csv(rows: impl IntoIterator<Item = [f64; 3]>) -> String {
         .into_iter()
         .map(|[t, x, f]| format!("{t:.3},{x:.6},{f:.3}\n"));
     format!("t_s,x_m,f_n\n{}", lines.collect::<String>())
+}
+
+/// Runs `estimate` on a log and reads its numbers.
+pub(crate) fn estimated(folder: &Folder, log: &str, options: &str) -> Value {
+    folder.succeeds(&format!("estimate {log} --out out {options}"));
+    serde_json::from_str(&folder.read("out/estimate.json")).unwrap()
+}
+
+/// A number of a JSON document.
+pub(crate) fn number(json: &Value, path: &str) -> f64 {
+    let value = json.pointer(path).and_then(Value::as_f64);
+    value.unwrap_or_else(|| panic!("no {path} in {json}"))
+}
+
+/// Value and standard error of a parameter in `estimate.json`.
+pub(crate) fn parameter(json: &Value, name: &str) -> (f64, f64) {
+    let of = |field: &str| number(json, &format!("/parameters/{name}/{field}"));
+    (of("value"), of("std_error"))
+}
+
+/// White noise of variance 1, the same at the same place.
+pub(crate) fn white(place: u32) -> f64 {
+    (0..12).map(|k| uniform(12 * place + k)).sum()
 }
