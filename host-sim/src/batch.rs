@@ -22,6 +22,7 @@ mod lateness;
 mod modulus;
 mod note;
 mod options;
+mod regression;
 mod result;
 mod select;
 mod start;

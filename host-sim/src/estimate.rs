@@ -182,14 +182,16 @@ fn compared(
     let (replay, mut outcome, mut notes) =
         best.ok_or_else(|| Diagnostic::new("no method to try"))?;
     let inspection = inspect(log, &replay, &outcome.touches);
-    let evidence = evidence(log, &replay, &outcome, &inspection, &rmses_n);
+    let mut evidence = evidence(log, &replay, &outcome, &inspection, &rmses_n);
+    let drift = Drift::of(log, &replay, &outcome);
+    evidence.drifts = drift.is_some();
     if evidence.is_surface_doubtful {
         outcome.widen_surface(surface_late_m(log, &replay, &outcome));
     }
     (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
-    notes.extend(evidence.drift.iter().map(Drift::sentence));
+    notes.extend(drift.iter().map(Drift::sentence));
     if evidence.is_unexplained() && !evidence.is_surface_doubtful {
         // A damper that plays left 115 times the noise, and had a surface of 27 mm to 1.6 µm. What the surface's error
         // leaves is in all errors already.

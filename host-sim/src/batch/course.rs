@@ -278,7 +278,7 @@ fn nodes(
     let mut nodes = Vec::new();
     let mut block: Option<Block> = None;
     let mut moved_at = 0;
-    for at in 0..log.len() {
+    for (at, is_corner) in corners.iter().enumerate() {
         if motion.speed_mps[at].abs() > HOLD_SPEED * scales.speed_mps {
             moved_at = at;
         }
@@ -288,7 +288,7 @@ fn nodes(
         }
         let most = ((at - moved_at) as f64 * HOLD_SHARE) as usize;
         if let Some(block) = &mut block
-            && !corners[at]
+            && !is_corner
             && joins(block, &sample, motion, at, most, scales)
         {
             block.join(&sample);

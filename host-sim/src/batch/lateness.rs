@@ -19,15 +19,14 @@ use estimator_core::physics::law::LawId;
 
 use super::course::{Course, Node};
 use super::family::{Family, natural};
-use super::fit::{Problem, STILL, of_size};
+use super::fit::{Problem, STILL};
 use super::held::Held;
+use super::regression::Regression;
 use super::select::{Fixed, candidates, mask_surface};
 use super::thresholds::Thresholds;
 use crate::estimate::{EXPLAINED, Estimation, Form, Lateness};
 use crate::kinematics::{Kinematics, kinematics};
 use crate::log::UniformLog;
-use crate::lsq::{covariance::inverse, covariance::long_run_variance};
-use crate::stats::correlation;
 
 /// Most shifts of the motion. From 3 ms of skew at 1 kHz two are enough; a damper whose force is 5 ms late took five, since
 /// only where a stroke turns it shows.
@@ -44,15 +43,11 @@ const LESS: f64 = 0.98;
 /// When within a sample a motion turned is known to this share of one, and Kelvin and Voigt's law tells a lateness where it
 /// turns: with turns on samples a force that was not late came 620 ± 160 µs late, at 1 kHz.
 const OF_A_SAMPLE: f64 = 0.29;
-/// Lags of the variance of a sum, in correlation times.
-const LAGS: f64 = 3.0;
 /// A slope on F̈ that is so many of its standard errors from that of a delay, or of a lag, excludes it.
 const FORM_SIGMAS: f64 = 3.0;
 /// So much of a log from its first touch on (s) tells a lateness: 17 s of palpating gel give it a standard error of
 /// 11 µs, and what matters is 50 µs. Of an hour the motion alone would be 350 MB.
 const LONG_ENOUGH_S: f64 = 120.0;
-/// Fewest block means to tell a lateness from.
-const FEWEST_NODES: usize = 40;
 
 /// Estimates how late the force is. `None` where that cannot be told: no contact, or a law that does not
 /// explain the force whatever the lateness.
@@ -147,12 +142,6 @@ struct Search<'a> {
     motion: Kinematics,
     family: Family,
     fixed: Fixed,
-}
-
-/// A regression of the residuals on a column.
-struct Regression {
-    slope: f64,
-    std_error: f64,
 }
 
 impl<'a> Search<'a> {
@@ -363,63 +352,5 @@ impl Node {
             position_m: self.position_m + by_m,
             ..*self
         }
-    }
-}
-
-impl Problem<'_> {
-    /// The residuals on a column (a value per node that counts), after what the parameters can do; `alike` is what of
-    /// them (N) may be alike in every touch.
-    fn regression(&self, free: &[f64], column: &[f64], alike: &[f64]) -> Option<Regression> {
-        of_size!(self, regression_of(free, column, alike))
-    }
-
-    fn regression_of<const N: usize>(
-        &self,
-        free: &[f64],
-        column: &[f64],
-        alike: &[f64],
-    ) -> Option<Regression> {
-        let mut rows: Vec<(f64, f64, [f64; N])> = Vec::with_capacity(column.len());
-        self.gradients::<N>(free, |_, weight, residual, gradient| {
-            rows.push((weight.sqrt(), residual, *gradient));
-        });
-        if rows.len() < FEWEST_NODES {
-            return None;
-        }
-        let fixed: [bool; N] = std::array::from_fn(|i| self.fixed.contains(&i));
-        let inverse = inverse(&self.normal(free).curvature, &fixed, 1e-13)?;
-        let mut both = [0.0; N];
-        for ((root, _, gradient), value) in rows.iter().zip(column) {
-            for (sum, slope) in both.iter_mut().zip(gradient) {
-                *sum += root * root * slope * value;
-            }
-        }
-        let carried: [f64; N] =
-            std::array::from_fn(|i| (0..N).map(|j| inverse[i * N + j] * both[j]).sum());
-        let left = rows.iter().zip(column).map(|((root, _, gradient), value)| {
-            let by_parameters: f64 = gradient.iter().zip(&carried).map(|(a, b)| a * b).sum();
-            root * (value - by_parameters)
-        });
-        let left: Vec<f64> = left.collect();
-        let square: f64 = left.iter().map(|own| own * own).sum();
-        let residuals: Vec<f64> = rows
-            .iter()
-            .map(|(root, residual, _)| root * residual)
-            .collect();
-        let terms: Vec<f64> = left.iter().zip(&residuals).map(|(a, b)| a * b).collect();
-        let slope = terms.iter().sum::<f64>() / square;
-        let lags = ((LAGS * correlation(&residuals)) as usize).clamp(4, terms.len() / 4);
-        let chi_2: f64 = residuals.iter().map(|own| own * own).sum();
-        let white = (chi_2 / rows.len().saturating_sub(N + 1).max(1) as f64).max(1.0) * square;
-        let variance = long_run_variance(&terms, lags).max(white);
-        let each = rows.iter().zip(&left).zip(alike);
-        let alike: f64 = each
-            .map(|(((root, ..), left), force_n)| (root * left * force_n).abs())
-            .sum();
-        let found = Regression {
-            slope,
-            std_error: variance.sqrt().hypot(alike) / square,
-        };
-        (found.slope.is_finite() && found.std_error.is_finite()).then_some(found)
     }
 }

@@ -25,7 +25,7 @@ const BENDS: f64 = 0.05;
 
 /// A drift that bends the damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Drift {
+pub(super) struct Drift {
     rate_n_per_s: f64,
     /// Share of the force of the damping.
     bends: f64,

@@ -3,7 +3,6 @@
 use estimator_core::Status;
 use estimator_core::estimate::identify::method_info;
 
-use super::drift::Drift;
 use super::outcome::Outcome;
 use super::reason::{EXPLAINED, Evidence};
 use super::residual::surface_misfit;
@@ -65,7 +64,7 @@ pub(super) fn evidence(
         explained: EXPLAINED,
         is_saturated: inspection.saturated_n.is_some(),
         has_no_zero: starts_in_contact(log),
-        drift: Drift::of(log, replay, outcome),
+        drifts: false,
         is_at_bound: is_at_bound(outcome),
         lateness: None,
         relaxes: !outcome.law.law().info().relaxes

@@ -4,8 +4,6 @@
 use estimator_core::Status;
 pub use estimator_core::estimate::status::Reason;
 
-use super::drift::Drift;
-
 /// A law that leaves more than this many times the noise (rms) does not explain the force. The noise that a
 /// log's own samples give is good to some per cent, and a law that fits leaves 0.9 to 1.15 of it in the
 /// project's tests; the largest misfit of wrong numbers that stays below 2 moves a stiffness by less than 5 %.
@@ -31,7 +29,7 @@ pub struct Evidence {
     /// The log has no free air before its first touch.
     pub has_no_zero: bool,
     /// The resting force drifts by what the damping feels.
-    pub(crate) drift: Option<Drift>,
+    pub drifts: bool,
     /// A parameter is at a bound of the law.
     pub is_at_bound: bool,
     /// The force is late (or early), or lags, by more than its errors.
@@ -54,7 +52,7 @@ impl Default for Evidence {
             explained: EXPLAINED,
             is_saturated: false,
             has_no_zero: false,
-            drift: None,
+            drifts: false,
             is_at_bound: false,
             lateness: None,
             relaxes: false,
@@ -140,7 +138,7 @@ fn doubt(evidence: &Evidence) -> Option<Reason> {
         .lateness
         .or(found(Reason::Bound, evidence.is_at_bound))
         .or(found(Reason::Surface, evidence.is_surface_doubtful))
-        .or(found(Reason::Zero, evidence.drift.is_some()))
+        .or(found(Reason::Zero, evidence.drifts))
         .or(found(Reason::Law, evidence.has_nearer_law))
 }
 
@@ -151,10 +149,7 @@ fn cause(evidence: &Evidence) -> Reason {
         (evidence.lateness.is_some(), Reason::Skew),
         (evidence.has_better_law, Reason::Law),
         (evidence.relaxes, Reason::Relaxing),
-        (
-            evidence.has_no_zero || evidence.drift.is_some(),
-            Reason::Zero,
-        ),
+        (evidence.has_no_zero || evidence.drifts, Reason::Zero),
         (evidence.is_at_bound, Reason::Bound),
         (evidence.is_surface_doubtful, Reason::Surface),
     ];
