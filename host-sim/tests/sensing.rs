@@ -1,11 +1,11 @@
-//! `estimate` on springs, dampers and gels as sensors show them: late, in coarse counts, drifting, sampled seldom for how
+//! `estimate` and `gap` on springs, dampers and gels as sensors show them: late, in coarse counts, drifting, sampled seldom for how
 //! fast they are tapped. The contacts are summed here, by nothing of this project.
 
 mod common;
 
 use std::f64::consts::TAU;
 
-use common::{Folder, estimated, number, parameter, white};
+use common::{Folder, estimated, named, number, parameter, white};
 use serde_json::Value;
 
 const SURFACE_M: f64 = 0.5e-3;
@@ -22,6 +22,8 @@ struct Seen {
     /// One count of the encoder (m), which rounds down.
     count_m: f64,
     position_noise_m: f64,
+    /// Amplitude and pitch (m) of what the encoder reads too much.
+    eccentric_m: (f64, f64),
     /// N/s.
     drift: f64,
     seed: u32,
@@ -35,6 +37,7 @@ const PRESSES: Seen = Seen {
     late_s: 0.0,
     count_m: 1e-6,
     position_noise_m: 0.0,
+    eccentric_m: (0.0, 1.0),
     drift: 0.0,
     seed: 0,
 };
@@ -53,7 +56,11 @@ impl Seen {
                 0.0
             };
             let seed = 100_000 * self.seed + 2 * at;
-            let x = (self.way)(t) + self.position_noise_m * white(seed);
+            let is_m = (self.way)(t);
+            let (amplitude_m, pitch_m) = self.eccentric_m;
+            let x = is_m
+                + amplitude_m * (TAU * is_m / pitch_m).sin()
+                + self.position_noise_m * white(seed);
             format!(
                 "{t:.6},{:.8},{:.4}\n",
                 (x / self.count_m).floor() * self.count_m,
@@ -235,4 +242,60 @@ fn taps_that_are_fast_for_their_sampling_are_right_or_not_trusted() {
             }
         }
     }
+}
+
+#[test]
+fn an_encoders_error_of_two_cycles_in_contact_is_named_alone() {
+    // GIVEN a gel pressed by 5 mm, and an encoder whose error of 40 µm repeats every 2.2 mm of them
+    let seen = Seen {
+        law: gel,
+        way: triangles,
+        eccentric_m: (40e-6, 2.2e-3),
+        ..PRESSES
+    };
+    let folder = Folder::with("log.csv", seen.log());
+    folder.write(
+        "model.toml",
+        "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 1500.0\ndamping = 30.0\nexponent = 1.3\n",
+    );
+    folder.succeeds("gap --model model.toml --log log.csv --out out");
+    let json: Value = serde_json::from_str(&folder.read("out/gap.json")).unwrap();
+    // THEN it stands alone: sought up to 2 mm only it came with a snap, a layer or a delay.
+    assert_eq!(
+        named(&json),
+        ["encoder_periodic_error"],
+        "{}",
+        json["effects"]
+    );
+    let of = |name: &str| number(&json, &format!("/effects/0/params/{name}/value"));
+    assert!((of("amplitude") / 40e-6 - 1.0).abs() < 0.05, "{json}");
+    assert!((of("pitch") / 2.2e-3 - 1.0).abs() < 0.02, "{json}");
+    assert_eq!(json["verdict"], "missing_effects");
+    // AND the model says with which noise it was identified, for a log of later.
+    let model = folder.read("out/model.toml");
+    let noise = model.split("noise = ").nth(1).unwrap();
+    let noise: f64 = noise.lines().next().unwrap().parse().unwrap();
+    // It is known to a quarter.
+    assert!((0.015..0.025).contains(&noise), "{model}");
+}
+
+#[test]
+fn a_noise_that_has_grown_is_said_though_the_model_explained_its_log() {
+    let folder = Folder::with("log.csv", PRESSES.log());
+    // GIVEN a model that was identified to its noise, of 5 mN
+    folder.write(
+        "model.toml",
+        "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 10.0\n\
+         std_error = { stiffness = 1.0, damping = 0.1 }\n\
+         [remainder]\nrms = 0.0\nnoise = 0.005\ncorrelation_time = 0.001\n",
+    );
+    folder.succeeds("gap --model model.toml --log log.csv --out out");
+    let json: Value = serde_json::from_str(&folder.read("out/gap.json")).unwrap();
+    // THEN nothing is missing, AND the noise of 20 mN is four times that.
+    assert_eq!(json["verdict"], "no_missing_effect", "{json}");
+    let notes = json["notes"].to_string();
+    assert!(
+        notes.contains("times what it was when the model was identified"),
+        "{notes}"
+    );
 }
