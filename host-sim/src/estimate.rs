@@ -1,5 +1,6 @@
 //! The board's step over a log, and what it comes to.
 
+mod damping;
 mod drift;
 mod evidence;
 pub(crate) mod explain;
@@ -13,6 +14,7 @@ pub(crate) mod touches;
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, ConfigError, Status};
 
+use damping::error_of_counts;
 use drift::Drift;
 pub(crate) use evidence::RELAXES;
 use evidence::{evidence, surface_late_m};
@@ -36,6 +38,8 @@ const SIMPLER_MARGIN: f64 = 1.02;
 const BEGINNING_S: f64 = 300.0;
 /// A method that is not trusted by itself is taken where the best of the others leaves so much more.
 const WELL_ABOVE: f64 = 1.5;
+/// A damping is hidden by the counts of an encoder where they may be this share of it: an error of a fifth that may be any.
+const HIDDEN: f64 = 0.2;
 
 /// An estimate of one log.
 #[derive(Clone, Debug)]
@@ -179,14 +183,27 @@ fn compared(
             best = Some((replay, outcome, notes));
         }
     }
-    let (replay, mut outcome, mut notes) =
-        best.ok_or_else(|| Diagnostic::new("no method to try"))?;
+    let best = best.ok_or_else(|| Diagnostic::new("no method to try"))?;
+    Ok(with_evidence(log, best, selection, &rmses_n))
+}
+
+/// The best of the methods, judged by what the log says for and against it.
+fn with_evidence(
+    log: &UniformLog,
+    (replay, mut outcome, mut notes): (Replay, Outcome, Vec<String>),
+    selection: Vec<Compared>,
+    rmses_n: &[Option<f64>],
+) -> Estimation {
     let inspection = inspect(log, &replay, &outcome.touches);
-    let mut evidence = evidence(log, &replay, &outcome, &inspection, &rmses_n);
+    let mut evidence = evidence(log, &replay, &outcome, &inspection, rmses_n);
     let drift = Drift::of(log, &replay, &outcome);
     evidence.drifts = drift.is_some();
     if evidence.is_surface_doubtful {
         outcome.widen_surface(surface_late_m(log, &replay, &outcome));
+    }
+    if let Some(error) = error_of_counts(log, &replay, &outcome) {
+        outcome.widen_damping(error);
+        notes.extend(counts_hide_damping(&mut outcome));
     }
     (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
@@ -197,7 +214,7 @@ fn compared(
         // leaves is in all errors already.
         outcome.widen(times_the_errors(log, &replay, &outcome.replayed_n).max(1.0));
     }
-    Ok(Estimation {
+    Estimation {
         replay,
         outcome,
         inspection,
@@ -205,6 +222,18 @@ fn compared(
         notes,
         evidence,
         decimated: None,
+    }
+}
+
+/// Says that the counts of the encoder hide a damping, which then has not converged.
+fn counts_hide_damping(outcome: &mut Outcome) -> Option<String> {
+    let damping = outcome.value("damping")?;
+    let is_hidden = f64::from(damping.std_error) > HIDDEN * f64::from(damping.value.abs());
+    (is_hidden && outcome.method_status == Status::Converged).then(|| {
+        outcome.method_status = Status::Converging;
+        "the motion is so slow for the counts of its encoder that the damping is hardly known: press faster, or read the \
+         position finer"
+            .into()
     })
 }
 

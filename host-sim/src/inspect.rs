@@ -13,7 +13,7 @@ pub use suspicion::{suspicions, suspicions_without_contact};
 use crate::log::UniformLog;
 use crate::replay::{Replay, Touch};
 use crate::signal;
-use crate::stats::{highest, lowest, median, robust_deviation};
+use crate::stats::{highest, lowest, median, quantile, robust_deviation};
 
 /// A force below rest by this many standard deviations of what it does in free air pulls.
 const PULL_SIGMAS: f64 = 8.0;
@@ -61,9 +61,13 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         touched[contact.clone()].fill(true);
     }
     let free: Vec<f64> = pick(&log.force_n, &touched, false);
-    // After a touch a contact that sticks pulls in what counts as free air.
+    // After a touch a contact that sticks pulls in what counts as free air; before the first one a log may begin in it:
+    // that it then lets go is no pull of 1.5 N.
     let before = contacts.first().map_or(log.len(), |first| first.start);
-    let untouched = match before >= FEWEST_UNTOUCHED {
+    let after_n = quantile(free.get(before..).unwrap_or_default().iter().copied(), 0.75);
+    let starts_touched =
+        median(log.force_n[..before].iter().copied()) > after_n + PULL_SIGMAS * noise_n;
+    let untouched = match before >= FEWEST_UNTOUCHED && !starts_touched {
         true => &log.force_n[..before],
         false => &free,
     };

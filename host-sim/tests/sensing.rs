@@ -109,6 +109,16 @@ fn triangles(t: f64) -> f64 {
     -1e-3 + 6.5e-3 * (1.0 - (2.0 * turn - 1.0).abs())
 }
 
+/// One press of 2 mm and back, at 0.5 mm/s.
+fn a_slow_press(t: f64) -> f64 {
+    (2.5e-3 - 0.5e-3 * (t - 5.0).abs()).max(0.0)
+}
+
+/// Strokes that begin in contact, 0.1 to 2.9 mm.
+fn strokes_from_inside(t: f64) -> f64 {
+    1.5e-3 + 1.4e-3 * (TAU * 0.7 * t).sin() + 0.4e-3 * (TAU * 0.11 * t).sin()
+}
+
 /// Taps of 2.5 mm, 9.87 a second.
 fn quick_taps(t: f64) -> f64 {
     taps(t, 9.87)
@@ -188,6 +198,36 @@ fn counts_of_an_encoder_are_no_lateness() {
         assert_eq!(json["status"], "converged", "{json}");
         is_near(&json, "damping", 10.0, 0.05);
     }
+}
+
+#[test]
+fn a_press_that_is_slow_for_its_counts_does_not_know_the_damping() {
+    let slow = |count_m: f64| {
+        let seen = Seen {
+            way: a_slow_press,
+            count_m,
+            ..PRESSES
+        };
+        seen.estimated("--law kelvin_voigt")
+    };
+    // GIVEN counts of 20 µm at 0.5 mm/s: a force of 20 mN beside the 5 mN of the damping
+    let json = slow(20e-6);
+    let (damping, error) = parameter(&json, "damping");
+    assert!(json["status"] != "converged", "{json}");
+    assert!(error > 0.1 * damping.abs(), "{damping} ± {error}");
+    is_near(&json, "stiffness", 1000.0, 0.01);
+}
+
+#[test]
+fn a_log_that_begins_in_contact_lets_go_and_does_not_pull() {
+    let inside = Seen {
+        way: strokes_from_inside,
+        ..PRESSES
+    };
+    let json = inside.estimated("");
+    let notes = json["notes"].to_string();
+    assert!(!notes.contains("below rest"), "{notes}");
+    is_near(&json, "stiffness", 1000.0, 0.01);
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::damping::carried;
 use super::outcome::Outcome;
 use crate::log::UniformLog;
 use crate::number::quantity;
@@ -37,7 +38,9 @@ impl Drift {
         let touches = &replay.contacts();
         let rests = rests(log, touches);
         let rate_n_per_s = rate(&rests)?;
-        let bends = (rate_n_per_s * carried(log, replay, outcome)?).abs();
+        let drifted =
+            |at: usize, start: usize, _: f64, _: f64| replay.time_s(at) - replay.time_s(start);
+        let bends = (rate_n_per_s * carried(replay, outcome, drifted)?).abs();
         (bends > BENDS).then_some(Drift {
             rate_n_per_s,
             bends,
@@ -88,27 +91,6 @@ fn rate(rests: &[(f64, f64)]) -> Option<f64> {
     let scatter_n = robust_deviation(rests.iter().map(|(at_s, force_n)| force_n - rate * at_s));
     let std_error = scatter_n / spread_s2.sqrt();
     (rate.abs() > SIGMAS * std_error).then_some(rate)
-}
-
-/// What the damping takes on of a force that grows by 1 N/s from the first sample of each touch on, as a share of the
-/// damping: its regression on the damping's force. `None` of a law that has no damping.
-fn carried(log: &UniformLog, replay: &Replay, outcome: &Outcome) -> Option<f64> {
-    let value = |name: &str| outcome.value(name).map(|found| f64::from(found.value));
-    let damping = value("damping").filter(|_| value("second_stiffness").is_none())?;
-    let surface_m = value("surface")?;
-    let exponent = value("exponent").unwrap_or(0.0);
-    let reference_m = f64::from(replay.config.reference.depth_m);
-    let (mut both, mut square) = (0.0, 0.0);
-    for touch in replay.contacts() {
-        for at in touch.clone().skip(1) {
-            let speed = (log.position_m[at] - log.position_m[at - 1]) * log.rate_hz;
-            let depth = (log.position_m[at] - surface_m).max(0.0) / reference_m;
-            let force_n = damping * speed * depth.powf(exponent);
-            both += force_n * (log.time_s[at] - log.time_s[touch.start]);
-            square += force_n * force_n;
-        }
-    }
-    (square > 0.0).then(|| both / square)
 }
 
 #[cfg(test)]

@@ -146,6 +146,15 @@ impl Outcome {
         }
     }
 
+    /// Widens the error of the damping (N s/m), if the law has one.
+    pub(super) fn widen_damping(&mut self, by: f64) {
+        let names = self.law.parameters().iter();
+        let slot = names.enumerate().find(|(_, own)| own.name == "damping");
+        if let Some(damping) = slot.and_then(|(slot, _)| self.parameters[slot].as_mut()) {
+            damping.std_error = f64::from(damping.std_error).hypot(by) as f32;
+        }
+    }
+
     /// Makes all standard errors so many times as large: those of a law that does not explain the force are of what it
     /// leaves.
     pub(super) fn widen(&mut self, times: f64) {

@@ -99,21 +99,30 @@ fn without_ambiguity(finding: &Finding, noise: f64) -> String {
     }
 }
 
-/// Which numbers of the effects only say how far they were sought; empty where none does.
+/// Which numbers only say how far they were sought; empty where none does. What one of the law should be is in another
+/// then: beside a damping of 0 a filter of second order was a lag of 3.0 ms for 5.8 ms.
 fn at_bounds(finding: &Finding) -> String {
-    let each = finding.effects.iter().flat_map(|effect| {
+    let of_effects = finding.effects.iter().flat_map(|effect| {
         let numbers = effect.parameters.iter().filter(|number| number.at_bound);
         numbers.map(|number| format!("{} of {}", number.name, effect.id.name()))
     });
-    let names: Vec<String> = each.collect();
-    match names.as_slice() {
-        [] => String::new(),
-        [one] => format!(" The {one} is at the end of its range: the value is no measurement."),
-        more => format!(
-            " The {} are at the ends of their ranges: the values are no measurements.",
-            more.join(", the ")
-        ),
+    let of_effects: Vec<String> = of_effects.collect();
+    let of_base = finding.base_after.iter().filter(|number| number.at_bound);
+    let of_base: Vec<&str> = of_base.map(|number| number.name.as_str()).collect();
+    let mut said = String::new();
+    if !of_effects.is_empty() {
+        said += &format!(
+            " At the end of the range in which it is sought, and no measurement, is the {}.",
+            of_effects.join(", the ")
+        );
     }
+    if !of_base.is_empty() {
+        said += &format!(
+            " At the end of its range is the {}: what it should be is in other numbers.",
+            of_base.join(", the ")
+        );
+    }
+    said
 }
 
 /// A motion with what the log does not tell, and what both logs together should.
