@@ -71,7 +71,7 @@ impl Estimation {
     /// Takes how late the force is against the position, and judges again.
     pub fn take_lateness(&mut self, late: Option<Lateness>) {
         let Some(late) = late else { return };
-        self.evidence.lateness = late.reason();
+        self.evidence.lateness = late.reason().or(self.evidence.lateness);
         self.outcome.skew.get_or_insert(late.late_s);
         let (status, reason) = judged(self.outcome.method_status, &self.evidence);
         (self.outcome.status, self.outcome.reason) = (status, reason);

@@ -2,7 +2,7 @@
 //! log is good for. `check` prints it, and `estimate` says with it why a law cannot fit.
 
 mod holds;
-mod refreshed;
+pub(crate) mod refreshed;
 mod suspicion;
 
 pub use holds::{Hold, holds};

@@ -218,6 +218,34 @@ fn a_press_that_is_slow_for_its_counts_does_not_know_the_damping() {
     is_near(&json, "stiffness", 1000.0, 0.01);
 }
 
+/// Presses whose position is new once in 5 ms, at 1 kHz.
+fn held(t: f64) -> f64 {
+    trapezoids((t * 200.0 + 1e-6).floor() / 200.0)
+}
+
+#[test]
+fn a_position_that_is_refreshed_slowly_bends_the_damping_and_that_is_no_estimate() {
+    // GIVEN a position at 200 Hz in a log of 1 kHz: on average 2 ms late
+    let truth = PRESSES.log();
+    let seen = Seen {
+        way: held,
+        ..PRESSES
+    }
+    .log();
+    let force = truth.lines().map(|row| row.rsplit(',').next().unwrap());
+    let rows = seen.lines().zip(force);
+    let rows = rows.map(|(row, force)| format!("{},{force}\n", row.rsplit_once(',').unwrap().0));
+    let folder = Folder::with("log.csv", rows.collect::<String>());
+    let json = estimated(&folder, "log.csv", "");
+    // THEN the damping is 12 N s/m for 10, AND not converged.
+    let (damping, _) = parameter(&json, "damping");
+    assert!((11.5..12.5).contains(&damping), "{json}");
+    assert_eq!(json["status"], "model_suspect");
+    assert_eq!(json["status_reason"], "skew");
+    let notes = json["notes"].to_string();
+    assert!(notes.contains("is new once in 5 samples"), "{notes}");
+}
+
 #[test]
 fn a_log_that_begins_in_contact_lets_go_and_does_not_pull() {
     let inside = Seen {

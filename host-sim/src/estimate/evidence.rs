@@ -2,13 +2,14 @@
 
 use estimator_core::Status;
 use estimator_core::estimate::identify::method_info;
+use estimator_core::physics::law::LawId;
 
 use super::outcome::Outcome;
-use super::reason::{EXPLAINED, Evidence};
+use super::reason::{EXPLAINED, Evidence, Reason};
 use super::residual::surface_misfit;
 use super::setup::starts_in_contact;
 use super::touches::departure;
-use crate::inspect::Inspection;
+use crate::inspect::{Inspection, refreshed::apart_s};
 use crate::log::UniformLog;
 use crate::replay::Replay;
 
@@ -22,6 +23,8 @@ const NEARER: f64 = 1.005;
 const NEARER_EVIDENCE: f64 = 20.0;
 /// A force that falls by this share in a hold relaxes.
 pub(crate) const RELAXES: f64 = 0.03;
+/// What is off by more than this share is wrong.
+const WRONG: f64 = 0.05;
 /// A surface whose error may leave this share of the misfit may well be its cause.
 pub(super) const SURFACE_SHARE: f64 = 0.5;
 /// A surface is late if the force has left its baseline so many standard errors before it.
@@ -66,7 +69,7 @@ pub(super) fn evidence(
         has_no_zero: starts_in_contact(log),
         drifts: false,
         is_at_bound: is_at_bound(outcome),
-        lateness: None,
+        lateness: is_apart(log, outcome).then_some(Reason::Skew),
         relaxes: !outcome.law.law().info().relaxes
             && inspection.holds.iter().any(|hold| decays(hold.relaxed)),
         has_better_law: whole > CLEARLY * least && exceeds_noise,
@@ -76,6 +79,16 @@ pub(super) fn evidence(
         is_surface_doubtful: (finds_surface || !explained) && is_surface_late(log, replay, outcome)
             || !explained && is_surface_the_cause(replay, outcome),
     }
+}
+
+/// Whether one of the channels is refreshed so slowly that Kelvin and Voigt's damping feels it, which no fit can tell: a
+/// position that was new once in 5 ms made 12 N s/m of 10.
+fn is_apart(log: &UniformLog, outcome: &Outcome) -> bool {
+    let value = |name: &str| outcome.value(name).map(|found| f64::from(found.value));
+    let taken = |apart_s: f64| Some((apart_s * value("stiffness")?, value("damping")?));
+    let felt = apart_s(log).and_then(taken);
+    outcome.law.law() == LawId::KelvinVoigt
+        && felt.is_some_and(|(taken, damping)| taken > WRONG * damping.abs())
 }
 
 fn is_at_bound(outcome: &Outcome) -> bool {

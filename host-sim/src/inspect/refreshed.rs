@@ -17,16 +17,31 @@ const COUNTS: f64 = 2.5;
 
 /// What a channel does that is refreshed more slowly than its log is sampled.
 pub(super) fn refreshed_slowly(log: &UniformLog) -> Option<String> {
-    let channels = [("position", &log.position_m), ("force", &log.force_n)];
-    let (name, samples) = channels
-        .into_iter()
-        .find_map(|(name, channel)| Some((name, refreshed_every(channel)?)))?;
+    let (name, samples) = refreshed(log)?;
     Some(format!(
         "the {name} is new once in {samples} samples only, at {}, and stands between: on average it is {} late, which \
          bends the damping; record both channels at one rate, or keep only the rows in which it is new",
         quantity(log.rate_hz / samples as f64, 3, "Hz"),
-        quantity(0.5 * (samples - 1) as f64 * log.period_s(), 2, "s"),
+        quantity(late_s(samples, log), 2, "s"),
     ))
+}
+
+/// By how much (s) the two channels are read apart on average, where one is refreshed more slowly.
+pub(crate) fn apart_s(log: &UniformLog) -> Option<f64> {
+    let (_, samples) = refreshed(log)?;
+    Some(late_s(samples, log))
+}
+
+/// The channel that is refreshed more slowly, and the samples from one reading to the next.
+fn refreshed(log: &UniformLog) -> Option<(&'static str, usize)> {
+    let channels = [("position", &log.position_m), ("force", &log.force_n)];
+    let mut each = channels.into_iter();
+    each.find_map(|(name, channel)| Some((name, refreshed_every(channel)?)))
+}
+
+/// How late (s) a reading is on average that is new once in so many samples.
+fn late_s(samples: usize, log: &UniformLog) -> f64 {
+    0.5 * (samples - 1) as f64 * log.period_s()
 }
 
 /// Samples from one reading of a channel to the next, where that is more than one.
