@@ -47,7 +47,7 @@ pub use thresholds::Thresholds;
 use crate::kinematics::{Kinematics, kinematics};
 use assemble::Given;
 use course::Course;
-use lateness::{late_instead, lateness_under};
+use lateness::Seen;
 use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
@@ -162,14 +162,15 @@ impl Given<'_> {
             note::late_s(self, fitted)?;
         }
         let family = fitted.family;
+        let seen = Seen::of(self.log, touches, fixed.clone())?;
         let other = Family::KELVIN_VOIGT;
         if options.families.contains(&other)
             && fixed.held.suits(other)
-            && let Some(late) = late_instead(self.log, touches.clone(), family, fixed.clone())
+            && let Some(late) = seen.late_instead(family)
         {
             return Some(late);
         }
-        let found = lateness_under(self.log, touches, family, fixed.clone())?;
+        let found = seen.lateness(family)?;
         found.reason().map(|_| found)
     }
 

@@ -14,11 +14,12 @@ pub(crate) mod touches;
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, ConfigError, Status};
 
-use damping::error_of_counts;
+use damping::widen_by_counts;
 use drift::Drift;
 pub(crate) use evidence::RELAXES;
 use evidence::{evidence, surface_late_m};
 pub use explain::explain;
+pub(crate) use lateness::carrier;
 pub use lateness::{Form, Lateness};
 pub use outcome::Outcome;
 pub(crate) use reason::trust_in_words;
@@ -38,8 +39,6 @@ const SIMPLER_MARGIN: f64 = 1.02;
 const BEGINNING_S: f64 = 300.0;
 /// A method that is not trusted by itself is taken where the best of the others leaves so much more.
 const WELL_ABOVE: f64 = 1.5;
-/// A damping is hidden by the counts of an encoder where they may be this share of it: an error of a fifth that may be any.
-const HIDDEN: f64 = 0.2;
 
 /// An estimate of one log.
 #[derive(Clone, Debug)]
@@ -199,12 +198,9 @@ fn with_evidence(
     let drift = Drift::of(log, &replay, &outcome);
     evidence.drifts = drift.is_some();
     if evidence.is_surface_doubtful {
-        outcome.widen_surface(surface_late_m(log, &replay, &outcome));
+        outcome.widen_one("surface", surface_late_m(log, &replay, &outcome));
     }
-    if let Some(error) = error_of_counts(log, &replay, &outcome) {
-        outcome.widen_damping(error);
-        notes.extend(counts_hide_damping(&mut outcome));
-    }
+    notes.extend(widen_by_counts(log, &replay, &mut outcome));
     (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
@@ -223,18 +219,6 @@ fn with_evidence(
         evidence,
         decimated: None,
     }
-}
-
-/// Says that the counts of the encoder hide a damping, which then has not converged.
-fn counts_hide_damping(outcome: &mut Outcome) -> Option<String> {
-    let damping = outcome.value("damping")?;
-    let is_hidden = f64::from(damping.std_error) > HIDDEN * f64::from(damping.value.abs());
-    (is_hidden && outcome.method_status == Status::Converged).then(|| {
-        outcome.method_status = Status::Converging;
-        "the motion is so slow for the counts of its encoder that the damping is hardly known: press faster, or read the \
-         position finer"
-            .into()
-    })
 }
 
 fn refused(error: &ConfigError) -> Diagnostic {

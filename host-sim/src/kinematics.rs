@@ -65,8 +65,8 @@ pub(crate) struct Kinematics {
 }
 
 impl Kinematics {
-    /// The motion with what smoothing leaves out, where that is more than its noise: taps of 10 Hz in counts of 1 µm at
-    /// 1 kHz had a damping 1 % too small, six of its standard errors.
+    /// The motion with what smoothing leaves out, where that is more than its noise: of taps of 3.3 Hz at 100 Hz,
+    /// read without noise, a fit left 3.5 mN, and 2.0 mN with it.
     pub(crate) fn completed(mut self) -> Kinematics {
         if self.leaves_out {
             let add = |own: &mut [f64], left: &[f64]| {

@@ -1,5 +1,5 @@
-//! `estimate` and `gap` on springs, dampers and gels as sensors show them: late, in coarse counts, drifting, sampled seldom for how
-//! fast they are tapped. The contacts are summed here, by nothing of this project.
+//! `estimate` and `gap` on springs, dampers and gels as sensors show them: late, in coarse counts, drifting, sampled
+//! seldom for how fast they are tapped. The contacts are summed here, by nothing of this project.
 
 mod common;
 
@@ -40,6 +40,12 @@ const PRESSES: Seen = Seen {
     eccentric_m: (0.0, 1.0),
     drift: 0.0,
     seed: 0,
+};
+
+/// The same contact under triangles.
+const STROKES: Seen = Seen {
+    way: triangles,
+    ..PRESSES
 };
 
 impl Seen {
@@ -162,10 +168,9 @@ fn a_damper_whose_force_is_late_is_no_relaxation() {
     for seed in [1, 2, 3] {
         // GIVEN triangles whose force is read 5 ms late: a relaxation of 11 ms leaves little more than the noise
         let late = Seen {
-            way: triangles,
             late_s: 5e-3,
             seed,
-            ..PRESSES
+            ..STROKES
         };
         let json = late.estimated("");
         // THEN it is Kelvin and Voigt's law, AND its damping is right within its errors or not converged.
@@ -188,10 +193,9 @@ fn counts_of_an_encoder_are_no_lateness() {
     for seed in [4, 5, 6] {
         // GIVEN 20 µm a count, and a force that is read at the instant of the position
         let coarse = Seen {
-            way: triangles,
             count_m: 20e-6,
             seed,
-            ..PRESSES
+            ..STROKES
         };
         let json = coarse.estimated("");
         // THEN nothing is late: it came 10.7 ± 1.7 ms late.
@@ -202,16 +206,13 @@ fn counts_of_an_encoder_are_no_lateness() {
 
 #[test]
 fn a_press_that_is_slow_for_its_counts_does_not_know_the_damping() {
-    let slow = |count_m: f64| {
-        let seen = Seen {
-            way: a_slow_press,
-            count_m,
-            ..PRESSES
-        };
-        seen.estimated("--law kelvin_voigt")
-    };
     // GIVEN counts of 20 µm at 0.5 mm/s: a force of 20 mN beside the 5 mN of the damping
-    let json = slow(20e-6);
+    let slow = Seen {
+        way: a_slow_press,
+        count_m: 20e-6,
+        ..PRESSES
+    };
+    let json = slow.estimated("--law kelvin_voigt");
     let (damping, error) = parameter(&json, "damping");
     assert!(json["status"] != "converged", "{json}");
     assert!(error > 0.1 * damping.abs(), "{damping} ± {error}");
@@ -261,11 +262,7 @@ fn a_log_that_begins_in_contact_lets_go_and_does_not_pull() {
 #[test]
 fn a_resting_force_that_drifts_bends_the_damping_and_that_is_said() {
     let drifting = |drift: f64| {
-        let seen = Seen {
-            way: triangles,
-            drift,
-            ..PRESSES
-        };
+        let seen = Seen { drift, ..STROKES };
         seen.estimated("")
     };
     let is_said = |json: &Value| {
@@ -317,9 +314,8 @@ fn an_encoders_error_of_two_cycles_in_contact_is_named_alone() {
     // GIVEN a gel pressed by 5 mm, and an encoder whose error of 40 µm repeats every 2.2 mm of them
     let seen = Seen {
         law: gel,
-        way: triangles,
         eccentric_m: (40e-6, 2.2e-3),
-        ..PRESSES
+        ..STROKES
     };
     let folder = Folder::with("log.csv", seen.log());
     folder.write(

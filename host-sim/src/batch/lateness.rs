@@ -55,19 +55,16 @@ pub fn lateness(log: &UniformLog, estimation: &Estimation) -> Option<Lateness> {
     if estimation.outcome.skew.is_some() {
         return None;
     }
-    let contacts = estimation.replay.contacts();
     let family = family_of(estimation)?;
-    lateness_under(estimation.log(log), contacts, family, fixed_as(estimation))
+    Seen::of_estimation(log, estimation)?.lateness(family)
 }
 
 /// Whether a late force under Kelvin and Voigt's law explains a log better than the relaxation that it was estimated with.
 pub(super) fn is_late_instead(log: &UniformLog, estimation: &Estimation) -> bool {
-    let contacts = estimation.replay.contacts();
-    let Some(family) = family_of(estimation) else {
-        return false;
-    };
-    let log = estimation.log(log);
-    late_instead(log, contacts, family, fixed_as(estimation)).is_some()
+    let relaxing = family_of(estimation).filter(|family| family.modes > 0);
+    let late =
+        relaxing.and_then(|family| Seen::of_estimation(log, estimation)?.late_instead(family));
+    late.is_some()
 }
 
 fn family_of(estimation: &Estimation) -> Option<Family> {
@@ -92,37 +89,6 @@ fn fixed_as(estimation: &Estimation) -> Fixed {
     }
 }
 
-/// How late the force is under Kelvin and Voigt's law, where that leaves less than the relaxation of another law does: a
-/// damper whose force is read 5 ms late is nearly a relaxation of 11 ms, and 1000 N/m were 1486 ± 16.
-pub(super) fn late_instead(
-    log: &UniformLog,
-    touches: Vec<Range<usize>>,
-    family: Family,
-    fixed: Fixed,
-) -> Option<Lateness> {
-    if family.modes == 0 {
-        return None;
-    }
-    let (log, touches) = part(log, touches)?;
-    let under = |family: Family| Search::of(log.as_ref(), &touches, family, &fixed);
-    let (late, left) = under(Family::KELVIN_VOIGT).lateness()?;
-    late.reason()?;
-    let relaxing = under(family).left_punctually()?;
-    (left < LESS * relaxing).then_some(late)
-}
-
-/// The same under a law, with what of it is fixed.
-pub(super) fn lateness_under(
-    log: &UniformLog,
-    touches: Vec<Range<usize>>,
-    family: Family,
-    fixed: Fixed,
-) -> Option<Lateness> {
-    let (log, touches) = part(log, touches)?;
-    let (late, _) = Search::of(log.as_ref(), &touches, family, &fixed).lateness()?;
-    Some(late)
-}
-
 /// The beginning of a long log from its first touch on, and the touches in it; the whole of another.
 fn part(
     log: &UniformLog,
@@ -136,36 +102,71 @@ fn part(
     Some((Cow::Owned(log.first(end)), inside.collect()))
 }
 
-struct Search<'a> {
-    log: &'a UniformLog,
+/// What a lateness is told from.
+pub(super) struct Seen<'a> {
+    log: Cow<'a, UniformLog>,
     touches: Vec<Range<usize>>,
     motion: Kinematics,
-    family: Family,
     fixed: Fixed,
 }
 
-impl<'a> Search<'a> {
-    fn of(
+impl<'a> Seen<'a> {
+    /// A log with its touches, and what of a law is fixed.
+    pub(super) fn of(
         log: &'a UniformLog,
-        touches: &[Range<usize>],
-        family: Family,
-        fixed: &Fixed,
-    ) -> Search<'a> {
-        Search {
+        touches: Vec<Range<usize>>,
+        fixed: Fixed,
+    ) -> Option<Seen<'a>> {
+        let (log, touches) = part(log, touches)?;
+        Some(Seen {
+            motion: kinematics(&log).completed(),
             log,
-            touches: touches.to_vec(),
-            motion: kinematics(log).completed(),
-            family,
+            touches,
             fixed: Fixed {
                 without_skew: true,
-                ..fixed.clone()
+                ..fixed
             },
-        }
+        })
     }
 
+    fn of_estimation(log: &'a UniformLog, estimation: &'a Estimation) -> Option<Seen<'a>> {
+        let contacts = estimation.replay.contacts();
+        Seen::of(estimation.log(log), contacts, fixed_as(estimation))
+    }
+
+    /// How late the force is under a law.
+    pub(super) fn lateness(&self, family: Family) -> Option<Lateness> {
+        let (late, _) = self.under(family).lateness()?;
+        Some(late)
+    }
+
+    /// How late the force is under Kelvin and Voigt's law, where that leaves less than the relaxation of another law does: a
+    /// damper whose force is read 5 ms late is nearly a relaxation of 11 ms, and 1000 N/m were 1486 ± 16.
+    pub(super) fn late_instead(&self, family: Family) -> Option<Lateness> {
+        if family.modes == 0 {
+            return None;
+        }
+        let (late, left) = self.under(Family::KELVIN_VOIGT).lateness()?;
+        late.reason()?;
+        let relaxing = self.under(family).left_punctually()?;
+        (left < LESS * relaxing).then_some(late)
+    }
+
+    fn under(&self, family: Family) -> Search<'_> {
+        Search { seen: self, family }
+    }
+}
+
+/// The search for a lateness under a law.
+struct Search<'a> {
+    seen: &'a Seen<'a>,
+    family: Family,
+}
+
+impl Search<'_> {
     /// The best fit of the law to a course.
     fn fitted(&self, course: &Course) -> Option<Vec<f64>> {
-        let mut candidates = candidates(course, &[self.family], &self.fixed);
+        let mut candidates = candidates(course, &[self.family], &self.seen.fixed);
         Some(candidates.pop()?.fit.free)
     }
 
@@ -178,6 +179,10 @@ impl<'a> Search<'a> {
 
     /// How late the force is, and root mean square of what the law then leaves over the noise.
     fn lateness(&self) -> Option<(Lateness, f64)> {
+        let turned_s = match self.family {
+            Family::KELVIN_VOIGT => OF_A_SAMPLE * self.seen.log.period_s(),
+            _ => 0.0,
+        };
         let mut late_s = 0.0;
         let mut free: Option<Vec<f64>> = None;
         for _ in 0..MOST_SHIFTS {
@@ -189,10 +194,6 @@ impl<'a> Search<'a> {
             let one = Shifted::new(self, &course, fit);
             let remainder = one.problem(&course).remainder(&one.free);
             let found = one.regression(&course, 1)?;
-            let turned_s = match self.family {
-                Family::KELVIN_VOIGT => OF_A_SAMPLE * self.log.period_s(),
-                _ => 0.0,
-            };
             let std_error = found.std_error.hypot(turned_s);
             if found.slope.abs() < SETTLED * std_error {
                 let form = one.form(&course, late_s);
@@ -218,11 +219,12 @@ impl<'a> Search<'a> {
 
     /// The course of the log with the motion of an earlier instant.
     fn course(&self, late_s: f64) -> Option<Course> {
-        let motion = self.motion.delayed(late_s / self.log.period_s());
+        let seen = self.seen;
+        let motion = seen.motion.delayed(late_s / seen.log.period_s());
         Course::of(
-            self.log,
+            &seen.log,
             &motion,
-            self.touches.clone(),
+            seen.touches.clone(),
             Thresholds::default(),
         )
     }
@@ -240,7 +242,7 @@ impl<'a> Shifted<'a> {
     fn new(search: &'a Search<'a>, course: &Course, start: Vec<f64>) -> Shifted<'a> {
         let mut shifted = Shifted {
             search,
-            stay: search.fixed.of(search.family, &course.scales),
+            stay: search.seen.fixed.of(search.family, &course.scales),
             weights: course.noise_weights(),
             free: start,
         };

@@ -1,10 +1,8 @@
 //! What a reader of a batch fit must know: what was left out, what was assumed, what does not fit.
 
-use estimator_core::physics::law::LawId;
-
 use super::assemble::Given;
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
-use crate::estimate::{Form, RELAXES};
+use crate::estimate::{Form, RELAXES, carrier};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;
@@ -126,10 +124,7 @@ pub(super) fn late_s(given: &Given, batch: &Batch) -> Option<f64> {
 fn skew(given: &Given, batch: &Batch) -> Option<String> {
     let value = late_s(given, batch)?;
     let late = quantity(value.abs(), 3, "s");
-    let carrier = match batch.family.law {
-        LawId::QuasiLinear => "the relaxation",
-        _ => "the damping",
-    };
+    let carrier = carrier(batch.family.law);
     Some(match given.late.map(|late| late.form) {
         Some(Form::Lag) => format!(
             "the force lags behind the contact with a time constant of about {late}: a filter or a soft load \

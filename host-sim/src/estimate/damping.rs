@@ -1,5 +1,8 @@
 //! What a damping takes on of forces that are none of a damper.
 
+use estimator_core::Status;
+use estimator_core::physics::law::LawId;
+
 use super::outcome::Outcome;
 use crate::log::UniformLog;
 use crate::replay::Replay;
@@ -9,13 +12,26 @@ use crate::signal;
 /// counts of 10 µm had 4.0 ± 0.4 N s/m for 10, which 0.16 of a count explains.
 const OF_A_COUNT: f64 = 0.15;
 
-/// What the damping takes on of another force, as a share of the damping: its regression on the damping's force.
-/// `other` (N) is asked with a record, the first one of its touch, the slope of the law there (N/m) and the speed (m/s).
+/// A damping is hidden by the counts of an encoder where they may be this share of it: an error of a fifth that may be any.
+const HIDDEN: f64 = 0.2;
+/// So much of the damping matters: what is off by more is wrong by the fault table's rule.
+pub(super) const MATTERS: f64 = 0.05;
+
+/// An instant in contact.
+pub(super) struct Instant {
+    /// Since the touch began (s).
+    pub(super) since_s: f64,
+    speed_mps: f64,
+    /// Slope of the law (N/m).
+    slope: f64,
+}
+
+/// What the damping takes on of another force (N), as a share of the damping: its regression on the damping's force.
 /// `None` of a law that has no damping.
 pub(super) fn carried(
     replay: &Replay,
     outcome: &Outcome,
-    other: impl Fn(usize, usize, f64, f64) -> f64,
+    other: impl Fn(&Instant) -> f64,
 ) -> Option<f64> {
     let value = |name: &str| outcome.value(name).map(|found| f64::from(found.value));
     let damping = value("damping").filter(|_| value("second_stiffness").is_none())?;
@@ -25,7 +41,7 @@ pub(super) fn carried(
     let (mut both, mut square) = (0.0, 0.0);
     for touch in replay.contacts() {
         for at in touch.clone() {
-            let speed = f64::from(replay.records.speed_mps(at));
+            let speed_mps = f64::from(replay.records.speed_mps(at));
             let depth = replay.final_depth_m(at).max(0.0) / reference_m;
             let shape = depth.powf(exponent.unwrap_or(0.0));
             let slope = match exponent {
@@ -33,24 +49,59 @@ pub(super) fn carried(
                 Some(_) => 0.0,
                 None => stiffness,
             };
-            let force_n = damping * speed * shape;
-            both += force_n * other(at, touch.start, slope, speed);
+            let force_n = damping * speed_mps * shape;
+            let since_s = replay.time_s(at) - replay.time_s(touch.start);
+            both += force_n
+                * other(&Instant {
+                    since_s,
+                    speed_mps,
+                    slope,
+                });
             square += force_n * force_n;
         }
     }
     (square > 0.0).then(|| both / square)
 }
 
+/// What a lateness (s) takes off Kelvin and Voigt's damping (N s/m), where that matters: λ − KT, at every depth.
+pub(super) fn taken_by_lateness(outcome: &Outcome, late_s: f64) -> Option<f64> {
+    let value = |name: &str| outcome.value(name).map(|found| f64::from(found.value));
+    if outcome.law.law() != LawId::KelvinVoigt {
+        return None;
+    }
+    let taken = late_s * value("stiffness")?;
+    (taken > MATTERS * value("damping")?.abs()).then_some(taken)
+}
+
+/// Widens the error of the damping by what an encoder with counts may do to it, and says where that hides it: then it has
+/// not converged.
+pub(super) fn widen_by_counts(
+    log: &UniformLog,
+    replay: &Replay,
+    outcome: &mut Outcome,
+) -> Option<String> {
+    outcome.widen_one("damping", error_of_counts(log, replay, outcome)?);
+    let damping = outcome.value("damping")?;
+    let is_hidden = f64::from(damping.std_error) > HIDDEN * f64::from(damping.value.abs());
+    (is_hidden && outcome.method_status == Status::Converged).then(|| {
+        outcome.method_status = Status::Converging;
+        "the motion is so slow for the counts of its encoder that the damping is hardly known: press faster, or read the \
+         position finer"
+            .into()
+    })
+}
+
 /// What an encoder with counts may do to the damping (N s/m); `None` where the position has none. A count that lasts no
 /// longer than the filter's delay is averaged.
-pub(super) fn error_of_counts(log: &UniformLog, replay: &Replay, outcome: &Outcome) -> Option<f64> {
+fn error_of_counts(log: &UniformLog, replay: &Replay, outcome: &Outcome) -> Option<f64> {
     let count_m = signal::step(&log.position_m)?;
     let averaged_s = replay.delay as f64 * replay.period_s;
-    let late = |_: usize, _: usize, slope: f64, speed: f64| match speed {
+    let late = |now: &Instant| match now.speed_mps {
         0.0 => 0.0,
-        _ => {
-            let lasts_s = count_m / speed.abs();
-            slope * OF_A_COUNT * count_m * lasts_s / (lasts_s + averaged_s) * speed.signum()
+        speed_mps => {
+            let lasts_s = count_m / speed_mps.abs();
+            let share = lasts_s / (lasts_s + averaged_s);
+            now.slope * OF_A_COUNT * count_m * share * speed_mps.signum()
         }
     };
     let damping = f64::from(outcome.value("damping")?.value);

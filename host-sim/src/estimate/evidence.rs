@@ -4,6 +4,7 @@ use estimator_core::Status;
 use estimator_core::estimate::identify::method_info;
 use estimator_core::physics::law::LawId;
 
+use super::damping::taken_by_lateness;
 use super::outcome::Outcome;
 use super::reason::{EXPLAINED, Evidence, Reason};
 use super::residual::surface_misfit;
@@ -23,8 +24,6 @@ const NEARER: f64 = 1.005;
 const NEARER_EVIDENCE: f64 = 20.0;
 /// A force that falls by this share in a hold relaxes.
 pub(crate) const RELAXES: f64 = 0.03;
-/// What is off by more than this share is wrong.
-const WRONG: f64 = 0.05;
 /// A surface whose error may leave this share of the misfit may well be its cause.
 pub(super) const SURFACE_SHARE: f64 = 0.5;
 /// A surface is late if the force has left its baseline so many standard errors before it.
@@ -84,11 +83,8 @@ pub(super) fn evidence(
 /// Whether one of the channels is refreshed so slowly that Kelvin and Voigt's damping feels it, which no fit can tell: a
 /// position that was new once in 5 ms made 12 N s/m of 10.
 fn is_apart(log: &UniformLog, outcome: &Outcome) -> bool {
-    let value = |name: &str| outcome.value(name).map(|found| f64::from(found.value));
-    let taken = |apart_s: f64| Some((apart_s * value("stiffness")?, value("damping")?));
-    let felt = apart_s(log).and_then(taken);
     outcome.law.law() == LawId::KelvinVoigt
-        && felt.is_some_and(|(taken, damping)| taken > WRONG * damping.abs())
+        && apart_s(log).is_some_and(|apart_s| taken_by_lateness(outcome, apart_s).is_some())
 }
 
 fn is_at_bound(outcome: &Outcome) -> bool {

@@ -5,6 +5,7 @@ use estimator_core::Status;
 use estimator_core::estimate::{config::Surface, identify::method_info};
 use estimator_core::physics::law::LawId;
 
+use super::damping::taken_by_lateness;
 use super::evidence::{RELAXES, SURFACE_SHARE};
 use super::outcome::Outcome;
 use super::reason::EXPLAINED;
@@ -156,14 +157,10 @@ fn adhesion(outcome: &Outcome, inspection: &Inspection) -> Option<String> {
 /// Kelvin and Voigt's law a force that is late by T leaves λ − KT, at every depth.
 fn simultaneity(outcome: &Outcome) -> Option<String> {
     const SKEW_S: f64 = 1e-3;
-    /// As much of the damping is worth a sentence.
-    const SHARE: f64 = 0.05;
-    if outcome.law.law() != LawId::KelvinVoigt || outcome.skew.is_some() {
+    if outcome.skew.is_some() {
         return None;
     }
-    let value = |name| outcome.value(name).map(|found| f64::from(found.value));
-    let taken = SKEW_S * value("stiffness")?;
-    (taken > SHARE * value("damping")?.abs()).then(|| {
+    taken_by_lateness(outcome, SKEW_S).map(|taken| {
         format!(
             "the damping takes force and position for read at the same instant: a force that is {} late takes {} off it, \
              and with this law the log does not tell which of the two it is",

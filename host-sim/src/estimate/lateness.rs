@@ -51,19 +51,16 @@ impl Lateness {
             true => "later",
             false => "earlier",
         };
-        let carrier = match law {
-            LawId::QuasiLinear => "the relaxation carries",
-            _ => "the damping carries",
-        };
+        let carrier = carrier(law);
         let method = match law {
             LawId::HuntCrossley => "skew",
             _ => "batch",
         };
-        let remedy = format!("{carrier} that in part: --method {method} estimates with it");
+        let remedy = format!("{carrier} carries that in part: --method {method} estimates with it");
         Some(match self.form {
             Form::Lag => format!(
                 "the force lags behind the contact with a time constant of {late}: a filter or a soft load \
-                 cell; {carrier} that in part"
+                 cell; {carrier} carries that in part"
             ),
             Form::Delay => {
                 format!("the force is read {late} {when} than the position, and {remedy}")
@@ -73,6 +70,14 @@ impl Lateness {
                  that time constant, which this motion does not tell apart; {remedy}"
             ),
         })
+    }
+}
+
+/// What of a law carries a lateness that is not among its parameters, in words.
+pub(crate) fn carrier(law: LawId) -> &'static str {
+    match law {
+        LawId::QuasiLinear => "the relaxation",
+        _ => "the damping",
     }
 }
 

@@ -137,21 +137,12 @@ impl Outcome {
         self.law.parameters().iter().zip(parameters.iter().copied())
     }
 
-    /// Adds to the error of the surface how far (m) it is from where the force says that it is.
-    pub(super) fn widen_surface(&mut self, by_m: f64) {
-        // The surface is the last parameter of every law.
-        let slot = self.law.parameters().len() - 1;
-        if let Some(surface) = &mut self.parameters[slot] {
-            surface.std_error = f64::from(surface.std_error).hypot(by_m) as f32;
-        }
-    }
-
-    /// Widens the error of the damping (N s/m), if the law has one.
-    pub(super) fn widen_damping(&mut self, by: f64) {
-        let names = self.law.parameters().iter();
-        let slot = names.enumerate().find(|(_, own)| own.name == "damping");
-        if let Some(damping) = slot.and_then(|(slot, _)| self.parameters[slot].as_mut()) {
-            damping.std_error = f64::from(damping.std_error).hypot(by) as f32;
+    /// Adds to the error of the parameter of that name, if the law has it, another error.
+    pub(super) fn widen_one(&mut self, name: &str, by: f64) {
+        let mut each = self.law.parameters().iter().zip(&mut self.parameters);
+        let own = each.find(|(info, _)| info.name == name);
+        if let Some((_, Some(own))) = own {
+            own.std_error = f64::from(own.std_error).hypot(by) as f32;
         }
     }
 

@@ -3,7 +3,7 @@
 use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
 
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
-use crate::gap::model::shape::{Free, Owner, Term};
+use crate::gap::model::shape::{Free, Term};
 use crate::gap::model::{dataset::Dataset, fit::Fit, start::whole, weights::weights};
 use crate::gap::search::{forms::in_plain_form, relatives::simpler};
 
@@ -46,8 +46,7 @@ pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Optio
             true => decide.wander_sigmas,
             false => decide.size_sigmas,
         };
-        let is_at_an_end = is_too_fast(best, number) || is_too_long(best, number);
-        has_size(decision, number, sigmas) && !is_at_an_end
+        has_size(decision, number, sigmas) && !is_at_its_end(best, number)
     };
     // Modes of one spectrum share their size, and no name depends on one of them; but one must be known.
     let added = best.added();
@@ -70,18 +69,14 @@ fn wanders(term: &Term, duration_s: f64, fewest_periods: f64) -> bool {
     }
 }
 
-/// Whether an effect is a relaxation as fast as one can be: within a sample it is a damper, and the errors of the
-/// motion look like one.
-fn is_too_fast(best: &Fit, number: usize) -> bool {
-    best.shape.terms[number].id == EffectId::StressRelaxation
-        && is_second_at(best, number, Free::is_at_highest)
-}
-
-/// Whether an effect is an error of the encoder as long as one can be: it wants to be longer, where it is the form of the
-/// law.
-fn is_too_long(best: &Fit, number: usize) -> bool {
-    best.shape.terms[number].id == EffectId::EncoderPeriodicError
-        && is_second_at(best, number, Free::is_at_highest)
+/// Whether an effect is a relaxation as fast as one can be, which within a sample is a damper, and the errors of the motion
+/// look like one; or an error of the encoder as long as one can be, which wants to be the form of the law.
+fn is_at_its_end(best: &Fit, number: usize) -> bool {
+    let id = best.shape.terms[number].id;
+    matches!(
+        id,
+        EffectId::StressRelaxation | EffectId::EncoderPeriodicError
+    ) && best.is_second_at(number, Free::is_at_highest)
 }
 
 /// The places of the added effects that may as well be the simpler effect of their family, with that effect: their
@@ -113,14 +108,7 @@ pub(crate) fn fit_with_offset(dataset: &Dataset<'_>, decision: &Decision) -> Opt
 /// Whether an effect is a drift that comes to rest as soon as a drift can.
 fn is_over_at_once(best: &Fit, number: usize) -> bool {
     best.shape.terms[number].id == EffectId::ForceDrift
-        && is_second_at(best, number, Free::is_at_lowest)
-}
-
-/// Whether the second number of an effect is free and at an end.
-fn is_second_at(best: &Fit, number: usize, is_at: impl Fn(&Free, f64) -> bool) -> bool {
-    let owner = Owner::Effect(number, 1);
-    let mut each = best.shape.free.iter().zip(&best.numbers);
-    each.any(|(free, number)| free.owner == owner && is_at(free, *number))
+        && best.is_second_at(number, Free::is_at_lowest)
 }
 
 /// Whether a size of an effect differs from 0 by so many standard errors. One that is held does; of one at a bound, or
@@ -323,7 +311,7 @@ pub(super) mod tests {
         let is_too_fast = |rate_per_s: f64| {
             let row = [0.2, rate_per_s, 0.0, 0.0, 0.0];
             let term = whole(EffectId::StressRelaxation, row, 2);
-            is_too_fast(&at_start(&model, &scales, term), 0)
+            is_at_its_end(&at_start(&model, &scales, term), 0)
         };
         assert!(is_too_fast(1e9) && !is_too_fast(30.0) && !is_too_fast(1e-9));
     }

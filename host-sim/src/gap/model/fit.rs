@@ -3,7 +3,10 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::data::scales::Scales;
-use crate::gap::model::{problem::Problem, shape::Shape, shape::Term};
+use crate::gap::model::{
+    problem::Problem,
+    shape::{Free, Owner, Shape, Term},
+};
 use crate::lsq::minimize::{Minimizer, System};
 
 /// Most steps of a fit.
@@ -45,6 +48,17 @@ impl Fit {
         let each = self.shape.free.iter().zip(&self.numbers);
         each.map(|(free, number)| free.is_at_bound(*number))
             .collect()
+    }
+
+    /// Whether the second number of an effect is free and somewhere.
+    pub(in crate::gap) fn is_second_at(
+        &self,
+        term: usize,
+        is_at: impl Fn(&Free, f64) -> bool,
+    ) -> bool {
+        let owner = Owner::Effect(term, 1);
+        let mut each = self.shape.free.iter().zip(&self.numbers);
+        each.any(|(free, number)| free.owner == owner && is_at(free, *number))
     }
 
     /// The law with other terms, and where a fit of them starts: the environment keeps its values.

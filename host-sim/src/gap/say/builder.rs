@@ -67,7 +67,7 @@ pub(crate) fn finding(
                 true => model.remainder,
                 false => builder
                     .left(options.bandwidth_hz)
-                    .or(Some(builder.noise_alone(options.bandwidth_hz))),
+                    .or_else(|| Some(builder.noise_alone(options.bandwidth_hz))),
             },
             ..estimates.refitted_model(model)
         },

@@ -2,7 +2,7 @@
 
 use estimator_core::physics::effect::EffectId;
 
-use crate::gap::model::{fit::Fit, shape::FEWEST_CYCLES, shape::Owner};
+use crate::gap::model::{fit::Fit, shape::FEWEST_CYCLES, shape::Free};
 use crate::gap::search::{run::Search, run::SearchResult, sets::added_effects};
 
 /// Most swaps near the noise, and far from it, where a better set is no truer one and a round takes as long as
@@ -26,11 +26,9 @@ impl Search<'_> {
             let has_few_cycles = has_few_cycles(&best);
             if has_few_cycles || rivals.iter().any(|fit| self.is_tied(fit, &best)) {
                 best = self.with_all_forms(best, base_cost);
-                let followed = self.dataset.thresholds.rivalry.followed;
-                let near = if has_few_cycles {
-                    NEAR_FEW_CYCLES
-                } else {
-                    followed
+                let near = match has_few_cycles {
+                    true => NEAR_FEW_CYCLES,
+                    false => self.dataset.thresholds.rivalry.followed,
                 };
                 rivals = self.with_forms_where_near(rivals, near * best.cost, base_cost);
             }
@@ -78,13 +76,9 @@ impl Search<'_> {
 
 /// Whether an error of the encoder was added that has few cycles in contact.
 fn has_few_cycles(best: &Fit) -> bool {
-    let added = best.added();
-    let mut pitches = best.shape.free.iter().zip(&best.numbers);
-    pitches.any(|(free, number)| match free.owner {
-        Owner::Effect(at, 1) if added.contains(&at) => {
-            best.shape.terms[at].id == EffectId::EncoderPeriodicError
-                && (number - free.highest).exp() * FEW_CYCLES > FEWEST_CYCLES
-        }
-        _ => false,
-    })
+    let is_few =
+        |pitch: &Free, number: f64| (number - pitch.highest).exp() * FEW_CYCLES > FEWEST_CYCLES;
+    let is_wave = |at: &usize| best.shape.terms[*at].id == EffectId::EncoderPeriodicError;
+    let mut waves = best.added().into_iter().filter(is_wave);
+    waves.any(|at| best.is_second_at(at, is_few))
 }
