@@ -36,11 +36,12 @@ mod rounds;
 mod say;
 mod search;
 pub mod thresholds;
+mod zero_steps;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
     AdvisedMotion, Candidate, Change, ChangesSince, Curves, Finding, Grade, MOTION, MissingEffect,
-    Next, ParameterEstimate, Region, Support, Verdict, changes_in_words, regions_in_words,
+    Next, ParameterEstimate, Pattern, Region, Support, Verdict, changes_in_words, regions_in_words,
     share_in_words, times_larger,
 };
 pub use noise::floor::NoiseFloor;
@@ -122,7 +123,7 @@ fn workflow(
     };
     let (closed, lost) = lost_counts::taken_back(&bridged, left_n)?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
-    let mut finding = asked(model, &closed, options, progress)?;
+    let mut finding = zero_steps::taken_off(&closed, |logs| asked(model, logs, options, progress))?;
     finding.notes.splice(0..0, notes);
     Ok(finding)
 }

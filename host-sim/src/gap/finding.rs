@@ -8,7 +8,7 @@ mod result;
 pub(crate) use change::changes;
 pub use change::{Change, ChangesSince, changes_in_words};
 pub use parameter::ParameterEstimate;
-pub use region::{Region, regions_in_words};
+pub use region::{Pattern, Region, regions_in_words};
 pub(in crate::gap) use result::NEARLY_NOISE;
 pub use result::{
     AdvisedMotion, Candidate, Curves, Finding, Grade, MissingEffect, Next, Support, Verdict,

@@ -11,3 +11,4 @@ pub(crate) mod shape;
 pub(crate) mod simulate;
 pub(crate) mod start;
 pub(crate) mod weights;
+pub(crate) mod zero_step;

@@ -279,6 +279,9 @@ thresholds! {
             /// the harder rigs, random walks and two exponentials among them: 1.43 to 11, and of 16 that were put into
             /// measured records, beside all that these leave: 1.02 to 4.6, but for one of 0.89.
             rather_a_step: 1.0,
+            /// No effect stands out in whose place a sharp step of the zero leaves less than this many times as many squares.
+            /// Not measured.
+            zero_step: 0.8,
         }
 
         /// Whether effects are accepted.
@@ -361,6 +364,8 @@ thresholds! {
             least_share: 0.02,
             /// A line is named if it holds more than this share of the residual's energy. Not measured.
             line_share: 0.1,
+            /// A step of the zero is named if it takes more than this share off. Not measured.
+            step_share: 0.5,
             /// A fitted stiffness that is this many times larger or smaller than the model's is in another
             /// unit. Not measured.
             another_unit: 100.0 over 1.0,

@@ -18,6 +18,8 @@ pub struct Compensated {
     pub noise_n: Option<f64>,
     /// Samples that the load cell's limit has touched; empty if none can.
     pub saturated: Vec<bool>,
+    /// Instants (s) from each of which on the zero is off by a force that is known to its errors only.
+    pub stepped_s: Vec<f64>,
 }
 
 /// The samples of an uneven log as they were taken, which interpolation has made smoother than they are.

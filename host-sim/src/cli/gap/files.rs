@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::motion as advised_motion;
 use crate::gap::{
-    Candidate, Change, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Region,
+    Candidate, Change, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Pattern, Region,
 };
 use crate::json::{number, write_json};
 use crate::kind;
@@ -205,11 +205,14 @@ fn region(region: &Region) -> Value {
         "share": number(region.share),
         "rms_n": number(region.rms_n),
     });
-    if let Some(hz) = region.hz {
-        value["hz"] = number(hz);
-    }
-    if let Some(pitch) = region.pitch_m {
-        value["m"] = number(pitch);
+    match region.pattern {
+        Some(Pattern::Line { hz }) => value["hz"] = number(hz),
+        Some(Pattern::Pitch { m }) => value["m"] = number(m),
+        Some(Pattern::Step { s, n }) => {
+            value["s"] = number(s);
+            value["n"] = number(n);
+        }
+        None => {}
     }
     value
 }

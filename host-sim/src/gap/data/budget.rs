@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::gap::data::fit_data::{FitData, Spacing};
 use crate::gap::data::rest_waves;
 use crate::gap::thresholds::Rest;
-use crate::log::UniformLog;
+use crate::log::{Compensated, UniformLog};
 use crate::number::setting;
 use crate::signal;
 use crate::stats::range;
@@ -129,6 +129,10 @@ fn averaged(log: &UniformLog, factor: usize) -> UniformLog {
         path: log.path.clone(),
         kind: log.kind,
         notes: log.notes.clone(),
+        compensated: Compensated {
+            stepped_s: log.compensated.stepped_s.clone(),
+            ..Compensated::default()
+        },
         ..UniformLog::default()
     }
 }

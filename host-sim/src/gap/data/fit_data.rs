@@ -1,5 +1,7 @@
 //! A log as the fits see it: position, speed, acceleration and force, at the log's rate or thinned.
 
+use std::ops::Range;
+
 use crate::gap::data::{low_pass::LowPass, standstill};
 use crate::kinematics::kinematics;
 use crate::log::{Taken, UniformLog};
@@ -49,6 +51,8 @@ pub(crate) struct FitData {
     pub(crate) count: Vec<f64>,
     /// Frequencies (Hz) of waves in a long rest that its samples, thinned, do not show any more.
     pub(crate) rest_waves_hz: Vec<f64>,
+    /// Instants (s) from each of which on the zero is off by a force that a fit finds.
+    pub(crate) stepped_s: Vec<f64>,
 }
 
 /// A rest is short if it takes less than this share of a log.
@@ -86,7 +90,18 @@ impl FitData {
                 .map(|gap| f64::from(u8::from(!gap)))
                 .collect(),
             rest_waves_hz: Vec::new(),
+            stepped_s: log.compensated.stepped_s.clone(),
         }
+    }
+
+    /// The samples between each instant at which the zero stepped and the next.
+    pub(crate) fn after_steps(&self) -> impl Iterator<Item = Range<usize>> {
+        let at = |time_s: &f64| self.time_s.partition_point(|stamp| stamp < time_s);
+        let starts = self.stepped_s.iter().map(at);
+        let ends = self.stepped_s.iter().skip(1).map(at);
+        starts
+            .zip(ends.chain([self.len()]))
+            .map(|(from, to)| from..to)
     }
 
     /// The samples at the instants at which they were taken, and the motion there: interpolated forces are
@@ -202,6 +217,7 @@ impl FitData {
             speed_left_mps: picked(&self.speed_left_mps),
             count: picked(&self.count),
             rest_waves_hz: self.rest_waves_hz.clone(),
+            stepped_s: self.stepped_s.clone(),
         }
     }
 

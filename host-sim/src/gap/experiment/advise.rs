@@ -8,7 +8,7 @@ use crate::gap::experiment::{
     discriminability::EffectSignature, excitations::Excitation, plan::FurtherMotion,
     recordings::Recordings,
 };
-use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Verdict, regions_in_words};
+use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Pattern, Verdict, regions_in_words};
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, fit::RIDGE, shape::Owner, shape::Shape, shape::Term, start::repeats,
 };
@@ -34,7 +34,7 @@ pub(crate) fn advice(
             let gap = not_discriminated(effect.id, &effect.alternatives);
             format!("{gap} Record {}.", effect.id.info().motion)
         }
-        _ => without_ambiguity(finding, dataset.thresholds.explained.residuals),
+        _ => without_ambiguity(finding, dataset.thresholds.explained.residuals) + &steps(finding),
     };
     match observing_motion(dataset, &decision.best, &decision.std_errors) {
         Some(advised) => (
@@ -97,6 +97,21 @@ fn without_ambiguity(finding: &Finding, noise: f64) -> String {
             at_bounds(finding)
         ),
     }
+}
+
+/// What to do about a zero that steps; empty where none does.
+fn steps(finding: &Finding) -> String {
+    let mut patterns = finding.remaining.iter().filter_map(|own| own.pattern);
+    let step = patterns.find_map(|pattern| match pattern {
+        Pattern::Step { s, .. } => Some(s),
+        _ => None,
+    });
+    step.map_or_else(String::new, |s| {
+        format!(
+            " A force that is off from an instant on is a tare, a power cycle or a knock: ask again with the part of the \
+             log before {s:.2} s, or with that after it."
+        )
+    })
 }
 
 /// Which numbers only say how far they were sought; empty where none does. What one of the law should be is in another

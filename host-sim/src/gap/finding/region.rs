@@ -7,19 +7,39 @@ use crate::phase::PHASES;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// `free`, `touch`, `loading`, `hold`, `unloading`, `lift_off`, `depth_low`, `depth_mid`,
-    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line` or `pitch`; where nothing is touched `forward`, `backward`,
-    /// `travel_low`, `travel_mid` and `travel_high` instead of phases and depths.
+    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line`, `pitch` or `step`; where nothing is touched `forward`,
+    /// `backward`, `travel_low`, `travel_mid` and `travel_high` instead of phases and depths.
     pub id: &'static str,
-    /// The region's share of the energy above the noise; a line's share of the whole residual.
+    /// The region's share of the energy above the noise; a pattern's share of the whole residual.
     pub share: f64,
     /// Root mean square of the residual in the region (N).
     pub rms_n: f64,
     /// The region's share of the samples.
     pub samples: f64,
-    /// Frequency of a line (Hz).
-    pub hz: Option<f64>,
-    /// Pitch of a line along the travel (m).
-    pub pitch_m: Option<f64>,
+    /// Where it is no part of the log but a pattern all through it.
+    pub pattern: Option<Pattern>,
+}
+
+/// A pattern in what is left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pattern {
+    /// A line in time.
+    Line {
+        /// Its frequency (Hz).
+        hz: f64,
+    },
+    /// A line along the travel.
+    Pitch {
+        /// Its pitch (m).
+        m: f64,
+    },
+    /// A force that is off by one amount from an instant on.
+    Step {
+        /// The instant (s).
+        s: f64,
+        /// The amount (N).
+        n: f64,
+    },
 }
 
 /// A region is mentioned beside the phase if its share of the excess is this many times its share of the
@@ -33,7 +53,8 @@ pub fn regions_in_words(regions: &[Region]) -> String {
     let phase = regions.iter().find(|region| PHASES.contains(&region.id));
     let telling = regions
         .iter()
-        .filter(|region| !PHASES.contains(&region.id) && region.share > TELLING * region.samples)
+        .filter(|region| region.pattern.is_none() && !PHASES.contains(&region.id))
+        .filter(|region| region.share > TELLING * region.samples)
         .take(MOST_TELLING);
     let mut words: Vec<String> = Vec::new();
     for region in phase.into_iter().chain(telling) {
@@ -48,20 +69,23 @@ pub fn regions_in_words(regions: &[Region]) -> String {
             place(region.id)
         ));
     }
-    words.extend(regions.iter().filter_map(line_in_words));
+    words.extend(regions.iter().filter_map(pattern_in_words));
     words.join(", ")
 }
 
-fn line_in_words(line: &Region) -> Option<String> {
-    let percent = 100.0 * line.share;
-    match (line.hz, line.pitch_m) {
-        (Some(hz), _) => Some(format!("{percent:.0} % in a line at {hz:.3} Hz")),
-        (_, Some(pitch_m)) => Some(format!(
+fn pattern_in_words(region: &Region) -> Option<String> {
+    let percent = 100.0 * region.share;
+    Some(match region.pattern? {
+        Pattern::Line { hz } => format!("{percent:.0} % in a line at {hz:.3} Hz"),
+        Pattern::Pitch { m } => format!(
             "{percent:.0} % repeats every {} along the way",
-            quantity(pitch_m, 3, "m")
-        )),
-        _ => None,
-    }
+            quantity(m, 3, "m")
+        ),
+        Pattern::Step { s, n } => format!(
+            "{percent:.0} % in a step of {} at {s:.2} s",
+            quantity(n, 3, "N")
+        ),
+    })
 }
 
 fn place(id: &str) -> &'static str {

@@ -58,10 +58,30 @@ impl Problem<'_> {
     pub(crate) fn residuals(&self, shape: &Shape, numbers: &[f64]) -> Vec<f64> {
         let forces = self.forces(shape, numbers).into_iter();
         let measured = self.logs.iter().flat_map(|log| &log.force_n);
-        forces
-            .zip(measured)
-            .map(|(force, measured)| measured - force)
-            .collect()
+        let each = forces.zip(measured);
+        let mut residuals: Vec<f64> = each.map(|(force, measured)| measured - force).collect();
+        self.without_steps(&mut residuals);
+        residuals
+    }
+
+    /// Takes off a channel what steps of the zero make of it: its weighted mean between each and the next.
+    pub(crate) fn without_steps(&self, channel: &mut [f64]) {
+        let mut from = 0;
+        for log in self.logs {
+            for rows in log.after_steps() {
+                let rows = from + rows.start..from + rows.end;
+                let weights = &self.weights[rows.clone()];
+                let each = channel[rows.clone()].iter().zip(weights);
+                let (sum, weight) = each.fold((0.0, 0.0), |(sum, weight), (value, own)| {
+                    (sum + own * value, weight + own)
+                });
+                if weight > 0.0 {
+                    let mean = sum / weight;
+                    channel[rows].iter_mut().for_each(|value| *value -= mean);
+                }
+            }
+            from += log.len();
+        }
     }
 
     /// The predicted forces (N), log after log, through the low-pass.
@@ -100,10 +120,16 @@ impl Problem<'_> {
         };
         let runs = columns.par_chunks_mut(MOST_LANES).enumerate();
         let residuals: Vec<Vec<f64>> = runs.map(fill).collect();
-        columns.iter_mut().for_each(|column| self.filter(column));
+        for column in &mut columns {
+            self.filter(column);
+            self.without_steps(column);
+        }
         let residuals = match residuals.into_iter().next() {
             // The force of the logs has been filtered already, and not that of these runs.
-            Some(residuals) if self.low_pass.is_none() => residuals,
+            Some(mut residuals) if self.low_pass.is_none() => {
+                self.without_steps(&mut residuals);
+                residuals
+            }
             _ => self.residuals(shape, numbers),
         };
         Linearization { residuals, columns }

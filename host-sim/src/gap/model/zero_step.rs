@@ -82,6 +82,16 @@ impl Left {
                 add_column(&mut basis, weighted(column), &[]);
             }
         }
+        let mut from = 0;
+        for log in problem.logs {
+            for rows in log.after_steps() {
+                let mut known = vec![0.0; roots.len()];
+                let rows = from + rows.start..from + rows.end;
+                known[rows.clone()].copy_from_slice(&roots[rows]);
+                add_column(&mut basis, known, &[]);
+            }
+            from += log.len();
+        }
         let mut white = weighted(&linear.residuals);
         project_out(&mut white, &basis);
         Left {

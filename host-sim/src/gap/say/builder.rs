@@ -8,12 +8,12 @@ use crate::gap::data::fit_data::FitData;
 use crate::gap::decide::decision::Decision;
 use crate::gap::experiment::advise::advice;
 use crate::gap::finding::{
-    Candidate, Curves, Finding, Grade, MissingEffect, Region, Support, Verdict, changes,
+    Candidate, Curves, Finding, Grade, MissingEffect, Pattern, Region, Support, Verdict, changes,
     regions_in_words,
 };
 use crate::gap::model::{
-    dataset::Dataset, error::std_errors, problem::Problem, shape::Term, simulate::depths,
-    weights::weights,
+    dataset::Dataset, error::std_errors, fit::Fit, problem::Problem, shape::Term, simulate::depths,
+    weights::weights, zero_step::ZeroStep,
 };
 use crate::gap::noise::floors::largest_noise_n;
 use crate::gap::options::Options;
@@ -56,7 +56,7 @@ pub(crate) fn finding(
         base_before: Estimates::of(&decision.base, &base_errors).of_base(),
         changed: changes(model, &base_after, &dataset.thresholds.changes),
         base_after,
-        disagreement: builder.regions(&builder.before_n),
+        disagreement: builder.regions(&builder.before_n, &decision.base),
         remaining,
         advice: String::new(),
         advised: None,
@@ -212,24 +212,43 @@ impl<'a> FindingBuilder<'a> {
     /// Measured minus predicted forces (N).
     fn residuals(&self, forces: &[f64]) -> Vec<f64> {
         let measured = self.dataset.logs.iter().flat_map(|log| &log.force_n);
-        measured
-            .zip(forces)
-            .map(|(measured, force)| measured - force)
-            .collect()
+        let each = measured.zip(forces);
+        let mut residuals: Vec<f64> = each.map(|(measured, force)| measured - force).collect();
+        self.problem.without_steps(&mut residuals);
+        residuals
     }
 
     /// Where the model with the effects and the log disagree. What is left within the noise is not in
     /// any region.
     fn remaining(&self) -> Vec<Region> {
         match self.decision.verdict.leaves_a_remainder() {
-            true => self.regions(&self.after_n),
+            true => self.regions(&self.after_n, &self.decision.best),
             false => Vec::new(),
         }
     }
 
-    /// Where forces (N) disagree with the logs.
-    fn regions(&self, forces: &[f64]) -> Vec<Region> {
-        self.regions_of(&self.residuals(forces), &self.decision.variances)
+    /// Where the forces (N) of a fit disagree with the logs.
+    fn regions(&self, forces: &[f64], fit: &Fit) -> Vec<Region> {
+        let residuals = self.residuals(forces);
+        let mut regions = self.regions_of(&residuals, &self.decision.variances);
+        if !regions.is_empty() {
+            regions.extend(self.step(fit));
+        }
+        regions
+    }
+
+    /// The step of the zero of the first log that a fit leaves, if that is a good part of it.
+    fn step(&self, fit: &Fit) -> Option<Region> {
+        let (_, step) = ZeroStep::of(&self.problem, fit).filter(|(log, _)| *log == 0)?;
+        let (s, n) = (self.dataset.logs[0].time_s[step.at], step.force_n);
+        let after = 1.0 - step.at as f64 / self.dataset.logs[0].len() as f64;
+        (step.share > self.decision.thresholds.regions.step_share).then_some(Region {
+            id: "step",
+            share: step.share,
+            rms_n: n.abs() * after.sqrt(),
+            samples: after,
+            pattern: Some(Pattern::Step { s, n }),
+        })
     }
 
     fn regions_of(&self, residuals: &[f64], variances: &[f64]) -> Vec<Region> {

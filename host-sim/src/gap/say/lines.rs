@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::gap::data::fit_data::FitData;
-use crate::gap::finding::Region;
+use crate::gap::finding::{Pattern, Region};
 use crate::gap::say::log_residuals::LogResiduals;
 use crate::spectral;
 use crate::stats::range;
@@ -23,21 +23,20 @@ pub(crate) fn lines(of_log: &LogResiduals<'_>, least_share: f64) -> Vec<Region> 
         .collect();
     let energy: f64 = residuals.iter().map(|r| r * r).sum();
     let count = residuals.len() as f64;
-    let region = |id, share: f64, hz, pitch_m| Region {
+    let region = |id, share: f64, pattern| Region {
         id,
         share: share.min(1.0),
         rms_n: (share.min(1.0) * energy / count).sqrt(),
         samples: 1.0,
-        hz,
-        pitch_m,
+        pattern: Some(pattern),
     };
     let is_line = |(share, _): &(f64, f64)| *share > least_share;
     let in_time = line_in_time(of_log.log, &residuals, energy)
         .filter(is_line)
-        .map(|(share, hz)| region("line", share, Some(hz), None));
+        .map(|(share, hz)| region("line", share, Pattern::Line { hz }));
     let along_travel = line_along_travel(of_log.log, &residuals)
         .filter(is_line)
-        .map(|(share, pitch_m)| region("pitch", share, None, Some(pitch_m)));
+        .map(|(share, m)| region("pitch", share, Pattern::Pitch { m }));
     in_time.into_iter().chain(along_travel).collect()
 }
 

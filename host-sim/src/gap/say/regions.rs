@@ -141,8 +141,7 @@ impl Tally {
             share: (self.excess_n2 / total.excess_n2.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
             rms_n: (self.energy_n2 / self.count).sqrt(),
             samples: self.count / total.count,
-            hz: None,
-            pitch_m: None,
+            pattern: None,
         }
     }
 }

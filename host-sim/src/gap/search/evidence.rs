@@ -12,7 +12,7 @@
 use estimator_core::physics::effect::{ChainStage, EffectId};
 
 use crate::gap::finding::{Next, Support};
-use crate::gap::model::{fit::Fit, shape::Term, start::repeats};
+use crate::gap::model::{fit::Fit, shape::Term, start::repeats, zero_step::ZeroStep};
 use crate::gap::search::blocks::Blocks;
 use crate::gap::search::parts::Parts;
 use crate::gap::search::physical::is_fourier_series;
@@ -113,8 +113,9 @@ impl Search<'_> {
         let is_curve = repeats(id)
             && (is_scale || gain.beside.0 < decide.sharp)
             && is_series(best, id, self.decide());
-        let is_no_drift = id == EffectId::ForceDrift && weighing.is_step;
-        let agrees = parts.agree(best, id, decide) && !is_curve && !is_no_drift;
+        let is_step =
+            id == EffectId::ForceDrift && weighing.is_step || self.is_rather_a_step(plain, with);
+        let agrees = parts.agree(best, id, decide) && !is_curve && !is_step;
         let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
@@ -127,7 +128,7 @@ impl Search<'_> {
                         self.gain(without, with, weighing).is_sound(id, decide)
                     }
         });
-        let is_alone = alone.is_some_and(|own| stands_for(own, id)) && !is_no_drift;
+        let is_alone = alone.is_some_and(|own| stands_for(own, id)) && !is_step;
         Evidence {
             is_strong: is_alone || is_sound && gain.lead >= decide.lead,
             // A wave fits any remainder, whatever it stands beside.
@@ -157,6 +158,13 @@ impl Search<'_> {
         };
         let faint = waves.into_iter().filter(is_faint);
         faint.map(|at| terms[at].row[1]).collect()
+    }
+
+    /// Whether a sharp step of the zero beside a fit without an effect leaves less than the best with it.
+    fn is_rather_a_step(&self, without: &Fit, with: &Fit) -> bool {
+        let most = self.dataset.thresholds.evidence.zero_step * with.cost;
+        let step = ZeroStep::of(&self.problem(), without);
+        step.is_some_and(|(_, step)| step.cost < most)
     }
 
     /// The best fit without an effect and whatever stands for it.

@@ -1,6 +1,6 @@
 //! The regions in which the base model and the log disagree, and those that remain with the effects.
 
-use crate::gap::{Finding, Region, Verdict};
+use crate::gap::{Finding, Pattern, Region, Verdict};
 use crate::number::{column, fixed, quantity, spaced};
 use crate::phase::PHASES;
 use crate::report::{Cell, Section, Table};
@@ -46,9 +46,8 @@ fn remaining_share(finding: &Finding) -> String {
     }
 }
 
-/// The order of the rows after the phases of the contact or the ways: depth or place, speed, time, lines of the
-/// spectrum.
-const AFTER_PHASES: [&str; 12] = [
+/// The order of the rows after the phases of the contact or the ways: depth or place, speed, time, patterns.
+const AFTER_PHASES: [&str; 13] = [
     "depth_low",
     "depth_mid",
     "depth_high",
@@ -61,6 +60,7 @@ const AFTER_PHASES: [&str; 12] = [
     "late",
     "line",
     "pitch",
+    "step",
 ];
 
 /// A table of every region in which either model and the log disagree.
@@ -86,7 +86,7 @@ fn table(finding: &Finding) -> Table {
     let cells = rows.iter().map(|(before, after)| {
         let named = before.as_ref().or(after.as_ref());
         let name = |region: &Region| name(region);
-        let is_line = named.is_some_and(|region| region.hz.is_some() || region.pitch_m.is_some());
+        let is_pattern = named.is_some_and(|region| region.pattern.is_some());
         let mut rms = |region: &Option<Region>| {
             region
                 .as_ref()
@@ -97,7 +97,7 @@ fn table(finding: &Finding) -> Table {
         let row = [
             Cell::from(named.map_or(String::new(), name)),
             named
-                .filter(|_| !is_line)
+                .filter(|_| !is_pattern)
                 .map_or_else(none, |region| percent(region.samples)),
             before
                 .as_ref()
@@ -129,11 +129,15 @@ fn columns(unit: &str, only_base: bool) -> Vec<String> {
 }
 
 fn name(region: &Region) -> String {
-    if let Some(hz) = region.hz {
-        return format!("Line at {}", quantity(hz, 4, "Hz"));
-    }
-    if let Some(pitch_m) = region.pitch_m {
-        return format!("Repeats every {} of travel", quantity(pitch_m, 4, "m"));
+    match region.pattern {
+        Some(Pattern::Line { hz }) => return format!("Line at {}", quantity(hz, 4, "Hz")),
+        Some(Pattern::Pitch { m }) => {
+            return format!("Repeats every {} of travel", quantity(m, 4, "m"));
+        }
+        Some(Pattern::Step { s, n }) => {
+            return format!("Step of {} at {s:.2} s", quantity(n, 3, "N"));
+        }
+        None => {}
     }
     match region.id {
         "free" => "Free air",

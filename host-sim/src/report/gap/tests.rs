@@ -73,8 +73,7 @@ fn finding(verdict: Verdict) -> Finding {
         share: 0.6,
         rms_n: 0.3,
         samples: 0.4,
-        hz: None,
-        pitch_m: None,
+        pattern: None,
     };
     let has_effects = !matches!(verdict, Verdict::NoMissingEffect | Verdict::Unexplained);
     Finding {

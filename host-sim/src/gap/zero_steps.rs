@@ -1,0 +1,108 @@
+//! A zero of the force that steps: a tare, a power cycle, a knock of the load cell.
+//!
+//! From an instant on the force is off by one amount. No effect of the catalogue is that, and a later log would not have
+//! it: where it is nearly all that remains it is taken off, said, and the rest is asked for again, beside an amount that
+//! every fit finds anew.
+
+use super::finding::{Curves, Finding, Pattern};
+use crate::diagnostic::Diagnostic;
+use crate::log::UniformLog;
+use crate::number::quantity;
+
+/// The step takes more than this share off what remains. Zeros that stepped by 0.12 to 0.45 N in the middle of four logs:
+/// 0.97 to 0.996.
+const NEARLY_ALL: f64 = 0.9;
+/// Less than this share (rms) remains then. Derived: where it was nearly all of the squares less than a third does, and
+/// as much again for effects that are not known yet.
+const LESS: f64 = 0.5;
+/// Most steps that are taken off. Not measured.
+const MOST: usize = 4;
+/// Samples within which the instant is sought again: a search takes one of eight where a log has 240 000.
+const NEAR: usize = 8;
+
+/// The finding on one log without the steps of its zero, and what is said of them; `ask` finds what is missing.
+///
+/// # Errors
+/// Those of `ask`.
+pub(super) fn taken_off(
+    logs: &[UniformLog],
+    ask: impl Fn(&[UniformLog]) -> Result<Finding, Diagnostic>,
+) -> Result<Finding, Diagnostic> {
+    let mut finding = ask(logs)?;
+    let [log] = logs else { return Ok(finding) };
+    let mut log = log.clone();
+    let mut steps: Vec<(f64, f64)> = Vec::new();
+    while let Some((about_s, force_n)) = step(&finding).filter(|_| steps.len() < MOST) {
+        let (without, at_s) = without(&log, about_s, force_n);
+        let next = ask(std::slice::from_ref(&without))?;
+        if next.rmse_after_n >= LESS * finding.rmse_after_n {
+            break;
+        }
+        steps.push((at_s, force_n));
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (finding, log) = (next, without);
+    }
+    for curves in &mut finding.curves {
+        correct(&mut steps, curves);
+    }
+    finding.notes.splice(0..0, steps.into_iter().map(in_words));
+    Ok(finding)
+}
+
+/// A log without a force (N) from about an instant (s) on, and the instant: the sample near it at which the force jumps
+/// most.
+fn without(log: &UniformLog, about_s: f64, force_n: f64) -> (UniformLog, f64) {
+    let mut log = log.clone();
+    let mut at_s = about_s;
+    let taken = log.taken.iter_mut();
+    let taken = taken.map(|own| (&own.time_s, &mut own.force_n));
+    for (time_s, channel) in taken.chain([(&log.time_s, &mut log.force_n)]) {
+        let about = time_s.partition_point(|stamp| *stamp < about_s);
+        let near = about.saturating_sub(NEAR).max(1)..(about + NEAR).min(channel.len());
+        let jump = |at: &usize| (channel[*at] - channel[*at - 1]) * force_n;
+        let at = near.max_by(|a, b| jump(a).total_cmp(&jump(b)));
+        let at = at.unwrap_or(about);
+        let after = channel.iter_mut().skip(at);
+        after.for_each(|force| *force -= force_n);
+        at_s = time_s.get(at).copied().unwrap_or(about_s);
+    }
+    log.compensated.stepped_s.push(at_s);
+    log.compensated.stepped_s.sort_by(f64::total_cmp);
+    (log, at_s)
+}
+
+/// Instant (s) and amount (N) of the step that is nearly all that remains.
+fn step(finding: &Finding) -> Option<(f64, f64)> {
+    let regions = finding.remaining.iter();
+    let mut nearly_all = regions.filter(|own| own.share > NEARLY_ALL);
+    nearly_all.find_map(|own| match own.pattern {
+        Some(Pattern::Step { s, n }) => Some((s, n)),
+        _ => None,
+    })
+}
+
+/// Corrects the amounts of steps by what the last fit leaves after each, and the curves by that.
+fn correct(steps: &mut [(f64, f64)], curves: &mut Curves) {
+    let start = |at_s: f64| curves.time_s.partition_point(|stamp| *stamp < at_s);
+    let starts: Vec<usize> = steps.iter().map(|own| start(own.0)).collect();
+    let mut before_n = 0.0;
+    for (number, (_, force_n)) in steps.iter_mut().enumerate() {
+        let end = starts.get(number + 1).copied();
+        let rows = starts[number]..end.unwrap_or(curves.time_s.len());
+        let measured = &mut curves.measured_n[rows.clone()];
+        let pairs = measured.iter().zip(&curves.after_n[rows]);
+        let sum: f64 = pairs.map(|(measured, after)| measured - after).sum();
+        let mean_n = sum / measured.len().max(1) as f64;
+        measured.iter_mut().for_each(|own| *own -= mean_n);
+        // Each is what a step is more off than the one before it.
+        *force_n += mean_n - before_n;
+        before_n = mean_n;
+    }
+}
+
+fn in_words((at_s, force_n): (f64, f64)) -> String {
+    format!(
+        "the force steps by {} at {at_s:.2} s and stays off, as after a tare, a power cycle or a knock: taken off",
+        quantity(force_n, 3, "N")
+    )
+}
