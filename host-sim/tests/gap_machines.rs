@@ -174,7 +174,7 @@ fn a_spring_that_hardens_is_no_backlash_and_no_cogging() {
 }
 
 #[test]
-fn an_offset_that_begins_with_the_motion_is_no_drift() {
+fn a_force_that_is_off_from_an_instant_on_is_said_and_no_effect_of_the_machine() {
     let cylinder = Machine {
         offset: (1.0, 1.0),
         ..STAGE
@@ -182,8 +182,24 @@ fn an_offset_that_begins_with_the_motion_is_no_drift() {
     let mut known = KNOWN;
     known[2].1 = "force = 1\nwidth = 1e-5";
     let (json, said) = asked(&model(&known), &[cylinder]);
-    assert!(!said.contains("force_drift ("), "{said}");
-    assert_eq!(json["effects"][0]["id"], "force_offset", "{said}");
+    assert!(
+        said.contains("the force steps by 1.0") && said.contains(" N at 1.00 s and stays off"),
+        "{said}"
+    );
+    assert_eq!(json["verdict"], "no_missing_effect", "{said}");
+    // AND a spring that is missing is found beside a knock in mid-log.
+    let knocked = Machine {
+        offset: (-0.6, 9.4),
+        ..STAGE
+    };
+    let (json, said) = asked(&model(&KNOWN[..3]), &[knocked]);
+    assert!(
+        said.contains("the force steps by \u{2212}0.6")
+            && said.contains(" N at 9.40 s and stays off"),
+        "{said}"
+    );
+    let spring = alone(&json, "cable_stiffness", &said)["params"]["stiffness"]["value"].as_f64();
+    assert!((spring.unwrap() / 400.0 - 1.0).abs() < 0.02, "{said}");
 }
 
 #[test]

@@ -18,5 +18,4 @@ mod remainder;
 pub(crate) mod run;
 pub(crate) mod sets;
 pub(crate) mod significance;
-mod step;
 pub(crate) mod swap;

@@ -274,14 +274,9 @@ thresholds! {
             /// The halves of the log give it the same size within this many standard errors. On 36 of the harder
             /// rigs true effects that stand once differed by 2.6 at most.
             halves: 4.0,
-            /// A drift is none if a step of the zero in its place leaves less than this many times as many squares. Steps,
-            /// power cycles and a cylinder's offset that began to act after a second: 0.08 to 0.998; drifts of 150 of
-            /// the harder rigs, random walks and two exponentials among them: 1.43 to 11, and of 16 that were put into
-            /// measured records, beside all that these leave: 1.02 to 4.6, but for one of 0.89.
-            rather_a_step: 1.0,
             /// No effect stands out in whose place a sharp step of the zero leaves less than this many times as many squares.
             /// Not measured.
-            zero_step: 0.8,
+            rather_a_step: 0.8,
         }
 
         /// Whether effects are accepted.

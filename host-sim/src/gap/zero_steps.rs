@@ -15,6 +15,9 @@ const NEARLY_ALL: f64 = 0.9;
 /// Less than this share (rms) remains then. Derived: where it was nearly all of the squares less than a third does, and
 /// as much again for effects that are not known yet.
 const LESS: f64 = 0.5;
+/// Effects that leave at least this share of what the step leaves (rms) are no better. A drift that came to rest and a
+/// wave of three seconds were made of a step of 1 N, and left 1.05 times the noise. Derived: a tenth of the squares.
+const AS_MUCH: f64 = 1.05;
 /// Most steps that are taken off. Not measured.
 const MOST: usize = 4;
 /// Samples within which the instant is sought again: a search takes one of eight where a log has 240 000.
@@ -35,7 +38,7 @@ pub(super) fn taken_off(
     while let Some((about_s, force_n)) = step(&finding).filter(|_| steps.len() < MOST) {
         let (without, at_s) = without(&log, about_s, force_n);
         let next = ask(std::slice::from_ref(&without))?;
-        if next.rmse_after_n >= LESS * finding.rmse_after_n {
+        if !is_better(&next, &finding) {
             break;
         }
         steps.push((at_s, force_n));
@@ -71,9 +74,15 @@ fn without(log: &UniformLog, about_s: f64, force_n: f64) -> (UniformLog, f64) {
     (log, at_s)
 }
 
-/// Instant (s) and amount (N) of the step that is nearly all that remains.
+/// Whether a finding without a step leaves much less than the one with it, or no more with fewer effects.
+fn is_better(without: &Finding, with: &Finding) -> bool {
+    let left = without.rmse_after_n / with.rmse_after_n;
+    left < LESS || left < AS_MUCH && without.effects.len() < with.effects.len()
+}
+
+/// Instant (s) and amount (N) of the step that is nearly all that remains, or that the base leaves.
 fn step(finding: &Finding) -> Option<(f64, f64)> {
-    let regions = finding.remaining.iter();
+    let regions = finding.remaining.iter().chain(&finding.disagreement);
     let mut nearly_all = regions.filter(|own| own.share > NEARLY_ALL);
     nearly_all.find_map(|own| match own.pattern {
         Some(Pattern::Step { s, n }) => Some((s, n)),
@@ -105,4 +114,46 @@ fn in_words((at_s, force_n): (f64, f64)) -> String {
         "the force steps by {} at {at_s:.2} s and stays off, as after a tare, a power cycle or a knock: taken off",
         quantity(force_n, 3, "N")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Log;
+
+    #[test]
+    fn a_force_is_taken_off_from_the_sample_at_which_it_jumps() {
+        let time: Vec<f64> = (0..400).map(|at| 1e-2 * f64::from(at)).collect();
+        let force = time.iter().map(|t| if *t > 1.995 { 1.0 } else { 0.0 });
+        let log = Log::from_channels(time.clone(), time.clone(), force.collect());
+        let log = log.uniform().unwrap();
+        // GIVEN an instant that is known to some samples, and an amount to a tenth
+        let (without, at_s) = without(&log, 2.05, 0.9);
+        assert!((at_s - 2.0).abs() < 1e-9, "{at_s}");
+        assert_eq!(without.compensated.stepped_s, [at_s]);
+        let left = &without.force_n;
+        assert!(left[..200].iter().all(|force| *force == 0.0));
+        assert!(left[200..].iter().all(|force| (force - 0.1).abs() < 1e-12));
+    }
+
+    #[test]
+    fn the_amounts_of_steps_are_what_the_last_fit_says() {
+        let rows = |from: usize| (0..300).map(move |at| f64::from(u8::from(at >= from)));
+        // GIVEN steps of 0.5 N after 100 samples and −0.3 N after 200, of which 0.4 and −0.1 N were taken off
+        let measured = rows(100).zip(rows(200)).map(|(a, b)| 0.1 * a - 0.2 * b);
+        let mut curves = Curves {
+            time_s: (0..300).map(f64::from).collect(),
+            measured_n: measured.collect(),
+            after_n: vec![0.0; 300],
+            ..Curves::default()
+        };
+        let mut steps = [(100.0, 0.4), (200.0, -0.1)];
+        correct(&mut steps, &mut curves);
+        let [(_, first), (_, second)] = steps;
+        assert!(
+            (first - 0.5).abs() < 1e-12 && (second + 0.3).abs() < 1e-12,
+            "{steps:?}"
+        );
+        assert!(curves.measured_n.iter().all(|force| force.abs() < 1e-12));
+    }
 }

@@ -20,7 +20,6 @@ use crate::gap::search::relatives::{are_alike, stands_for};
 use crate::gap::search::remainder::Remainder;
 use crate::gap::search::run::{Search, SearchResult};
 use crate::gap::search::sets::{added_effects, is_repeated};
-use crate::gap::search::step::is_rather_a_step;
 use crate::gap::thresholds;
 
 /// What speaks for one effect of the best set.
@@ -70,7 +69,6 @@ impl Search<'_> {
             all: &all,
             alone,
             parts: Parts::of(&self.dataset, &self.weights, best),
-            is_step: is_rather_a_step(&self.dataset, &self.weights, best),
             remainder: Remainder::of(&self.weighted_residuals(best)),
             blocks,
         };
@@ -113,8 +111,7 @@ impl Search<'_> {
         let is_curve = repeats(id)
             && (is_scale || gain.beside.0 < decide.sharp)
             && is_series(best, id, self.decide());
-        let is_step =
-            id == EffectId::ForceDrift && weighing.is_step || self.is_rather_a_step(plain, with);
+        let is_step = self.is_rather_a_step(plain, with);
         let agrees = parts.agree(best, id, decide) && !is_curve && !is_step;
         let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
@@ -162,7 +159,7 @@ impl Search<'_> {
 
     /// Whether a sharp step of the zero beside a fit without an effect leaves less than the best with it.
     fn is_rather_a_step(&self, without: &Fit, with: &Fit) -> bool {
-        let most = self.dataset.thresholds.evidence.zero_step * with.cost;
+        let most = self.dataset.thresholds.evidence.rather_a_step * with.cost;
         let step = ZeroStep::of(&self.problem(), without);
         step.is_some_and(|(_, step)| step.cost < most)
     }
@@ -211,8 +208,6 @@ struct Weighing<'a> {
     /// The effect that stands out of all others if one alone is added.
     alone: Option<EffectId>,
     parts: Parts,
-    /// Whether what was taken for a drift is a step.
-    is_step: bool,
     remainder: Remainder,
     blocks: Blocks,
 }

@@ -88,7 +88,6 @@ impl Search<'_> {
         let result = self.with_swaps(best, base_cost);
         let result = self.with_simpler_relative(result, base_cost);
         let best = self.without_insignificant_forms(result.best, base_cost);
-        let best = self.with_offset_for_step(best);
         SearchResult {
             is_far: self.is_far(&best),
             explained: (base_cost - best.cost) / (base_cost - self.noise_cost).max(1.0),
