@@ -24,6 +24,18 @@ pub(crate) fn cables_n<'a, S: Scalar>(
     })
 }
 
+/// Winds an effect that sticks up to a `side`, from −1 to 1 what it takes to slide.
+pub(crate) fn wind<S: Scalar>(effect: &Effect<S>, memory: &mut LoadPathMemory<S>, side: S) {
+    let zero = S::zero();
+    memory.wind(match effect {
+        Effect::CoulombFriction(own) if own.width_m > zero => side,
+        Effect::StribeckFriction(own) if own.width_m > zero => side,
+        Effect::LoadFriction(own) if own.width_m > zero => side,
+        Effect::BoucWen(own) => side * own.largest_m(),
+        _ => zero,
+    });
+}
+
 /// What the frictions that grow with the load add for each newton of it, a `share` each; `None` without one.
 pub(crate) fn share_of_load<'a, S: Scalar>(
     effects: impl Iterator<Item = (&'a Effect<S>, &'a mut LoadPathMemory<S>)>,

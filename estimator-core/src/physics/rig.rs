@@ -19,7 +19,7 @@ pub use effects::{Effects, MOST_EFFECTS};
 
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::{Effect, LoadPathMemory, Motion, Rubbing};
-use crate::physics::load_path::{cables_n, play_m, share_of_load};
+use crate::physics::load_path::{cables_n, play_m, share_of_load, wind};
 
 /// What is touched, and what touches it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +118,15 @@ impl<S: Scalar> Rig<S> {
             reading_n: zero,
             started: false,
         }
+    }
+
+    /// As at rest, but with whatever sticks wound up to a `side`, from −1 to 1 what it takes to slide: so an earlier motion
+    /// may have left it.
+    pub fn wound(&self, side: S) -> RigState<S> {
+        let mut state = self.at_rest();
+        let each = self.effects.iter().zip(&mut state.load_path);
+        each.for_each(|(effect, memory)| wind(effect, memory, side));
+        state
     }
 
     /// The reading one period (s) after the last one; `read` is the motion as the encoder gives it.

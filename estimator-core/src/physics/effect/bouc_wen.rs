@@ -39,6 +39,16 @@ impl<S: Scalar> BoucWen<S> {
         self.stiffness_n_per_m * z
     }
 
+    /// Where z levels off, (β + γ)^(−1/ν) (m); 0 where it does not.
+    pub(crate) fn largest_m(&self) -> S {
+        let levels = self.beta + self.gamma;
+        if levels > S::zero() {
+            levels.pow_positive(-S::one() / self.exponent)
+        } else {
+            S::zero()
+        }
+    }
+
     /// z (m) after a way (m). Over a way the equation is dz/ds = 1 − λ(z)·z: that with the λ of its
     /// middle, exactly.
     fn moved(&self, z: S, way_m: S) -> S {

@@ -42,6 +42,11 @@ impl<S: Scalar> LoadPathMemory<S> {
             gap_m: S::zero(),
         }
     }
+
+    /// Gives it an internal state.
+    pub(crate) fn wind(&mut self, z: S) {
+        self.z = z;
+    }
 }
 
 /// What is left of a position (m) behind a play about zero of the width (m): how far it is beyond a flank.

@@ -47,7 +47,7 @@ pub(crate) struct FitData {
     /// What smoothing leaves out of position (m) and speed (m/s), with their own noise.
     pub(crate) position_left_m: Vec<f64>,
     pub(crate) speed_left_mps: Vec<f64>,
-    /// 1 for a measured sample, 0 for one in a gap.
+    /// 1 for a measured sample, 0 for one in a gap, or so near a long one that its motion is not known.
     pub(crate) count: Vec<f64>,
     /// Frequencies (Hz) of waves in a long rest that its samples, thinned, do not show any more.
     pub(crate) rest_waves_hz: Vec<f64>,
@@ -59,6 +59,33 @@ pub(crate) struct FitData {
 const SHORT_REST: f64 = 0.25;
 /// Samples of a wave where they are furthest apart.
 const SAMPLES_A_WAVE: f64 = 8.0;
+
+/// Samples and seconds to either side of one that a filter of the motion reaches, and the fewest samples of a gap that no
+/// cubic closes.
+const REACH: usize = 15;
+const REACH_S: f64 = 15e-3;
+
+/// 1 for a measured sample, 0 for one in a gap or within reach of a long one: a line across a quarter of a second of a
+/// stage's stroke made corners of 14 N at its ends, and an unchanged rig `unexplained`.
+fn measured(log: &UniformLog) -> Vec<f64> {
+    let mut count: Vec<f64> = log
+        .in_gap
+        .iter()
+        .map(|gap| f64::from(u8::from(!gap)))
+        .collect();
+    let reach = REACH.max((REACH_S * log.rate_hz) as usize);
+    let mut from = 0;
+    for run in log.in_gap.chunk_by(|a, b| a == b) {
+        let gap = from..from + run.len();
+        from = gap.end;
+        // A hold that was thinned on purpose stands still between its samples.
+        if run[0] && gap.len() > REACH && !log.is_slower(gap.start) {
+            let near = gap.start.saturating_sub(reach)..(gap.end + reach).min(count.len());
+            count[near].fill(0.0);
+        }
+    }
+    count
+}
 
 impl FitData {
     /// Takes every sample of a log.
@@ -84,11 +111,7 @@ impl FitData {
             acceleration_noise_mps2: motion.acceleration_noise_mps2,
             position_left_m: motion.position_left_m,
             speed_left_mps: motion.speed_left_mps,
-            count: log
-                .in_gap
-                .iter()
-                .map(|gap| f64::from(u8::from(!gap)))
-                .collect(),
+            count: measured(log),
             rest_waves_hz: Vec::new(),
             stepped_s: log.compensated.stepped_s.clone(),
         }

@@ -35,6 +35,15 @@ pub(crate) fn fit_without_harmful_effect(decision: &Decision) -> Option<&Fit> {
     harmful.map(|(fit, _)| fit)
 }
 
+/// Whether the held-out part is foretold worse with all effects than without any, where each seems to be needed beside
+/// the others: two waves, a cable and an encoder's error, all `certain`, left a gel whose friction had doubled 14 % more
+/// squares.
+pub(crate) fn is_harmful(decision: &Decision) -> bool {
+    let (before, after) = decision.rmse_n;
+    let gain = 1.0 - (after / before).powi(2);
+    !decision.without.is_empty() && gain < -decision.thresholds.acceptance.harm
+}
+
 /// The place of an added effect whose size may as well be 0, if nothing else could stand in its place or
 /// the held-out part hardly misses it.
 pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Option<usize> {

@@ -5,7 +5,7 @@ use estimator_core::physics::effect::EffectId;
 
 use super::acceptance::{
     effect_without_size, effects_of_uncertain_form, fit_in_plain_form, fit_with_offset,
-    fit_without_harmful_effect, fit_without_idle_effect,
+    fit_without_harmful_effect, fit_without_idle_effect, is_harmful,
 };
 use super::decision::Decision;
 use super::evaluate::{evaluate, held_out_rmse_n};
@@ -107,6 +107,10 @@ fn accepted_decision(
         let harmful = || fit_without_harmful_effect(&decision).filter(|_| is_small);
         if let Some(best) = idle.or_else(harmful) {
             result = result_without(result, best.clone(), dataset);
+            continue;
+        }
+        if is_small && is_harmful(&decision) {
+            result = SearchResult::alone(base.clone());
             continue;
         }
         *least_rmse_n = least_rmse_n.min(decision.rmse_n.1);

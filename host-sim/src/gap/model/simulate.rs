@@ -1,18 +1,22 @@
 //! The force that a law with effects predicts along the motion of a log.
 
 use estimator_core::maths::Scalar;
-use estimator_core::physics::rig::{Reading, Rig};
+use estimator_core::physics::rig::{Reading, Rig, RigState};
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::model::shape::Shape;
 
 /// Runs a rig along a log and hands over its reading at each sample.
-pub(crate) fn run_rig<S: Scalar>(
+pub(crate) fn run_rig<S: Scalar>(rig: &Rig<S>, log: &FitData, each: impl FnMut(usize, Reading<S>)) {
+    run_from(rig, rig.at_rest(), log, each);
+}
+
+fn run_from<S: Scalar>(
     rig: &Rig<S>,
+    mut state: RigState<S>,
     log: &FitData,
     mut each: impl FnMut(usize, Reading<S>),
 ) {
-    let mut state = rig.at_rest();
     let delay_s = rig.delay_s();
     for at in 0..log.len() {
         let motion = match delay_s {
@@ -34,6 +38,24 @@ pub(crate) fn forces_of(rig: &Rig<f64>, logs: &[FitData]) -> Vec<f64> {
     let mut forces = Vec::with_capacity(logs.iter().map(FitData::len).sum());
     for log in logs {
         run_rig(rig, log, |_, reading| forces.push(reading.force_n));
+    }
+    forces
+}
+
+/// The predicted forces (N), log after log, where all that sticks is wound up to a `side` before the log, from −1 to 1
+/// what it takes to slide.
+pub(crate) fn forces_of_wound(
+    shape: &Shape,
+    numbers: &[f64],
+    logs: &[FitData],
+    side: f64,
+) -> Vec<f64> {
+    let rig = shape.rig(numbers);
+    let mut forces = Vec::with_capacity(logs.iter().map(FitData::len).sum());
+    for log in logs {
+        run_from(&rig, rig.wound(side), log, |_, reading| {
+            forces.push(reading.force_n)
+        });
     }
     forces
 }
