@@ -3,6 +3,7 @@
 pub(crate) mod builder;
 pub(crate) mod each_log;
 mod estimates;
+mod gone;
 mod left;
 mod lines;
 mod log_residuals;

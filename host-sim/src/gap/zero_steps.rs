@@ -18,7 +18,7 @@ const LESS: f64 = 0.5;
 /// Effects that leave at least this share of what the step leaves (rms) are no better. A drift that came to rest and a
 /// wave of three seconds were made of a step of 1 N, and left 1.05 times the noise. Derived: a tenth of the squares.
 const AS_MUCH: f64 = 1.05;
-/// One effect does as well as a step if it leaves less than this many times as much (rms). The best in the place of five
+/// An effect does as well as a step if it leaves less than this many times as much (rms). The best in the place of five
 /// steps left 1.8 to 12 times as much.
 const BY_ONE_EFFECT: f64 = 1.25;
 /// Most steps that are taken off. Not measured.
@@ -83,12 +83,16 @@ fn is_better(without: &Finding, with: &Finding) -> bool {
     left < LESS || left < AS_MUCH && without.effects.len() < with.effects.len()
 }
 
-/// Whether one effect does as well as the step in the place of which it stands: of a machine that went up and came down
-/// once a friction is one. Where none was tried it may be.
+/// Whether an effect in the place of the step does as well: on a machine that went up and came down once a friction
+/// does. Where none was tried it may.
 fn may_be_an_effect(without: &Finding, with: &Finding) -> bool {
-    let most = BY_ONE_EFFECT * without.ratio_before;
-    let alone = with.ladder.iter().filter(|own| own.ids.len() == 1);
-    let least = alone.map(|own| own.ratio).reduce(f64::min);
+    let most = BY_ONE_EFFECT * without.ratio_after;
+    let sets = 1..=without.effects.len() + 1;
+    let tried = with
+        .ladder
+        .iter()
+        .filter(|own| sets.contains(&own.ids.len()));
+    let least = tried.map(|own| own.ratio).reduce(f64::min);
     least.is_none_or(|ratio| ratio < most)
 }
 

@@ -196,6 +196,7 @@ fn change(change: &Change) -> Value {
         "unit": kind::unit(change.now.unit),
         "share": number(change.share()),
         "std_errors": number(change.std_errors()),
+        "gone": change.is_gone,
     })
 }
 

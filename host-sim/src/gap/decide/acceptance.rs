@@ -100,18 +100,26 @@ pub(crate) fn effects_of_uncertain_form(decision: &Decision) -> Vec<(usize, Effe
     simpler.collect()
 }
 
-/// The fit with an offset in the place of a drift that comes to rest as soon as a drift can, if that is nearer to the
-/// best than to the fit without it: a zero that was 5 N off was a drift of 96 N/s for 50 ms, which left 2 % less.
+/// The fit with an offset in the place of a drift that comes to rest, if the log does not tell them apart; or if that is as
+/// soon as a drift can, and the offset is nearer to the best than to the fit without it: a zero that was 5 N off was a
+/// drift of 96 N/s for 50 ms, which left 2 % less.
 pub(crate) fn fit_with_offset(dataset: &Dataset<'_>, decision: &Decision) -> Option<Fit> {
     let best = &decision.best;
-    let mut added = best.added().into_iter().enumerate();
-    let (at, number) = added.find(|(_, number)| is_over_at_once(best, *number))?;
     let mut terms = best.shape.terms_at(&best.numbers);
+    let mut added = best.added().into_iter().enumerate();
+    let comes_to_rest =
+        |number: usize| terms[number].id == EffectId::ForceDrift && terms[number].free[1];
+    let (at, number) = added.find(|(_, number)| comes_to_rest(*number))?;
     let [rate, time_constant, ..] = terms[number].row;
     let mut row = [0.0; MOST_PARAMETERS];
     row[0] = rate * time_constant;
     terms[number] = whole(EffectId::ForceOffset, row, 1);
-    nearer_to_best(dataset, decision, at, terms)
+    let offset = nearer_to_best(dataset, decision, at, terms)?;
+    let count = decision.variances.iter().filter(|v| **v > 0.0).count() as f64;
+    let margin = decision.thresholds.rivalry.margin;
+    let margin = discriminability_margin(best, count, decision.correlation, margin);
+    let is_told = offset.cost - best.cost > margin;
+    (!is_told || is_over_at_once(best, number)).then_some(offset)
 }
 
 /// Whether an effect is a drift that comes to rest as soon as a drift can.

@@ -14,6 +14,8 @@ pub struct Change {
     pub was: (f64, f64),
     /// The parameter as the present log has it.
     pub now: ParameterEstimate,
+    /// Whether its effect does nothing any more.
+    pub is_gone: bool,
 }
 
 /// What has changed since a model was identified.
@@ -38,7 +40,15 @@ impl Change {
     }
 
     fn in_words(&self) -> String {
-        let Change { was, now } = self;
+        let Change { was, now, .. } = self;
+        if let Some((effect, _)) = now.name.split_once('.').filter(|_| self.is_gone) {
+            return format!(
+                "{effect} is gone: {} is {}, and was {}",
+                now.name,
+                Measured::new(now.value, now.std_error, now.unit),
+                Measured::new(was.0, Some(was.1), now.unit),
+            );
+        }
         let share = self.share();
         let percent = match 100.0 * share.abs() {
             percent if percent < 9.95 => format!("{percent:.1}"),
@@ -88,6 +98,7 @@ pub(crate) fn changes(
             Some(Change {
                 was: (*value, (*error)?),
                 now: now.clone(),
+                is_gone: false,
             })
         });
     // What an effect does is shared among its numbers: one means little beside another that is at its bound.
@@ -116,6 +127,22 @@ pub(crate) fn changes(
             likely: likely.max_by(by_errors),
         }
     })
+}
+
+impl ChangesSince {
+    /// With what is gone, before what is another; the other numbers of an effect that is gone mean nothing.
+    pub(crate) fn with_gone(mut self, gone: Vec<Change>) -> ChangesSince {
+        let effect_of = |own: &Change| own.now.name.split_once('.').map(|own| own.0.to_string());
+        let is_kept = |own: &Change| {
+            let effect = effect_of(own);
+            effect.is_none() || gone.iter().all(|other| effect_of(other) != effect)
+        };
+        self.counted.retain(is_kept);
+        self.little = self.little.filter(is_kept);
+        self.likely = self.likely.filter(is_kept);
+        self.counted.splice(0..0, gone);
+        self
+    }
 }
 
 /// Whether a number only says when a log was started: the phase of a hum, or of a surface that breathes.

@@ -35,11 +35,13 @@ pub(crate) fn variances(
             let near_m = log.step_s(at) * log.speed_mps[at].abs() + 2.0 * log.position_noise_m;
             let touching = contact && depth_m[at].abs() < near_m && log.speed_mps[at] != 0.0;
             let motion = of_position[row] + of_speed[row] + of_acceleration[row];
-            // Long as it lasts no filter takes anything off what was before.
-            variances.push(if log.count[at] == 0.0 || touching {
-                0.0
+            let variance = noise_n2[at] + share * motion;
+            // What was before is one unknown in all the samples that it lasts: they say nothing.
+            let is_known = log.count[at] > 0.0 && !touching && before[row] < variance;
+            variances.push(if is_known {
+                variance + before[row]
             } else {
-                noise_n2[at] + share * motion + before[row]
+                0.0
             });
         }
     }

@@ -18,7 +18,7 @@ use crate::gap::model::{
 use crate::gap::noise::floors::largest_noise_n;
 use crate::gap::options::Options;
 use crate::gap::say::{
-    estimates::Estimates, left::left, log_residuals::LogResiduals, regions::regions,
+    estimates::Estimates, gone::gone, left::left, log_residuals::LogResiduals, regions::regions,
 };
 use crate::gap::search::evidence::Evidence;
 use crate::model::{Model, Remainder};
@@ -39,6 +39,9 @@ pub(crate) fn finding(
     let effects = builder.effects(&estimates);
     let noise_floor_n = builder.noise_floor_n();
     let base_after = estimates.of_base();
+    let decide = &dataset.thresholds.changes;
+    let changed = changes(model, &base_after, decide);
+    let (gone, replaced) = gone(model, &builder.problem, decision, &estimates, decide.sigmas);
     let mut finding = Finding {
         verdict: decision.verdict,
         rmse_before_n: decision.rmse_n.0,
@@ -54,7 +57,7 @@ pub(crate) fn finding(
         is_beside_remainder: decision.is_beside_remainder,
         nothing_new: decision.is_beside_remainder && decision.without.is_empty(),
         base_before: Estimates::of(&decision.base, &base_errors).of_base(),
-        changed: changes(model, &base_after, &dataset.thresholds.changes),
+        changed: changed.map(|own| own.with_gone(gone)),
         base_after,
         disagreement: builder.regions(&builder.before_n, &decision.base),
         remaining,
@@ -73,7 +76,7 @@ pub(crate) fn finding(
         },
         bandwidth_hz: options.bandwidth_hz,
         curves: builder.curves(),
-        notes: forms_in_words(&decision.best.shape.terms),
+        notes: [forms_in_words(&decision.best.shape.terms), replaced].concat(),
         effects,
     };
     (finding.advice, finding.advised) = advice(&finding, dataset, decision);
