@@ -26,6 +26,7 @@ pub(crate) fn variances(
     let contact = !fit.shape.base.is_free();
     let depths = depths(&fit.shape, &fit.numbers, logs);
     let mut variances = Vec::with_capacity(of_position.len());
+    let mut is_forgotten = Vec::with_capacity(of_position.len());
     for ((log, floor), depth_m) in logs.iter().zip(floors).zip(&depths) {
         let noise_n2 = floor.variances(depth_m, &log.speed_mps);
         let share = low_pass.map_or(1.0, |low_pass| low_pass.variance_share(log.period_s));
@@ -36,16 +37,30 @@ pub(crate) fn variances(
             let touching = contact && depth_m[at].abs() < near_m && log.speed_mps[at] != 0.0;
             let motion = of_position[row] + of_speed[row] + of_acceleration[row];
             let variance = noise_n2[at] + share * motion;
-            // What was before is one unknown in all the samples that it lasts: they say nothing.
-            let is_known = log.count[at] > 0.0 && !touching && before[row] < variance;
-            variances.push(if is_known {
-                variance + before[row]
-            } else {
+            is_forgotten.push(before[row] < variance);
+            variances.push(if log.count[at] == 0.0 || touching {
                 0.0
+            } else {
+                variance
             });
         }
     }
+    leave_out(&mut variances, &is_forgotten);
     variances
+}
+
+/// Of logs that remember for a larger share of their samples what was before them nothing is left out: what sticks for
+/// so long is a spring of theirs. Not measured.
+const LONGEST: f64 = 0.25;
+
+/// Leaves the samples out that still remember what was before the log, which is one unknown for all of them.
+fn leave_out(variances: &mut [f64], is_forgotten: &[bool]) {
+    let remembering = is_forgotten.iter().filter(|own| !**own).count();
+    if remembering as f64 <= LONGEST * variances.len() as f64 {
+        let each = variances.iter_mut().zip(is_forgotten);
+        let remembering = each.filter(|(_, own)| !**own);
+        remembering.for_each(|(variance, _)| *variance = 0.0);
+    }
 }
 
 /// The variances (N²) that an error of the motion gives the predicted forces: the square of half the
