@@ -170,11 +170,19 @@ fn asked(
     let as_identified = AsIdentified::of(model, options, &logs, step);
     let known = as_identified.as_ref();
     notes.extend(known.and_then(|own| own.noise_in_words(&floors.fast)));
-    let new = known.and_then(|own| own.answer(&rounds, &model.environment, &given));
+    let of_model = (&model.environment, given.as_slice());
+    let asked = || answered(&rounds, &floors, step, of_model);
+    // What the noise hides of what the model left is asked for only where nothing else explains the log.
+    let first = known.filter(|own| own.left_little()).map(|_| asked());
+    let is_answered = |(_, answer): &(_, Answer)| answer.decision.verdict != Verdict::Unexplained;
+    let new = match first.as_ref().is_some_and(is_answered) {
+        true => None,
+        false => known.and_then(|own| own.answer(&rounds, &model.environment, &given)),
+    };
     notes.extend(new.iter().map(|_| as_identified::NOTE.into()));
     let (rounds, answer) = match new {
         Some(answer) => (rounds, answer),
-        None => answered(rounds, &floors, step, (&model.environment, &given)),
+        None => first.unwrap_or_else(asked),
     };
     progress.at(0.95, "regions and errors");
     let (decision, ladder) = (&answer.decision, answer.ladder);
@@ -189,14 +197,14 @@ fn asked(
 /// What is missing in an environment with effects, and what it was asked with: the slow noise too, where that may be
 /// all that remains.
 fn answered<'a>(
-    rounds: Rounds<'a>,
+    rounds: &Rounds<'a>,
     floors: &'a Floors,
     step: usize,
     (environment, given): (&Environment, &[Term]),
 ) -> (Rounds<'a>, Answer) {
     let answer = rounds.answer(environment, given);
     if !answer.leaves_what_may_be_noise(floors.times()) {
-        return (rounds, answer);
+        return (*rounds, answer);
     }
     let beside = rounds.with(
         &floors.slow,
@@ -204,7 +212,7 @@ fn answered<'a>(
     );
     let slow = beside.answer(environment, given);
     match slow.takes_names_back(&answer) {
-        true => (rounds, answer),
+        true => (*rounds, answer),
         false => (beside, slow),
     }
 }

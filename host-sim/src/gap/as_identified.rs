@@ -87,6 +87,12 @@ impl AsIdentified {
         })
     }
 
+    /// Whether the model explained its logs, but for less than their noise: what is new then stands out by itself.
+    pub(super) fn left_little(&self) -> bool {
+        let noise_n = self.remainder.noise_n.unwrap_or(0.0);
+        self.remainder.rms_n < noise_n
+    }
+
     /// That the noise is another than it was, in words; `floors` are without the remainder.
     pub(super) fn noise_in_words(&self, floors: &[NoiseFloor]) -> Option<String> {
         let was_n = self.remainder.noise_n.filter(|noise_n| *noise_n > 0.0)?;

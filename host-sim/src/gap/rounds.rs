@@ -23,6 +23,7 @@ use crate::model::Environment;
 const MOST_ROUNDS: usize = 4;
 
 /// What every round is asked with.
+#[derive(Clone, Copy)]
 pub(super) struct Rounds<'a> {
     /// The logs at the search's resolution.
     pub(super) coarse: Dataset<'a>,

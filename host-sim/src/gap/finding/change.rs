@@ -299,6 +299,7 @@ mod tests {
         let little = Change {
             was: (400.0, 0.25),
             now: friction(380.0, Some(0.27)),
+            is_gone: false,
         };
         let words = changes_in_words(Some(&ChangesSince {
             little: Some(little),
@@ -351,7 +352,29 @@ mod tests {
         let change = Change {
             was: (-40.0, 0.3),
             now: friction(-50.0, Some(0.4)),
+            is_gone: false,
         };
         assert_eq!((change.share(), change.std_errors()), (0.25, 20.0));
+    }
+
+    #[test]
+    fn of_an_effect_that_is_gone_no_other_number_counts() {
+        let change = |now: ParameterEstimate, is_gone: bool| Change {
+            was: (20.5, 0.15),
+            now,
+            is_gone,
+        };
+        let all = ChangesSince {
+            counted: vec![change(friction(0.1, Some(0.2)), false)],
+            little: None,
+            likely: Some(change(friction(0.1, Some(0.2)), false)),
+        };
+        let gone = change(friction(0.0, None), true);
+        let all = all.with_gone(vec![gone.clone()]);
+        assert_eq!((&all.counted, &all.likely), (&vec![gone], &None));
+        assert_eq!(
+            changes_in_words(Some(&all)),
+            ["coulomb_friction is gone: coulomb_friction.force is 0 N, and was 20.50 ± 0.15 N"]
+        );
     }
 }

@@ -287,10 +287,12 @@ impl<'a> FindingBuilder<'a> {
         (sum / count).sqrt()
     }
 
-    /// What the model with the effects leaves, where that is no noise.
+    /// What the model with the effects leaves, where that is no noise. A log may be explained and leave some: errors of a
+    /// form, which a later log has as well.
     fn left(&self, bandwidth_hz: Option<f64>) -> Option<Remainder> {
         let decision = self.decision;
-        if !decision.verdict.leaves_a_remainder() {
+        let is_noise = decision.ratio.1.powi(2) <= decision.thresholds.explained.nothing_more;
+        if is_noise && !decision.verdict.leaves_a_remainder() {
             return None;
         }
         let residuals = self.residuals(&self.after_n);
