@@ -189,8 +189,12 @@ fn asked(
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
     let another_unit = thresholds.regions.another_unit;
     notes.extend(plausibility::implausible(model, &finding, another_unit));
-    let differs = each_log::in_words(&rounds.fine, decision, whole);
-    finding.notes.splice(0..0, notes.into_iter().chain(differs));
+    finding.differs = each_log::in_words(&rounds.fine, decision, whole);
+    if finding.differs.is_some() && finding.verdict == Verdict::Unexplained {
+        finding.advice = "Ask about each log by itself, or without the one that differs.".into();
+    }
+    notes.extend(finding.differs.clone());
+    finding.notes.splice(0..0, notes);
     Ok(finding)
 }
 

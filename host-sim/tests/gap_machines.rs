@@ -277,6 +277,10 @@ fn the_record_that_differs_from_the_others_is_named() {
     };
     let (_, said) = asked(&model(&KNOWN), &[STAGE, late, STAGE]);
     assert!(
+        said.contains("unexplained: the logs are not of one rig as it was"),
+        "{said}"
+    );
+    assert!(
         said.contains("not `log2.csv`: ask what is missing there alone"),
         "{said}"
     );

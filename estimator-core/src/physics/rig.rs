@@ -120,11 +120,11 @@ impl<S: Scalar> Rig<S> {
         }
     }
 
-    /// As at rest, but with whatever sticks wound up to a `side`, from −1 to 1 what it takes to slide: so an earlier motion
-    /// may have left it.
-    pub fn wound(&self, side: S) -> RigState<S> {
+    /// As at rest, but with those of the first effects that stick wound up to a `side`, from −1 to 1 what it takes to slide:
+    /// so an earlier motion may have left them.
+    pub fn wound(&self, side: S, first: usize) -> RigState<S> {
         let mut state = self.at_rest();
-        let each = self.effects.iter().zip(&mut state.load_path);
+        let each = self.effects.iter().zip(&mut state.load_path).take(first);
         each.for_each(|(effect, memory)| wind(effect, memory, side));
         state
     }

@@ -72,6 +72,9 @@ pub(super) fn verdict(finding: &Finding) -> String {
             let what = finding.nothing_new_in_words();
             format!("{what}: hardly more is left than the model left when it was identified")
         }
+        Verdict::Unexplained if finding.differs.is_some() => {
+            "unexplained: the logs are not of one rig as it was; see the note on what each of them says".into()
+        }
         Verdict::Unexplained if finding.may_be_slow_noise() => format!(
             "unexplained: {:.2} times what noise and the motion's errors allow remains, which may be slow noise of \
              the force or an effect that is not in the catalogue",

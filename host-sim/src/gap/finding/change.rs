@@ -374,7 +374,9 @@ mod tests {
         assert_eq!((&all.counted, &all.likely), (&vec![gone], &None));
         assert_eq!(
             changes_in_words(Some(&all)),
-            ["coulomb_friction is gone: coulomb_friction.force is 0 N, and was 20.50 ± 0.15 N"]
+            [
+                "coulomb_friction is gone: coulomb_friction.force is 0\u{a0}N, and was 20.50 ± 0.15\u{a0}N"
+            ]
         );
     }
 }

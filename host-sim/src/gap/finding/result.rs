@@ -183,6 +183,8 @@ pub struct Finding {
     pub base_after: Vec<ParameterEstimate>,
     /// What has changed since the base model was identified; `None` where its file has no standard errors.
     pub changed: Option<ChangesSince>,
+    /// What differs between logs that are explained one by one and not together.
+    pub differs: Option<String>,
     /// Where the base model and the log disagree.
     pub disagreement: Vec<Region>,
     /// Where the model with the effects and the log still disagree.

@@ -42,8 +42,8 @@ pub(crate) fn forces_of(rig: &Rig<f64>, logs: &[FitData]) -> Vec<f64> {
     forces
 }
 
-/// The predicted forces (N), log after log, where all that sticks is wound up to a `side` before the log, from −1 to 1
-/// what it takes to slide.
+/// The predicted forces (N), log after log, where what sticks in the model is wound up to a `side` before the log, from −1
+/// to 1 what it takes to slide. What a search adds is not: it would leave out what speaks against it.
 pub(crate) fn forces_of_wound(
     shape: &Shape,
     numbers: &[f64],
@@ -51,9 +51,10 @@ pub(crate) fn forces_of_wound(
     side: f64,
 ) -> Vec<f64> {
     let rig = shape.rig(numbers);
+    let given = shape.terms.iter().filter(|term| term.given).count();
     let mut forces = Vec::with_capacity(logs.iter().map(FitData::len).sum());
     for log in logs {
-        run_from(&rig, rig.wound(side), log, |_, reading| {
+        run_from(&rig, rig.wound(side, given), log, |_, reading| {
             forces.push(reading.force_n)
         });
     }

@@ -58,6 +58,7 @@ pub(crate) fn finding(
         nothing_new: decision.is_beside_remainder && decision.without.is_empty(),
         base_before: Estimates::of(&decision.base, &base_errors).of_base(),
         changed: changed.map(|own| own.with_gone(gone)),
+        differs: None,
         base_after,
         disagreement: builder.regions(&builder.before_n, &decision.base),
         remaining,

@@ -36,7 +36,7 @@ pub(crate) fn in_words(
         return None;
     }
     let each: Vec<Alone> = (0..dataset.logs.len())
-        .map(|at| alone(dataset, decision, at, &logs[at]))
+        .map(|at| alone(dataset, decision, at, name(logs, at)))
         .collect();
     let decide = &dataset.thresholds.explained;
     // A floor is known that well where the noise is coloured.
@@ -64,8 +64,19 @@ pub(crate) fn in_words(
     ))
 }
 
+/// The name of a log's file, with its folders where another's is the same.
+fn name(logs: &[UniformLog], at: usize) -> String {
+    let file = |log: &UniformLog| log.path.file_name().unwrap_or_default().to_owned();
+    let own = file(&logs[at]);
+    let alike = logs.iter().filter(|log| file(log) == own).count();
+    match alike {
+        1 => own.to_string_lossy().into_owned(),
+        _ => logs[at].path.display().to_string(),
+    }
+}
+
 /// The base of a decision fitted to one of the logs.
-fn alone(dataset: &Dataset<'_>, decision: &Decision, at: usize, log: &UniformLog) -> Alone {
+fn alone(dataset: &Dataset<'_>, decision: &Decision, at: usize, name: String) -> Alone {
     let own = Dataset {
         logs: from_ref(&dataset.logs[at]),
         floors: from_ref(&dataset.floors[at]),
@@ -90,9 +101,8 @@ fn alone(dataset: &Dataset<'_>, decision: &Decision, at: usize, log: &UniformLog
     let problem = own.problem(&weights);
     let freedom = problem.used().len().saturating_sub(fit.numbers.len());
     let errors = std_errors(&problem, &fit);
-    let name = log.path.file_name().unwrap_or_default();
     Alone {
-        name: name.to_string_lossy().into_owned(),
+        name,
         ratio: (fit.cost / freedom.max(1) as f64).sqrt(),
         numbers: Estimates::of(&fit, &errors).of_base(),
     }

@@ -111,6 +111,7 @@ fn finding(verdict: Verdict) -> Finding {
             known("exponent", 1.0, None, "1"),
         ],
         changed: None,
+        differs: None,
         disagreement: vec![region],
         remaining: Vec::new(),
         advice: "Use model.toml <now>".into(),
