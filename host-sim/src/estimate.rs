@@ -4,6 +4,7 @@ mod damping;
 mod drift;
 mod evidence;
 pub(crate) mod explain;
+mod friction;
 mod lateness;
 pub mod outcome;
 mod reason;
@@ -14,16 +15,18 @@ pub(crate) mod touches;
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, ConfigError, Status};
 
-use damping::widen_by_counts;
+use damping::{is_negative, widen_by_counts};
 use drift::Drift;
+
 pub(crate) use evidence::RELAXES;
 use evidence::{evidence, surface_late_m};
 pub use explain::explain;
+use friction::Friction;
 pub(crate) use lateness::carrier;
 pub use lateness::{Form, Lateness};
 pub use outcome::Outcome;
-pub(crate) use reason::trust_in_words;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
+pub(crate) use reason::{NEGATIVE_DAMPING, trust_in_words};
 use residual::{Motions, times_the_errors};
 pub use setup::{Choices, Setup, setup};
 
@@ -197,6 +200,8 @@ fn with_evidence(
     let mut evidence = evidence(log, &replay, &outcome, &inspection, rmses_n);
     let drift = Drift::of(log, &replay, &outcome);
     evidence.drifts = drift.is_some();
+    let friction = Friction::of(log, &replay, &outcome);
+    evidence.rubs = friction.is_some();
     if evidence.is_surface_doubtful {
         outcome.widen_one("surface", surface_late_m(log, &replay, &outcome));
     }
@@ -205,6 +210,8 @@ fn with_evidence(
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
     notes.extend(drift.iter().map(Drift::sentence));
+    notes.extend(friction.iter().map(Friction::sentence));
+    notes.extend(is_negative(&outcome).then(|| NEGATIVE_DAMPING.into()));
     if evidence.is_unexplained() && !evidence.is_surface_doubtful {
         // A damper that plays left 115 times the noise, and had a surface of 27 mm to 1.6 µm. What the surface's error
         // leaves is in all errors already.

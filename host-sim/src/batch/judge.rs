@@ -30,6 +30,7 @@ impl Given<'_> {
             is_saturated: batch.inspection.saturated_n.is_some(),
             has_no_zero: self.course.free() < self.course.thresholds.report.fewest_free,
             drifts: false,
+            rubs: false,
             is_at_bound: self.is_at_bound(fit)
                 || batch.has_negative_damping(&self.course.thresholds.report),
             // A delay is among the parameters, and a lag is not.

@@ -2,7 +2,7 @@
 
 use super::assemble::Given;
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
-use crate::estimate::{Form, RELAXES, carrier};
+use crate::estimate::{Form, NEGATIVE_DAMPING, RELAXES, carrier};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;
@@ -105,11 +105,8 @@ fn held(options: &Options) -> Option<String> {
 }
 
 fn damping(batch: &Batch, decide: &Report) -> Option<String> {
-    batch.has_negative_damping(decide).then(|| {
-        "the damping is negative, which no material's is: the force follows the position instead of running ahead of \
-         it, as one that is read late does"
-            .into()
-    })
+    let is_negative = batch.has_negative_damping(decide);
+    is_negative.then(|| NEGATIVE_DAMPING.into())
 }
 
 /// How late the force is (s), if that is significant and not the resolution of the time stamps.

@@ -21,7 +21,7 @@ pub(super) const MATTERS: f64 = 0.05;
 pub(super) struct Instant {
     /// Since the touch began (s).
     pub(super) since_s: f64,
-    speed_mps: f64,
+    pub(super) speed_mps: f64,
     /// Slope of the law (N/m).
     slope: f64,
 }
@@ -61,6 +61,13 @@ pub(super) fn carried(
         }
     }
     (square > 0.0).then(|| both / square)
+}
+
+/// Whether the damping is negative, which no material's is, by so many standard errors.
+pub(super) fn is_negative(outcome: &Outcome) -> bool {
+    const SIGMAS: f32 = 3.0;
+    let damping = outcome.value("damping");
+    damping.is_some_and(|own| own.value < -SIGMAS * own.std_error)
 }
 
 /// What a lateness (s) takes off Kelvin and Voigt's damping (N s/m), where that matters: λ − KT, at every depth.

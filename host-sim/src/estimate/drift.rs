@@ -56,21 +56,32 @@ impl Drift {
 
 /// The stretches of free air before, between and after touches: their times (s) and forces (N).
 fn rests(log: &UniformLog, touches: &[Range<usize>]) -> Vec<(f64, f64)> {
+    let rest = |inside: Range<usize>| {
+        let middle_s = log.time_s[(inside.start + inside.end) / 2];
+        let force = inside.filter(|at| !log.in_gap[*at]);
+        let force: Vec<f64> = force.map(|at| log.force_n[at]).collect();
+        (force.len() >= FEWEST_SAMPLES).then(|| (middle_s, median(force)))
+    };
+    let each = free_air(log, touches, MARGIN).step_by((touches.len() + 1).div_ceil(MOST_RESTS));
+    each.filter_map(rest).collect()
+}
+
+/// The samples of free air before, between and after touches, without a margin at either end (a share of each).
+pub(super) fn free_air(
+    log: &UniformLog,
+    touches: &[Range<usize>],
+    margin: f64,
+) -> impl Iterator<Item = Range<usize>> {
     let ends = touches.iter().map(|touch| touch.end);
     let starts = touches.iter().map(|touch| touch.start);
     let each = std::iter::once(0)
         .chain(ends)
         .zip(starts.chain([log.len()]));
-    let rest = |(from, to): (usize, usize)| {
-        let margin = (MARGIN * to.saturating_sub(from) as f64) as usize;
-        let inside = from + margin..to.saturating_sub(margin);
-        let force = inside.filter(|at| !log.in_gap[*at]);
-        let force: Vec<f64> = force.map(|at| log.force_n[at]).collect();
-        let middle_s = log.time_s[(from + to) / 2 - usize::from(to == log.len())];
-        (force.len() >= FEWEST_SAMPLES).then(|| (middle_s, median(force)))
+    let inside = move |(from, to): (usize, usize)| {
+        let margin = (margin * to.saturating_sub(from) as f64) as usize;
+        from + margin..to.saturating_sub(margin)
     };
-    let each = each.step_by((touches.len() + 1).div_ceil(MOST_RESTS));
-    each.filter_map(rest).collect()
+    each.map(inside).filter(|inside| !inside.is_empty())
 }
 
 /// The rate (N/s) of the line through resting forces, if it is significant: the median slope of all pairs, and the

@@ -4,7 +4,7 @@ use estimator_core::Status;
 use estimator_core::estimate::identify::method_info;
 use estimator_core::physics::law::LawId;
 
-use super::damping::taken_by_lateness;
+use super::damping::{is_negative, taken_by_lateness};
 use super::outcome::Outcome;
 use super::reason::{EXPLAINED, Evidence, Reason};
 use super::residual::surface_misfit;
@@ -67,7 +67,8 @@ pub(super) fn evidence(
         is_saturated: inspection.saturated_n.is_some(),
         has_no_zero: starts_in_contact(log),
         drifts: false,
-        is_at_bound: is_at_bound(outcome),
+        rubs: false,
+        is_at_bound: is_at_bound(outcome) || is_negative(outcome),
         lateness: is_apart(log, outcome).then_some(Reason::Skew),
         relaxes: !outcome.law.law().info().relaxes
             && inspection.holds.iter().any(|hold| decays(hold.relaxed)),

@@ -15,6 +15,10 @@ pub const EXPLAINED: f64 = 2.0;
 /// exponentially, and puts its surface 0.5 mm out.
 pub const NOISE_ALONE: f64 = 1.15;
 
+/// What a negative damping says.
+pub(crate) const NEGATIVE_DAMPING: &str = "the damping is negative, which no material's is: the force follows the \
+    position instead of running ahead of it, as one that is read late does";
+
 /// What is known about a fit besides its parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence {
@@ -30,6 +34,8 @@ pub struct Evidence {
     pub has_no_zero: bool,
     /// The resting force drifts by what the damping feels.
     pub drifts: bool,
+    /// A force that opposes the motion in free air is one that the damping feels.
+    pub rubs: bool,
     /// A parameter is at a bound of the law.
     pub is_at_bound: bool,
     /// The force is late (or early), or lags, by more than its errors.
@@ -53,6 +59,7 @@ impl Default for Evidence {
             is_saturated: false,
             has_no_zero: false,
             drifts: false,
+            rubs: false,
             is_at_bound: false,
             lateness: None,
             relaxes: false,
@@ -139,7 +146,7 @@ fn doubt(evidence: &Evidence) -> Option<Reason> {
         .or(found(Reason::Bound, evidence.is_at_bound))
         .or(found(Reason::Surface, evidence.is_surface_doubtful))
         .or(found(Reason::Zero, evidence.drifts))
-        .or(found(Reason::Law, evidence.has_nearer_law))
+        .or(found(Reason::Law, evidence.has_nearer_law || evidence.rubs))
 }
 
 /// Why a law leaves more than the noise: what damages the force itself first, then what the law lacks.
