@@ -171,19 +171,8 @@ fn asked(
     let known = as_identified.as_ref();
     notes.extend(known.and_then(|own| own.noise_in_words(&floors.fast)));
     let of_model = (&model.environment, given.as_slice());
-    let asked = || answered(&rounds, &floors, step, of_model);
-    // What the noise hides of what the model left is asked for only where nothing else explains the log.
-    let first = known.filter(|own| own.left_little()).map(|_| asked());
-    let is_answered = |(_, answer): &(_, Answer)| answer.decision.verdict != Verdict::Unexplained;
-    let new = match first.as_ref().is_some_and(is_answered) {
-        true => None,
-        false => known.and_then(|own| own.answer(&rounds, &model.environment, &given)),
-    };
-    notes.extend(new.iter().map(|_| as_identified::NOTE.into()));
-    let (rounds, answer) = match new {
-        Some(answer) => (rounds, answer),
-        None => first.unwrap_or_else(asked),
-    };
+    let (rounds, answer, is_beside) = answered_beside(&rounds, &floors, step, of_model, known);
+    notes.extend(is_beside.then(|| as_identified::NOTE.into()));
     progress.at(0.95, "regions and errors");
     let (decision, ladder) = (&answer.decision, answer.ladder);
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
@@ -196,6 +185,31 @@ fn asked(
     notes.extend(finding.differs.clone());
     finding.notes.splice(0..0, notes);
     Ok(finding)
+}
+
+/// The same beside what the model is `known` to have left, and whether that was allowed for. What the noise hides of it is
+/// asked for only where nothing else explains the log.
+fn answered_beside<'a>(
+    rounds: &Rounds<'a>,
+    floors: &'a Floors,
+    step: usize,
+    of_model: (&Environment, &[Term]),
+    known: Option<&AsIdentified>,
+) -> (Rounds<'a>, Answer, bool) {
+    let asked = || answered(rounds, floors, step, of_model);
+    let first = known.filter(|own| own.left_little()).map(|_| asked());
+    let is_answered = |(_, answer): &(_, Answer)| answer.decision.verdict != Verdict::Unexplained;
+    let new = match first.as_ref().is_some_and(is_answered) {
+        true => None,
+        false => known.and_then(|own| own.answer(rounds, of_model.0, of_model.1)),
+    };
+    match new {
+        Some(answer) => (*rounds, answer, true),
+        None => {
+            let (rounds, answer) = first.unwrap_or_else(asked);
+            (rounds, answer, false)
+        }
+    }
 }
 
 /// What is missing in an environment with effects, and what it was asked with: the slow noise too, where that may be
