@@ -35,5 +35,6 @@ pub use mcap::{McapTopics, write_mcap};
 pub use record::{ExtraColumn, FEWEST_SAMPLES, Log, ReadOptions};
 pub use sampling::{Drops, Sampling, Stamps};
 pub use source::STANDARD_INPUT;
+pub(crate) use source::bytes;
 pub use timing::{Gap, Timing};
 pub use uniform::{Compensated, Taken, UniformLog};

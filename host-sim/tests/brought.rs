@@ -339,8 +339,8 @@ fn time_that_begins_again_is_answered_by_a_flag() {
 #[test]
 fn standard_input_is_a_log_and_its_mistakes_have_their_lines() {
     let folder = Folder::new();
-    let fed = |text: &str| -> Output {
-        let mut command = folder.command(&["check", "-"]);
+    let fed_to = |arguments: &[&str], text: &str| -> Output {
+        let mut command = folder.command(arguments);
         let piped = command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -349,6 +349,7 @@ fn standard_input_is_a_log_and_its_mistakes_have_their_lines() {
         std::io::Write::write_all(&mut child.stdin.take().unwrap(), text.as_bytes()).unwrap();
         child.wait_with_output().unwrap()
     };
+    let fed = |text: &str| fed_to(&["check", "-"], text);
     let good = fed(&csv(press()));
     assert_eq!(good.status.code(), Some(0), "{}", complained(&good));
     assert!(said(&good).contains("2000 samples"), "{}", said(&good));
@@ -359,4 +360,11 @@ fn standard_input_is_a_log_and_its_mistakes_have_their_lines() {
         "{}",
         complained(&bad)
     );
+    // AND a report says which bytes it was made from.
+    let done = fed_to(
+        &["estimate", "-", "--out", "out"],
+        &csv(gel().iter().copied()),
+    );
+    assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
+    assert!(folder.read("out/report.html").contains("sha256:"));
 }

@@ -74,10 +74,7 @@ impl Source {
 
 /// The bytes of a file or of standard input, through gzip if they begin so.
 fn unzipped(path: &Path) -> io::Result<Box<dyn Read>> {
-    let mut file: Box<dyn BufRead> = match path == Path::new(STANDARD_INPUT) {
-        true => Box::new(Cursor::new(standard_input()?)),
-        false => Box::new(BufReader::with_capacity(1 << 18, File::open(path)?)),
-    };
+    let mut file = bytes(path)?;
     let is_zipped = file.fill_buf()?.starts_with(&[0x1f, 0x8b]);
     Ok(match is_zipped {
         true => Box::new(BufReader::with_capacity(1 << 18, MultiGzDecoder::new(file))),
@@ -85,7 +82,15 @@ fn unzipped(path: &Path) -> io::Result<Box<dyn Read>> {
     })
 }
 
-/// All of standard input, which can be read only once: an error looks its line up again.
+/// The bytes of a file or of standard input, as they are.
+pub(crate) fn bytes(path: &Path) -> io::Result<Box<dyn BufRead>> {
+    Ok(match path == Path::new(STANDARD_INPUT) {
+        true => Box::new(Cursor::new(standard_input()?)),
+        false => Box::new(BufReader::with_capacity(1 << 18, File::open(path)?)),
+    })
+}
+
+/// All of standard input, which can be read only once: an error looks its line up again, and a report its hash.
 fn standard_input() -> io::Result<&'static [u8]> {
     static INPUT: OnceLock<Vec<u8>> = OnceLock::new();
     if INPUT.get().is_none() {

@@ -1,13 +1,13 @@
 //! The provenance of a report: everything that is needed to make it again.
 
 use std::fmt::Write;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 use super::html::escape;
+use crate::log::bytes;
 
 /// A file that a report was made from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,10 +25,10 @@ impl Input {
         }
     }
 
-    /// Reads the file and calculates its SHA-256. The hash is that of the bytes on disk: `sha256sum` gives
+    /// Reads the file, or standard input, and calculates its SHA-256. The hash is that of the bytes on disk: `sha256sum` gives
     /// the same, also for a `.csv.gz`.
     pub fn of_file(path: &Path) -> io::Result<Input> {
-        let mut file = File::open(path)?;
+        let mut file = bytes(path)?;
         let mut hasher = Sha256::new();
         let mut block = vec![0; 1 << 16];
         loop {

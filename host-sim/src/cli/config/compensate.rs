@@ -24,7 +24,7 @@ use crate::number::quantity;
     palpate config --port /dev/ttyUSB0 compensate gap/model.toml\n  \
     palpate config --port /dev/ttyUSB0 compensate --off\n\n\
     The effects of the rig in the model replace those that the board compensates now, and are saved.\n\
-    them. Effects of the material stay in the force. Lift the probe off first: the estimator restarts.\n\
+    Effects of the material stay in the force. Lift the probe off first: the estimator restarts.\n\
     Friction, drag, inertia and lag need speeds, and make the estimates 6 ms later; a positive delay\n\
     adds itself. The stamp of an estimate says so: it is that of the instant it belongs to."
 )]
