@@ -198,10 +198,11 @@ fn with_evidence(
 ) -> Estimation {
     let inspection = inspect(log, &replay, &outcome.touches);
     let mut evidence = evidence(log, &replay, &outcome, &inspection, rmses_n);
-    let drift = Drift::of(log, &replay, &outcome);
-    evidence.drifts = drift.is_some();
     let friction = Friction::of(log, &replay, &outcome);
-    evidence.rubs = friction.is_some();
+    // What opposes the motion is no drift where the first way goes in and the last comes out.
+    let drift = Drift::of(log, &replay, &outcome).filter(|_| friction.is_none());
+    evidence.drifts = drift.is_some();
+    evidence.has_other_force = friction.is_some();
     if evidence.is_surface_doubtful {
         outcome.widen_one("surface", surface_late_m(log, &replay, &outcome));
     }

@@ -26,6 +26,8 @@ struct Seen {
     eccentric_m: (f64, f64),
     /// N/s.
     drift: f64,
+    /// What opposes the motion (N), in contact and in free air.
+    friction: f64,
     seed: u32,
 }
 
@@ -39,6 +41,7 @@ const PRESSES: Seen = Seen {
     position_noise_m: 0.0,
     eccentric_m: (0.0, 1.0),
     drift: 0.0,
+    friction: 0.0,
     seed: 0,
 };
 
@@ -70,7 +73,7 @@ impl Seen {
             format!(
                 "{t:.6},{:.8},{:.4}\n",
                 (x / self.count_m).floor() * self.count_m,
-                force + self.drift * t + 0.02 * white(seed + 1)
+                force + self.friction * speed.signum() + self.drift * t + 0.02 * white(seed + 1)
             )
         };
         let rows: String = (0..(9.0 * self.rate_hz) as u32).map(row).collect();
@@ -278,6 +281,41 @@ fn a_resting_force_that_drifts_bends_the_damping_and_that_is_said() {
     let json = drifting(2e-3);
     assert!(!is_said(&json), "{json}");
     is_near(&json, "damping", 10.0, 0.03);
+}
+
+#[test]
+fn a_friction_that_free_air_shows_bends_the_damping_and_that_is_said() {
+    let rubs = Seen {
+        friction: 0.02,
+        ..STROKES
+    };
+    let json = rubs.estimated("");
+    // It was 11.4 ± 0.1 N s/m for 10, `converged`.
+    assert_eq!(json["status"], "model_suspect", "{json}");
+    assert!(
+        json["notes"].to_string().contains("opposes the motion"),
+        "{json}"
+    );
+    // AND without one nothing is said of it.
+    let json = STROKES.estimated("");
+    assert_eq!(json["status"], "converged", "{json}");
+    assert!(!json["notes"].to_string().contains("opposes"), "{json}");
+}
+
+#[test]
+fn a_damping_that_is_negative_is_no_materials() {
+    let late = Seen {
+        late_s: 0.02,
+        ..PRESSES
+    };
+    let json = late.estimated("--law kelvin_voigt --method rls_surface");
+    assert_eq!(json["status"], "model_suspect", "{json}");
+    assert!(
+        json["notes"]
+            .to_string()
+            .contains("the damping is negative"),
+        "{json}"
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::assemble::Given;
 use super::family::{Family, natural};
 use super::fit::Fit;
 use super::result::Batch;
-use crate::estimate::{Evidence, Reason, judged};
+use crate::estimate::{Evidence, NOISE_ALONE, Reason, judged};
 use crate::inspect::Inspection;
 
 /// Exponents beyond these are at the bounds of the fit, ½ and 4.
@@ -23,14 +23,17 @@ impl Given<'_> {
     /// The fit with its status judged.
     pub(super) fn judged(&self, mut batch: Batch, fit: &Fit) -> Batch {
         let late = self.late.and_then(|late| late.reason());
+        let misfit = batch.force_rmse_n.map(|rmse| rmse / batch.noise_n);
+        // 21 ± 4 N s/m of 5 beside a pull of 0.27 N, 1.2 times the noise.
+        let sticks = batch.inspection.pull_n > 0.0 && misfit.is_some_and(|own| own > NOISE_ALONE);
         let evidence = Evidence {
             told: None,
-            misfit: batch.force_rmse_n.map(|rmse| rmse / batch.noise_n),
+            misfit,
             explained: self.course.thresholds.report.explained,
             is_saturated: batch.inspection.saturated_n.is_some(),
             has_no_zero: self.course.free() < self.course.thresholds.report.fewest_free,
             drifts: false,
-            rubs: false,
+            has_other_force: sticks,
             is_at_bound: self.is_at_bound(fit)
                 || batch.has_negative_damping(&self.course.thresholds.report),
             // A delay is among the parameters, and a lag is not.

@@ -67,7 +67,7 @@ pub(super) fn evidence(
         is_saturated: inspection.saturated_n.is_some(),
         has_no_zero: starts_in_contact(log),
         drifts: false,
-        rubs: false,
+        has_other_force: false,
         is_at_bound: is_at_bound(outcome) || is_negative(outcome),
         lateness: is_apart(log, outcome).then_some(Reason::Skew),
         relaxes: !outcome.law.law().info().relaxes

@@ -34,8 +34,8 @@ pub struct Evidence {
     pub has_no_zero: bool,
     /// The resting force drifts by what the damping feels.
     pub drifts: bool,
-    /// A force that opposes the motion in free air is one that the damping feels.
-    pub rubs: bool,
+    /// A force acts that the law does not have, and a number takes it on: a friction that free air shows, an adhesion.
+    pub has_other_force: bool,
     /// A parameter is at a bound of the law.
     pub is_at_bound: bool,
     /// The force is late (or early), or lags, by more than its errors.
@@ -59,7 +59,7 @@ impl Default for Evidence {
             is_saturated: false,
             has_no_zero: false,
             drifts: false,
-            rubs: false,
+            has_other_force: false,
             is_at_bound: false,
             lateness: None,
             relaxes: false,
@@ -146,7 +146,10 @@ fn doubt(evidence: &Evidence) -> Option<Reason> {
         .or(found(Reason::Bound, evidence.is_at_bound))
         .or(found(Reason::Surface, evidence.is_surface_doubtful))
         .or(found(Reason::Zero, evidence.drifts))
-        .or(found(Reason::Law, evidence.has_nearer_law || evidence.rubs))
+        .or(found(
+            Reason::Law,
+            evidence.has_nearer_law || evidence.has_other_force,
+        ))
 }
 
 /// Why a law leaves more than the noise: what damages the force itself first, then what the law lacks.
