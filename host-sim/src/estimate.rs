@@ -200,7 +200,10 @@ fn with_evidence(
     let mut evidence = evidence(log, &replay, &outcome, &inspection, rmses_n);
     let friction = Friction::of(log, &replay, &outcome);
     // What opposes the motion is no drift where the first way goes in and the last comes out.
-    let drift = Drift::of(log, &replay, &outcome).filter(|_| friction.is_none());
+    let drift = match friction {
+        Some(_) => None,
+        None => Drift::of(log, &replay, &outcome),
+    };
     evidence.drifts = drift.is_some();
     evidence.has_other_force = friction.is_some();
     if evidence.is_surface_doubtful {

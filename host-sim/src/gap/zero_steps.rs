@@ -4,7 +4,7 @@
 //! it: where it is nearly all that remains it is taken off, said, and the rest is asked for again, beside an amount that
 //! every fit finds anew.
 
-use super::finding::{Curves, Finding, Pattern};
+use super::finding::{Curves, Finding, Region};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 use crate::number::quantity;
@@ -100,10 +100,7 @@ fn may_be_an_effect(without: &Finding, with: &Finding) -> bool {
 fn step(finding: &Finding) -> Option<(f64, f64)> {
     let regions = finding.remaining.iter().chain(&finding.disagreement);
     let mut nearly_all = regions.filter(|own| own.share > NEARLY_ALL);
-    nearly_all.find_map(|own| match own.pattern {
-        Some(Pattern::Step { s, n }) => Some((s, n)),
-        _ => None,
-    })
+    nearly_all.find_map(Region::step)
 }
 
 /// Corrects the amounts of steps by what the last fit leaves after each, and the curves by that.

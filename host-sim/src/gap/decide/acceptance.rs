@@ -10,11 +10,8 @@ use crate::gap::search::{forms::in_plain_form, relatives::simpler};
 /// The fit without the effect that is needed least, if that effect takes nothing off.
 pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
     let decide = decision.thresholds;
-    let count = decision.variances.iter().filter(|v| **v > 0.0).count() as f64;
     let cost = decision.best.cost;
-    let margin = decide.rivalry.margin;
-    let margin = discriminability_margin(&decision.best, count, decision.correlation, margin);
-    let most = cost + margin.min(decide.acceptance.idle * cost);
+    let most = cost + margin(decision).min(decide.acceptance.idle * cost);
     let without = decision.without.iter();
     without
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
@@ -33,6 +30,13 @@ pub(crate) fn fit_without_harmful_effect(decision: &Decision) -> Option<&Fit> {
         **gain < -decide.harm || **gain < 0.0 && **there > decide.acts_there
     });
     harmful.map(|(fit, _)| fit)
+}
+
+/// The difference in Σ w r² within which a fit is not told from the best.
+fn margin(decision: &Decision) -> f64 {
+    let count = decision.variances.iter().filter(|v| **v > 0.0).count() as f64;
+    let margin = decision.thresholds.rivalry.margin;
+    discriminability_margin(&decision.best, count, decision.correlation, margin)
 }
 
 /// Whether the held-out part is foretold worse with all effects than without any, where each seems to be needed beside
@@ -115,10 +119,7 @@ pub(crate) fn fit_with_offset(dataset: &Dataset<'_>, decision: &Decision) -> Opt
     row[0] = rate * time_constant;
     terms[number] = whole(EffectId::ForceOffset, row, 1);
     let offset = nearer_to_best(dataset, decision, at, terms)?;
-    let count = decision.variances.iter().filter(|v| **v > 0.0).count() as f64;
-    let margin = decision.thresholds.rivalry.margin;
-    let margin = discriminability_margin(best, count, decision.correlation, margin);
-    let is_told = offset.cost - best.cost > margin;
+    let is_told = offset.cost - best.cost > margin(decision);
     (!is_told || is_over_at_once(best, number)).then_some(offset)
 }
 

@@ -86,17 +86,15 @@ fn accepted_decision(
     evidence: &[Evidence],
     least_rmse_n: &mut f64,
 ) -> (Decision, SearchResult) {
-    let mut swapped = false;
     let mut before_swap = None;
     loop {
         let mut decision = evaluate(dataset, base, &result);
         // At one sample of four a compliance seemed worse than the delay that it is not. There is one
         // swap, so that two fits that get stuck in turn do not swap for ever.
-        if let Some(better) = decision.better.take().filter(|_| !swapped) {
+        if let Some(better) = decision.better.take().filter(|_| before_swap.is_none()) {
             before_swap = Some(result.best.clone());
             result.rivals.push(result.best);
             result.best = better;
-            swapped = true;
             continue;
         }
         // An effect that seemed significant on the search's samples may take nothing off at the log's
@@ -135,7 +133,7 @@ fn accepted_decision(
             return (decision, result);
         }
         let is_undone = |before: &Fit| is_swap_undone(before, &decision.best, &best);
-        let before = before_swap.take().filter(is_undone);
+        let before = before_swap.clone().filter(is_undone);
         result = SearchResult::alone(before.unwrap_or(best));
     }
 }

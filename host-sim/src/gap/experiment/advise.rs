@@ -8,7 +8,7 @@ use crate::gap::experiment::{
     discriminability::EffectSignature, excitations::Excitation, plan::FurtherMotion,
     recordings::Recordings,
 };
-use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Pattern, Verdict, regions_in_words};
+use crate::gap::finding::{AdvisedMotion, Finding, MOTION, Region, Verdict, regions_in_words};
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, fit::RIDGE, shape::Owner, shape::Shape, shape::Term, start::repeats,
 };
@@ -101,12 +101,8 @@ fn without_ambiguity(finding: &Finding, noise: f64) -> String {
 
 /// What to do about a zero that steps; empty where none does.
 fn steps(finding: &Finding) -> String {
-    let mut patterns = finding.remaining.iter().filter_map(|own| own.pattern);
-    let step = patterns.find_map(|pattern| match pattern {
-        Pattern::Step { s, .. } => Some(s),
-        _ => None,
-    });
-    step.map_or_else(String::new, |s| {
+    let step = finding.remaining.iter().find_map(Region::step);
+    step.map_or_else(String::new, |(s, _)| {
         format!(
             " A force that is off from an instant on is a tare, a power cycle or a knock: ask again with the part of the \
              log before {s:.2} s, or with that after it."

@@ -41,7 +41,7 @@ impl Change {
 
     fn in_words(&self) -> String {
         let Change { was, now, .. } = self;
-        if let Some((effect, _)) = now.name.split_once('.').filter(|_| self.is_gone) {
+        if let Some(effect) = effect_of(&now.name).filter(|_| self.is_gone) {
             return format!(
                 "{effect} is gone: {} is {}, and was {}",
                 now.name,
@@ -102,7 +102,6 @@ pub(crate) fn changes(
             })
         });
     // What an effect does is shared among its numbers: one means little beside another that is at its bound.
-    let effect_of = |name: &str| name.split_once('.').map(|(effect, _)| effect.to_string());
     let beside_a_bound = |name: &str| {
         let own = effect_of(name);
         own.is_some()
@@ -132,10 +131,12 @@ pub(crate) fn changes(
 impl ChangesSince {
     /// With what is gone, before what is another; the other numbers of an effect that is gone mean nothing.
     pub(crate) fn with_gone(mut self, gone: Vec<Change>) -> ChangesSince {
-        let effect_of = |own: &Change| own.now.name.split_once('.').map(|own| own.0.to_string());
         let is_kept = |own: &Change| {
-            let effect = effect_of(own);
-            effect.is_none() || gone.iter().all(|other| effect_of(other) != effect)
+            let effect = effect_of(&own.now.name);
+            effect.is_none()
+                || gone
+                    .iter()
+                    .all(|other| effect_of(&other.now.name) != effect)
         };
         self.counted.retain(is_kept);
         self.little = self.little.filter(is_kept);
@@ -143,6 +144,11 @@ impl ChangesSince {
         self.counted.splice(0..0, gone);
         self
     }
+}
+
+/// The effect that a number is of; `None` for one of the law.
+fn effect_of(name: &str) -> Option<&str> {
+    name.split_once('.').map(|(effect, _)| effect)
 }
 
 /// Whether a number only says when a log was started: the phase of a hum, or of a surface that breathes.

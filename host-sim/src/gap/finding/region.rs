@@ -42,6 +42,16 @@ pub enum Pattern {
     },
 }
 
+impl Region {
+    /// Instant (s) and amount (N) of a force that is off from an instant on.
+    pub(in crate::gap) fn step(&self) -> Option<(f64, f64)> {
+        match self.pattern? {
+            Pattern::Step { s, n } => Some((s, n)),
+            _ => None,
+        }
+    }
+}
+
 /// A region is mentioned beside the phase if its share of the excess is this many times its share of the
 /// samples.
 const TELLING: f64 = 1.3;

@@ -56,9 +56,13 @@ impl Problem<'_> {
 
     /// Measured minus predicted force (N), log after log.
     pub(crate) fn residuals(&self, shape: &Shape, numbers: &[f64]) -> Vec<f64> {
-        let forces = self.forces(shape, numbers).into_iter();
+        self.residuals_of(&self.forces(shape, numbers))
+    }
+
+    /// Measured minus these forces (N), log after log.
+    pub(crate) fn residuals_of(&self, forces: &[f64]) -> Vec<f64> {
         let measured = self.logs.iter().flat_map(|log| &log.force_n);
-        let each = forces.zip(measured);
+        let each = forces.iter().zip(measured);
         let mut residuals: Vec<f64> = each.map(|(force, measured)| measured - force).collect();
         self.without_steps(&mut residuals);
         residuals

@@ -35,30 +35,28 @@ pub(crate) fn forces(shape: &Shape, numbers: &[f64], logs: &[FitData]) -> Vec<f6
 
 /// The forces (N) that a rig predicts, log after log.
 pub(crate) fn forces_of(rig: &Rig<f64>, logs: &[FitData]) -> Vec<f64> {
+    forces_from(rig, rig.at_rest(), logs)
+}
+
+fn forces_from(rig: &Rig<f64>, state: RigState<f64>, logs: &[FitData]) -> Vec<f64> {
     let mut forces = Vec::with_capacity(logs.iter().map(FitData::len).sum());
     for log in logs {
-        run_rig(rig, log, |_, reading| forces.push(reading.force_n));
+        run_from(rig, state, log, |_, reading| forces.push(reading.force_n));
     }
     forces
 }
 
-/// The predicted forces (N), log after log, where what sticks in the model is wound up to a `side` before the log, from −1
-/// to 1 what it takes to slide. What a search adds is not: it would leave out what speaks against it.
+/// The predicted forces (N), log after log, where what sticks in the model is wound up to either side before the log;
+/// `None` where nothing does. What a search adds is not wound up: it would leave out what speaks against it.
 pub(crate) fn forces_of_wound(
     shape: &Shape,
     numbers: &[f64],
     logs: &[FitData],
-    side: f64,
-) -> Vec<f64> {
+) -> Option<[Vec<f64>; 2]> {
     let rig = shape.rig(numbers);
     let given = shape.terms.iter().filter(|term| term.given).count();
-    let mut forces = Vec::with_capacity(logs.iter().map(FitData::len).sum());
-    for log in logs {
-        run_from(&rig, rig.wound(side, given), log, |_, reading| {
-            forces.push(reading.force_n)
-        });
-    }
-    forces
+    let sides = [1.0, -1.0].map(|side| rig.wound(side, given));
+    (sides[0] != rig.at_rest()).then(|| sides.map(|state| forces_from(&rig, state, logs)))
 }
 
 /// The predicted forces (N) for logs that are changed first.

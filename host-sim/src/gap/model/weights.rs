@@ -69,21 +69,24 @@ fn effect_of_errors(fit: &Fit, logs: &[FitData], change: impl Fn(&mut FitData, f
     let changed =
         |sign: f64| forces_of_changed(&fit.shape, &fit.numbers, logs, |log| change(log, sign));
     let (more, less) = (changed(1.0), changed(-1.0));
-    more.iter()
-        .zip(&less)
-        .map(|(a, b)| (0.5 * (a - b)).powi(2))
-        .collect()
+    half_difference_squared(&more, &less).collect()
+}
+
+fn half_difference_squared(more: &[f64], less: &[f64]) -> impl Iterator<Item = f64> {
+    let each = more.iter().zip(less);
+    each.map(|(a, b)| (0.5 * (a - b)).powi(2))
 }
 
 /// The variances (N²) that a motion before the log gives the predicted forces: a friction that sticks may begin anywhere
 /// between the forces at which it slides, and remembers that until it has slid. A stage that stood at the end of it was
 /// `unexplained` (14 of 24 logs), and a gel had two false effects.
 fn effect_of_what_was_before(fit: &Fit, logs: &[FitData]) -> Vec<f64> {
-    let wound = |side: f64| forces_of_wound(&fit.shape, &fit.numbers, logs, side);
-    let (more, less) = (wound(1.0), wound(-1.0));
+    let Some([more, less]) = forces_of_wound(&fit.shape, &fit.numbers, logs) else {
+        return vec![0.0; logs.iter().map(FitData::len).sum()];
+    };
     // Every force between them is as likely.
-    let each = more.iter().zip(&less);
-    each.map(|(a, b)| (0.5 * (a - b)).powi(2) / 3.0).collect()
+    let each = half_difference_squared(&more, &less);
+    each.map(|square| square / 3.0).collect()
 }
 
 fn with_position_error(log: &mut FitData, sign: f64) {

@@ -199,9 +199,9 @@ impl<'a> FindingBuilder<'a> {
 
     /// Where the residuals without an effect exceed those with it, in words.
     fn place(&self, without_n: &[f64]) -> String {
-        let residuals = self.residuals(without_n);
+        let residuals = self.problem.residuals_of(without_n);
         // What is left with the effect stands for what would be there anyway.
-        let with = self.residuals(&self.after_n);
+        let with = self.problem.residuals_of(&self.after_n);
         let allowed: Vec<f64> = with
             .iter()
             .zip(&self.decision.variances)
@@ -211,15 +211,6 @@ impl<'a> FindingBuilder<'a> {
             })
             .collect();
         regions_in_words(&self.regions_of(&residuals, &allowed))
-    }
-
-    /// Measured minus predicted forces (N).
-    fn residuals(&self, forces: &[f64]) -> Vec<f64> {
-        let measured = self.dataset.logs.iter().flat_map(|log| &log.force_n);
-        let each = measured.zip(forces);
-        let mut residuals: Vec<f64> = each.map(|(measured, force)| measured - force).collect();
-        self.problem.without_steps(&mut residuals);
-        residuals
     }
 
     /// Where the model with the effects and the log disagree. What is left within the noise is not in
@@ -233,7 +224,7 @@ impl<'a> FindingBuilder<'a> {
 
     /// Where the forces (N) of a fit disagree with the logs.
     fn regions(&self, forces: &[f64], fit: &Fit) -> Vec<Region> {
-        let residuals = self.residuals(forces);
+        let residuals = self.problem.residuals_of(forces);
         let mut regions = self.regions_of(&residuals, &self.decision.variances);
         if !regions.is_empty() {
             regions.extend(self.step(fit));
@@ -296,7 +287,7 @@ impl<'a> FindingBuilder<'a> {
         if is_noise && !decision.verdict.leaves_a_remainder() {
             return None;
         }
-        let residuals = self.residuals(&self.after_n);
+        let residuals = self.problem.residuals_of(&self.after_n);
         let logs = self.log_residuals(&residuals, &decision.variances);
         let left = left(&logs, self.dataset.floors, decision.correlation)?;
         Some(Remainder {

@@ -111,8 +111,8 @@ impl Search<'_> {
         let is_curve = repeats(id)
             && (is_scale || gain.beside.0 < decide.sharp)
             && is_series(best, id, self.decide());
-        let is_step = self.is_rather_a_step(plain, with);
-        let agrees = parts.agree(best, id, decide) && !is_curve && !is_step;
+        let is_no_step = || !self.is_rather_a_step(plain, with);
+        let agrees = parts.agree(best, id, decide) && !is_curve && is_no_step();
         let is_sound = agrees && gain.is_sound(id, decide);
         let is_sound_group = alternatives.as_ref().is_some_and(|others| {
             is_sound
@@ -125,7 +125,7 @@ impl Search<'_> {
                         self.gain(without, with, weighing).is_sound(id, decide)
                     }
         });
-        let is_alone = alone.is_some_and(|own| stands_for(own, id)) && !is_step;
+        let is_alone = alone.is_some_and(|own| stands_for(own, id)) && (agrees || is_no_step());
         Evidence {
             is_strong: is_alone || is_sound && gain.lead >= decide.lead,
             // A wave fits any remainder, whatever it stands beside.
