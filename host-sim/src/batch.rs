@@ -12,6 +12,7 @@
 
 mod assemble;
 mod course;
+mod dent;
 mod error;
 mod family;
 mod fit;
@@ -20,6 +21,7 @@ mod instead;
 mod judge;
 mod lateness;
 mod modulus;
+mod natural;
 mod note;
 mod options;
 mod regression;
@@ -35,6 +37,7 @@ use std::ops::Range;
 use estimator_core::estimate::method::Method;
 use estimator_core::{Config, Status};
 
+pub use dent::is_dented;
 pub use family::{Family, Form};
 pub use held::Held;
 pub use instead::batch_instead;
@@ -47,6 +50,7 @@ pub use thresholds::Thresholds;
 use crate::kinematics::{Kinematics, kinematics};
 use assemble::Given;
 use course::Course;
+use dent::creeping;
 use lateness::Seen;
 use select::{Candidate, Fixed, finished, roughly_fitted};
 
@@ -174,8 +178,9 @@ impl Given<'_> {
         found.reason().map(|_| found)
     }
 
-    /// Every law that was asked for, fitted. Exponential responses are tried too where the best power
-    /// leaves more than noise, since they take twice as long.
+    /// Every law that was asked for, fitted; a law that relaxes also with a surface that recovers by creep where
+    /// that is another force. Exponential responses are tried too where the best power leaves more than noise, since they
+    /// take twice as long.
     fn tried(&self, options: &Options, fixed: &Fixed) -> Vec<Candidate> {
         let shaped = |form: Form| {
             let families = options.families.iter();
@@ -183,8 +188,14 @@ impl Given<'_> {
             shaped.filter(|family| fixed.held.suits(*family))
         };
         let powers: Vec<Family> = shaped(options.elastic.unwrap_or(Form::Power)).collect();
-        let first = roughly_fitted(self.course, &powers, fixed);
-        let tried = finished(self.course, first.clone(), fixed);
+        let mut first = roughly_fitted(self.course, &powers, fixed);
+        let mut tried = finished(self.course, first.clone(), fixed);
+        let best = self.best(&tried, fixed);
+        let creeps = best.is_some_and(|own| self.course.leaves_a_dent(own));
+        if creeps {
+            first.extend(roughly_fitted(self.course, &creeping(&powers), fixed));
+            tried = finished(self.course, first.clone(), fixed);
+        }
         let noise_n = NOISE_ALONE * self.course.scales.noise_n;
         let best = self.best(&tried, fixed);
         let is_noise = best.is_some_and(|own| self.rmse(&own.fit) <= noise_n);
@@ -192,8 +203,11 @@ impl Given<'_> {
         if is_noise || options.elastic.is_some() || others.is_empty() {
             return tried;
         }
-        let shaped = roughly_fitted(self.course, &others, fixed);
-        finished(self.course, [first, shaped].concat(), fixed)
+        first.extend(roughly_fitted(self.course, &others, fixed));
+        if creeps {
+            first.extend(roughly_fitted(self.course, &creeping(&others), fixed));
+        }
+        finished(self.course, first, fixed)
     }
 }
 

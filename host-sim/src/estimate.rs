@@ -70,6 +70,22 @@ impl Estimation {
             && !self.evidence.has_nearer_law
     }
 
+    /// Takes whether the material was touched again before it had recovered, and judges again.
+    pub fn take_dent(&mut self, is_dented: bool) {
+        if !is_dented {
+            return;
+        }
+        self.evidence.is_dented = true;
+        let (status, reason) = judged(self.outcome.method_status, &self.evidence);
+        (self.outcome.status, self.outcome.reason) = (status, reason);
+        self.notes.push(
+            "the material was touched again before it had recovered: the surface was deeper than a recursive method takes it to \
+             be, and relaxation and damping are wrong by that. --method batch fits the dent; or leave the material alone for \
+             longer between touches"
+                .into(),
+        );
+    }
+
     /// Takes how late the force is against the position, and judges again.
     pub fn take_lateness(&mut self, late: Option<Lateness>) {
         let Some(late) = late else { return };

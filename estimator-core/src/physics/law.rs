@@ -19,6 +19,7 @@ mod environment;
 mod hunt_crossley;
 mod kelvin_voigt;
 mod quasi_linear;
+mod recovery;
 mod relaxation;
 mod row;
 mod zener;
@@ -29,6 +30,7 @@ pub use environment::{Damping, Environment};
 pub use hunt_crossley::HuntCrossley;
 pub use kelvin_voigt::KelvinVoigt;
 pub use quasi_linear::{QuasiLinear, QuasiLinearState};
+pub use recovery::Recovery;
 pub(crate) use relaxation::high_passed;
 pub use relaxation::{MOST_MODES, RelaxationMode};
 pub use row::{DEFAULT_REFERENCE_DEPTH_M, LawInfo, RELAXATION, STIFFENING_RATE, SURFACE};
@@ -115,6 +117,30 @@ macro_rules! laws {
                 })
             }
 
+            fn step_with(
+                &self,
+                recovery: Recovery,
+                state: &mut LawState<S, R>,
+                depth_m: S,
+                speed_mps: S,
+                period_s: S,
+            ) -> S {
+                match self {
+                    $(Law::$Law(law) => {
+                        if !matches!(state, LawState::$Law(_)) {
+                            *state = self.at_rest();
+                        }
+                        match state {
+                            LawState::$Law(state) => {
+                                recovery.step(law, state, depth_m, speed_mps, period_s)
+                            }
+                            _ => S::zero(),
+                        }
+                    })+
+                    Law::Free => S::zero(),
+                }
+            }
+
             /// The law in the parts that effects act on. The depth (m) is for a law without a reference
             /// depth: it changes nothing until an effect gives a part an exponent.
             pub fn parts(&self, reference_depth_m: S) -> Environment<S> {
@@ -143,18 +169,17 @@ macro_rules! laws {
                 speed_mps: S,
                 period_s: S,
             ) -> S {
-                match self {
-                    $(Law::$Law(law) => {
-                        if !matches!(state, LawState::$Law(_)) {
-                            *state = self.at_rest();
-                        }
-                        match state {
-                            LawState::$Law(state) => law.step(state, depth_m, speed_mps, period_s),
-                            _ => S::zero(),
-                        }
-                    })+
-                    Law::Free => S::zero(),
-                }
+                self.step_with(Recovery::WithProbe, state, depth_m, speed_mps, period_s)
+            }
+
+            fn step_creeping(
+                &self,
+                state: &mut LawState<S, R>,
+                depth_m: S,
+                speed_mps: S,
+                period_s: S,
+            ) -> S {
+                self.step_with(Recovery::ByCreep, state, depth_m, speed_mps, period_s)
             }
 
             fn elastic_n(&self, depth_m: S) -> S {

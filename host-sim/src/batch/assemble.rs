@@ -5,9 +5,9 @@ use estimator_core::estimate::Estimated;
 
 use super::touch;
 use super::{
-    course::Course, course::Node, course::Use, family::Family, family::SURFACE, family::natural,
-    fit::Fit, fit::Problem, result::Batch, result::Columns, result::Parameter, result::Tried,
-    select::Candidate, select::Fixed,
+    course::Course, course::Node, course::Use, family::Family, family::SURFACE, fit::Fit,
+    fit::Problem, natural::natural, result::Batch, result::Columns, result::Parameter,
+    result::Tried, select::Candidate, select::Fixed,
 };
 use crate::estimate::{Lateness, NOISE_ALONE, touches::Departure};
 use crate::kinematics::Kinematics;

@@ -11,7 +11,7 @@
 use estimator_core::estimate::Estimated;
 use estimator_core::maths::Dual;
 
-use super::{family::natural, fit::Problem, fit::of_size};
+use super::{fit::Problem, fit::of_size, natural::natural};
 use crate::estimate::NOISE_ALONE;
 use crate::lsq::{covariance::inverse, covariance::newey_west, dense};
 use crate::stats::{correlation, rms};

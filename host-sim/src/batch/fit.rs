@@ -3,7 +3,7 @@
 
 use estimator_core::maths::{Dual, scalar::Scalar};
 
-use super::{course::Node, course::Scales, family::Family, family::natural};
+use super::{course::Node, course::Scales, family::Family, natural::natural};
 use crate::lsq::NormalEquations;
 use crate::lsq::minimize::{Limits, Minimizer, Stop, System};
 

@@ -27,7 +27,8 @@ pub fn batch_instead(
 ) -> Result<Option<Batch>, Diagnostic> {
     let touches = !estimation.outcome.touches.is_empty();
     let is_late = touches && is_late_instead(log, estimation);
-    if estimation.is_explained() && !is_late || !touches {
+    let is_dented = estimation.evidence.is_dented;
+    if estimation.is_explained() && !is_late && !is_dented || !touches {
         return Ok(None);
     }
     let mut fitted = batch(log, base, options)?;
@@ -58,6 +59,7 @@ pub fn batch_instead(
         None => "none determines all its parameters".into(),
     };
     let why = match estimation.evidence.has_nearer_law {
+        _ if is_dented => "no recursive method knows a dent that has not recovered (",
         _ if is_late => "a late force explains more than the relaxation of a recursive method (",
         true => {
             "the best recursive method has not converged on the law that leaves least (of those that have, "

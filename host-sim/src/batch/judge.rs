@@ -1,8 +1,9 @@
 //! What a log says for and against a fit, besides its parameters.
 
 use super::assemble::Given;
-use super::family::{Family, natural};
+use super::family::Family;
 use super::fit::Fit;
+use super::natural::natural;
 use super::result::Batch;
 use crate::estimate::{Evidence, NOISE_ALONE, Reason, judged};
 use crate::inspect::Inspection;
@@ -34,6 +35,8 @@ impl Given<'_> {
             has_no_zero: self.course.free() < self.course.thresholds.report.fewest_free,
             drifts: false,
             has_other_force: sticks,
+            // A dent is among what is fitted.
+            is_dented: false,
             is_at_bound: self.is_at_bound(fit)
                 || batch.has_negative_damping(&self.course.thresholds.report),
             // A delay is among the parameters, and a lag is not.

@@ -15,12 +15,12 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use estimator_core::estimate::{Estimated, config::Surface};
-use estimator_core::physics::law::LawId;
 
 use super::course::{Course, Node};
-use super::family::{Family, natural};
+use super::family::Family;
 use super::fit::{Problem, STILL};
 use super::held::Held;
+use super::natural::natural;
 use super::regression::Regression;
 use super::select::{Fixed, candidates, mask_surface};
 use super::thresholds::Thresholds;
@@ -55,24 +55,16 @@ pub fn lateness(log: &UniformLog, estimation: &Estimation) -> Option<Lateness> {
     if estimation.outcome.skew.is_some() {
         return None;
     }
-    let family = family_of(estimation)?;
+    let family = Family::of_estimation(estimation)?;
     Seen::of_estimation(log, estimation)?.lateness(family)
 }
 
 /// Whether a late force under Kelvin and Voigt's law explains a log better than the relaxation that it was estimated with.
 pub(super) fn is_late_instead(log: &UniformLog, estimation: &Estimation) -> bool {
-    let relaxing = family_of(estimation).filter(|family| family.modes > 0);
+    let relaxing = Family::of_estimation(estimation).filter(|family| family.modes > 0);
     let late =
         relaxing.and_then(|family| Seen::of_estimation(log, estimation)?.late_instead(family));
     late.is_some()
-}
-
-fn family_of(estimation: &Estimation) -> Option<Family> {
-    let kind = estimation.outcome.law;
-    match kind.law() {
-        LawId::QuasiLinear => Some(Family::quasi_linear(kind.modes().max(1))),
-        law => Family::of(law).next(),
-    }
 }
 
 fn fixed_as(estimation: &Estimation) -> Fixed {
@@ -107,7 +99,7 @@ pub(super) struct Seen<'a> {
     log: Cow<'a, UniformLog>,
     touches: Vec<Range<usize>>,
     motion: Kinematics,
-    fixed: Fixed,
+    pub(super) fixed: Fixed,
 }
 
 impl<'a> Seen<'a> {
@@ -129,7 +121,10 @@ impl<'a> Seen<'a> {
         })
     }
 
-    fn of_estimation(log: &'a UniformLog, estimation: &'a Estimation) -> Option<Seen<'a>> {
+    pub(super) fn of_estimation(
+        log: &'a UniformLog,
+        estimation: &'a Estimation,
+    ) -> Option<Seen<'a>> {
         let contacts = estimation.replay.contacts();
         Seen::of(estimation.log(log), contacts, fixed_as(estimation))
     }
@@ -152,6 +147,17 @@ impl<'a> Seen<'a> {
         (left < LESS * relaxing).then_some(late)
     }
 
+    /// The course of the log with the motion of an earlier instant.
+    pub(super) fn course(&self, late_s: f64) -> Option<Course> {
+        let motion = self.motion.delayed(late_s / self.log.period_s());
+        Course::of(
+            &self.log,
+            &motion,
+            self.touches.clone(),
+            Thresholds::default(),
+        )
+    }
+
     fn under(&self, family: Family) -> Search<'_> {
         Search { seen: self, family }
     }
@@ -172,7 +178,7 @@ impl Search<'_> {
 
     /// Root mean square of what the law leaves over the noise if the force is not late.
     fn left_punctually(&self) -> Option<f64> {
-        let course = self.course(0.0)?;
+        let course = self.seen.course(0.0)?;
         let one = Shifted::new(self, &course, self.fitted(&course)?);
         Some(one.problem(&course).remainder(&one.free))
     }
@@ -186,7 +192,7 @@ impl Search<'_> {
         let mut late_s = 0.0;
         let mut free: Option<Vec<f64>> = None;
         for _ in 0..MOST_SHIFTS {
-            let course = self.course(late_s)?;
+            let course = self.seen.course(late_s)?;
             let fit = match free.take() {
                 None => self.fitted(&course)?,
                 Some(free) => free,
@@ -215,18 +221,6 @@ impl Search<'_> {
     /// under two of eight modes.
     fn is_a_mode(&self, late_s: f64) -> bool {
         self.family.modes > 0 && late_s < -EARLIEST_S
-    }
-
-    /// The course of the log with the motion of an earlier instant.
-    fn course(&self, late_s: f64) -> Option<Course> {
-        let seen = self.seen;
-        let motion = seen.motion.delayed(late_s / seen.log.period_s());
-        Course::of(
-            &seen.log,
-            &motion,
-            seen.touches.clone(),
-            Thresholds::default(),
-        )
     }
 }
 

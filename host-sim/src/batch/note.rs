@@ -1,5 +1,7 @@
 //! What a reader of a batch fit must know: what was left out, what was assumed, what does not fit.
 
+use estimator_core::physics::law::Recovery;
+
 use super::assemble::Given;
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
 use crate::estimate::{Form, NEGATIVE_DAMPING, RELAXES, carrier};
@@ -27,6 +29,7 @@ pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<Stri
     notes.extend(offset(course, decide));
     notes.extend(misfit(batch, decide));
     notes.extend(relaxation(batch));
+    notes.extend(recovery(batch));
     notes.extend(held(options));
     notes.extend(damping(batch, decide));
     notes.extend(skew(given, batch));
@@ -88,6 +91,29 @@ fn relaxation(batch: &Batch) -> Option<String> {
             100.0 * hold.relaxed,
             hold.from_s,
             hold.to_s,
+        )
+    })
+}
+
+/// That the material had not recovered when it was touched again.
+fn recovery(batch: &Batch) -> Option<String> {
+    let own = batch.family;
+    let left = |family| {
+        let mut tried = batch.selection.iter();
+        Some(tried.find(|one| one.family == family)?.force_rmse_n)
+    };
+    (own.recovery == Recovery::ByCreep).then(|| {
+        let instead = match left(own.with_probe()).zip(left(own)) {
+            Some((held, creeping)) => format!(
+                ": the force then leaves {} rms, and {} if the surface followed the probe out",
+                quantity(creeping, 3, "N"),
+                quantity(held, 3, "N")
+            ),
+            None => String::new(),
+        };
+        format!(
+            "the material was touched again before it had recovered, and its dent is fitted as one that fills by \
+             creep alone{instead}"
         )
     })
 }

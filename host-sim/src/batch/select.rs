@@ -16,9 +16,10 @@
 use rayon::prelude::*;
 
 use super::course::{Course, Node, Scales, Use};
-use super::family::{Family, Form, natural};
+use super::family::{Family, Form};
 use super::fit::{Fit, Problem, STILL};
 use super::held::Held;
+use super::natural::natural;
 use super::start::{Given, Starts, scan};
 use crate::stats::correlation;
 

@@ -9,7 +9,8 @@ use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::law::{Elastic, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw};
 
 use super::course::{Course, Node, Scales};
-use super::family::{Family, Form, damping_unit, free_of_exponent, reference_m};
+use super::family::{Family, Form};
+use super::natural::{damping_unit, free_of_exponent, reference_m};
 use crate::lsq::dense;
 
 const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];
@@ -56,7 +57,8 @@ const KEPT: usize = 2;
 impl Starts {
     /// The free numbers to begin with.
     pub(super) fn of(&self, family: Family) -> impl Iterator<Item = Vec<f64>> + '_ {
-        let own = self.found.iter().filter(move |(own, _)| *own == family);
+        let scanned = family.with_probe();
+        let own = self.found.iter().filter(move |(own, _)| *own == scanned);
         own.flat_map(|(_, starts)| starts.iter().map(|start| start.free.clone()))
     }
 
@@ -79,7 +81,7 @@ pub(super) fn scan(families: &[Family], course: &Course, weights: &[f64], given:
     let mut starts = Starts {
         found: families
             .iter()
-            .map(|family| (*family, Vec::new()))
+            .map(|family| (family.with_probe(), Vec::new()))
             .collect(),
     };
     let stride = nodes.len().div_ceil(SCANNED).max(1);

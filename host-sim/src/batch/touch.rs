@@ -9,8 +9,9 @@ use std::ops::Range;
 use estimator_core::physics::law::LawId;
 
 use super::course::{Course, Node, Scales, Use};
-use super::family::{Family, OFFSET, SURFACE, natural};
+use super::family::{Family, OFFSET, SURFACE};
 use super::fit::{Fit, Problem, STILL};
+use super::natural::natural;
 use super::result::{Parameter, TouchFit};
 use super::select::Candidate;
 use crate::log::UniformLog;
@@ -142,7 +143,8 @@ impl OneTouch<'_> {
             node.position_m = law.surface_m + 1e-9 * scales.depth_m;
         }
         let mut remembered = Vec::with_capacity(before.len());
-        law.unsaturated(self.best.fit.family, &before, |_, force| {
+        let touched_s = nodes.first().map_or(0.0, |node| node.time_s);
+        law.unsaturated(self.best.fit.family, &before, touched_s, |_, force| {
             remembered.push(force)
         });
         let own = &remembered[self.range.start - self.reach..];

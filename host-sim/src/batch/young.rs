@@ -4,9 +4,10 @@ use estimator_core::estimate::Estimated;
 use estimator_core::physics::law::LawId;
 
 use super::assemble::Given;
-use super::family::{Family, Form, natural};
+use super::family::{Family, Form};
 use super::fit::Fit;
 use super::modulus::Indenter;
+use super::natural::natural;
 use super::result::{Modulus, ModulusKind};
 use super::select::{Candidate, Fixed, candidates};
 use crate::estimate::EXPLAINED;
@@ -101,7 +102,10 @@ impl Given<'_> {
 fn family_with(best: Family, exponent: f64) -> Family {
     match best.law {
         LawId::KelvinVoigt if exponent != 1.0 => Family::HUNT_CROSSLEY,
-        LawId::Zener if exponent != 1.0 => Family::quasi_linear(1),
+        LawId::Zener if exponent != 1.0 => Family {
+            recovery: best.recovery,
+            ..Family::quasi_linear(1)
+        },
         _ => best.shaped(Form::Power).unwrap_or(best),
     }
 }

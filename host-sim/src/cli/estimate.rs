@@ -23,7 +23,7 @@ pub(crate) use print::faults_in_words;
 use serde_json::{Map, Value};
 pub use show::{Shown, document};
 
-use crate::batch::{Options, batch, batch_instead, lateness};
+use crate::batch::{Options, batch, batch_instead, is_dented, lateness};
 use crate::cli::logs::folder;
 use crate::cli::summary::{Answer, Failure, each};
 use crate::estimate::{Choices, Estimation, estimate};
@@ -149,6 +149,7 @@ impl<'a> Task<'a> {
             surface_m: args.surface.or(settings.held.value("surface")),
         };
         let mut estimation = estimate(log, settings.config, &self.methods, choices)?;
+        estimation.take_dent(is_dented(log, &estimation));
         estimation.take_lateness(lateness(log, &estimation));
         if let Some(options) = &self.options {
             let fitted = batch_instead(log, settings.config, options, &estimation)?;

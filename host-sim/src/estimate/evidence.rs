@@ -68,6 +68,7 @@ pub(super) fn evidence(
         has_no_zero: starts_in_contact(log),
         drifts: false,
         has_other_force: false,
+        is_dented: false,
         is_at_bound: is_at_bound(outcome) || is_negative(outcome),
         lateness: is_apart(log, outcome).then_some(Reason::Skew),
         relaxes: !outcome.law.law().info().relaxes

@@ -46,6 +46,8 @@ pub struct Evidence {
     pub has_better_law: bool,
     /// Another law that was tried leaves less than scatter allows, and its method has not converged.
     pub has_nearer_law: bool,
+    /// The material was touched again before it had recovered, and the surface was not where the method takes it to be.
+    pub is_dented: bool,
     /// The surface is not where the force leaves its baseline, or its error alone explains the misfit.
     pub is_surface_doubtful: bool,
 }
@@ -58,6 +60,7 @@ impl Default for Evidence {
             explained: EXPLAINED,
             is_saturated: false,
             has_no_zero: false,
+            is_dented: false,
             drifts: false,
             has_other_force: false,
             is_at_bound: false,
@@ -144,7 +147,10 @@ fn doubt(evidence: &Evidence) -> Option<Reason> {
     evidence
         .lateness
         .or(found(Reason::Bound, evidence.is_at_bound))
-        .or(found(Reason::Surface, evidence.is_surface_doubtful))
+        .or(found(
+            Reason::Surface,
+            evidence.is_surface_doubtful || evidence.is_dented,
+        ))
         .or(found(Reason::Zero, evidence.drifts))
         .or(found(
             Reason::Law,
@@ -161,7 +167,10 @@ fn cause(evidence: &Evidence) -> Reason {
         (evidence.relaxes, Reason::Relaxing),
         (evidence.has_no_zero || evidence.drifts, Reason::Zero),
         (evidence.is_at_bound, Reason::Bound),
-        (evidence.is_surface_doubtful, Reason::Surface),
+        (
+            evidence.is_surface_doubtful || evidence.is_dented,
+            Reason::Surface,
+        ),
     ];
     let found = causes.into_iter().find(|(is_so, _)| *is_so);
     match (found, evidence.lateness) {

@@ -23,6 +23,13 @@ pub trait RelaxingLaw<S: Scalar> {
     /// state runs on, decaying. Zero outside the material; not saturated.
     fn step(&self, state: &mut Self::State, depth_m: S, speed_mps: S, period_s: S) -> S;
 
+    /// As [`step`](Self::step), of a surface that recovers by creep
+    /// ([`Recovery::ByCreep`](super::Recovery)): where the law would pull, the probe is free, and there
+    /// is no force until it reaches what has come back. A law without memory comes back at once.
+    fn step_creeping(&self, state: &mut Self::State, depth_m: S, speed_mps: S, period_s: S) -> S {
+        self.step(state, depth_m, speed_mps, period_s)
+    }
+
     /// Force (N) at once: the depth was just reached, from rest, and nothing moves or has relaxed.
     fn elastic_n(&self, depth_m: S) -> S;
 }

@@ -4,6 +4,7 @@
 use super::contact_law::RelaxingLaw;
 use super::elastic::Elastic;
 use super::environment::Environment;
+use super::recovery::dent_n;
 use super::relaxation::{MOST_MODES, RelaxationMode, high_passed};
 use super::row::{EXPONENT, LawInfo, LawRow, RELAXATION, STIFFENING_RATE, STIFFNESS};
 use crate::maths::scalar::Scalar;
@@ -30,6 +31,20 @@ pub struct QuasiLinearState<S, const R: usize> {
     unrelaxed_n: [S; R],
 }
 
+impl<S: Scalar, const R: usize> QuasiLinear<S, R> {
+    /// Force (N) after a period (s) in which the elastic force went evenly to `elastic_n`.
+    fn relaxed(&self, state: &mut QuasiLinearState<S, R>, elastic_n: S, period_s: S) -> S {
+        let change_n = elastic_n - state.elastic_n;
+        state.elastic_n = elastic_n;
+        let mut force_n = elastic_n;
+        for (mode, w) in self.modes.iter().zip(&mut state.unrelaxed_n) {
+            *w = high_passed(*w, change_n, mode.rate_per_s, period_s);
+            force_n = force_n - mode.fraction * (elastic_n - *w);
+        }
+        force_n
+    }
+}
+
 impl<S: Scalar, const R: usize> RelaxingLaw<S> for QuasiLinear<S, R> {
     type State = QuasiLinearState<S, R>;
 
@@ -41,15 +56,19 @@ impl<S: Scalar, const R: usize> RelaxingLaw<S> for QuasiLinear<S, R> {
     }
 
     fn step(&self, state: &mut Self::State, depth_m: S, _speed_mps: S, period_s: S) -> S {
-        let elastic_n = self.elastic.force_n(depth_m);
-        let change_n = elastic_n - state.elastic_n;
-        state.elastic_n = elastic_n;
-        let mut force_n = elastic_n;
-        for (mode, w) in self.modes.iter().zip(&mut state.unrelaxed_n) {
-            *w = high_passed(*w, change_n, mode.rate_per_s, period_s);
-            force_n = force_n - mode.fraction * (elastic_n - *w);
-        }
+        let force_n = self.relaxed(state, self.elastic.force_n(depth_m), period_s);
         if depth_m > S::zero() {
+            force_n
+        } else {
+            S::zero()
+        }
+    }
+
+    fn step_creeping(&self, state: &mut Self::State, depth_m: S, _speed_mps: S, period_s: S) -> S {
+        let elastic_n = self.elastic.force_n(depth_m);
+        let dent_n = dent_n(&self.modes, &state.unrelaxed_n, state.elastic_n, period_s);
+        let force_n = self.relaxed(state, elastic_n.max_of(dent_n), period_s);
+        if elastic_n > dent_n {
             force_n
         } else {
             S::zero()

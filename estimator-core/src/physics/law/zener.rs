@@ -2,8 +2,9 @@
 
 use super::{
     contact_law::RelaxingLaw, elastic::Elastic, environment::Environment,
-    quasi_linear::QuasiLinear, relaxation::RelaxationMode, relaxation::high_passed, row::DAMPING,
-    row::LawInfo, row::LawRow, row::SECOND_STIFFNESS, row::STIFFNESS,
+    quasi_linear::QuasiLinear, recovery::dent_n, relaxation::RelaxationMode,
+    relaxation::high_passed, row::DAMPING, row::LawInfo, row::LawRow, row::SECOND_STIFFNESS,
+    row::STIFFNESS,
 };
 use crate::maths::scalar::Scalar;
 use crate::physics::parameter::{Bounds, ParameterInfo};
@@ -52,6 +53,19 @@ impl<S: Scalar> Zener<S> {
         }
     }
 
+    /// Force (N) after a period (s) in which the depth went evenly to `depth_m` (m).
+    fn relaxed(&self, state: &mut ZenerState<S>, depth_m: S, period_s: S) -> S {
+        let mode = self.mode();
+        state.unrelaxed_m = high_passed(
+            state.unrelaxed_m,
+            depth_m - state.depth_m,
+            mode.rate_per_s,
+            period_s,
+        );
+        state.depth_m = depth_m;
+        self.stiffness_n_per_m * (depth_m - mode.fraction * (depth_m - state.unrelaxed_m))
+    }
+
     /// κ₁κ₂/(κ₁+κ₂) (N/m): what is left of the stiffness after a long hold.
     pub fn resting_stiffness_n_per_m(&self) -> S {
         self.stiffness_n_per_m * (S::one() - self.mode().fraction)
@@ -69,20 +83,30 @@ impl<S: Scalar> RelaxingLaw<S> for Zener<S> {
     }
 
     fn step(&self, state: &mut ZenerState<S>, depth_m: S, _speed_mps: S, period_s: S) -> S {
-        let mode = self.mode();
-        let depth = S::zero().max_of(depth_m);
-        state.unrelaxed_m = high_passed(
-            state.unrelaxed_m,
-            depth - state.depth_m,
-            mode.rate_per_s,
-            period_s,
-        );
-        state.depth_m = depth;
+        let force_n = self.relaxed(state, S::zero().max_of(depth_m), period_s);
         if depth_m > S::zero() {
-            self.stiffness_n_per_m * (depth - mode.fraction * (depth - state.unrelaxed_m))
+            force_n
         } else {
             S::zero()
         }
+    }
+
+    fn step_creeping(
+        &self,
+        state: &mut ZenerState<S>,
+        depth_m: S,
+        _speed_mps: S,
+        period_s: S,
+    ) -> S {
+        // The law is linear in the depth, and so is the dent.
+        let dent_m = dent_n(
+            &[self.mode()],
+            &[state.unrelaxed_m],
+            state.depth_m,
+            period_s,
+        );
+        let force_n = self.relaxed(state, depth_m.max_of(dent_m), period_s);
+        if depth_m > dent_m { force_n } else { S::zero() }
     }
 
     fn elastic_n(&self, depth_m: S) -> S {

@@ -95,6 +95,7 @@ pub(super) fn json(batch: &Batch) -> Value {
             "law": tried.family.name(),
             "modes": tried.family.modes,
             "elastic": tried.family.elastic.name(),
+            "recovery": tried.family.recovery.name(),
             "parameters": tried.parameters,
             "force_rmse_n": number(tried.force_rmse_n),
             "score": number(tried.score),
@@ -111,6 +112,7 @@ pub(super) fn json(batch: &Batch) -> Value {
     json!({
         "law": batch.family.name(),
         "elastic": batch.family.elastic.name(),
+        "recovery": batch.family.recovery.name(),
         "method": "batch",
         "reference_depth_m": number(batch.reference_depth_m),
         "status": batch.status.name(),

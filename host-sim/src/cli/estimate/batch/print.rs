@@ -3,6 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use estimator_core::physics::law::Recovery;
+
 use crate::batch::{Batch, Form, Modulus, Tried};
 use crate::cli::estimate::print::{Row, headline, write_events, write_parameters, write_residual};
 use crate::log::UniformLog;
@@ -74,13 +76,17 @@ pub(super) fn name(tried: &Tried) -> String {
         Form::Power => "",
         Form::Exponential => "exponential ",
     };
-    match tried.family.listed_modes() {
+    let name = match tried.family.listed_modes() {
         0 => tried.family.name().into(),
         modes => format!(
             "{form}{} with {}",
             tried.family.name(),
             counted(modes, "mode")
         ),
+    };
+    match tried.family.recovery {
+        Recovery::WithProbe => name,
+        Recovery::ByCreep => format!("{name}, recovering by creep"),
     }
 }
 
