@@ -8,7 +8,7 @@ use crate::gap::model::{
     fit::Fit, simulate::depths, simulate::forces_of_changed, simulate::forces_of_wound,
 };
 use crate::gap::noise::floor::NoiseFloor;
-use crate::stats::{highest, lowest};
+use crate::stats::highest;
 
 /// The variances (N²) that the residuals of a fit should have. A sample that says nothing has 0: one in
 /// a gap, or at the instant of a touch, which no sampling resolves.
@@ -91,16 +91,13 @@ fn effect_of_what_was_before(fit: &Fit, logs: &[FitData]) -> Vec<f64> {
 }
 
 /// A direction of motion that is not known at a sample is not known so many samples on either side of it. Where a stage
-/// stopped for a sample or turned, 5 of 8534 had 43 % of Σ w r², and a gel with Coulomb friction was `unexplained` by its own
+/// stopped or turned, 5 of 8534 had 43 % of Σ w r², and a gel with Coulomb friction was `unexplained` by its own
 /// model at 1.3 to 1.6 floors (5 of 8 recordings); with 2 all eight are at 0.88 to 0.95.
 const TURNS_WITHIN: usize = 2;
 
-/// The variances (N²) of the speed's error: of what the smoothing leaves, and of when within a sample the motion turned.
+/// The variances (N²) of the speed's error, which next to a turn is that of a neighbour too.
 fn effect_of_speed(fit: &Fit, logs: &[FitData]) -> Vec<f64> {
-    let of_error = effect_of_errors(fit, logs, with_speed_error);
-    let of_turn = effect_of_errors(fit, logs, with_the_speed_of_a_neighbour);
-    let each = of_error.into_iter().zip(of_turn);
-    let own: Vec<f64> = each.map(|(error, turn)| error.max(turn)).collect();
+    let own = effect_of_errors(fit, logs, with_speed_error);
     let around = |at: usize| {
         let from = at.saturating_sub(TURNS_WITHIN);
         let to = (at + TURNS_WITHIN + 1).min(own.len());
@@ -118,20 +115,6 @@ fn with_position_error(log: &mut FitData, sign: f64) {
 pub(crate) fn with_speed_error(log: &mut FitData, sign: f64) {
     let each = log.speed_mps.iter_mut().zip(&log.speed_noise_mps);
     each.for_each(|(v, noise)| *v += sign * SPEED_ERROR_FACTOR * noise);
-}
-
-/// Gives a sample next to which the motion turns the speed of a neighbour, the one with a sign.
-fn with_the_speed_of_a_neighbour(log: &mut FitData, sign: f64) {
-    let own = log.speed_mps.clone();
-    for (at, three) in own.windows(3).enumerate() {
-        let (least, most) = (
-            lowest(three.iter().copied()),
-            highest(three.iter().copied()),
-        );
-        if least < 0.0 && most > 0.0 {
-            log.speed_mps[at + 1] = if sign > 0.0 { most } else { least };
-        }
-    }
 }
 
 /// Adds the acceleration's standard deviation, times a factor.
