@@ -11,6 +11,7 @@
 //! `thresholds`.
 
 mod assemble;
+mod blocks;
 mod course;
 mod dent;
 mod error;
@@ -26,10 +27,12 @@ mod note;
 mod options;
 mod regression;
 mod result;
+mod scales;
 mod select;
 mod start;
 mod thresholds;
 mod touch;
+mod weights;
 mod young;
 
 use std::ops::Range;
@@ -56,11 +59,11 @@ use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{
-    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, setup, touches::departure,
+    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, replayed, setup, touches::departure,
 };
 use crate::inspect::inspect;
 use crate::log::UniformLog;
-use crate::replay::{Replay, as_seen, replay};
+use crate::replay::{Replay, as_seen};
 
 #[cfg(test)]
 mod tests;
@@ -76,12 +79,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
     };
     let Setup { config, notes } = setup(log, base, Method::KELVIN_VOIGT, choices);
     // The recursion finds the touches, the events and what is in the log; its estimates are dropped.
-    let replay = replay(log, &config).map_err(|error| {
-        Diagnostic::new(format!("the configuration cannot be used: {error}"))
-            .at_key(error.field)
-            .value(error.value)
-            .remedy(error.expected)
-    })?;
+    let replay = replayed(log, &config)?;
     let seen = as_seen(log);
     let motion = kinematics(&seen).completed();
     let mut empty = nothing(log, &replay, &motion, notes);
@@ -198,7 +196,7 @@ impl Given<'_> {
         }
         let noise_n = NOISE_ALONE * self.course.scales.noise_n;
         let best = self.best(&tried, fixed);
-        let is_noise = best.is_some_and(|own| self.rmse(&own.fit) <= noise_n);
+        let is_noise = best.is_some_and(|own| self.rmse(own) <= noise_n);
         let others: Vec<Family> = shaped(Form::Exponential).collect();
         if is_noise || options.elastic.is_some() || others.is_empty() {
             return tried;

@@ -1,5 +1,6 @@
 //! The board's step over a log, and what it comes to.
 
+mod beginning;
 mod damping;
 mod drift;
 mod evidence;
@@ -13,8 +14,9 @@ mod setup;
 pub(crate) mod touches;
 
 use estimator_core::estimate::{identify::method_info, method::Method};
-use estimator_core::{Config, ConfigError, Status};
+use estimator_core::{Config, Status};
 
+use beginning::{from_free_air, touched};
 use damping::{is_negative, widen_by_counts};
 use drift::Drift;
 
@@ -58,8 +60,9 @@ pub struct Estimation {
     pub notes: Vec<String>,
     /// What the status was judged by.
     pub evidence: Evidence,
-    /// The means that the estimator saw of a log that was too fast for it.
-    pub decimated: Option<UniformLog>,
+    /// What the estimator saw, where that is not the log: means of one that was too fast for it, and one that begins in
+    /// contact from its first free air on.
+    pub seen: Option<UniformLog>,
 }
 
 impl Estimation {
@@ -99,7 +102,7 @@ impl Estimation {
 
     /// The log that the records belong to, of the one that was given.
     pub fn log<'a>(&'a self, given: &'a UniformLog) -> &'a UniformLog {
-        self.decimated.as_ref().unwrap_or(given)
+        self.seen.as_ref().unwrap_or(given)
     }
 }
 
@@ -125,13 +128,16 @@ pub fn estimate(
     methods: &[Method],
     choices: Choices,
 ) -> Result<Estimation, Diagnostic> {
-    let decimated = decimated(log);
-    let log = decimated.as_ref().unwrap_or(log);
+    let begun = from_free_air(log);
+    let begins_in_contact = begun.is_some();
+    let seen = decimated(begun.as_ref().unwrap_or(log)).or(begun);
+    let log = seen.as_ref().unwrap_or(log);
     let mut estimation = match by_its_beginning(log, base, methods, choices)? {
         Some(estimation) => estimation,
         None => compared(log, base, methods, choices)?,
     };
-    estimation.decimated = decimated;
+    estimation.evidence.has_no_zero |= begins_in_contact;
+    estimation.seen = seen;
     Ok(estimation)
 }
 
@@ -180,7 +186,7 @@ fn compared(
     let (mut selection, mut rmses_n) = (Vec::new(), Vec::new());
     for method in methods {
         let Setup { config, notes } = setup(log, base, *method, choices);
-        let replay = replay(log, &config).map_err(|error| refused(&error))?;
+        let replay = replayed(log, &config)?;
         long_enough(log, &replay)?;
         let outcome = Outcome::along(log, &replay, &motions);
         selection.push(Compared {
@@ -244,15 +250,25 @@ fn with_evidence(
         selection,
         notes,
         evidence,
-        decimated: None,
+        seen: None,
     }
 }
 
-fn refused(error: &ConfigError) -> Diagnostic {
-    Diagnostic::new("the configuration cannot be used")
-        .at_key(error.field)
-        .value(error.value)
-        .remedy(error.expected)
+/// The board's step over a log, with the touches that a log which begins in contact has.
+///
+/// # Errors
+/// The field of the configuration that cannot be used.
+pub(crate) fn replayed(log: &UniformLog, config: &Config) -> Result<Replay, Diagnostic> {
+    let replay = replay(log, config).map_err(|error| {
+        Diagnostic::new("the configuration cannot be used")
+            .at_key(error.field)
+            .value(error.value)
+            .remedy(error.expected)
+    })?;
+    Ok(Replay {
+        touched: touched(log),
+        ..replay
+    })
 }
 
 /// What laws are compared by.

@@ -16,6 +16,7 @@ pub use steps::Steps;
 pub(crate) use width::half_width;
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use estimator_core::estimate::{Phase, params::Params};
 use estimator_core::physics::law::LawKind;
@@ -39,6 +40,8 @@ pub struct Replay {
     pub surface_m: Steps,
     /// The records from which on the position is another by a jump that stays.
     pub jumps: Vec<usize>,
+    /// The touches of a log that begins in contact: the estimator took the force that it began with for its resting force.
+    pub touched: Option<Vec<Range<usize>>>,
     /// Standard deviation of the raw force (N) as the estimator measured it.
     pub noise_n: f64,
     /// Samples that the records are late.
@@ -82,6 +85,7 @@ pub fn replay(log: &UniformLog, config: &Config) -> Result<Replay, ConfigError> 
         rest_n,
         surface_m,
         jumps,
+        touched: None,
         noise_n: f64::from(state.force_noise_n()),
         delay,
         start_s: log.time_s.first().copied().unwrap_or(0.0),
@@ -201,8 +205,11 @@ impl Replay {
     }
 
     /// Stretches of contact as ranges of records.
-    pub fn contacts(&self) -> Vec<std::ops::Range<usize>> {
-        let mut contacts: Vec<std::ops::Range<usize>> = Vec::new();
+    pub fn contacts(&self) -> Vec<Range<usize>> {
+        if let Some(touched) = &self.touched {
+            return touched.clone();
+        }
+        let mut contacts: Vec<Range<usize>> = Vec::new();
         let in_contact = |said: &Said| said.phase == Phase::Contact;
         let stretches = self.records.stretches();
         for (range, _) in stretches.filter(|(_, said)| in_contact(said)) {

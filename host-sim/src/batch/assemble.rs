@@ -2,12 +2,13 @@
 
 use estimator_core::Status;
 use estimator_core::estimate::Estimated;
+use estimator_core::physics::law::LawId;
 
 use super::touch;
 use super::{
-    course::Course, course::Node, course::Use, family::Family, family::SURFACE, fit::Fit,
-    fit::Problem, natural::natural, result::Batch, result::Columns, result::Parameter,
-    result::Tried, select::Candidate, select::Fixed,
+    blocks::Node, blocks::Use, course::Course, course::long_ago, family::Family, family::OFFSET,
+    family::SURFACE, fit::Fit, fit::Problem, natural::natural, result::Batch, result::Columns,
+    result::Parameter, result::Tried, select::Candidate, select::Fixed,
 };
 use crate::estimate::{Lateness, NOISE_ALONE, touches::Departure};
 use crate::kinematics::Kinematics;
@@ -16,6 +17,10 @@ use crate::stats::{lowest, rms};
 
 /// Points of the elastic curve.
 const CURVE_POINTS: usize = 200;
+
+/// A surface is tried so much farther out, of the depth; it is known if that adds this to Σ w r²: three standard errors.
+const FARTHER: f64 = 0.5;
+const TOLD: f64 = 9.0;
 
 /// Parameters, misfit, offset, skew.
 type Estimates = (
@@ -56,7 +61,7 @@ impl Given<'_> {
     /// and of which the log tells every relaxation mode: one that is not known to be there is not taken,
     /// unless nothing else comes near.
     pub(super) fn best<'a>(&self, tried: &'a [Candidate], fixed: &Fixed) -> Option<&'a Candidate> {
-        let rmses_n: Vec<f64> = tried.iter().map(|own| self.rmse(&own.fit)).collect();
+        let rmses_n: Vec<f64> = tried.iter().map(|own| self.rmse(own)).collect();
         let least = lowest(rmses_n.iter().copied());
         let is_near = |rmse_n: f64| rmse_n <= self.course.thresholds.selection.rival * least;
         let near = tried
@@ -86,10 +91,19 @@ impl Given<'_> {
             true => covariance,
             false => covariance.widened(SURFACE, spread),
         };
+        let covariance = match self.course.begins_in_contact() {
+            true => covariance.opened(&problem, &candidate.fit.free, &self.course.begun_just_now()),
+            false => covariance,
+        };
         let mut values = problem.reported(&candidate.fit.free, &covariance, self.reference_depth_m);
         let (skew, offset) = (values.pop(), values.pop());
         let skew = skew.filter(|_| family.skew().is_some());
-        (self.named(family, &values), covariance.misfit, offset, skew)
+        let mut parameters = self.named(family, &values);
+        if !self.shows_surface(&problem, &candidate.fit) {
+            let surface = parameters.iter_mut().find(|own| own.name == "surface");
+            surface.into_iter().for_each(|own| own.estimate = None);
+        }
+        (parameters, covariance.misfit, offset, skew)
     }
 
     pub(super) fn result(
@@ -109,12 +123,12 @@ impl Given<'_> {
             }),
             (late_s, more) => late_s.or(more),
         };
-        let columns = self.columns(&best.fit);
-        let rmse = self.rmse(&best.fit);
+        let columns = self.columns(best);
+        let rmse = self.rmse(best);
         let selection = tried.iter().map(|candidate| Tried {
             family: candidate.fit.family,
             parameters: candidate.fit.free.len(),
-            force_rmse_n: self.rmse(&candidate.fit),
+            force_rmse_n: self.rmse(candidate),
             score: candidate.score,
         });
         Batch {
@@ -137,16 +151,15 @@ impl Given<'_> {
     /// more than noise: by as much as its rivals put it elsewhere, and by as much as the law leaves its baseline
     /// elsewhere than the force does.
     fn surface_spread_m(&self, best: &Candidate, tried: &[Candidate]) -> f64 {
-        let least = self.rmse(&best.fit);
+        let least = self.rmse(best);
         if least <= NOISE_ALONE * self.course.scales.noise_n {
             return 0.0;
         }
         let at =
             |other: &Candidate| natural(other.fit.family, &other.fit.free, &self.course.scales);
         let own_m = at(best).surface_m;
-        let is_rival = |other: &&Candidate| {
-            self.rmse(&other.fit) < self.course.thresholds.selection.rival * least
-        };
+        let is_rival =
+            |other: &&Candidate| self.rmse(other) < self.course.thresholds.selection.rival * least;
         let rivals = tried.iter().filter(is_rival);
         let apart = rivals.map(|other| (at(other).surface_m - own_m).abs());
         apart.fold(self.misplaced_m(&best.fit), f64::max)
@@ -173,6 +186,28 @@ impl Given<'_> {
         }
     }
 
+    /// Whether a log in which nothing moves through free air shows where the surface is. That of a force that is linear in
+    /// the depth could as well be farther out, with another resting force; samples that were fitted beyond it tell the
+    /// difference.
+    fn shows_surface(&self, problem: &Problem, fit: &Fit) -> bool {
+        let scales = &self.course.scales;
+        let is_linear = matches!(fit.family.law, LawId::KelvinVoigt | LawId::Zener);
+        if !is_linear || self.course.approaches() || problem.fixed.contains(&SURFACE) {
+            return true;
+        }
+        let law = natural(fit.family, &fit.free, scales);
+        let mut farther = fit.free.clone();
+        farther[SURFACE] -= FARTHER;
+        farther[OFFSET] -= FARTHER * law.stiffness * scales.depth_m / scales.force_n;
+        let mut nodes = self.course.nodes.clone();
+        long_ago(&mut nodes);
+        let problem = Problem {
+            nodes: &nodes,
+            ..*problem
+        };
+        problem.cost(&farther) - problem.cost(&fit.free) > TOLD
+    }
+
     /// Names to values; none to what the log does not tell.
     fn named(&self, family: Family, values: &[Estimated<f64>]) -> Vec<Parameter> {
         let known = |name: &str, estimate: &Estimated<f64>| {
@@ -192,7 +227,7 @@ impl Given<'_> {
     /// The force of a fit at every sample (N), offset included, whatever it was fitted to.
     fn forces(&self, fit: &Fit) -> Vec<f64> {
         let period_s = self.log.period_s();
-        let nodes: Vec<Node> = (0..self.log.len())
+        let mut nodes: Vec<Node> = (0..self.log.len())
             .map(|at| Node {
                 time_s: self.log.time_s[at],
                 period_s,
@@ -205,24 +240,30 @@ impl Given<'_> {
                 used: self.course.uses[at],
             })
             .collect();
+        if let Some((first, begun)) = nodes.first_mut().zip(self.course.nodes.first()) {
+            first.period_s = begun.period_s;
+        }
         let mut forces = Vec::with_capacity(nodes.len());
         let law = natural(fit.family, &fit.free, &self.course.scales);
         law.along(fit.family, &nodes, |_, force| forces.push(force));
         forces
     }
 
-    /// Whether a sample of the log was fitted to in contact.
-    fn is_fitted(&self, at: usize) -> bool {
-        matches!(self.course.uses[at], Use::Contact(_)) && !self.log.in_gap[at]
+    /// Whether a sample of the log was fitted to in contact, from a time on (s).
+    fn is_fitted(&self, at: usize, from_s: f64) -> bool {
+        let in_contact = matches!(self.course.uses[at], Use::Contact(_));
+        in_contact && !self.log.in_gap[at] && self.log.time_s[at] >= from_s
     }
 
-    pub(super) fn rmse(&self, fit: &Fit) -> f64 {
-        let errors = self.forces(fit).into_iter().enumerate();
-        let fitted = errors.filter(|(at, _)| self.is_fitted(*at));
+    pub(super) fn rmse(&self, own: &Candidate) -> f64 {
+        let from_s = self.course.counts_from_s(&own.weights);
+        let errors = self.forces(&own.fit).into_iter().enumerate();
+        let fitted = errors.filter(|(at, _)| self.is_fitted(*at, from_s));
         rms(fitted.map(|(at, force)| self.log.force_n[at] - force))
     }
 
-    fn columns(&self, fit: &Fit) -> Columns {
+    fn columns(&self, own: &Candidate) -> Columns {
+        let (fit, from_s) = (&own.fit, self.course.counts_from_s(&own.weights));
         let law = natural(fit.family, &fit.free, &self.course.scales);
         let mut touched = vec![false; self.log.len()];
         for touch in &self.course.touches {
@@ -243,7 +284,9 @@ impl Given<'_> {
                     }
                 })
                 .collect(),
-            used: (0..self.log.len()).map(|at| self.is_fitted(at)).collect(),
+            used: (0..self.log.len())
+                .map(|at| self.is_fitted(at, from_s))
+                .collect(),
         }
     }
 

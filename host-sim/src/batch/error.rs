@@ -11,7 +11,7 @@
 use estimator_core::estimate::Estimated;
 use estimator_core::maths::Dual;
 
-use super::{fit::Problem, fit::of_size, natural::natural};
+use super::{blocks::Node, fit::Problem, fit::of_size, natural::natural};
 use crate::estimate::NOISE_ALONE;
 use crate::lsq::{covariance::inverse, covariance::newey_west, dense};
 use crate::stats::{correlation, rms};
@@ -103,6 +103,36 @@ impl Problem<'_> {
         }
     }
 
+    /// How far the free numbers go for what else a law does along other nodes than its own.
+    fn moved_by<const N: usize>(
+        &self,
+        free: &[f64],
+        covariance: &Covariance,
+        others: &[Node],
+    ) -> Vec<f64> {
+        let (mut other_n, mut slopes) = (Vec::new(), Vec::new());
+        Problem {
+            nodes: others,
+            ..*self
+        }
+        .along(free, |_, _, force| other_n.push(force));
+        self.gradients::<N>(free, |node, weight, residual, gradient| {
+            slopes.push((weight, node.force_n - residual, *gradient));
+        });
+        let mut both = [0.0; N];
+        for ((weight, own_n, gradient), other_n) in slopes.iter().zip(other_n) {
+            for (sum, slope) in both.iter_mut().zip(gradient) {
+                *sum += weight * slope * (other_n - own_n);
+            }
+        }
+        // What is white is the inverse times the square of the misfit, where that is above 1.
+        let scale = covariance.misfit.max(1.0).powi(2);
+        let inverse = covariance.white.chunks(N);
+        inverse
+            .map(|row| row.iter().zip(&both).map(|(a, b)| a * b).sum::<f64>() / scale)
+            .collect()
+    }
+
     /// The parameters with their standard errors at a reference depth; then the offset and the skew.
     pub(super) fn reported(
         &self,
@@ -142,6 +172,16 @@ impl Covariance {
             for (i, entry) in self.open.iter_mut().enumerate() {
                 *entry += by * by * moves[i / n] * moves[i % n];
             }
+        }
+        self
+    }
+
+    /// Adds what a law leaves open that may have gone anything between its own nodes and others, which are as likely.
+    pub(super) fn opened(mut self, problem: &Problem, free: &[f64], others: &[Node]) -> Covariance {
+        let moves = of_size!(problem, moved_by(free, &self, others));
+        let n = self.size;
+        for (i, entry) in self.open.iter_mut().enumerate() {
+            *entry += moves[i / n] * moves[i % n] / 3.0;
         }
         self
     }

@@ -3,7 +3,7 @@
 
 use estimator_core::maths::{Dual, scalar::Scalar};
 
-use super::{course::Node, course::Scales, family::Family, natural::natural};
+use super::{blocks::Node, family::Family, natural::natural, scales::Scales};
 use crate::lsq::NormalEquations;
 use crate::lsq::minimize::{Limits, Minimizer, Stop, System};
 

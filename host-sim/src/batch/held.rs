@@ -1,8 +1,8 @@
 //! Parameters that a person holds, as free numbers of a family.
 
-use super::course::Scales;
 use super::family::{Family, Form, STIFFNESS, SURFACE};
 use super::natural::{damping_unit, free_of_exponent, reference_m};
+use super::scales::Scales;
 
 /// Values that are held, or begun with, by the names of files.
 #[derive(Clone, Debug, Default, PartialEq)]

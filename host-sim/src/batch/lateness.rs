@@ -16,14 +16,16 @@ use std::ops::Range;
 
 use estimator_core::estimate::{Estimated, config::Surface};
 
-use super::course::{Course, Node};
+use super::blocks::Node;
+use super::course::Course;
 use super::family::Family;
 use super::fit::{Problem, STILL};
 use super::held::Held;
 use super::natural::natural;
 use super::regression::Regression;
-use super::select::{Fixed, candidates, mask_surface};
+use super::select::{Fixed, candidates};
 use super::thresholds::Thresholds;
+use super::weights::mask_surface;
 use crate::estimate::{EXPLAINED, Estimation, Form, Lateness};
 use crate::kinematics::{Kinematics, kinematics};
 use crate::log::UniformLog;

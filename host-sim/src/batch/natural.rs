@@ -14,8 +14,9 @@ use estimator_core::physics::law::{
     RelaxingLaw, Zener, unilateral,
 };
 
-use super::course::{Node, Scales};
+use super::blocks::Node;
 use super::family::{Family, Form, OFFSET, STIFFNESS, SURFACE};
+use super::scales::Scales;
 
 /// Smallest exponent, and the range above it.
 const LEAST_EXPONENT: f64 = 0.5;
@@ -257,7 +258,7 @@ impl<S: Scalar> Natural<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::course::Use;
+    use super::super::blocks::Use;
     use super::*;
     use estimator_core::maths::Dual;
     use estimator_core::physics::law::HuntCrossley;

@@ -4,23 +4,16 @@
 //! BIC = M·ln(χ²/N) + p·ln M. M is the number of *independent* residuals, N over the correlation
 //! time that the best candidate leaves: with N itself the long holds of a measured record would buy a
 //! mode for every wiggle. Modes of the quasi-linear law are chosen by the same score.
-//!
-//! **Weights.** A block mean of m samples has the variance σ²/m of the noise; that of the position,
-//! ξ², times the local stiffness k squared, over m/h, if h samples in a row have the same error (a
-//! hold on one count of an encoder does not average it); and the variance s² of what even the best
-//! candidate misses, which no mean removes: w = 1/((σ² + k²ξ²h)/m + s²). Where a law fits, s = 0 and
-//! every sample counts; where none fits, a block counts as one however long, and a hold weighs by
-//! its logarithm: 15 s at 5 kHz do not drown the approach. k and s are those of the best candidate of
-//! a first round with σ alone; s makes χ² = N there. The second round is the result.
 
 use rayon::prelude::*;
 
-use super::course::{Course, Node, Scales, Use};
+use super::course::Course;
 use super::family::{Family, Form};
 use super::fit::{Fit, Problem, STILL};
 use super::held::Held;
-use super::natural::natural;
+use super::scales::Scales;
 use super::start::{Given, Starts, scan};
+use super::weights::{mask_surface, second_weights};
 use crate::stats::correlation;
 
 /// The first round ends where a step promises less than this of χ²; the second where it promises
@@ -121,7 +114,11 @@ pub(super) fn roughly_fitted(
 
 /// The second round, with the weights that the best of the first calls for, and the scores.
 pub(super) fn finished(course: &Course, first: Vec<Candidate>, fixed: &Fixed) -> Vec<Candidate> {
-    let weights = second_weights(course, &first);
+    let best = first
+        .iter()
+        .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+    let Some(best) = best else { return first };
+    let weights = second_weights(course, &best.fit);
     let round = Round {
         course,
         weights: &weights,
@@ -131,25 +128,6 @@ pub(super) fn finished(course: &Course, first: Vec<Candidate>, fixed: &Fixed) ->
     let again = |Candidate { fit, .. }| round.fit(fit.family, [fit.free]);
     let again: Vec<Candidate> = first.into_par_iter().filter_map(again).collect();
     scored(course, round.nested(again))
-}
-
-impl Course {
-    /// The weights of the nodes by the noise of the force alone.
-    pub(super) fn noise_weights(&self) -> Vec<f64> {
-        let nodes = self.nodes.iter();
-        nodes
-            .map(|node| weight(node, &self.scales, 0.0, 0.0))
-            .collect()
-    }
-}
-
-/// 1/((σ² + k²ξ²h)/m + s²) for what is used: slope k (N/m), s² in N².
-fn weight(node: &Node, scales: &Scales, slope: f64, missed_n2: f64) -> f64 {
-    if node.used == Use::Out || node.count == 0.0 {
-        return 0.0;
-    }
-    let by_position = (slope * scales.position_noise_m).powi(2) * node.held;
-    1.0 / ((scales.noise_n.powi(2) + by_position) / node.count + missed_n2)
 }
 
 /// Fits with one set of weights.
@@ -266,83 +244,6 @@ fn one_mode_more(free: &[f64], family: Family) -> Vec<f64> {
     let widest = gaps.chain([slower]).max_by(|a, b| a.0.total_cmp(&b.0));
     let rate = widest.map_or(rates[0], |(_, rate)| rate);
     [free, &[SMALL_MODE.ln(), rate]].concat()
-}
-
-/// At the surface the force of (1) jumps by λδ̇: on which side a sample is, its rounding decides.
-pub(super) fn mask_surface(weights: &mut [f64], course: &Course, fit: &Fit) {
-    let scales = &course.scales;
-    let surface_m = natural(fit.family, &fit.free, scales).surface_m;
-    for (weight, node) in weights.iter_mut().zip(&course.nodes) {
-        let travel_m =
-            course.thresholds.samples.surface_travel * node.speed_mps.abs() * scales.period_s;
-        if (node.position_m - surface_m).abs() <= travel_m + 2.0 * scales.position_noise_m {
-            *weight = 0.0;
-        }
-    }
-}
-
-/// The weights of the second round, from the best candidate of the first.
-fn second_weights(course: &Course, candidates: &[Candidate]) -> Vec<f64> {
-    let best = candidates
-        .iter()
-        .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
-    let Some(best) = best else { return Vec::new() };
-    let scales = &course.scales;
-    let force = |shift_m: f64| {
-        let mut law = natural(best.fit.family, &best.fit.free, scales);
-        law.surface_m -= shift_m;
-        let mut forces = Vec::with_capacity(course.nodes.len());
-        law.along(best.fit.family, &course.nodes, |_, force| {
-            forces.push(force)
-        });
-        forces
-    };
-    let shift_m = 1e-3 * scales.depth_m;
-    let moved = force(shift_m).into_iter().zip(force(-shift_m));
-    let slopes: Vec<f64> = moved.map(|(a, b)| (a - b) / (2.0 * shift_m)).collect();
-    let errors: Vec<f64> = force(0.0)
-        .into_iter()
-        .zip(&course.nodes)
-        .map(|(force, node)| node.force_n - force)
-        .collect();
-    let weights = |missed_n2: f64| {
-        let nodes = course.nodes.iter().zip(&slopes);
-        nodes
-            .map(|(node, slope)| weight(node, scales, *slope, missed_n2))
-            .collect::<Vec<f64>>()
-    };
-    let chi_2 = |missed_n2: f64| {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (weight, error) in weights(missed_n2).iter().zip(&errors) {
-            sum += weight * error * error;
-            count += f64::from(u8::from(*weight > 0.0));
-        }
-        (sum / f64::max(count, 1.0), count)
-    };
-    let sigmas = course.thresholds.selection.misfit_sigmas;
-    weights(missed_n2(chi_2, scales.noise_n.powi(2), sigmas))
-}
-
-/// s² (N²) with which the mean of χ² is 1; 0 if the noise alone explains it.
-fn missed_n2(chi_2: impl Fn(f64) -> (f64, f64), noise_n2: f64, sigmas: f64) -> f64 {
-    let (mean, count) = chi_2(0.0);
-    // χ²/N of pure noise scatters by √(2/N).
-    if mean < 1.0 + sigmas * (2.0 / f64::max(count, 1.0)).sqrt() {
-        return 0.0;
-    }
-    let (mut low, mut high) = (1e-6 * noise_n2, noise_n2);
-    while chi_2(high).0 > 1.0 {
-        high *= 4.0;
-    }
-    for _ in 0..30 {
-        let middle = (low * high).sqrt();
-        if chi_2(middle).0 > 1.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
 }
 
 /// The scores, over the nodes that all candidates see.

@@ -8,9 +8,11 @@
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::law::{Elastic, MOST_MODES, QuasiLinear, RelaxationMode, RelaxingLaw};
 
-use super::course::{Course, Node, Scales};
+use super::blocks::Node;
+use super::course::Course;
 use super::family::{Family, Form};
 use super::natural::{damping_unit, free_of_exponent, reference_m};
+use super::scales::Scales;
 use crate::lsq::dense;
 
 const EXPONENTS: [f64; 6] = [1.0, 1.2, 1.4, 1.65, 2.0, 2.5];

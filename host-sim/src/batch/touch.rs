@@ -8,11 +8,13 @@ use std::ops::Range;
 
 use estimator_core::physics::law::LawId;
 
-use super::course::{Course, Node, Scales, Use};
+use super::blocks::{Node, Use};
+use super::course::Course;
 use super::family::{Family, OFFSET, SURFACE};
 use super::fit::{Fit, Problem, STILL};
 use super::natural::natural;
 use super::result::{Parameter, TouchFit};
+use super::scales::Scales;
 use super::select::Candidate;
 use crate::log::UniformLog;
 use crate::stats::lowest;

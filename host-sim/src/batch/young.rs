@@ -50,7 +50,7 @@ impl Given<'_> {
             );
         }
         why.extend(indenter.limit(self.depth_m(&again.fit)));
-        why.extend(self.other_growth(&again.fit, exponent, own));
+        why.extend(self.other_growth(&again, exponent, own));
         Some(Modulus {
             value: is_known.then_some(Estimated { value, std_error }),
             kind: match family.modes {
@@ -62,7 +62,7 @@ impl Given<'_> {
             indenter: indenter.name(),
             poisson,
             exponent_assumed: own,
-            force_rmse_n: self.rmse(&again.fit),
+            force_rmse_n: self.rmse(&again),
         })
     }
 
@@ -75,11 +75,11 @@ impl Given<'_> {
     /// A sentence where the force does not grow with depth as this indenter's on a half-space does.
     fn other_growth(
         &self,
-        fit: &Fit,
+        law: &Candidate,
         exponent: Option<Estimated<f64>>,
         own: f64,
     ) -> Option<String> {
-        let rmse_n = self.rmse(fit);
+        let rmse_n = self.rmse(law);
         if rmse_n > EXPLAINED * self.course.scales.noise_n {
             return Some(format!(
                 "with the indenter's exponent {own} the law leaves {}, {:.1} × the noise",

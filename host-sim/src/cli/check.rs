@@ -207,6 +207,12 @@ fn rest(text: &mut String, inspection: &Inspection) -> std::fmt::Result {
         true => inspection.rest_n,
         false => 0.0,
     };
+    if inspection.free_s == 0.0 {
+        return writeln!(
+            text,
+            "  free air  none: the log begins in contact, and never leaves it"
+        );
+    }
     let rest = quantity(rest_n, 2, "N");
     write!(
         text,
@@ -342,6 +348,7 @@ fn relaxation(inspection: &Inspection) -> Result<String, String> {
 fn free_air(inspection: &Inspection) -> Result<String, String> {
     match inspection.free_s > 0.2 {
         true => Ok("noise, resting force and friction in free air".into()),
+        false if inspection.free_s == 0.0 => Err("noise and resting force (no free air)".into()),
         false => Err("noise and resting force (hardly any free air)".into()),
     }
 }

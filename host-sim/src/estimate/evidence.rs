@@ -8,7 +8,7 @@ use super::damping::{is_negative, taken_by_lateness};
 use super::outcome::Outcome;
 use super::reason::{EXPLAINED, Evidence, Reason};
 use super::residual::surface_misfit;
-use super::setup::starts_in_contact;
+use super::setup::has_no_zero;
 use super::touches::departure;
 use crate::inspect::{Inspection, refreshed::apart_s};
 use crate::log::UniformLog;
@@ -65,7 +65,7 @@ pub(super) fn evidence(
         misfit,
         explained: EXPLAINED,
         is_saturated: inspection.saturated_n.is_some(),
-        has_no_zero: starts_in_contact(log),
+        has_no_zero: has_no_zero(log),
         drifts: false,
         has_other_force: false,
         is_dented: false,

@@ -22,6 +22,12 @@ const FEWEST_SETTLING: usize = 10;
 const FEWEST_FREE: usize = 50;
 /// The probe has moved when it has gone this share of its travel.
 const STILL_SHARE: f64 = 0.01;
+/// A log whose force leaves its start within so many samples begins in contact;
+const AT_ONCE: usize = 1;
+/// and so does one whose force is below its start by this share of what it does in all, for this share of its samples: no
+/// pull lasts so long, and no resting force drifts so far.
+const BELOW_FORCE: f64 = 0.1;
+const BELOW_SAMPLES: f64 = 0.2;
 /// The threshold of a touch over the drift of the resting force.
 const DRIFT_MARGIN: f64 = 2.0;
 /// Largest drift, of the peak force, that is one: a larger end is a contact.
@@ -124,6 +130,9 @@ fn decade_below(value: f64) -> f64 {
 /// How deep (m) and how hard (N) the log presses, roughly: from where the force leaves its start to
 /// where it is largest.
 fn reach(log: &UniformLog) -> (f64, f64) {
+    if begins_in_contact(log) {
+        return (range(&log.position_m), range(&log.force_n));
+    }
     let Some(touch) = free_samples(log) else {
         return (0.0, 0.0);
     };
@@ -162,9 +171,18 @@ fn free_samples(log: &UniformLog) -> Option<usize> {
     (0..log.len()).position(|index| away(index) > leaves)
 }
 
-/// Whether the force leaves its start at once: what it rests at was never seen.
-pub(super) fn starts_in_contact(log: &UniformLog) -> bool {
-    free_samples(log).is_some_and(|free| free / 2 < FEWEST_SETTLING)
+/// Whether too little free air was seen at the start to know what the force rests at.
+pub(super) fn has_no_zero(log: &UniformLog) -> bool {
+    begins_in_contact(log) || free_samples(log).is_some_and(|free| free / 2 < FEWEST_SETTLING)
+}
+
+/// Whether the first sample is in contact: the force leaves it at once, or is far below it for long, as no free air is.
+pub(super) fn begins_in_contact(log: &UniformLog) -> bool {
+    let at_once = free_samples(log).is_some_and(|free| free <= AT_ONCE);
+    let below_n = (BELOW_FORCE * range(&log.force_n)).max(6.0 * log.force_noise_n());
+    let low_n = rest_n(log) - below_n;
+    let below = log.force_n.iter().filter(|force| **force < low_n).count();
+    at_once || below as f64 >= BELOW_SAMPLES * log.len() as f64
 }
 
 /// How far the force strays from its start while the probe has not moved yet (N): hum and noise.
@@ -239,7 +257,7 @@ fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) 
     // Half of the free air: its end is where the force has already left its start.
     let before = free_samples(log).unwrap_or(log.len());
     let free = before / 2;
-    if free >= wanted && wanted >= FEWEST_FREE {
+    if free >= wanted && wanted >= FEWEST_FREE && !begins_in_contact(log) {
         return;
     }
     // A thousandth more survives rounding. At 100 Hz it takes longer than usual to see the noise.
@@ -254,11 +272,12 @@ fn set_free_air(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) 
             quantity(noise, 3, "N")
         ));
     }
-    if free < FEWEST_SETTLING {
-        let what = match before {
-            0 | 1 => "the log starts in contact".into(),
-            before => format!("only {before} samples before the force rises"),
-        };
+    if begins_in_contact(log) {
+        notes.push(
+            "the log starts in contact: no free air before it shows the resting force".into(),
+        );
+    } else if free < FEWEST_SETTLING {
+        let what = format!("only {before} samples before the force rises");
         notes.push(format!(
             "{what}: resting force and surface are those of its first samples"
         ));

@@ -72,13 +72,17 @@ fn each<'a>(
     let contacts = replay.contacts();
     let ends: Vec<usize> = contacts.iter().map(|contact| contact.end).collect();
     let before = std::iter::once(0).chain(ends);
+    let second = contacts.get(1).map_or(log.len(), |second| second.start);
     contacts
         .into_iter()
         .zip(before)
-        .map(|(contact, free_from)| {
-            let free: Vec<f64> = (free_from..contact.start)
-                .map(|at| smooth.force_n(at))
-                .collect();
+        .map(move |(contact, free_from)| {
+            // Of a touch that the log begins in the rest is seen after it.
+            let free = match contact.start {
+                0 => contact.end..second,
+                start => free_from..start,
+            };
+            let free: Vec<f64> = free.map(|at| smooth.force_n(at)).collect();
             let rest_n = match free.len() >= FEWEST_FREE {
                 true => median(free.iter().copied()),
                 false => f64::from(replay.rest_n[contact.start]),
