@@ -3,6 +3,9 @@
 //! The core's [`Compensation`] runs over the log in double precision; what comes out is the position
 //! of the tip and the contact force, for whatever estimator follows. Effects of the material stay.
 
+mod turning;
+
+use std::ops::Range;
 use std::path::Path;
 
 use estimator_core::Sample;
@@ -14,6 +17,7 @@ use crate::log::UniformLog;
 use crate::model::Model;
 use crate::number::{counted, quantity};
 use crate::signal::step;
+use turning::turning;
 
 /// The log without what the rig of the model at `path` adds.
 ///
@@ -40,8 +44,16 @@ pub fn compensate(log: &UniformLog, model: &Model) -> Result<UniformLog, Diagnos
                 .note(format!("the log has {} Hz", log.rate_hz))
                 .remedy(format!("it {}", error.expected))
         })?;
+    let turns = turning(log, &rig.effects, count_m.unwrap_or(0.0));
     let mut out = run(log, &compensation);
     out.position_step_m = count_m;
+    let late = log.len() - out.len();
+    bridge(
+        &mut out,
+        turns
+            .iter()
+            .map(|own| own.start.saturating_sub(late)..own.end.saturating_sub(late)),
+    );
     let names = |own: bool| {
         let effects = rig.effects().map(|effect| effect.id());
         let names = effects.filter(move |id| id.belongs_to_rig() == own);
@@ -50,6 +62,13 @@ pub fn compensate(log: &UniformLog, model: &Model) -> Result<UniformLog, Diagnos
     let (off, stay) = (names(true), names(false));
     out.notes.extend(notes(&off, &stay, model, &compensation));
     out.compensated.effects = off;
+    let turning = out.compensated.turning.iter().filter(|at| **at).count();
+    if turning > 0 {
+        out.notes.push(format!(
+            "{} where a friction turns or comes to rest: to which side it goes is not known to the sample, so they are not learned from",
+            counted(turning, "sample")
+        ));
+    }
     let saturated = out.compensated.saturated.iter().filter(|at| **at).count();
     if saturated > 0 {
         out.notes.push(format!(
@@ -125,6 +144,24 @@ fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
         out.compensated.saturated.push(saturated);
     }
     out
+}
+
+/// Draws a line over each stretch in which it is not known to which side a friction goes: what is taken off would step there,
+/// which in free air is a touch of 5 ms.
+fn bridge(out: &mut UniformLog, turns: impl Iterator<Item = Range<usize>>) {
+    out.compensated.turning = vec![false; out.len()];
+    for own in turns.filter(|own| !own.is_empty()) {
+        let known = |at: Option<usize>| at.and_then(|at| out.force_n.get(at)).copied();
+        let (before, after) = (known(own.start.checked_sub(1)), known(Some(own.end)));
+        let Some((from_n, to_n)) = before.or(after).zip(after.or(before)) else {
+            continue;
+        };
+        let steps = (own.len() + 1) as f64;
+        for (step, at) in own.enumerate() {
+            out.force_n[at] = from_n + (to_n - from_n) * (step + 1) as f64 / steps;
+            out.compensated.turning[at] = true;
+        }
+    }
 }
 
 #[cfg(test)]

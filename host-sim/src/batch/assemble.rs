@@ -252,7 +252,7 @@ impl Given<'_> {
     /// Whether a sample of the log was fitted to in contact, from a time on (s).
     fn is_fitted(&self, at: usize, from_s: f64) -> bool {
         let in_contact = matches!(self.course.uses[at], Use::Contact(_));
-        in_contact && !self.log.in_gap[at] && self.log.time_s[at] >= from_s
+        in_contact && self.log.has_force(at) && self.log.time_s[at] >= from_s
     }
 
     pub(super) fn rmse(&self, own: &Candidate) -> f64 {

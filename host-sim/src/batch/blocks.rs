@@ -134,7 +134,10 @@ pub(super) fn nodes(
 }
 
 fn sample(log: &UniformLog, motion: &Kinematics, uses: &[Use], at: usize) -> Node {
-    let used = if log.in_gap[at] { Use::Out } else { uses[at] };
+    let used = match log.has_force(at) {
+        true => uses[at],
+        false => Use::Out,
+    };
     Node {
         time_s: log.time_s[at],
         period_s: 0.0,

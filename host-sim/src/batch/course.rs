@@ -85,7 +85,7 @@ impl Course {
     /// Measurements in contact that are left out, and all in contact.
     pub(super) fn left_out(&self, log: &UniformLog) -> (usize, usize) {
         let samples = self.touches.iter().cloned().flatten();
-        let measured: Vec<usize> = samples.filter(|at| !log.in_gap[*at]).collect();
+        let measured: Vec<usize> = samples.filter(|at| log.has_force(*at)).collect();
         let out = measured.iter().filter(|at| self.uses[**at] == Use::Out);
         (out.count(), measured.len())
     }

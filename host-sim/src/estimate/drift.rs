@@ -58,7 +58,7 @@ impl Drift {
 fn rests(log: &UniformLog, touches: &[Range<usize>]) -> Vec<(f64, f64)> {
     let rest = |inside: Range<usize>| {
         let middle_s = log.time_s[(inside.start + inside.end) / 2];
-        let force = inside.filter(|at| !log.in_gap[*at]);
+        let force = inside.filter(|at| log.has_force(*at));
         let force: Vec<f64> = force.map(|at| log.force_n[at]).collect();
         (force.len() >= FEWEST_SAMPLES).then(|| (middle_s, median(force)))
     };

@@ -57,7 +57,7 @@ fn in_free_air(log: &UniformLog, replay: &Replay) -> Option<f64> {
         .fold(0.0, f64::max);
     let mut ways = [Vec::new(), Vec::new()];
     for rest in free_air(log, &replay.contacts(), MARGIN) {
-        let samples: Vec<usize> = rest.filter(|at| !log.in_gap[*at]).collect();
+        let samples: Vec<usize> = rest.filter(|at| log.has_force(*at)).collect();
         for (way, sign) in ways.iter_mut().zip([1.0, -1.0]) {
             let is_moving = |at: &&usize| sign * speed_mps(**at) > MOVING * fastest_mps;
             let moving = samples.iter().filter(is_moving);

@@ -220,7 +220,7 @@ fn errors(
 
 /// Whether each sample, and those that its motion is smoothed over, were measured without a fault.
 fn sound(log: &UniformLog, replay: &Replay) -> Vec<bool> {
-    let mut faulty = log.in_gap.clone();
+    let mut faulty: Vec<bool> = (0..log.len()).map(|at| !log.has_force(at)).collect();
     for (range, said) in replay.records.stretches() {
         if said.faults != Faults::NONE {
             faulty[range].fill(true);

@@ -18,6 +18,8 @@ pub struct Compensated {
     pub noise_n: Option<f64>,
     /// Samples that the load cell's limit has touched; empty if none can.
     pub saturated: Vec<bool>,
+    /// Samples at which a friction turns to a side that is not known; empty if none does.
+    pub turning: Vec<bool>,
     /// Instants (s) from each of which on the zero is off by a force that is known to its errors only.
     pub stepped_s: Vec<f64>,
 }
@@ -158,6 +160,7 @@ impl UniformLog {
             recognised: self.recognised[within(self.recognised.len())].to_vec(),
             compensated: Compensated {
                 saturated: marks(&self.compensated.saturated),
+                turning: marks(&self.compensated.turning),
                 ..self.compensated.clone()
             },
             notes: self.notes.clone(),
@@ -169,6 +172,11 @@ impl UniformLog {
         self.position_m.push(position_m);
         self.force_n.push(force_n);
         self.in_gap.push(in_gap);
+    }
+
+    /// Whether the force of a sample was measured: it was not invented, and what was taken off is known.
+    pub fn has_force(&self, at: usize) -> bool {
+        !self.in_gap[at] && self.compensated.turning.get(at) != Some(&true)
     }
 
     /// Time between samples (s).

@@ -84,6 +84,7 @@ fn without_samples(log: &UniformLog, factor: usize) -> UniformLog {
     };
     means.compensated.noise_n = log.compensated.noise_n.map(|n| n / (factor as f64).sqrt());
     means.compensated.saturated = Vec::new();
+    means.compensated.turning = Vec::new();
     means
 }
 

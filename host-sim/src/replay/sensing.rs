@@ -20,6 +20,8 @@ use crate::stats::extent;
 
 /// Longest gap that is bridged (samples): a quarter of the filter's window of 17.
 const BRIDGED: usize = 4;
+/// Half of that window.
+const HALF: usize = 8;
 
 /// What a replay makes of the readings of a log. What is not touched is the log's own: most logs have no fault.
 #[derive(Clone, Debug)]
@@ -101,6 +103,7 @@ impl<'a> Readings<'a> {
             }
         }
         readings.take_gaps(log);
+        readings.take_turns(log);
         readings
     }
 
@@ -162,6 +165,17 @@ impl<'a> Readings<'a> {
     fn bridge(&mut self, at: usize, fault: Fault) {
         self.invented.0.to_mut()[at] = true;
         self.bridged_faults.add(at, fault);
+    }
+
+    /// Nothing is missing where a friction turns. A line over it cuts the corner of a force that stops, and the filter sees
+    /// that from half of its window.
+    fn take_turns(&mut self, log: &UniformLog) {
+        for (at, turns) in log.compensated.turning.iter().enumerate() {
+            if *turns {
+                let window = at.saturating_sub(HALF)..(at + HALF + 1).min(log.len());
+                self.invented.0.to_mut()[window].fill(true);
+            }
+        }
     }
 
     /// Samples that the resampling invented are missing, unless the log was sampled more slowly there.
