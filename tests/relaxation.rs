@@ -63,6 +63,7 @@ fn touch(law: Law<f64>, motion: &Motion, seed: u64) -> Run {
     let contact = Contact {
         law,
         surface_m: 0.0,
+        ..Contact::FREE
     };
     let schedule = Stage::throughout(contact);
     Rig::default().run(&schedule, motion, seed).unwrap()

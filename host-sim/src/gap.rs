@@ -14,6 +14,8 @@
 //!   remains, the effects with strong evidence stand, each for itself.
 //! - `rounds` asks again for what remains beside what is named, until nothing more is. Where the model says what it left
 //!   when it was identified, `as_identified` allows for that first.
+//! - `lost_counts`, `zero_steps` and `dents` ask again where counts were lost, where the zero has stepped, and where a
+//!   material was touched again before it had recovered: none of that is an effect of the catalogue.
 //! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
 //! - `say` makes the `finding` of it: regions, estimates, advice.
 //!
@@ -25,6 +27,7 @@
 mod as_identified;
 mod data;
 mod decide;
+mod dents;
 mod experiment;
 mod finding;
 mod lost_counts;
@@ -114,16 +117,19 @@ fn workflow(
     let mut notes = input_notes(model, logs, &options.thresholds.input)?;
     let (measured, hangs) = hangs::left_out(logs);
     let (bridged, spikes) = spikes::bridged(&measured);
-    let left_n = |logs: &[UniformLog]| {
+    let left_n = |model: &Model, logs: &[UniformLog]| {
         let nothing = Options {
             catalogue: Vec::new(),
             ..options.clone()
         };
         asked(model, logs, &nothing, &Silent).map(|finding| finding.rmse_before_n)
     };
-    let (closed, lost) = lost_counts::taken_back(&bridged, left_n)?;
+    let (closed, lost) = lost_counts::taken_back(&bridged, |logs| left_n(model, logs))?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
-    let mut finding = zero_steps::taken_off(&closed, |logs| asked(model, logs, options, progress))?;
+    let ask = |model: &Model| {
+        zero_steps::taken_off(&closed, |logs| asked(model, logs, options, progress))
+    };
+    let mut finding = dents::allowed_for(model, ask, |model| left_n(model, &closed))?;
     finding.notes.splice(0..0, notes);
     Ok(finding)
 }

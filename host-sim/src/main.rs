@@ -72,6 +72,7 @@ impl Verb {
                 | Verb::Config(_)
                 | Verb::Completions(_)
                 | Verb::Man(_)
+                | Verb::Demo(_)
         )
     }
 }
@@ -80,7 +81,7 @@ fn main() -> ExitCode {
     let command = Command::parse();
     output::speak(command.json, command.quiet);
     interrupt::catch();
-    if command.json && command.verb.as_ref().is_some_and(Verb::has_no_result) {
+    if command.json && command.verb.as_ref().is_none_or(Verb::has_no_result) {
         let refused = Diagnostic::new("this verb has no result to write as JSON");
         return fail(&refused.value("--json").remedy("leave --json out"));
     }

@@ -59,6 +59,7 @@ fn wrong_logs() -> Vec<Case<'static>> {
         ("duplicated column",  "t_s,x_m,f_n,x_m\n0,0,0,0\n".into(), &["two columns have the same name", "log.csv:1, column x_m", "remedy: give the number", "or rename one"]),
         ("text in a number",   with_line_17("0.015,-0.001,abc"), &["text where a number should be", "log.csv:17, column f_n", "value: `abc`", "remedy: write the force in newtons"]),
         ("NaN",                with_line_17("0.015,nan,0"),      &["not finite", "log.csv:17, column x_m", "value: `nan`", "remedy: --skip-bad-rows"]),
+        ("over range",         with_line_17("0.015,0,9.9E37"),   &["no reading", "log.csv:17, column f_n", "value: `9.9E37`", "remedy: --skip-bad-rows"]),
         ("infinity",           with_line_17("0.015,0,-inf"),     &["not finite", "log.csv:17, column f_n", "value: `-inf`", "remedy: --skip-bad-rows"]),
         ("empty cell",         with_line_17("0.015,,0"),         &["no value", "log.csv:17, column x_m", "value: nothing", "remedy: --skip-bad-rows"]),
         ("ragged row",         with_line_17("0.015,-0.001"),     &["2 values in a row, 3 names in the header", "log.csv:17", "remedy: complete the row"]),
@@ -200,7 +201,7 @@ fn what_is_no_file_or_no_text_is_refused_wherever_a_file_is_read() {
 }
 
 #[rustfmt::skip]
-const WRONG_ARGUMENTS: [(&str, &[&str]); 15] = [
+const WRONG_ARGUMENTS: [(&str, &[&str]); 19] = [
     ("estimate",                                       &["required arguments", "<LOG>"]),
     ("estimate log.csv --law zenner",                  &["'zenner' for '--law", "hunt_crossley"]),
     ("estimate log.csv --method magic",                &["'magic' for '--method", "two_stage"]),
@@ -216,6 +217,10 @@ const WRONG_ARGUMENTS: [(&str, &[&str]); 15] = [
     ("check log.csv --columns x=x_m*0",                &["'x=x_m*0' for '--columns", "the factor must be a number other than 0", "remedy:"]),
     ("check log.csv --columns x=depth",                &["no column `depth` for the position", "log.csv:1", "`x_m`"]),
     ("simulate --model model.toml --seed -1 --out out", &["'-1'"]),
+    ("gap --model model.toml --log log.csv --noise 0.02", &["'--log <LOG>' cannot be used with '--noise <N>'"]),
+    ("gap --model model.toml --log log.csv --motion m.toml", &["'--log <LOG>' cannot be used with '--motion <FILE>'"]),
+    ("demo --json",                                    &["no result to write as JSON", "--json", "remedy: leave --json out"]),
+    ("--json",                                         &["no result to write as JSON", "--json"]),
 ];
 
 #[test]

@@ -107,3 +107,82 @@ fn one_that_has_recovered_is_asked_nothing_more() {
     is_right(&json);
     assert!(!json["notes"].to_string().contains("recovered"));
 }
+
+/// A model that is off by a twentieth and knows no dent.
+const MODEL: &str = "[environment]\nlaw = \"zener\"\nstiffness = 1470.0\nsecond_stiffness = 1800.0\ndamping = 1000.0\n";
+
+/// What `gap` says of a log, and the model that it writes.
+fn gap(log: String) -> (Value, String) {
+    let folder = Folder::with("log.csv", log);
+    folder.write("model.toml", MODEL);
+    folder.succeeds("gap --model model.toml --log log.csv --out out");
+    let json = serde_json::from_str(&folder.read("out/gap.json")).unwrap();
+    (json, folder.read("out/model.toml"))
+}
+
+/// A log whose force has 0.2 N more on the way in, and less on the way out.
+fn rubbing(log: &str) -> String {
+    let rows: Vec<Vec<f64>> = log
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    let mut text = String::from("t_s,x_m,f_n\n");
+    for (at, row) in rows.iter().enumerate() {
+        // Over 10 ms, 4 µm at the slowest that moves.
+        let way_m = rows[(at + 5).min(rows.len() - 1)][1] - rows[at.saturating_sub(5)][1];
+        let force_n = row[2] + 0.2 * (way_m / 2e-6).tanh();
+        text += &format!("{},{},{force_n:.4}\n", row[0], row[1]);
+    }
+    text
+}
+
+#[test]
+fn a_dent_is_no_missing_effect() {
+    // "Something is missing, and no effect of the catalogue stands out", at 3.1 times what noise allows.
+    let (json, model) = gap(presses(0.3, false));
+    assert_eq!(json["verdict"], "no_missing_effect", "{json:#}");
+    assert_eq!(json["recovery"], "creep");
+    assert!(flowing(&json["notes"].to_string()).contains("before it had recovered"));
+    assert!(model.contains("recovery = \"creep\""), "{model}");
+    for (name, is) in [
+        ("stiffness", SOLID.0),
+        ("second_stiffness", SOLID.1),
+        ("damping", SOLID.2),
+    ] {
+        let value = common::number(&json, &format!("/base/after/{name}/value"));
+        assert!((value / is - 1.0).abs() < 0.01, "{name}: {value} of {is}");
+    }
+}
+
+#[test]
+fn a_friction_beside_a_dent_is_named_alone() {
+    let (json, model) = gap(rubbing(&presses(0.3, false)));
+    assert_eq!(json["verdict"], "missing_effects", "{json:#}");
+    assert_eq!(common::named(&json), ["coulomb_friction"]);
+    let force_n = common::number(&json, "/effects/0/params/force/value");
+    assert!((force_n / 0.2 - 1.0).abs() < 0.05, "{force_n} of 0.2");
+    assert!(model.contains("recovery = \"creep\""), "{model}");
+}
+
+#[test]
+fn a_surface_that_follows_the_probe_is_left_as_it_is() {
+    let (json, model) = gap(rubbing(&presses(0.3, true)));
+    assert_eq!(common::named(&json), ["coulomb_friction"], "{json:#}");
+    assert_eq!(json["recovery"], "with_probe");
+    assert!(!model.contains("recovery"), "{model}");
+}
+
+#[test]
+fn the_simulated_rig_has_a_surface_that_creeps_back() {
+    let folder = Folder::with("model.toml", format!("{MODEL}recovery = \"creep\"\n"));
+    folder.succeeds("simulate --model model.toml --out run");
+    let json = estimated(&folder, "run/log.csv", "--law zener --method batch");
+    assert_eq!(json["recovery"], "creep", "{json:#}");
+    assert_eq!(json["status"], "converged");
+    let (damping, std_error) = parameter(&json, "damping");
+    assert!(
+        (damping - 1000.0).abs() < 4.0 * std_error,
+        "{damping} ± {std_error}"
+    );
+}

@@ -130,6 +130,7 @@ fn kelvin_voigt(surface_m: f64) -> Contact {
     Contact {
         law: Law::KelvinVoigt(law),
         surface_m,
+        ..Contact::FREE
     }
 }
 
@@ -377,6 +378,7 @@ fn a_hertzian_sphere_gives_its_modulus() {
     let contact = Contact {
         law: Law::HuntCrossley(law),
         surface_m: 1e-4,
+        ..Contact::FREE
     };
     let log = palpated(contact, 2e-3, SEED_RIG);
     let options = Options {

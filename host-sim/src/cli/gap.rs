@@ -48,10 +48,10 @@ pub struct GapArgs {
     #[arg(long)]
     pub plan: bool,
     /// With --plan: the motion file (TOML), as simulate takes it; a palpation by default.
-    #[arg(long, value_name = "FILE", requires = "plan")]
+    #[arg(long, value_name = "FILE", requires = "plan", conflicts_with = "logs")]
     pub motion: Option<PathBuf>,
     /// With --plan: standard deviation of the force noise (N); the model's sensor by default.
-    #[arg(long, value_name = "N", requires = "plan", value_parser = positive_n)]
+    #[arg(long, value_name = "N", requires = "plan", conflicts_with = "logs", value_parser = positive_n)]
     pub noise: Option<f64>,
     /// Compare both forces below this frequency (Hz) only: a zero-phase low-pass on both.
     #[arg(long, value_name = "HZ", value_parser = positive_hz)]

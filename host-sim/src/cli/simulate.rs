@@ -32,7 +32,8 @@ const FREE_DEPTH_M: f64 = 4.2e-3;
     after_help = "Example:\n  palpate simulate --model gel.toml --motion palpation --seed 7 --out run1\n\n\
                   A model, in SI units:\n  [environment]\n  law = \"hunt_crossley\"\n  \
                   stiffness = 1350.0   # N/m at 1 mm\n  damping = 36.0       # N s/m at 1 mm\n  \
-                  exponent = 1.35\n  surface = 0.0        # m\n\n  \
+                  exponent = 1.35\n  surface = 0.0        # m\n  \
+                  # recovery = \"creep\": a surface that relaxes keeps a dent; else it follows the probe\n\n  \
                   [[effect]]           # zero or more; `palpate effects` lists them\n  \
                   id = \"coulomb_friction\"\n  force = 0.41         # N"
 )]

@@ -4,11 +4,14 @@
 pub(super) enum Cell {
     /// A finite number.
     Number(f64),
-    /// Nothing, or what is not finite.
+    /// Nothing, what is not finite, or no reading.
     Missing,
     /// Neither.
     Text,
 }
+
+/// What is as large is no reading: instruments that speak SCPI write 9.9E37 for a value out of range, and 9.91E37 for none.
+const NO_READING: f64 = 1e30;
 
 /// How a file writes its numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,7 +126,7 @@ pub(super) fn number(cell: &[u8], format: NumberFormat) -> Cell {
         false => text.parse::<f64>().ok(),
     };
     match plain.or_else(|| other_number(text, format)) {
-        Some(value) if value.is_finite() => Cell::Number(value),
+        Some(value) if value.abs() < NO_READING => Cell::Number(value),
         Some(_) => Cell::Missing,
         None if matches!(text, "-" | "--" | "n/a" | "N/A" | "#N/A" | "NaN") => Cell::Missing,
         None => Cell::Text,

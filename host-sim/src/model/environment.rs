@@ -2,7 +2,8 @@
 
 use estimator_core::maths::scalar::Scalar;
 use estimator_core::physics::law::{
-    DEFAULT_REFERENCE_DEPTH_M, Law, LawId, ParameterInfo, RELAXATION, STIFFENING_RATE, SURFACE,
+    DEFAULT_REFERENCE_DEPTH_M, Law, LawId, ParameterInfo, RELAXATION, Recovery, STIFFENING_RATE,
+    SURFACE,
 };
 
 use super::fit::Fit;
@@ -21,6 +22,8 @@ pub struct Environment {
     pub surface_m: f64,
     /// δ₀ (m), at which stiffness and damping hold.
     pub reference_depth_m: f64,
+    /// How the surface comes back after a touch, if the file says it: with the probe else.
+    pub recovery: Option<Recovery>,
     /// What a fit must not move and what it found.
     pub fit: Fit,
 }
@@ -37,7 +40,14 @@ pub struct Parameter {
 }
 
 /// Keys of every environment.
-const COMMON_KEYS: [&str; 5] = ["law", "surface", "reference_depth", "fixed", "std_error"];
+const COMMON_KEYS: [&str; 6] = [
+    "law",
+    "surface",
+    "reference_depth",
+    "recovery",
+    "fixed",
+    "std_error",
+];
 
 impl Environment {
     pub(super) fn from_table(table: &Table<'_>) -> Result<Environment, Diagnostic> {
@@ -53,6 +63,7 @@ impl Environment {
             values,
             surface_m: table.number(SURFACE.name, SURFACE.bounds)?.unwrap_or(0.0),
             reference_depth_m: reference.unwrap_or(DEFAULT_REFERENCE_DEPTH_M),
+            recovery: recovery(table)?,
             fit: Fit::default(),
         };
         let names: Vec<String> = environment
@@ -134,6 +145,7 @@ impl Environment {
         Some(Contact {
             law: self.law_with(&values)?,
             surface_m: self.surface_m,
+            recovery: self.recovery.unwrap_or_default(),
         })
     }
 }
@@ -222,6 +234,22 @@ fn elastic(table: &Table<'_>, exponent: &ParameterInfo) -> Result<Parameter, Dia
             exponent,
             table.required_number(exponent.name, exponent.bounds)?,
         )),
+    }
+}
+
+/// How the surface comes back.
+fn recovery(table: &Table<'_>) -> Result<Option<Recovery>, Diagnostic> {
+    let Some(name) = table.text("recovery")? else {
+        return Ok(None);
+    };
+    match Recovery::from_name(name) {
+        Some(own) => Ok(Some(own)),
+        None => Err(table
+            .wrong("recovery", format!("unknown recovery `{name}`"))
+            .remedy(
+                "write \"with_probe\" (the surface follows the probe) or \"creep\" (a dent stays, and fills as the \
+                 material creeps)",
+            )),
     }
 }
 

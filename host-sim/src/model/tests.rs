@@ -1,7 +1,7 @@
 //! Models read, are refused with a reason, and come back as they were written.
 
 use super::*;
-use estimator_core::physics::law::Law;
+use estimator_core::physics::law::{Law, Recovery};
 
 fn parse(text: &str) -> Result<Model, Diagnostic> {
     let path = Path::new("m.toml");
@@ -153,6 +153,11 @@ fn mistakes_are_named_with_line_and_remedy() {
             "leave nothing",
         ),
         (
+            "[environment]\nlaw = \"free\"\nrecovery = \"elastic\"\n".into(),
+            Some(3),
+            "unknown recovery",
+        ),
+        (
             "[environment]\nlaw = \"free\"\n[sensors]\nrate = 0\n".into(),
             Some(4),
             "bounds",
@@ -185,6 +190,18 @@ fn a_model_becomes_a_contact_where_the_rig_has_its_law() {
         panic!("a Zener model is a Zener material");
     };
     assert_eq!(zener.second_stiffness_n_per_m, 2.0);
+    let solid =
+        "[environment]\nlaw = \"zener\"\nstiffness = 3\nsecond_stiffness = 2\ndamping = 1\n";
+    let creeping = parse(&format!("{solid}recovery = \"creep\"\n")).unwrap();
+    let core = creeping.environment.core().unwrap();
+    assert_eq!(core.recovery, Recovery::ByCreep);
+    assert_eq!(parse(&creeping.to_toml()), Ok(creeping));
+    let usual = parse(solid).unwrap();
+    assert_eq!(
+        usual.environment.core().unwrap().recovery,
+        Recovery::WithProbe
+    );
+    assert!(!usual.to_toml().contains("recovery"));
     let quasi_linear = "law = \"quasi_linear\"\nstiffness = 1\nexponent = 2\nrelaxation = ";
     let Some(Law::QuasiLinear(two)) = law(&format!(
         "{quasi_linear}[{{ fraction = 0.2, rate = 3 }}, {{ fraction = 0.1, rate = 0.5 }}]"

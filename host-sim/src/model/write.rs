@@ -57,6 +57,9 @@ fn environment(environment: &Environment) -> Table {
     }
     table["surface"] = value(environment.surface_m);
     table["reference_depth"] = value(environment.reference_depth_m);
+    if let Some(recovery) = environment.recovery {
+        table["recovery"] = value(recovery.name());
+    }
     push_fit(&mut table, &environment.fit);
     table
 }

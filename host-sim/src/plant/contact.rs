@@ -1,6 +1,6 @@
 //! A material under the probe: one of the core's laws, from a surface on, that only pushes.
 
-use estimator_core::physics::law::{DEFAULT_REFERENCE_DEPTH_M, Law, unilateral};
+use estimator_core::physics::law::{DEFAULT_REFERENCE_DEPTH_M, Law, Recovery, unilateral};
 use estimator_core::physics::rig::Environment;
 
 /// A law and where its material begins.
@@ -10,6 +10,8 @@ pub struct Contact {
     pub law: Law<f64>,
     /// Position of the surface (m).
     pub surface_m: f64,
+    /// How it comes back after a touch, where the law relaxes.
+    pub recovery: Recovery,
 }
 
 impl Contact {
@@ -17,11 +19,13 @@ impl Contact {
     pub const FREE: Contact = Contact {
         law: Law::Free,
         surface_m: 0.0,
+        recovery: Recovery::WithProbe,
     };
 
     /// The material in the parts that effects act on.
     pub fn environment(&self) -> Environment<f64> {
-        self.law.parts(DEFAULT_REFERENCE_DEPTH_M).at(self.surface_m)
+        let parts = self.law.parts(DEFAULT_REFERENCE_DEPTH_M);
+        parts.at(self.surface_m).recovering(self.recovery)
     }
 
     /// Force on the probe (N) at `position_m` (m), moving at `speed_mps` (m/s), of a material that
@@ -50,6 +54,7 @@ mod tests {
                 damping_ns_per_m: 123.0,
             }),
             surface_m: 0.4e-3,
+            ..Contact::FREE
         };
         // δ = A(1 − cos ωt) ≥ 0: F = KA(1 − cos ωt) + λAω sin ωt where that is positive.
         let (amplitude, omega) = (2e-3_f64, 12.0_f64);

@@ -38,6 +38,7 @@ impl Material {
         Contact {
             law: Law::HuntCrossley(self.law),
             surface_m,
+            ..Contact::FREE
         }
     }
 }

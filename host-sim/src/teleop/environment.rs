@@ -150,6 +150,7 @@ impl Material {
         let contact = Contact {
             law,
             surface_m: 0.0,
+            ..Contact::FREE
         };
         Material::bare("foam", contact.environment())
     }
@@ -173,6 +174,7 @@ impl Material {
         let contact = Contact {
             law,
             surface_m: 0.0,
+            ..Contact::FREE
         };
         Material::bare("linear", contact.environment())
     }

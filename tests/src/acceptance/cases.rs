@@ -87,6 +87,7 @@ impl Case {
         let contact = Contact {
             law: Law::HuntCrossley(law),
             surface_m,
+            ..Contact::FREE
         };
         let peak_n = rng.random_range(5.0..14.0);
         let motion = motion(&mut rng, stroke, &law, peak_n).shifted(surface_m);

@@ -211,7 +211,11 @@ impl Case {
         let (law, truth) = drawn(&mut rng, touched);
         let surface_m = rng.random_range(-5e-4..5e-4);
         let motion = motion(&mut rng, touched, stroke, &law).shifted(surface_m);
-        let schedule = Stage::throughout(Contact { law, surface_m });
+        let schedule = Stage::throughout(Contact {
+            law,
+            surface_m,
+            ..Contact::FREE
+        });
         let run = Rig::default().run(&schedule, &motion, seed);
         let run = run.expect("the rig follows every material of the table");
         let touch = run.truth.position_m.iter().position(|x| *x > surface_m);

@@ -164,6 +164,7 @@ fn swapped(seed: u64) -> (Run, f64, HuntCrossley<f64>, f64) {
         contact: Contact {
             law: Law::HuntCrossley(law),
             surface_m,
+            ..Contact::FREE
         },
     };
     let schedule = [stage(laws[0], swap_s), stage(laws[1], f64::INFINITY)];
@@ -192,6 +193,7 @@ pub(crate) fn palpating(
     let contact = Contact {
         law: Law::HuntCrossley(law),
         surface_m: 0.0,
+        ..Contact::FREE
     };
     let out = Segment::Ramp {
         to_m: -5e-4,
@@ -284,6 +286,7 @@ pub fn hold(touched: Touched, seconds: f64, seed: u64) -> (f64, f64) {
     let contact = Contact {
         law: Law::HuntCrossley(law),
         surface_m: 0.0,
+        ..Contact::FREE
     };
     let run = Rig::default().run(&Stage::throughout(contact), &motion, seed);
     let log = run

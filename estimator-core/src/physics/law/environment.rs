@@ -1,6 +1,8 @@
 //! What is touched, in the parts that effects act on: elastic force, relaxation, damping.
 
-use super::{elastic::Elastic, relaxation::MOST_MODES, relaxation::RelaxationMode};
+use super::{
+    elastic::Elastic, recovery::Recovery, relaxation::MOST_MODES, relaxation::RelaxationMode,
+};
 use crate::maths::scalar::Scalar;
 
 /// The damping force λ(δ/δ₀)^q δ̇.
@@ -25,6 +27,8 @@ pub struct Environment<S> {
     pub modes: [RelaxationMode<S>; MOST_MODES],
     /// Position of the surface (m).
     pub surface_m: S,
+    /// How the surface comes back after a touch, where something relaxes.
+    pub recovery: Recovery,
 }
 
 impl<S: Scalar> Damping<S> {
@@ -49,6 +53,7 @@ impl<S: Scalar> Environment<S> {
             damping: None,
             modes: [RelaxationMode::unused(); MOST_MODES],
             surface_m: S::zero(),
+            recovery: Recovery::WithProbe,
         }
     }
 
@@ -56,6 +61,12 @@ impl<S: Scalar> Environment<S> {
     #[must_use]
     pub fn at(self, surface_m: S) -> Environment<S> {
         Environment { surface_m, ..self }
+    }
+
+    /// The same material whose surface comes back like this.
+    #[must_use]
+    pub fn recovering(self, recovery: Recovery) -> Environment<S> {
+        Environment { recovery, ..self }
     }
 
     /// An approximation of dF/dδ (N/m) where the speed follows the depth at `rate_per_s`: what Newton's method needs.

@@ -23,6 +23,12 @@ impl Recovery {
         }
     }
 
+    /// The one with this name.
+    pub fn from_name(name: &str) -> Option<Recovery> {
+        let both = [Recovery::WithProbe, Recovery::ByCreep];
+        both.into_iter().find(|own| own.name() == name)
+    }
+
     /// One step of a law with this surface; see [`RelaxingLaw::step`].
     pub fn step<S: Scalar, L: RelaxingLaw<S>>(
         self,
@@ -42,16 +48,15 @@ impl Recovery {
 /// The elastic force E (N) of a dent one period (s) later if nothing presses: that with which
 /// E − Σcᵢ(E − wᵢ) = 0, (9), where wᵢ follows E from `elastic_n` on. Linear in E, whatever its form; of a law that is
 /// linear in the depth all of them may be depths (m).
-pub(super) fn dent_n<S: Scalar>(
-    modes: &[RelaxationMode<S>],
-    unrelaxed_n: &[S],
+pub(crate) fn dent_n<S: Scalar>(
+    modes: impl Iterator<Item = (RelaxationMode<S>, S)>,
     elastic_n: S,
     period_s: S,
 ) -> S {
     let (mut held_n, mut slope) = (S::zero(), S::one());
-    for (mode, w) in modes.iter().zip(unrelaxed_n) {
+    for (mode, w) in modes {
         let follows = (-(mode.rate_per_s * period_s)).exprel();
-        let kept_n = high_passed(*w, -elastic_n, mode.rate_per_s, period_s);
+        let kept_n = high_passed(w, -elastic_n, mode.rate_per_s, period_s);
         held_n = held_n + mode.fraction * kept_n;
         slope = slope - mode.fraction * (S::one() - follows);
     }

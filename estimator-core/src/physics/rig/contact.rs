@@ -2,7 +2,9 @@
 
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::Effect;
-use crate::physics::law::{Damping, Environment, MOST_MODES, RelaxationMode, high_passed};
+use crate::physics::law::{
+    Damping, Environment, MOST_MODES, Recovery, RelaxationMode, dent_n, high_passed,
+};
 use crate::physics::rig::effects::{Effects, MOST_EFFECTS};
 
 /// A contact at one sample.
@@ -61,8 +63,8 @@ impl<S: Scalar> Contact<'_, S> {
         let (depth_m, speed_mps) = self.depth(state, tip, time_s);
         let change_m = S::zero().max_of(depth_m) - S::zero().max_of(state.depth_m);
         state.depth_m = depth_m;
-        let relaxed_n = self.relaxed(state, (depth_m, speed_mps), change_m, period_s);
-        let mut pushed_n = relaxed_n;
+        let (mut pushed_n, is_reached) =
+            self.relaxed(state, (depth_m, speed_mps), change_m, period_s);
         if let Some(damping) = self.damping() {
             pushed_n = pushed_n + damping.force_n(depth_m, speed_mps);
         }
@@ -71,7 +73,7 @@ impl<S: Scalar> Contact<'_, S> {
                 pushed_n = pushed_n + hysteresis.force_n(memory, depth_m, change_m);
             }
         }
-        let touches = depth_m > S::zero() && pushed_n > S::zero();
+        let touches = depth_m > S::zero() && pushed_n > S::zero() && is_reached;
         let mut force_n = if touches { pushed_n } else { S::zero() };
         for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
             if let Effect::Adhesion(adhesion) = effect {
@@ -150,9 +152,22 @@ impl<S: Scalar> Contact<'_, S> {
         elastic.force_n(depth_m) * factor + layers_n
     }
 
-    /// The relaxed force F⁽ᵉ⁾ − Σcᵢ(F⁽ᵉ⁾ − wᵢ) (N), (9), over the environment's modes and the effects'.
-    fn relaxed(&self, state: &mut ContactState<S>, motion: (S, S), change_m: S, period_s: S) -> S {
-        let elastic_n = self.elastic(state, motion, change_m);
+    /// The relaxed force F⁽ᵉ⁾ − Σcᵢ(F⁽ᵉ⁾ − wᵢ) (N), (9), over the environment's modes and the effects'; and whether the
+    /// probe has reached the surface, which may still be dented.
+    fn relaxed(
+        &self,
+        state: &mut ContactState<S>,
+        motion: (S, S),
+        change_m: S,
+        period_s: S,
+    ) -> (S, bool) {
+        let mut elastic_n = self.elastic(state, motion, change_m);
+        let mut is_reached = true;
+        if self.environment.recovery == Recovery::ByCreep {
+            let dent_n = self.dent_n(state, period_s);
+            is_reached = elastic_n > dent_n;
+            elastic_n = elastic_n.max_of(dent_n);
+        }
         let change_n = elastic_n - state.elastic_n;
         state.elastic_n = elastic_n;
         let mut force_n = elastic_n;
@@ -170,7 +185,18 @@ impl<S: Scalar> Contact<'_, S> {
                 relax(&relaxation.mode(), w);
             }
         }
-        force_n
+        (force_n, is_reached)
+    }
+
+    /// The elastic force (N) at which a probe meets a surface that has crept back for one period more.
+    fn dent_n(&self, state: &ContactState<S>, period_s: S) -> S {
+        let own = self.environment.modes.iter().copied().zip(state.modes);
+        let effects = self.effects.iter().zip(state.effects);
+        let added = effects.filter_map(|(effect, w)| match effect {
+            Effect::StressRelaxation(relaxation) => Some((relaxation.mode(), w)),
+            _ => None,
+        });
+        dent_n(own.chain(added), state.elastic_n, period_s)
     }
 
     /// The environment's damping, with the exponent that an effect gives it.

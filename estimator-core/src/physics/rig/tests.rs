@@ -3,7 +3,7 @@ use crate::maths::Dual;
 use crate::physics::effect::EffectId;
 use crate::physics::effect::MOST_PARAMETERS;
 use crate::physics::law::{
-    Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, RelaxationMode, RelaxingLaw, Zener,
+    Elastic, HuntCrossley, KelvinVoigt, QuasiLinear, Recovery, RelaxationMode, RelaxingLaw, Zener,
 };
 
 const PERIOD_S: f64 = 1e-3;
@@ -43,20 +43,22 @@ where
     Environment<f64>: From<L>,
 {
     let surface_m = 1e-4;
-    let rig = Rig::bare(Environment::from(law).at(surface_m));
-    let (mut state, mut own) = (rig.at_rest(), law.at_rest());
-    for at in 0..2000 {
-        let motion = palpation(at);
-        let depth_m = motion.position_m - surface_m;
-        let exact = law
-            .step(&mut own, depth_m, motion.speed_mps, PERIOD_S)
-            .max(0.0);
-        let found = rig.step(&mut state, motion, PERIOD_S).force_n;
-        // Two ways to add up the same terms.
-        assert!(
-            (found - exact).abs() < 1e-12 * (1.0 + exact),
-            "{at}: {found} {exact}"
-        );
+    for recovery in [Recovery::WithProbe, Recovery::ByCreep] {
+        let rig = Rig::bare(Environment::from(law).at(surface_m).recovering(recovery));
+        let (mut state, mut own) = (rig.at_rest(), law.at_rest());
+        for at in 0..2000 {
+            let motion = palpation(at);
+            let depth_m = motion.position_m - surface_m;
+            let speed_mps = motion.speed_mps;
+            let exact = recovery.step(&law, &mut own, depth_m, speed_mps, PERIOD_S);
+            let exact = exact.max(0.0);
+            let found = rig.step(&mut state, motion, PERIOD_S).force_n;
+            // Two ways to add up the same terms.
+            assert!(
+                (found - exact).abs() < 1e-12 * (1.0 + exact),
+                "{recovery:?}, {at}: {found} {exact}"
+            );
+        }
     }
 }
 

@@ -69,6 +69,7 @@ fn touched(id: EffectId) -> Touched {
     let linear = |law| Contact {
         law: Law::KelvinVoigt(law),
         surface_m: 0.0,
+        ..Contact::FREE
     };
     if !Kind::Linear.can_have(id) {
         return Touched {

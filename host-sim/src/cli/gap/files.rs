@@ -140,6 +140,7 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
         },
         "slow_remainder": finding.slow_remainder.map(number),
         "nothing_new": finding.nothing_new,
+        "recovery": finding.model.environment.recovery.unwrap_or_default().name(),
         "base": {
             "before": parameters(&finding.base_before),
             "after": parameters(&finding.base_after),

@@ -281,7 +281,8 @@ fn environment<S: Scalar>(base: &model::Environment, values: &[S]) -> Environmen
         (Law::Free, _) | (_, None) => Environment::free(),
         (law, Some(surface_m)) => law
             .parts(S::from_f64(base.reference_depth_m))
-            .at(*surface_m),
+            .at(*surface_m)
+            .recovering(base.recovery.unwrap_or_default()),
     }
 }
 

@@ -167,6 +167,7 @@ mod tests {
             ],
             surface_m: 0.0,
             reference_depth_m: 1e-3,
+            recovery: None,
             fit: Kept::default(),
         };
         let options = Options::default();

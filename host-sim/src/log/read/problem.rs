@@ -116,10 +116,12 @@ impl Table<'_> {
 
     fn missing(&self, slot: usize, text: &str, value: &str) -> Diagnostic {
         let mut diagnostic = self.in_cell(slot, text, value);
-        diagnostic.what = if value.is_empty() {
-            "no value where a number should be"
-        } else {
-            "a value that is not finite"
+        diagnostic.what = match value.parse::<f64>() {
+            _ if value.is_empty() => "no value where a number should be",
+            Ok(sentinel) if sentinel.is_finite() => {
+                "no reading: instruments write 9.9E37 for a value out of range"
+            }
+            _ => "a value that is not finite",
         }
         .to_string();
         diagnostic.remedy("--skip-bad-rows leaves such rows out, counts them and says so")

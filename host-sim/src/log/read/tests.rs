@@ -67,6 +67,13 @@ fn a_bad_value_is_named_with_line_column_value_and_remedy() {
         ),
         ("empty", "0.005,,0.5", "column x_m", "", "no value"),
         (
+            "over",
+            "0.005,0.001,9.9E37",
+            "column f_n",
+            "9.9E37",
+            "out of range",
+        ),
+        (
             "back",
             "0.003,0.001,0.5",
             "column t_s",

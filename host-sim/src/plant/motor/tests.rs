@@ -162,6 +162,7 @@ fn a_touch_costs_less_than_a_tenth_of_an_encoder_count() {
             damping_ns_per_m: 123.0,
         }),
         surface_m: 0.0,
+        ..Contact::FREE
     };
     // Measured 38 nm, 0.0002 nm and 0.0023 nm: Kelvin–Voigt's damper jumps in with 3.7 N within a
     // sub-step, Hunt–Crossley begins with no force.

@@ -32,6 +32,7 @@ fn spring(stiffness_n_per_m: f64) -> Contact {
             damping_ns_per_m: 0.0,
         }),
         surface_m: 0.0,
+        ..Contact::FREE
     }
 }
 

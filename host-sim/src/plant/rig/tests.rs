@@ -62,6 +62,7 @@ fn the_pressed_motor_comes_to_rest_where_the_forces_balance() {
             damping_ns_per_m: 123.0,
         }),
         surface_m: 0.5e-3,
+        ..Contact::FREE
     };
     let motion = Motion::new(
         -1e-3,
@@ -149,6 +150,7 @@ fn a_material_that_the_steps_cannot_follow_is_refused() {
             damping_ns_per_m: 1e9,
         }),
         surface_m: 0.0,
+        ..Contact::FREE
     };
     let motion = Motion::palpation(4e-3);
     let outcome = Rig::default().run(&Stage::throughout(contact), &motion, SEED);
