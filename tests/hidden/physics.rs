@@ -72,6 +72,37 @@ fn a_hold_relaxes_at_its_rate() {
 }
 
 #[test]
+fn a_dent_fills_at_the_retardation_time() {
+    let (series, parallel, damper) = (2000.0, 3000.0, 2500.0);
+    let material = Material::from_numbers(Law::Zener, &[series, parallel, damper, 0.0]);
+    // Held at 2 mm for ten relaxation times, left for 0.4 s, and met again at 10 mm/s.
+    let x = |t: f64| {
+        let at = match t {
+            t if t < 0.01 => [-1e-3, 0.0],
+            t if t < 5.0 => [2e-3, 0.0],
+            t if t < 5.4 => [-1e-3, 0.0],
+            t => [1e-2 * (t - 5.4), 1e-2],
+        };
+        [at[0], at[1], 0.0]
+    };
+    let met = |creeps: bool| {
+        let mut plant = Plant::bare(material);
+        plant.creeps = creeps;
+        let force = forces(&plant, 5.6, x);
+        let from = (5.4 / DT_S) as usize + 1;
+        let at = force[from..].iter().position(|f| *f > 0.0).unwrap();
+        (from + at) as f64 * DT_S
+    };
+    let t = met(true);
+    let dent_m = 2e-3 * series / (series + parallel) * (-(t - 5.0) * parallel / damper).exp();
+    // A sub-step more, 0.5 µm, and what the way out takes: 5·10⁻⁵ s of 0.8 s.
+    let depth_m = x(t)[0];
+    assert!((depth_m - dent_m).abs() < 2e-6, "{depth_m} of {dent_m}");
+    // A surface that follows the probe recovers at the rate of the relaxation, which is faster.
+    assert!(met(false) < t - 0.005, "{} {t}", met(false));
+}
+
+#[test]
 fn a_spring_in_series_lets_the_contact_creep() {
     let spring = 3000.0;
     let plant = linear(vec![Effect::Compliance {

@@ -132,6 +132,9 @@ impl Rig {
         if group.world == Sampling::Restless {
             case.track = restless(&case, random);
         }
+        // Drawn apart, so that it moves no other draw.
+        let apart = Random::new(case.plant.seed, 1 << 43).chance(0.5);
+        case.plant.creeps = group.world == Sampling::Bench && apart;
         let recorded = world.record(&case.plant, &case.track, random);
         case.floor_n = recorded.floor_n;
         case.base_rmse_n = (beyond + recorded.floor_n.powi(2)).sqrt();
@@ -143,12 +146,21 @@ impl Rig {
         }
     }
 
+    /// What is special about the sensors and the surface, in words.
+    fn words(&self) -> String {
+        let surface = match self.case.plant.keeps_a_dent() {
+            true => ", a dent that creeps back",
+            false => "",
+        };
+        self.world.words() + surface
+    }
+
     /// The text of truth.json.
     pub fn truth(&self) -> Value {
         let mut truth = self.case.truth();
         truth["kind"] = json!(self.group);
         truth["noise"] = json!(self.world.noise.name());
-        truth["world"] = json!(self.world.words());
+        truth["world"] = json!(self.words());
         truth["rate_hz"] = json!(self.world.rate_hz / self.case.units.time);
         let mut tolerate: Vec<String> = Vec::new();
         if self.world.hum_n > 0.0 {
@@ -208,7 +220,7 @@ impl Rig {
 /// Group, index, hidden effects and what is special about the sensors.
 impl std::fmt::Display for Rig {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {} ({})", self.group, self.case, self.world.words())
+        write!(f, "{} {} ({})", self.group, self.case, self.words())
     }
 }
 

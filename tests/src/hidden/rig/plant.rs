@@ -28,6 +28,8 @@ pub struct Plant {
     pub(crate) peak_n: f64,
     /// The seed of all that is random in the rig.
     pub(crate) seed: u64,
+    /// Nothing pulls the surface of what relaxes: it creeps back where the probe has left it. Else it follows the probe.
+    pub creeps: bool,
 }
 
 /// The state of the contact.
@@ -53,6 +55,7 @@ impl Plant {
             stranger: None,
             peak_n: 1.0,
             seed: 0,
+            creeps: false,
         }
     }
 
@@ -289,6 +292,9 @@ impl Plant {
         let factor = stranger.as_mut().map_or(1.0, |s| s.stiffness(depth));
         now.curve = self.curve(before, depth.max(0.0) - before.depth.max(0.0));
         now.elastic = factor * self.elastic(depth, now.deepest, depth_speed, now.curve);
+        let dent = self.dent(before, dt);
+        let reached = now.elastic > dent || dent == 0.0;
+        now.elastic = now.elastic.max(dent);
         let mut force = now.elastic;
         for (unrelaxed, (fraction, rate)) in now.unrelaxed.iter_mut().zip(self.modes()) {
             // Exact for an elastic force that is linear within the step.
@@ -296,7 +302,7 @@ impl Plant {
             *unrelaxed = keep * *unrelaxed + rise * (now.elastic - before.elastic);
             force -= fraction * (now.elastic - *unrelaxed);
         }
-        if depth > 0.0 {
+        if depth > 0.0 && reached {
             force += self.damping(depth) * depth_speed;
             force += stranger.as_ref().map_or(0.0, |s| s.damping(depth_speed));
             force += self.hysteresis(&mut now, depth - before.depth);
@@ -304,8 +310,31 @@ impl Plant {
             now.hysteresis = [0.0; MOST];
         }
         now.depth = depth;
-        let pushed = if depth > 0.0 { force.max(0.0) } else { 0.0 };
+        let pushed = if depth > 0.0 && reached {
+            force.max(0.0)
+        } else {
+            0.0
+        };
         (pushed - self.adhesion(&mut now, depth, depth_speed), now)
+    }
+
+    /// Whether its surface creeps back, and anything relaxes.
+    pub(crate) fn keeps_a_dent(&self) -> bool {
+        self.creeps && self.modes().next().is_some()
+    }
+
+    /// The elastic force (N) at which what relaxes has no force left: where its surface is if nothing presses.
+    fn dent(&self, before: &Memory, dt: f64) -> f64 {
+        if !self.creeps {
+            return 0.0;
+        }
+        let (mut relaxed, mut at_once) = (0.0, 1.0);
+        for (unrelaxed, (fraction, rate)) in before.unrelaxed.iter().zip(self.modes()) {
+            let (keep, rise) = kept(rate * dt);
+            relaxed -= fraction * (keep * unrelaxed - rise * before.elastic);
+            at_once -= fraction * (1.0 - rise);
+        }
+        (relaxed / at_once).max(0.0)
     }
 
     fn set(&self, before: &Memory, deepest: f64, dt: f64) -> f64 {
