@@ -26,6 +26,7 @@ mod natural;
 mod note;
 mod options;
 mod regression;
+mod rest_noise;
 mod result;
 mod scales;
 mod select;
@@ -88,6 +89,10 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);
     };
+    if let Some(noise_n) = course.rest_noise_n(log) {
+        empty.notes.push(note::rest_noise(noise_n, empty.noise_n));
+        empty.noise_n = noise_n;
+    }
     let mut held = options.held.clone();
     held.fixed
         .extend(options.surface_m.map(|at| ("surface".into(), at)));

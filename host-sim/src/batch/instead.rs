@@ -1,6 +1,6 @@
 //! The fit of the whole log where no recursion explains it.
 
-use estimator_core::Config;
+use estimator_core::{Config, Status};
 
 use super::{batch, lateness::is_late_instead, options::Options, result::Batch};
 use crate::diagnostic::Diagnostic;
@@ -50,12 +50,22 @@ pub fn batch_instead(
     };
     // What was before a log moves the law of a recursion that remembers: 1013 ± 3 N/m of 1000 at the noise.
     let remembers = has_no_zero && estimation.outcome.law.law().info().relaxes;
-    let is_better = is_less || remembers && explains;
+    // Beside noise that is slower than a sample a recursion that follows the resting force leaves less.
+    let settles = fitted.status == Status::Converged && !estimation.is_explained();
+    let is_better = is_less || explains && (remembers || settles);
     if !is_better {
         return Ok(None);
     }
+    fitted
+        .notes
+        .insert(0, instead_in_words(estimation, is_late));
+    Ok(Some(fitted))
+}
+
+/// Why the numbers are those of a fit of the whole log, and not of the recursion that was estimated with.
+fn instead_in_words(estimation: &Estimation, is_late: bool) -> String {
     let law = law_title(estimation.outcome.law.name());
-    let left = match before_n {
+    let left = match estimation.outcome.force_rmse_n {
         Some(left) => format!(
             "{law}, the best of them, leaves {}, {} the noise",
             quantity(left, 3, "N"),
@@ -64,17 +74,19 @@ pub fn batch_instead(
         None => "none determines all its parameters".into(),
     };
     let why = match estimation.evidence.has_nearer_law {
-        _ if has_no_zero => "no free air at the start shows a recursive method the resting force (",
-        _ if is_dented => "no recursive method knows a dent that has not recovered (",
+        _ if estimation.evidence.has_no_zero => {
+            "no free air at the start shows a recursive method the resting force ("
+        }
+        _ if estimation.evidence.is_dented => {
+            "no recursive method knows a dent that has not recovered ("
+        }
         _ if is_late => "a late force explains more than the relaxation of a recursive method (",
         true => {
             "the best recursive method has not converged on the law that leaves least (of those that have, "
         }
         false => "no recursive method explains this force (",
     };
-    let note = format!(
+    format!(
         "{why}{left}): these are the numbers of a fit of the whole log at once (--method batch)"
-    );
-    fitted.notes.insert(0, note);
-    Ok(Some(fitted))
+    )
 }

@@ -66,8 +66,12 @@ impl Given<'_> {
             || is_too_fast
     }
 
-    /// Whether the force has left its baseline before the surface, by more than its error and a sample.
+    /// Whether the force has left its baseline before the surface, by more than its error and a sample. Noise that is slower
+    /// than a sample leaves it by itself.
     fn is_surface_late(&self, batch: &Batch) -> bool {
+        if batch.noise_n > self.course.scales.noise_n {
+            return false;
+        }
         let both = batch.value("surface").zip(self.departure);
         both.is_some_and(|(surface, left)| {
             let sample_m = self.course.scales.speed_mps * self.course.scales.period_s;

@@ -20,6 +20,15 @@ pub(super) fn nothing(log: &UniformLog, batch: &Batch) -> Vec<String> {
     notes
 }
 
+/// That the noise is slower than a sample.
+pub(super) fn rest_noise(noise_n: f64, fast_n: f64) -> String {
+    format!(
+        "at rest in free air the force wanders by {} rms, {} of it from sample to sample: all of it counts as noise",
+        quantity(noise_n, 2, "N"),
+        quantity(fast_n, 2, "N")
+    )
+}
+
 /// Of a fit.
 pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<String> {
     let (log, course) = (given.log, given.course);

@@ -117,7 +117,7 @@ pub struct Batch {
     pub reference_depth_m: f64,
     /// Raw force against the law over the samples that were fitted, in contact (N rms).
     pub force_rmse_n: Option<f64>,
-    /// Standard deviation of the raw force (N).
+    /// Standard deviation of the raw force (N): from sample to sample, or at rest in free air where that is more.
     pub noise_n: f64,
     /// √(χ²/(N − p)) over the noise and what no candidate explains.
     pub misfit: f64,

@@ -1,0 +1,90 @@
+//! `estimate` on forces whose noise flickers: 1/f, as amplifiers have it. The contacts are summed here, by nothing of this
+//! project.
+
+mod common;
+
+use common::{Folder, estimated, flowing, parameter, white};
+use serde_json::Value;
+
+/// 1/f noise of a standard deviation of 1 over 1 kHz: first-order noise of an octave each, 0.05 to 100 Hz.
+fn flicker(samples: u32) -> Vec<f64> {
+    let mut octaves = [0.0_f64; 12];
+    let each = |at: u32| {
+        for (octave, own) in (0_u32..).zip(&mut octaves) {
+            let keeps = (-std::f64::consts::TAU * 0.05e-3 * f64::from(1 << octave)).exp();
+            *own = keeps * *own + (1.0 - keeps * keeps).sqrt() * white(100_000 + 12 * at + octave);
+        }
+        octaves.iter().sum::<f64>() / 12_f64.sqrt()
+    };
+    (0..samples).map(each).collect()
+}
+
+/// Five presses at 1 kHz into a spring of 1200 N/m, with a damper of 6 N s/m beside it, or with one of 125 N s/m behind a
+/// spring of 800 N/m more; 30 mN of 1/f noise.
+fn presses(relaxes: bool) -> String {
+    let samples = 8000;
+    let depth_m = |t: f64| {
+        let at = (t - 0.6).max(0.0).rem_euclid(1.45);
+        let rounded = |share: f64| share * share * (3.0 - 2.0 * share);
+        let share = match at {
+            _ if t < 0.6 => 0.0,
+            at if at < 0.3 => rounded(at / 0.3),
+            at if at < 0.7 => 1.0,
+            at if at < 1.0 => 1.0 - rounded((at - 0.7) / 0.3),
+            _ => 0.0,
+        };
+        -2e-3 + 6e-3 * share
+    };
+    let mut text = String::from("t_s,x_m,f_n\n");
+    let mut behind_n = 0.0;
+    for (at, noise) in (0_u32..).zip(flicker(samples)) {
+        let t = 1e-3 * f64::from(at);
+        let x_m = depth_m(t);
+        let speed = (depth_m(t + 1e-6) - depth_m(t - 1e-6)) / 2e-6;
+        let inside = x_m > 0.0;
+        let force_n = match (inside, relaxes) {
+            (false, _) => 0.0,
+            (true, false) => 1200.0 * x_m + 6.0 * speed,
+            (true, true) => 1200.0 * x_m + behind_n,
+        };
+        behind_n += 1e-3 * (if inside { 800.0 * speed } else { 0.0 } - behind_n * 800.0 / 125.0);
+        let force_n = force_n.max(0.0) + 0.03 * noise;
+        let x_m = x_m + 1e-7 * white(2 * at);
+        text += &format!("{t:.3},{x_m:.8},{force_n:.5}\n");
+    }
+    text
+}
+
+fn estimate(relaxes: bool, options: &str) -> Value {
+    let folder = Folder::with("log.csv", presses(relaxes));
+    estimated(&folder, "log.csv", options)
+}
+
+#[test]
+fn a_noise_that_flickers_is_noise() {
+    // "It does not explain this force", at 3.3 times the 9 mN from sample to sample.
+    let json = estimate(false, "");
+    assert_eq!(json["status"], "converged", "{json:#}");
+    assert_eq!(json["law"], "kelvin_voigt");
+    for (name, is) in [("stiffness", 1200.0), ("damping", 6.0)] {
+        let (value, std_error) = parameter(&json, name);
+        assert!(
+            (value - is).abs() < 4.0 * std_error,
+            "{name}: {value} ± {std_error}"
+        );
+        assert!(std_error < 0.1 * is, "{name}: {value} ± {std_error}");
+    }
+    let noise_n = json["force_noise_n"].as_f64().unwrap();
+    assert!((0.02..0.04).contains(&noise_n), "{noise_n}");
+    let said = flowing(&json["notes"].to_string());
+    assert!(
+        said.contains("at rest in free air the force wanders"),
+        "{said}"
+    );
+}
+
+#[test]
+fn it_does_not_excuse_a_law_that_is_wrong() {
+    let json = estimate(true, "--law kelvin_voigt --method batch");
+    assert_eq!(json["status"], "model_suspect", "{json:#}");
+}
