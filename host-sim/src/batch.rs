@@ -60,7 +60,8 @@ use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{
-    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, replayed, setup, touches::departure,
+    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, replayed, setup, touched,
+    touches::departure,
 };
 use crate::inspect::inspect;
 use crate::log::UniformLog;
@@ -80,7 +81,7 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
     };
     let Setup { config, notes } = setup(log, base, Method::KELVIN_VOIGT, choices);
     // The recursion finds the touches, the events and what is in the log; its estimates are dropped.
-    let replay = replayed(log, &config)?;
+    let replay = replayed(log, &config, touched(log))?;
     let seen = as_seen(log);
     let motion = kinematics(&seen).completed();
     let mut empty = nothing(log, &replay, &motion, notes);

@@ -8,9 +8,8 @@ mod turning;
 use std::ops::Range;
 use std::path::Path;
 
-use estimator_core::Sample;
+use estimator_core::Fault;
 use estimator_core::estimate::compensation::Compensation;
-use estimator_core::{Fault, Faults};
 
 use crate::diagnostic::{Diagnostic, listed};
 use crate::log::UniformLog;
@@ -124,13 +123,7 @@ fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
     out.compensated.noise_n = Some(log.force_noise_n());
     let mut state = compensation.at_rest();
     for index in 0..log.len() {
-        let read = Sample {
-            time_us: (index as f64 * log.period_s() * 1e6).round() as u64,
-            position_m: log.position_m[index],
-            force_n: log.force_n[index],
-            faults: Faults::NONE,
-        };
-        let sample = compensation.step(&mut state, read);
+        let sample = compensation.step(&mut state, log.sample(index));
         if index < late {
             continue;
         }

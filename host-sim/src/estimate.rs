@@ -13,10 +13,13 @@ mod residual;
 mod setup;
 pub(crate) mod touches;
 
+use std::ops::Range;
+
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, Status};
 
-use beginning::{from_free_air, touched};
+use beginning::from_free_air;
+pub(crate) use beginning::touched;
 use damping::{is_negative, widen_by_counts};
 use drift::Drift;
 
@@ -182,11 +185,12 @@ fn compared(
     choices: Choices,
 ) -> Result<Estimation, Diagnostic> {
     let motions = Motions::of(log);
+    let touched = touched(log);
     let mut best: Option<(Replay, Outcome, Vec<String>)> = None;
     let (mut selection, mut rmses_n) = (Vec::new(), Vec::new());
     for method in methods {
         let Setup { config, notes } = setup(log, base, *method, choices);
-        let replay = replayed(log, &config)?;
+        let replay = replayed(log, &config, touched.clone())?;
         long_enough(log, &replay)?;
         let outcome = Outcome::along(log, &replay, &motions);
         selection.push(Compared {
@@ -254,21 +258,22 @@ fn with_evidence(
     }
 }
 
-/// The board's step over a log, with the touches that a log which begins in contact has.
+/// The board's step over a log, with the touches that a log which begins in contact has ([`touched`]).
 ///
 /// # Errors
 /// The field of the configuration that cannot be used.
-pub(crate) fn replayed(log: &UniformLog, config: &Config) -> Result<Replay, Diagnostic> {
+pub(crate) fn replayed(
+    log: &UniformLog,
+    config: &Config,
+    touched: Option<Vec<Range<usize>>>,
+) -> Result<Replay, Diagnostic> {
     let replay = replay(log, config).map_err(|error| {
         Diagnostic::new("the configuration cannot be used")
             .at_key(error.field)
             .value(error.value)
             .remedy(error.expected)
     })?;
-    Ok(Replay {
-        touched: touched(log),
-        ..replay
-    })
+    Ok(Replay { touched, ..replay })
 }
 
 /// What laws are compared by.

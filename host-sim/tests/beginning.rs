@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, estimated, flowing, parameter, white};
+use common::{Folder, estimated, flowing, parameter, rounded, white};
 use serde_json::Value;
 
 /// What is touched: 10 mm away.
@@ -60,7 +60,7 @@ fn path(points: &[(f64, f64)]) -> impl Fn(f64) -> f64 {
             own => {
                 let ((from, a), (to, b)) = (points[own - 1], points[own]);
                 let share = (t - from) / (to - from);
-                a + (b - a) * share * share * (3.0 - 2.0 * share)
+                a + (b - a) * rounded(share)
             }
         };
         1e-3 * mm

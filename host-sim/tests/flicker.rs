@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, estimated, flowing, parameter, white};
+use common::{Folder, estimated, flowing, parameter, pressed, white};
 use serde_json::Value;
 
 /// 1/f noise of a standard deviation of 1 over 1 kHz: first-order noise of an octave each, 0.05 to 100 Hz.
@@ -25,15 +25,7 @@ fn presses(relaxes: bool) -> String {
     let samples = 8000;
     let depth_m = |t: f64| {
         let at = (t - 0.6).max(0.0).rem_euclid(1.45);
-        let rounded = |share: f64| share * share * (3.0 - 2.0 * share);
-        let share = match at {
-            _ if t < 0.6 => 0.0,
-            at if at < 0.3 => rounded(at / 0.3),
-            at if at < 0.7 => 1.0,
-            at if at < 1.0 => 1.0 - rounded((at - 0.7) / 0.3),
-            _ => 0.0,
-        };
-        -2e-3 + 6e-3 * share
+        -2e-3 + 6e-3 * pressed(at, 0.3, 0.4)
     };
     let mut text = String::from("t_s,x_m,f_n\n");
     let mut behind_n = 0.0;

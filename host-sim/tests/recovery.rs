@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, estimated, flowing, parameter, white};
+use common::{Folder, estimated, flowing, parameter, pressed, white};
 use serde_json::Value;
 
 /// A spring (N/m) in series with a spring (N/m) beside a damper (N s/m): κ₁, κ₂, λ.
@@ -14,15 +14,7 @@ fn presses(rest_s: f64, sticks: bool) -> String {
     let turn_s = 1.8 + rest_s;
     let position_m = |t: f64| {
         let at = (t - 0.5).max(0.0).rem_euclid(turn_s);
-        let rounded = |share: f64| share * share * (3.0 - 2.0 * share);
-        let share = match at {
-            _ if t < 0.5 => 0.0,
-            at if at < 0.4 => rounded(at / 0.4),
-            at if at < 1.4 => 1.0,
-            at if at < 1.8 => 1.0 - rounded((at - 1.4) / 0.4),
-            _ => 0.0,
-        };
-        -1e-3 + 4e-3 * share
+        -1e-3 + 4e-3 * pressed(at, 0.4, 1.0)
     };
     let (series, parallel, damper) = SOLID;
     let mut text = String::from("t_s,x_m,f_n\n");

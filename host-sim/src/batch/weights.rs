@@ -72,10 +72,12 @@ impl Course {
 
     /// The variances (N²) of what a law remembers from before the log: anything between a touch of long ago, as the course
     /// has it, and one of this instant is as likely.
-    fn remembered_n2(&self, fit: &Fit) -> Vec<f64> {
-        let long_ago_n = forces(self, fit, &self.nodes, 0.0);
+    fn remembered_n2(&self, fit: &Fit, long_ago_n: &[f64]) -> Vec<f64> {
+        if !self.begins_in_contact() {
+            return vec![0.0; long_ago_n.len()];
+        }
         let just_now_n = forces(self, fit, &self.begun_just_now(), 0.0);
-        let each = long_ago_n.into_iter().zip(just_now_n);
+        let each = long_ago_n.iter().zip(just_now_n);
         each.map(|(a, b)| (a - b).powi(2) / 12.0).collect()
     }
 
@@ -108,7 +110,7 @@ pub(super) fn second_weights(course: &Course, best: &Fit) -> Vec<f64> {
     let moved = force(shift_m).into_iter().zip(force(-shift_m));
     let slopes: Vec<f64> = moved.map(|(a, b)| (a - b) / (2.0 * shift_m)).collect();
     let now_n = force(0.0);
-    let remembered_n2 = course.remembered_n2(best);
+    let remembered_n2 = course.remembered_n2(best, &now_n);
     let weights = |missed_n2: f64| -> Vec<f64> {
         let nodes = course.nodes.iter().zip(&slopes).zip(&remembered_n2);
         nodes

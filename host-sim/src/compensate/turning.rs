@@ -3,10 +3,10 @@
 
 use std::ops::Range;
 
+use estimator_core::Sample;
 use estimator_core::estimate::compensation::Compensation;
 use estimator_core::physics::effect::Effect;
 use estimator_core::physics::rig::Effects;
-use estimator_core::{Faults, Sample};
 
 use crate::log::UniformLog;
 use crate::stats::highest;
@@ -65,18 +65,12 @@ pub(super) fn turning(log: &UniformLog, effects: &Effects<f64>, count_m: f64) ->
 /// What is taken off the force of each sample (N).
 fn taken_n(log: &UniformLog, compensation: &Compensation<f64>) -> Vec<f64> {
     let mut state = compensation.at_rest();
-    let taken = log
-        .position_m
-        .iter()
-        .enumerate()
-        .map(|(index, position_m)| {
-            let read = Sample {
-                time_us: (index as f64 * log.period_s() * 1e6).round() as u64,
-                position_m: *position_m,
-                force_n: 0.0,
-                faults: Faults::NONE,
-            };
-            -compensation.step(&mut state, read).force_n
-        });
+    let taken = (0..log.len()).map(|at| {
+        let without_force = Sample {
+            force_n: 0.0,
+            ..log.sample(at)
+        };
+        -compensation.step(&mut state, without_force).force_n
+    });
     taken.collect()
 }

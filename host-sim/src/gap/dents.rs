@@ -4,6 +4,7 @@
 //! The chapter's laws have a surface that follows the probe. No effect of the catalogue is a dent; where a model that
 //! relaxes leaves something, or needs effects that it does not need with a dent, it is asked again with one.
 
+use estimator_core::physics::effect::EffectId;
 use estimator_core::physics::law::Recovery;
 
 use super::finding::{Finding, Verdict};
@@ -66,7 +67,7 @@ fn relaxes(finding: &Finding) -> bool {
     finding.model.environment.law.info().relaxes
         || effects
             .chain(near.map(|id| id.name()))
-            .any(|id| id == "stress_relaxation")
+            .any(|id| id == EffectId::StressRelaxation.name())
 }
 
 /// Whether a finding leaves much less than another, or no more with fewer effects.

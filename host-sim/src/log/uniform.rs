@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use estimator_core::Faults;
+use estimator_core::{Faults, Sample};
 
 use crate::kind::Kind;
 use crate::signal;
@@ -172,6 +172,16 @@ impl UniformLog {
         self.position_m.push(position_m);
         self.force_n.push(force_n);
         self.in_gap.push(in_gap);
+    }
+
+    /// A sample as a board would have taken it, the first one at time 0.
+    pub(crate) fn sample(&self, at: usize) -> Sample<f64> {
+        Sample {
+            time_us: (at as f64 * self.period_s() * 1e6).round() as u64,
+            position_m: self.position_m[at],
+            force_n: self.force_n[at],
+            faults: Faults::NONE,
+        }
     }
 
     /// Whether the force of a sample was measured: it was not invented, and what was taken off is known.

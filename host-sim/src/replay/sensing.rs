@@ -15,13 +15,12 @@ use estimator_core::board::sensing::{Codes, Conversion, LATE, Watch};
 use estimator_core::{Fault, Faults};
 
 use super::limits::LogSensors;
+use super::width::SAMPLES;
 use crate::log::UniformLog;
 use crate::stats::extent;
 
 /// Longest gap that is bridged (samples): a quarter of the filter's window of 17.
 const BRIDGED: usize = 4;
-/// Half of that window.
-const HALF: usize = 8;
 
 /// What a replay makes of the readings of a log. What is not touched is the log's own: most logs have no fault.
 #[derive(Clone, Debug)]
@@ -172,7 +171,7 @@ impl<'a> Readings<'a> {
     fn take_turns(&mut self, log: &UniformLog) {
         for (at, turns) in log.compensated.turning.iter().enumerate() {
             if *turns {
-                let window = at.saturating_sub(HALF)..(at + HALF + 1).min(log.len());
+                let window = at.saturating_sub(SAMPLES)..(at + SAMPLES + 1).min(log.len());
                 self.invented.0.to_mut()[window].fill(true);
             }
         }

@@ -8,7 +8,7 @@ use crate::log::UniformLog;
 use crate::stats::quantile;
 
 /// The board's half-width: samples, at 1 kHz.
-const SAMPLES: usize = 8;
+pub(super) const SAMPLES: usize = 8;
 const SECONDS: f64 = 8e-3;
 /// What a window may take off the force, in standard deviations of its noise.
 const ALLOWED: f64 = 0.5;

@@ -166,6 +166,22 @@ pub(crate) fn csv(rows: impl IntoIterator<Item = [f64; 3]>) -> String {
     format!("t_s,x_m,f_n\n{}", lines.collect::<String>())
 }
 
+/// A way that starts and ends at rest: how far it has come (1) after a share of its time.
+pub(crate) fn rounded(share: f64) -> f64 {
+    share * share * (3.0 - 2.0 * share)
+}
+
+/// A press: how far it is (1) a time (s) after it began, with ways in and out of `way_s` and a hold of `hold_s` between them.
+pub(crate) fn pressed(at: f64, way_s: f64, hold_s: f64) -> f64 {
+    let out = way_s + hold_s;
+    match at {
+        at if at < way_s => rounded(at / way_s),
+        at if at < out => 1.0,
+        at if at < out + way_s => 1.0 - rounded((at - out) / way_s),
+        _ => 0.0,
+    }
+}
+
 /// Runs `estimate` on a log and reads its numbers.
 pub(crate) fn estimated(folder: &Folder, log: &str, options: &str) -> Value {
     folder.succeeds(&format!("estimate {log} --out out {options}"));
