@@ -87,6 +87,18 @@ fn what_cannot_be_is_refused() {
     assert!(delay.is_err_and(|e| e.contains("absurdly")));
     let still = record(|_| 1e-3, |_| 1.0);
     assert!(inject("tool_inertia", &still, 0.1).is_err());
+    // A press that is logged densely with 1 µm of noise, and thinned afterwards: the mean interval is not the press's.
+    let time = |k: u32| f64::from(k.min(3000)) * 1e-4 + f64::from(k.saturating_sub(3000)) * 0.1;
+    let noise = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5;
+    let read = Record {
+        t: (0..4000).map(time).collect(),
+        x: (0..4000)
+            .map(|k| 1e-3 * time(k).min(0.3) + 1e-6 * noise(k))
+            .collect(),
+        f: vec![1.0; 4000],
+    };
+    let unseen = inject("tool_inertia", &read, 0.1);
+    assert!(unseen.is_err_and(|e| e.contains("how it accelerates")));
     assert!(inject("perpetual_motion", &clean, 0.1).is_err());
 }
 
