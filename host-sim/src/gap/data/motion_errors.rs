@@ -5,4 +5,4 @@
 pub(crate) const SPEED_ERROR_FACTOR: f64 = 2.0;
 /// The same factor for the acceleration: a corner of the set point leaves errors in the windows around it
 /// (2.0 to 3.1 were measured on a simulated servo).
-pub(crate) const ACCELERATION_ERROR_FACTOR: f64 = 3.0;
+pub(crate) const ACCELERATION_ERROR_FACTOR: f64 = 1.5;
