@@ -20,9 +20,7 @@ pub(crate) fn variances(
 ) -> Vec<f64> {
     let of_position = effect_of_errors(fit, logs, with_position_error);
     let of_speed = effect_of_speed(fit, logs);
-    let of_acceleration = effect_of_errors(fit, logs, |log, sign| {
-        with_acceleration_error(log, sign * ACCELERATION_ERROR_FACTOR)
-    });
+    let of_acceleration = effect_of_errors(fit, logs, with_acceleration_left_out);
     let before = effect_of_what_was_before(fit, logs);
     let contact = !fit.shape.base.is_free();
     let depths = depths(&fit.shape, &fit.numbers, logs);
@@ -117,11 +115,20 @@ pub(crate) fn with_speed_error(log: &mut FitData, sign: f64) {
     each.for_each(|(v, noise)| *v += sign * SPEED_ERROR_FACTOR * noise);
 }
 
-/// Adds the acceleration's standard deviation, times a factor.
-pub(crate) fn with_acceleration_error(log: &mut FitData, factor: f64) {
+/// Adds the error of the acceleration with a sign: of its noise, and of what its windows leave out.
+fn with_acceleration_left_out(log: &mut FitData, sign: f64) {
+    let errors = std::iter::zip(&log.acceleration_noise_mps2, &log.acceleration_left_mps2);
+    let each = log.acceleration_mps2.iter_mut().zip(errors);
+    each.for_each(|(a, (noise, left))| {
+        *a += sign * (ACCELERATION_ERROR_FACTOR * noise).hypot(*left);
+    });
+}
+
+/// Adds the acceleration's noise with a sign.
+pub(crate) fn with_acceleration_error(log: &mut FitData, sign: f64) {
     let noise = &log.acceleration_noise_mps2;
     let each = log.acceleration_mps2.iter_mut().zip(noise);
-    each.for_each(|(a, noise)| *a += factor * noise);
+    each.for_each(|(a, noise)| *a += sign * noise);
 }
 
 /// The weights (1/N²) of variances (N²); 0 where the variance is 0.

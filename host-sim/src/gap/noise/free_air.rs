@@ -43,6 +43,10 @@ pub(super) fn rests(log: &UniformLog, decide: &Floor) -> Vec<Range<usize>> {
         if agree(&all, log, decide) {
             return all;
         }
+        let at_no_force = without_force(&all, log, decide);
+        if !at_no_force.is_empty() {
+            return at_no_force;
+        }
     }
     rests_up_to(deepest_in_free_air_m(&log.position_m, decide), log, decide)
 }
@@ -65,6 +69,17 @@ fn agree(rests: &[Range<usize>], log: &UniformLog, decide: &Floor) -> bool {
     rests.len() > 1
         && range(&forces_n) <= most_n
         && (is_apart || forces_n.iter().all(|force| force.abs() <= most_n))
+}
+
+/// The rests at no force, as before a machine starts: those that a friction or a weight holds may be held with anything. Of
+/// twenty dampers and gears without a rest on the outer quarter of their travel 14 were `unexplained` under 1/f noise.
+fn without_force(rests: &[Range<usize>], log: &UniformLog, decide: &Floor) -> Vec<Range<usize>> {
+    let is_without = |rest: &&Range<usize>| {
+        let forces_n = &log.force_n[(*rest).clone()];
+        let mean_n = forces_n.iter().sum::<f64>() / forces_n.len() as f64;
+        mean_n.abs() <= decide.rests_agree * rms(forces_n.iter().map(|force| force - mean_n))
+    };
+    rests.iter().filter(is_without).cloned().collect()
 }
 
 /// The rests no further in than a position.
@@ -124,7 +139,9 @@ mod tests {
     #[test]
     fn a_rig_that_touches_nothing_rests_anywhere_where_no_friction_holds_it() {
         assert_eq!(rests_of([0.0, 0.0]), 2);
-        assert_eq!(rests_of([0.0, 5.0]), 0);
+        // A friction may hold one of them, not the one at no force.
+        assert_eq!(rests_of([0.0, 5.0]), 1);
+        assert_eq!(rests_of([4.0, 5.0]), 0);
         // At one place and one force an end may be held.
         assert_eq!(rests_of([5.0, 5.0]), 0);
     }
