@@ -7,7 +7,6 @@
 
 mod bend;
 mod beyond;
-mod corner;
 mod misfit;
 mod missing;
 mod width;
@@ -53,8 +52,8 @@ pub(crate) struct Kinematics {
     /// within the noise but most of the error: a motor of 25 Hz that stops, sampled at 100 Hz, was 2.4 mm/s off at one
     /// sample, known to 0.02, and an hour with nothing missing stayed unexplained for twenty such samples.
     pub(crate) unresolved_mps: Vec<f64>,
-    /// What smoothing may leave out of the acceleration where it turns within a window (m/s²).
-    pub(crate) acceleration_left_mps2: Vec<f64>,
+    /// Whether the acceleration turns within the windows around a sample, however narrow: a corner of the set point.
+    pub(crate) is_corner: Vec<bool>,
     /// What smoothing leaves out of position (m) and speed (m/s), each under a noise of its own.
     pub(crate) position_left_m: Vec<f64>,
     pub(crate) speed_left_mps: Vec<f64>,
@@ -272,7 +271,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
     let (mut left_square, mut noise_square) = (0.0, 0.0);
     let mut unresolved_mps = Vec::new();
     let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
-    let mut reaches = Vec::with_capacity(channel.len());
+    let mut is_corner = vec![false; channel.len()];
     for at in 0..channel.len() {
         let ([position, slope, bend], window) = smoother.cubic(at);
         let noise = window.map_or([1.5; 2], Window::noise);
@@ -280,9 +279,12 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         left_square += left[1] * left[1];
         noise_square += window.map_or(0.0, |own| (own.beyond.noise() * noise_m).powi(2));
         let quintic = bends.at(channel, at);
-        let own_width = window.map_or(1, |own| own.half_width);
-        let (bend, bend_noise, reach) = quintic.unwrap_or((bend, noise[1], own_width));
-        reaches.push(reach);
+        let (bend, bend_noise, unresolved) = quintic.unwrap_or((bend, noise[1], None));
+        if let Some(half_width) = unresolved {
+            // The windows that reach there see some of it.
+            let reach = 2 * half_width;
+            is_corner[at.saturating_sub(reach)..(at + reach + 1).min(channel.len())].fill(true);
+        }
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
         acceleration_noise_mps2.push(bend_noise * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);
@@ -295,8 +297,6 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }
-    let acceleration_left_mps2 =
-        corner::left_out(&acceleration_mps2, &acceleration_noise_mps2, &reaches);
     let held = held(channel, &log.in_gap);
     // A position that has read the same for a while, or will, moves by less than a count in that time. The length of
     // the run says less: what settles after a stop does so in its first samples.
@@ -312,7 +312,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         acceleration_mps2,
         speed_noise_mps,
         acceleration_noise_mps2,
-        acceleration_left_mps2,
+        is_corner,
         unresolved_mps,
         position_left_m,
         speed_left_mps,

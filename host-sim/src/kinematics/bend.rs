@@ -44,8 +44,9 @@ impl Bends {
     }
 
     /// Bend per sample at a sample, at the ends of the log that of the next that has a window, its noise for one
-    /// of 1 in the position, and the half-width; `None` in a log that is shorter than a window.
-    pub(super) fn at(&self, channel: &[f64], at: usize) -> Option<(f64, f64, usize)> {
+    /// of 1 in the position, and the half-width of the narrowest window if even that leaves more than the noise; `None` in a
+    /// log that is shorter than a window.
+    pub(super) fn at(&self, channel: &[f64], at: usize) -> Option<(f64, f64, Option<usize>)> {
         let last = channel.len() - 1;
         let least = self.windows.last().map(|own| own.half_width);
         let least = least.filter(|width| 2 * width <= last)?;
@@ -55,9 +56,9 @@ impl Bends {
         for own in self.windows.iter().filter(|own| own.half_width <= room) {
             let (bend, left) = own.bend(channel, at);
             if left <= own.within * self.noise_m {
-                return Some((bend, own.noise, own.half_width));
+                return Some((bend, own.noise, None));
             }
-            narrowest = Some((bend, own.noise, own.half_width));
+            narrowest = Some((bend, own.noise, Some(own.half_width)));
         }
         narrowest
     }

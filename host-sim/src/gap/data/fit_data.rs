@@ -44,8 +44,8 @@ pub(crate) struct FitData {
     pub(crate) speed_noise_mps: Vec<f64>,
     /// Standard deviation of the acceleration (m/s²).
     pub(crate) acceleration_noise_mps2: Vec<f64>,
-    /// What smoothing may leave out of the acceleration besides (m/s²).
-    pub(crate) acceleration_left_mps2: Vec<f64>,
+    /// Whether the acceleration turns within the windows around a sample.
+    pub(crate) is_corner: Vec<bool>,
     /// What smoothing leaves out of position (m) and speed (m/s), with their own noise.
     pub(crate) position_left_m: Vec<f64>,
     pub(crate) speed_left_mps: Vec<f64>,
@@ -115,7 +115,7 @@ impl FitData {
             position_noise_m: motion.noise_m,
             speed_noise_mps: motion.speed_noise_mps,
             acceleration_noise_mps2: motion.acceleration_noise_mps2,
-            acceleration_left_mps2: motion.acceleration_left_mps2,
+            is_corner: motion.is_corner,
             position_left_m: motion.position_left_m,
             speed_left_mps: motion.speed_left_mps,
             count: measured(log),
@@ -243,7 +243,7 @@ impl FitData {
             position_noise_m: self.position_noise_m,
             speed_noise_mps: picked(&self.speed_noise_mps),
             acceleration_noise_mps2: picked(&self.acceleration_noise_mps2),
-            acceleration_left_mps2: picked(&self.acceleration_left_mps2),
+            is_corner: indices.clone().map(|at| self.is_corner[at]).collect(),
             position_left_m: picked(&self.position_left_m),
             speed_left_mps: picked(&self.speed_left_mps),
             count: picked(&self.count),

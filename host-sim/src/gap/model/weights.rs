@@ -3,7 +3,7 @@
 
 use crate::gap::data::fit_data::FitData;
 use crate::gap::data::low_pass::LowPass;
-use crate::gap::data::motion_errors::{ACCELERATION_ERROR_FACTOR, SPEED_ERROR_FACTOR};
+use crate::gap::data::motion_errors::{SPEED_ERROR_FACTOR, acceleration_error_factor};
 use crate::gap::model::{
     fit::Fit, simulate::depths, simulate::forces_of_changed, simulate::forces_of_wound,
 };
@@ -20,7 +20,7 @@ pub(crate) fn variances(
 ) -> Vec<f64> {
     let of_position = effect_of_errors(fit, logs, with_position_error);
     let of_speed = effect_of_speed(fit, logs);
-    let of_acceleration = effect_of_errors(fit, logs, with_acceleration_left_out);
+    let of_acceleration = effect_of_errors(fit, logs, with_corners_error);
     let before = effect_of_what_was_before(fit, logs);
     let contact = !fit.shape.base.is_free();
     let depths = depths(&fit.shape, &fit.numbers, logs);
@@ -115,16 +115,14 @@ pub(crate) fn with_speed_error(log: &mut FitData, sign: f64) {
     each.for_each(|(v, noise)| *v += sign * SPEED_ERROR_FACTOR * noise);
 }
 
-/// Adds the error of the acceleration with a sign: of its noise, and of what its windows leave out.
-fn with_acceleration_left_out(log: &mut FitData, sign: f64) {
-    let errors = std::iter::zip(&log.acceleration_noise_mps2, &log.acceleration_left_mps2);
-    let each = log.acceleration_mps2.iter_mut().zip(errors);
-    each.for_each(|(a, (noise, left))| {
-        *a += sign * (ACCELERATION_ERROR_FACTOR * noise).hypot(*left);
-    });
+/// Adds the error of the acceleration with a sign, larger next to a corner.
+fn with_corners_error(log: &mut FitData, sign: f64) {
+    let noise = std::iter::zip(&log.acceleration_noise_mps2, &log.is_corner);
+    let each = log.acceleration_mps2.iter_mut().zip(noise);
+    each.for_each(|(a, (noise, corner))| *a += sign * acceleration_error_factor(*corner) * noise);
 }
 
-/// Adds the acceleration's noise with a sign.
+/// Adds the acceleration's standard deviation with a sign.
 pub(crate) fn with_acceleration_error(log: &mut FitData, sign: f64) {
     let noise = &log.acceleration_noise_mps2;
     let each = log.acceleration_mps2.iter_mut().zip(noise);
