@@ -131,7 +131,7 @@ mod app {
         // It is read before the queue is emptied: records from before the end are then still sent.
         let finished = cx.shared.budget.lock(|budget| budget.finished);
         // Answers and health go before the records: a line that these fill would have no room for them.
-        service.answer(telemetry, &mut cx.shared.output);
+        service.answer(telemetry, &mut cx.shared.output, &mut cx.shared.budget);
         crash::mark(Stage::Send);
         service.report(telemetry, &mut cx.shared.budget);
         while telemetry.has_room_for_a_record()

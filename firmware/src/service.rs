@@ -7,7 +7,6 @@ use crate::force::Force;
 use crate::stack;
 use crate::telemetry::Telemetry;
 use embedded_hal::digital::OutputPin;
-use estimator_core::Faults;
 use estimator_core::board::{
     budget::Budget, budget::Meter, frame::Frame, history::History, history::Stage, link::Answer,
     link::Change, link::Command, link::Health, link::Identity, link::Name, link::Refusal,
@@ -104,12 +103,13 @@ impl<B: Board> Service<B> {
         &mut self,
         telemetry: &mut Telemetry<L, P>,
         output: &mut impl Mutex<T = Force<B::Output>>,
+        budget: &mut impl Mutex<T = Budget>,
     ) {
         while telemetry.has_room()
             && let Some(byte) = telemetry.receive()
         {
             if let Some((to, command)) = self.responder.push(byte) {
-                self.obey(to, command, telemetry, output);
+                self.obey(to, command, telemetry, output, budget);
             }
         }
     }
@@ -121,8 +121,9 @@ impl<B: Board> Service<B> {
         command: Command,
         telemetry: &mut Telemetry<L, P>,
         output: &mut impl Mutex<T = Force<B::Output>>,
+        budget: &mut impl Mutex<T = Budget>,
     ) {
-        let in_contact = telemetry.phase() == Phase::Contact;
+        let in_contact = budget.lock(|budget| budget.phase) == Phase::Contact;
         let busy = !self.outlets.changes.is_empty();
         // An erase may take 4 s, during which nothing runs.
         let stalls = command == Command::Save && !in_contact && !busy;
@@ -154,17 +155,17 @@ impl<B: Board> Service<B> {
         telemetry.send_frame(&Frame::Reply(answered.reply));
     }
 
-    /// Feeds the watchdog while samples come in time, and reports the board's health once a second.
+    /// Feeds the watchdog while samples come in time, switches the light, and reports the board's health once a
+    /// second.
     pub fn report<L: Link, P: OutputPin>(
         &mut self,
         telemetry: &mut Telemetry<L, P>,
         budget: &mut impl Mutex<T = Budget>,
     ) {
-        let (samples, overruns, latched) =
-            budget.lock(|budget| (budget.samples, budget.overruns, budget.latched));
-        if latched != Faults::NONE {
-            self.responder.disarm();
-        }
+        let (samples, overruns, latch, phase) =
+            budget.lock(|budget| (budget.samples, budget.overruns, budget.latch, budget.phase));
+        self.responder.heed(&latch);
+        telemetry.show(phase, samples);
         if samples.wrapping_sub(self.fed) >= RATE_HZ / 10 {
             self.fed = samples;
             // The watchdog is not fed by a task that is always late: 100 overruns in 100 samples.

@@ -6,7 +6,7 @@ use embedded_hal::digital::OutputPin;
 use estimator_core::board::budget::Meter;
 use estimator_core::board::frame::{self, Frame, MAX_ENCODED};
 use estimator_core::board::link::RECORD_ROOM;
-use estimator_core::board::sampling::Record;
+use estimator_core::board::sampling::{RATE_HZ, Record};
 use estimator_core::estimate::{Event, Phase};
 use estimator_core::{Estimate, Faults, Status};
 
@@ -58,7 +58,6 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
         record.for_each_frame(|frame| self.send_frame(frame));
         self.encode.record(Selected::now().wrapping_sub(start));
         self.log_changes(&record.estimate);
-        self.show(&record.estimate);
         self.last = Some(record.estimate);
         self.faults = record.faults();
     }
@@ -84,11 +83,6 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
     /// Returns the next byte from the host.
     pub fn receive(&mut self) -> Option<u8> {
         self.link.receive()
-    }
-
-    /// Returns the phase of the last estimate; before the first one the board is settling.
-    pub fn phase(&self) -> Phase {
-        self.last.map_or(Phase::Settling, |last| last.phase)
     }
 
     /// Returns the time of the last estimate (µs).
@@ -143,11 +137,12 @@ impl<L: Link, P: OutputPin> Telemetry<L, P> {
         }
     }
 
-    /// Switches the light: on in contact, a flash of 0.1 s every second in free air, off while settling.
-    fn show(&mut self, estimate: &Estimate<f32>) {
-        let on = match estimate.phase {
+    /// Switches the light by the phase and the number of samples: on in contact, a flash of 0.1 s every second in
+    /// free air, off while settling.
+    pub fn show(&mut self, phase: Phase, samples: u32) {
+        let on = match phase {
             Phase::Contact => true,
-            Phase::Free => estimate.time_us % 1_000_000 < 100_000,
+            Phase::Free => samples % RATE_HZ < RATE_HZ / 10,
             Phase::Settling => false,
         };
         // Nothing depends on the light.

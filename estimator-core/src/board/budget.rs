@@ -1,7 +1,8 @@
 //! The cost of the sampling task and its punctuality, counted while the task runs.
 
 use crate::board::link::{Health, Range};
-use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
+use crate::board::protection::Latch;
+use crate::estimate::{Phase, fault::Fault, sample::Sample};
 
 /// A meter keeps the minimum, the mean and the maximum of a series.
 #[derive(Clone, Copy, Debug)]
@@ -82,8 +83,10 @@ pub struct Budget {
     pub response: Meter,
     /// Whether the output was armed at the last sample.
     pub armed: bool,
-    /// The faults that hold it at rest.
-    pub latched: Faults,
+    /// What holds it at rest.
+    pub latch: Latch,
+    /// The phase at the last sample: what is sent may be older, by `telemetry.every` samples or a full queue.
+    pub phase: Phase,
     last_start: Option<u32>,
     /// The time of the last sample (µs), of which 32 bits tell how long ago it was: differences of 64 cost more.
     last_time_us: Option<u32>,
@@ -130,8 +133,10 @@ pub struct Sampled {
     pub dropped: bool,
     /// The force output is armed and nothing holds it at rest.
     pub armed: bool,
-    /// The faults that hold the output at rest since it was armed.
-    pub latched: Faults,
+    /// What holds the output at rest since it was armed.
+    pub latch: Latch,
+    /// The phase after the sample.
+    pub phase: Phase,
 }
 
 impl Default for Budget {
@@ -158,7 +163,8 @@ impl Budget {
             task: Meter::new(),
             response: Meter::new(),
             armed: false,
-            latched: Faults::NONE,
+            latch: Latch::new(),
+            phase: Phase::Settling,
             last_start: None,
             last_time_us: None,
             finished: false,
@@ -173,9 +179,10 @@ impl Budget {
             sample,
             dropped,
             armed,
-            latched,
+            latch,
+            phase,
         } = sampled;
-        (self.armed, self.latched) = (*armed, *latched);
+        (self.armed, self.latch, self.phase) = (*armed, *latch, *phase);
         let Started { due, start } = times.started;
         self.ticks = self.ticks.wrapping_add(1);
         self.samples = self.samples.wrapping_add(1);
@@ -213,7 +220,7 @@ impl Budget {
             task: self.task.range(),
             response: self.response.range(),
             armed: self.armed,
-            latched: self.latched,
+            latched: self.latch.faults(),
             ..Health::default()
         }
     }
@@ -237,6 +244,7 @@ impl Budget {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::fault::Faults;
 
     const TICK: u32 = 168_000;
 
@@ -261,7 +269,8 @@ mod tests {
             sample,
             dropped: false,
             armed: false,
-            latched: Faults::NONE,
+            latch: Latch::new(),
+            phase: Phase::Free,
         };
         budget.count(&sampled, 1000, TICK);
     }
@@ -314,7 +323,8 @@ mod tests {
                 sample: Sample::default(),
                 dropped: false,
                 armed: true,
-                latched: Faults::NONE,
+                latch: Latch::new(),
+                phase: Phase::Contact,
             };
             budget.count(&sampled, 1000, TICK);
         }
@@ -323,6 +333,7 @@ mod tests {
         assert_eq!(health.response.max, TICK * 9 / 10 + TICK / 5);
         assert_eq!(health.task.max, TICK / 5);
         assert!(health.armed);
+        assert_eq!(budget.phase, Phase::Contact);
     }
 
     #[test]

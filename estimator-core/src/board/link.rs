@@ -7,7 +7,7 @@ pub use crate::board::message::{
 
 use crate::board::frame::{Decoder, Frame, MAX_ENCODED, RECORD_ENCODED};
 use crate::board::outbox::OUTBOX;
-use crate::board::protection::Arming;
+use crate::board::protection::{Arming, Latch};
 use crate::board::reflection::Packet;
 use crate::board::settings::store::{Loaded, Store};
 use crate::board::settings::{Key, Settings, Setup};
@@ -125,9 +125,12 @@ impl<F: NorFlash> Responder<F> {
         })
     }
 
-    /// Takes note that a fault holds the force output at rest: from here on it is not armed.
-    pub fn disarm(&mut self) {
-        self.arming = 0;
+    /// Takes note of the force output's latch: an arming under which a fault has come is over. One that is newer
+    /// stays: the sampling task has not taken it over yet, and its latch is still that of the arming before.
+    pub fn heed(&mut self, latch: &Latch) {
+        if latch.holds(self.arming) {
+            self.arming = 0;
+        }
     }
 
     /// Takes a byte of the link, and at the end of a command gives it with its sequence number.
@@ -142,7 +145,7 @@ impl<F: NorFlash> Responder<F> {
         }
     }
 
-    /// Answers a command. `in_contact` is what the last estimate says; `busy` means that the last
+    /// Answers a command. `in_contact` is the phase at the last sample; `busy` means that the last
     /// change is still on its way to the sampling task.
     pub fn answer(&mut self, to: u16, command: Command, in_contact: bool, busy: bool) -> Answered {
         let mut rendered = None;

@@ -19,6 +19,14 @@ pub struct Latch {
 }
 
 impl Latch {
+    /// A board that is not armed yet.
+    pub const fn new() -> Self {
+        Latch {
+            under: 0,
+            faults: Faults::NONE,
+        }
+    }
+
     /// Takes the faults of an instant and returns whether a force may be put out under `arming`.
     pub fn update(&mut self, arming: Arming, faults: Faults) -> bool {
         if arming != self.under {
@@ -36,6 +44,12 @@ impl Latch {
     /// Returns the faults since the last arming that hold the output at rest.
     pub fn faults(&self) -> Faults {
         self.faults
+    }
+
+    /// Returns whether a fault holds the output at rest under this arming. A fault that came under another one says
+    /// nothing about it.
+    pub fn holds(&self, arming: Arming) -> bool {
+        self.faults != Faults::NONE && arming == self.under
     }
 }
 
@@ -63,9 +77,11 @@ mod tests {
             assert!(!latch.update(number, Faults::NONE.with(fault)), "{fault:?}");
             assert!(!latch.update(number, Faults::NONE), "it stays");
             assert_eq!(latch.faults(), Faults::NONE.with(fault));
+            assert!(latch.holds(number) && !latch.holds(number + 1), "{fault:?}");
         }
         assert!(latch.update(99, Faults::NONE), "armed again");
         assert_eq!(latch.faults(), Faults::NONE);
+        assert!(!latch.holds(99));
         assert!(!latch.update(0, Faults::NONE), "disarmed");
     }
 

@@ -204,6 +204,7 @@ impl Sampler {
         let estimate = self.step(contact);
         let stepped = ports.now();
         let due = self.due(&estimate);
+        let phase = estimate.phase;
         let record = Record {
             codes,
             sample,
@@ -226,7 +227,8 @@ impl Sampler {
             sample,
             dropped,
             armed: self.setup.arming != 0 && self.latch.faults() == Faults::NONE,
-            latched: self.latch.faults(),
+            latch: self.latch,
+            phase,
         }
     }
 

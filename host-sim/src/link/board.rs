@@ -212,9 +212,7 @@ impl SimulatedBoard {
         if let Some(change) = self.change.take() {
             self.sampler.apply(&change);
         }
-        if self.budget.latched != Faults::NONE {
-            self.responder.disarm();
-        }
+        self.responder.heed(&self.budget.latch);
     }
 
     fn answer(&mut self) {
@@ -224,7 +222,7 @@ impl SimulatedBoard {
             let Some((to, command)) = self.responder.push(byte) else {
                 continue;
             };
-            let in_contact = self.last.is_some_and(|last| last.phase == Phase::Contact);
+            let in_contact = self.budget.phase == Phase::Contact;
             let busy = self.change.is_some();
             if let Some(id) = self.unknown(&command) {
                 let answer = Answer::Refused(Refusal::UnknownSetting, id);

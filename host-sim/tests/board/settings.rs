@@ -3,7 +3,10 @@
 use crate::{HELD, device, world};
 use estimator_core::board::history::{Crash, CrashKind, History, ResetCause, Stage};
 use estimator_core::board::link::{Answer, BYTES_PER_MS, Command, Description, Refusal, Text};
+use estimator_core::board::reflection::Packet;
 use estimator_core::board::settings::{Bounds, Key, Settings};
+use estimator_core::estimate::Estimated;
+use estimator_core::{Config, Fault, Faults, Params, Sample, State, step};
 use palpate::cli::config;
 use palpate::link::port::Simulated;
 use palpate::link::world::Hand;
@@ -121,4 +124,72 @@ fn a_force_is_put_out_only_between_an_arming_and_the_next_save() {
     device.order(Command::Arm).unwrap();
     device.order(Command::Disarm).unwrap();
     assert!(!device.health().unwrap().unwrap().armed);
+}
+
+/// GIVEN a master whose encoder jumped while it was armed, which holds the output at rest. WHEN it is armed once, THEN
+/// it is armed, and takes a packet.
+#[test]
+fn one_arming_is_enough_after_a_fault_that_latched() {
+    let world = world(HELD);
+    let mut device = device(&world, BYTES_PER_MS);
+    for (key, value) in [(Key::RenderForceN, 5.0), (Key::RenderDeviceNsPerM, 5.0)] {
+        device.prepare(key, value).unwrap();
+    }
+    device.order(Command::Commit).unwrap();
+    device.order(Command::Arm).unwrap();
+    // 50 mm within a millisecond.
+    world.lock().unwrap().hand = Hand::Holding {
+        position_m: 0.05,
+        force_n: 0.0,
+    };
+    let refused = Answer::Refused(Refusal::NotArmed, 0);
+    let packet = Command::Reflect(packet());
+    for _ in 0..3 {
+        device.ask(Command::Identify).unwrap();
+    }
+    assert_eq!(device.ask(packet).unwrap(), refused);
+    let latched = device.health().unwrap().unwrap();
+    assert!(!latched.armed && latched.latched.has(Fault::PositionJump));
+    device.order(Command::Arm).unwrap();
+    assert_eq!(device.ask(packet).unwrap(), Answer::Done);
+    let health = device.health().unwrap().unwrap();
+    assert!(health.armed && health.latched == Faults::NONE, "{health:?}");
+}
+
+/// A packet with all parameters of gel.
+fn packet() -> Packet {
+    let params: Params<f32> = Config::default().validate().unwrap();
+    let mut estimate = step(&params, &mut State::new(&params), Sample::default());
+    for (slot, value) in estimate.parameters.iter_mut().zip([1350.0, 5.0, 1.35, 0.0]) {
+        *slot = Some(Estimated {
+            value,
+            std_error: 0.01,
+        });
+    }
+    Packet::of(&estimate, 1e-3, 1)
+}
+
+/// GIVEN a board that sends every thousandth record, in contact with a weight. WHEN it starts anew with the weight on
+/// and finds free air there, THEN it saves at once, though the last record that it has sent was in contact.
+#[test]
+fn a_save_asks_for_the_contact_of_now_and_not_of_the_last_record_that_was_sent() {
+    let world = world(HELD);
+    let mut device = device(&world, BYTES_PER_MS);
+    device.set(Key::TelemetryEvery, 1000.0).unwrap();
+    device.health().unwrap();
+    world.lock().unwrap().hand = Hand::Holding {
+        position_m: 1e-3,
+        force_n: 10.0,
+    };
+    // A question is answered 10 ms later.
+    for _ in 0..20 {
+        device.ask(Command::Identify).unwrap();
+    }
+    let in_contact = Answer::Refused(Refusal::InContact, 0);
+    assert_eq!(device.ask(Command::Save).unwrap(), in_contact);
+    device.order(Command::Restart).unwrap();
+    for _ in 0..40 {
+        device.ask(Command::Identify).unwrap();
+    }
+    assert_eq!(device.ask(Command::Save).unwrap(), Answer::Done);
 }

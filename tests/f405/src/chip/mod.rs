@@ -50,6 +50,9 @@ const CCM: u32 = 0x1000_0000;
 const CCM_BYTES: usize = 64 * 1024;
 /// Backup registers of the RTC and the backup memory, which only a power cut forgets.
 const BACKUP_WORDS: usize = 20;
+/// The debugger's configuration, and its bit that assigns the trace's pins (RM0090, 38.16.3).
+const DBGMCU_CR: u32 = 0xe004_2004;
+const TRACE_IOEN: u32 = 1 << 5;
 
 /// What differs from one board to the next.
 #[derive(Clone, Copy, Debug)]
@@ -202,6 +205,32 @@ impl Chip {
     /// The time in seconds since the power came.
     pub fn seconds(&self) -> f64 {
         self.now as f64 / UNITS_PER_SECOND as f64
+    }
+
+    /// Whether PB12 holds the motor stage's gate driver off.
+    pub fn gate_driver_is_off(&self) -> bool {
+        self.ports[1].is_low(12)
+    }
+
+    /// Whether the status light, PC4, is on.
+    pub fn light(&self) -> bool {
+        self.ports[2].is_high(4)
+    }
+
+    /// Whether the force output's pin is an input.
+    pub fn force_pin_is_input(&self) -> bool {
+        self.ports[1].mode(3) == 0
+    }
+
+    /// Whether the trace has its pins, PB3 among them.
+    pub fn trace_has_pins(&self) -> bool {
+        let cr = self.plain.get(&DBGMCU_CR).copied().unwrap_or(0);
+        cr & TRACE_IOEN != 0
+    }
+
+    /// A debugger gives the trace its pins; only a power cut takes them back.
+    pub(crate) fn give_trace_its_pins(&mut self) {
+        *self.plain.entry(DBGMCU_CR).or_insert(0) |= TRACE_IOEN;
     }
 
     /// Hands the periods of the clocks to those who run on them.

@@ -3,7 +3,7 @@
 
 use crate::common::{RENDERING, packet, pressing, within_the_model};
 use estimator_core::board::frame::Frame;
-use estimator_core::board::link::{Answer, Command};
+use estimator_core::board::link::{Answer, Command, Refusal};
 use estimator_core::board::settings::Key;
 use f405::bench::{Bench, analog};
 use f405::chip::Part;
@@ -30,6 +30,38 @@ fn lag(bench: &Bench, from: f64, to: f64) -> (f64, f64) {
         .collect();
     let mean = lags.iter().sum::<f64>() / lags.len().max(1) as f64;
     (mean, lags.iter().copied().fold(0.0, f64::max))
+}
+
+/// A board that sends every thousandth record. WHEN the probe is pressed into gel, THEN a save is refused, and after a
+/// restart that finds free air there a save is done; and in free air the light flashes for a tenth of a second.
+// Before the repair: refused until the next record; the light was that of the last record, on for a second or off.
+#[test]
+fn what_asks_for_the_phase_gets_that_of_now_though_few_records_are_sent() {
+    let motion = |t: f64| match t {
+        ..4.0 => (REST_M, 0.0),
+        4.0..4.1 => (REST_M + (t - 4.0) * 25e-3, 25e-3),
+        _ => (2e-3, 0.0),
+    };
+    let world = f405::world::Press::new(motion, Material::GEL, 9);
+    let mut bench = Bench::new(analog(), Part::default(), Box::new(world));
+    bench.run(0.3);
+    bench.set(&[(Key::TelemetryEvery, 1000.0)]);
+    let mut lit = 0;
+    for _ in 0..3000 {
+        bench.run(1e-3);
+        lit += u32::from(bench.machine.chip.light());
+    }
+    assert!((290..=310).contains(&lit), "on for {lit} ms of 3 s");
+    bench.run(1.0);
+    assert!(bench.machine.chip.light(), "in contact");
+    let mut ask = |command| bench.ask(command, 1.0).map(|(answer, _)| answer);
+    let in_contact = Answer::Refused(Refusal::InContact, 0);
+    assert_eq!(ask(Command::Save), Some(in_contact));
+    assert_eq!(ask(Command::Restart), Some(Answer::Done));
+    bench.run(0.4);
+    let saved = bench.ask(Command::Save, 6.0).map(|(answer, _)| answer);
+    assert_eq!(saved, Some(Answer::Done));
+    within_the_model(&bench);
 }
 
 // Before the repair: no health at all.

@@ -76,6 +76,20 @@ fn the_stream_of_the_position_stops() {
     });
 }
 
+// Before the repair: the first arming was answered with "done", and the next look at the old latch took it away.
+#[test]
+fn after_a_fault_that_latched_one_arming_brings_the_force_back() {
+    let mut rendering = Rendering::start(analog(), Part::default());
+    rendering.bench.machine.stop_stream(1, 7);
+    rendering.go_on(0.2);
+    assert_eq!(rendering.bench.share(), 0.0, "it latched");
+    rendering.bench.arm();
+    rendering.go_on(0.7);
+    within_the_model(&rendering.bench);
+    let share = rendering.bench.share();
+    assert!((0.3..0.7).contains(&share), "{share}");
+}
+
 /// A board whose cables come off and are put back, with the settings that tell.
 fn loose(force: (f64, f64), position: (f64, f64)) -> Bench {
     let motion = Strokes::random(6, 0.8, 100.0, Strokes::depths(Material::GEL));
