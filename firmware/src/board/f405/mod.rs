@@ -67,11 +67,15 @@ impl Board for F405 {
     type Output = Pwm;
 
     fn start(core: cortex_m::Peripherals) -> Parts<F405> {
-        let Some(device) = pac::Peripherals::take() else {
+        let Some(mut device) = pac::Peripherals::take() else {
             defmt::panic!("the board was started twice");
         };
         // The watchdog starts first, from an oscillator of its own: a start-up that hangs ends in a reset.
         let watchdog = IwdgWatchdog::start(device.IWDG, &device.DBGMCU);
+        // The gate driver is off and stays off, also while a clock is waited for or where there is none: the pin
+        // stays an output that is low.
+        let gpiob = device.GPIOB.split(&mut device.RCC);
+        let _ = gpiob.pb12.into_push_pull_output_in_state(false.into());
         let reset = clock::reset_cause(&device.RCC);
         let (mut rcc, source) = match clock::start(device.RCC) {
             Ok(started) => started,
@@ -89,11 +93,8 @@ impl Board for F405 {
         time::start(device.TIM5, &mut rcc);
 
         let gpioa = device.GPIOA.split(&mut rcc);
-        let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
         let dma1 = StreamsTuple::new(device.DMA1, &mut rcc);
-        // The gate driver is off and stays off: the pin stays an output that is low.
-        let _ = gpiob.pb12.into_push_pull_output_in_state(false.into());
 
         // With a pull-up, a cable that is unplugged is an idle line and no stream of noise.
         let pins = (gpioa.pa0, gpioa.pa1.into_pull_up_input());

@@ -88,6 +88,19 @@ fn without_any_clock_the_watchdog_starts_the_board_again() {
     }
 }
 
+// Before the repair: PB12 was an input while the crystal was waited for, and without any clock.
+#[test]
+fn the_gate_driver_is_held_off_while_a_clock_is_waited_for_and_where_there_is_none() {
+    let mut bench = pressing(analog(), with(Crystal::Dead), Material::GEL, 2);
+    bench.machine.internal_never_locks();
+    for (what, until) in [("the crystal is waited for", 0.05), ("no clock", 3.0)] {
+        bench.run(until - bench.machine.chip.seconds());
+        assert!(bench.machine.chip.gate_driver_is_off(), "{what}");
+    }
+    within_the_model(&bench);
+    assert!(logged(&bench, "does not lock"));
+}
+
 // Before the repair: 10 203 ms, the watchdog's; before that the pin stands where it was, high or low.
 #[test]
 fn a_crystal_that_dies_while_a_force_is_put_out_takes_it_away_at_once() {
