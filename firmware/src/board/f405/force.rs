@@ -10,13 +10,13 @@
 
 use super::duty::{PERIOD, Pulse};
 use crate::board::ForceOutput;
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU32, Ordering, fence};
 use estimator_core::board::sampling::FULL;
 use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::Stream;
 use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, Stream1};
 use stm32f4xx_hal::gpio::{Alternate, PB3};
-use stm32f4xx_hal::pac::{DMA1, TIM2};
+use stm32f4xx_hal::pac::{DMA1, GPIOB, TIM2, tim2};
 
 const _: () = assert!(PERIOD == FULL);
 
@@ -64,12 +64,23 @@ impl Pwm {
         }
     }
 
-    /// Lets the pin float, whatever was put out. Any code may call this.
+    /// Lets the pin float, whatever was put out: the channel is off, and the pin is an input, should it ever have
+    /// another function than the timer's. Any code may call this.
     pub fn float() {
-        // SAFETY: only the bit that turns channel 2 off changes; whoever calls this does not go on.
-        unsafe { &*TIM2::ptr() }
-            .ccer()
-            .modify(|_, w| w.cc2e().clear_bit());
+        // SAFETY: only the bit that turns channel 2 off changes, and the pin's mode; whoever calls this does not go on.
+        let (tim2, gpiob) = unsafe { (&*TIM2::ptr(), &*GPIOB::ptr()) };
+        tim2.ccer().modify(|_, w| w.cc2e().clear_bit());
+        gpiob.moder().modify(|_, w| w.moder3().input());
+    }
+
+    /// Turns channel 2 on with a code's edge. A preloaded one would count from the next period on, and until then
+    /// the output would be 0 % whatever stands for 0 N.
+    fn begin(tim2: &tim2::RegisterBlock, edge: u16) {
+        tim2.ccmr1_output().modify(|_, w| w.oc2pe().disabled());
+        // SAFETY: the value is a count of the timer.
+        tim2.ccr2().write(|w| unsafe { w.bits(edge.into()) });
+        tim2.ccmr1_output().modify(|_, w| w.oc2pe().enabled());
+        tim2.ccer().modify(|_, w| w.cc2e().set_bit());
     }
 
     /// Starts the list from its first entry.
@@ -89,6 +100,8 @@ impl Pwm {
             dma.lifcr().write(|w| w.bits(STREAM1_FLAGS));
             stream.ndtr().write(|w| w.bits(ENTRIES as u32));
         }
+        // What the list has is in memory before the stream reads it.
+        fence(Ordering::Release);
         stream.cr().modify(|_, w| w.en().set_bit());
     }
 }
@@ -121,7 +134,7 @@ impl ForceOutput for Pwm {
             });
         }
         if last.is_none() {
-            tim2.ccer().modify(|_, w| w.cc2e().set_bit());
+            Pwm::begin(tim2, edges.0);
         }
     }
 

@@ -73,6 +73,16 @@ fn a_hard_fault() {
     hangs("hard fault", |bench| bench.machine.crash());
 }
 
+/// A board that has stopped leaves the pin of the force as an input, whatever its timer does.
+#[test]
+fn a_board_that_has_stopped_lets_the_pin_of_the_force_float_by_itself() {
+    let mut rendering = Rendering::start(analog(), Part::default());
+    assert!(!rendering.bench.machine.chip.force_pin_is_input());
+    rendering.bench.machine.crash();
+    rendering.bench.run(0.01);
+    assert!(rendering.bench.machine.chip.force_pin_is_input());
+}
+
 #[test]
 fn the_telemetry_task_hangs() {
     let mut rendering = Rendering::start(analog(), Part::default());

@@ -2,8 +2,10 @@
 
 use crate::common::{REST_S, Rendering, pressing, within_the_model};
 use estimator_core::Status;
+use estimator_core::board::link::{Answer, Command};
+use estimator_core::board::settings::Key;
 use f405::bench::analog;
-use f405::chip::Part;
+use f405::chip::{Drive, Part};
 use f405::report::Report;
 use f405::world::Material;
 
@@ -17,6 +19,31 @@ fn after_a_brown_out_no_force_is_put_out_until_somebody_wants_one() {
     let (last, _) = rendering.bench.estimates().last().expect("estimates");
     let now = rendering.bench.machine.chip.seconds();
     assert!(last > now - 0.1, "it goes on: {last} s of {now} s");
+}
+
+/// GIVEN a master whose amplifier takes half of the output for 0 N, as it was saved. WHEN the board starts, THEN the pin
+/// floats or has that half, and nothing else in between.
+// Before the repair: 0 % for 31 µs: the first code counted from the next period on.
+#[test]
+fn at_a_start_the_output_has_what_stands_for_0_n_from_its_first_period_on() {
+    const ZERO: f64 = 0.5;
+    let mut bench = pressing(analog(), Part::default(), Material::GEL, 1);
+    bench.run(0.3);
+    bench.set(&[(Key::RenderZero, ZERO as f32)]);
+    let saved = bench.ask(Command::Save, 6.0);
+    assert!(matches!(saved, Some((Answer::Done, _))), "{saved:?}");
+    bench.machine.brown_out();
+    let from = bench.machine.chip.now;
+    bench.run(0.3);
+    within_the_model(&bench);
+    let drive = &bench.machine.chip.trace.drive;
+    let since: Vec<Drive> = drive
+        .iter()
+        .filter(|(at, _)| *at > from)
+        .map(|(_, drive)| *drive)
+        .collect();
+    assert!(since.contains(&Drive::Share(1313.0 / 2625.0)), "{since:?}");
+    assert!(since.iter().all(|d| d.is_rest(ZERO)), "{since:?}");
 }
 
 // Measured: 20.6 ms until estimates come again; K within 0.4 % wherever it is called converged.
