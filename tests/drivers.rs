@@ -204,6 +204,25 @@ fn the_converter_is_reset_written_and_read_back() {
     }
 }
 
+/// A converter that has lost its registers: they are written after 0.1 s without a conversion and every 0.1 s from
+/// then on, and one conversion in between puts that off.
+#[test]
+fn a_converter_that_is_silent_for_long_gets_its_registers_again() {
+    let [a, b, c, d] = ads1220::REGISTERS;
+    let mut spi = Mock::new(&[
+        Transaction::transaction_start(),
+        Transaction::write_vec(vec![0x43, a, b, c, d]),
+        Transaction::transaction_end(),
+    ]);
+    assert_eq!(ads1220::write_registers(&mut spi), Ok(()));
+    spi.done();
+    let mut silence = ads1220::Silence::default();
+    let written: Vec<u32> = (1..=400)
+        .filter(|tick| silence.lasts(*tick == 90))
+        .collect();
+    assert_eq!(written, [190, 290, 390]);
+}
+
 #[test]
 fn the_registers_say_what_their_comment_says() {
     let [mux_gain, rate, reference, currents] = ads1220::REGISTERS;

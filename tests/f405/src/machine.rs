@@ -195,6 +195,16 @@ impl Machine {
         self.chip.scs.trace_off(now, cycle);
     }
 
+    /// A debugger has had the trace's pins.
+    pub fn give_trace_its_pins(&mut self) {
+        self.chip.give_trace_its_pins();
+    }
+
+    /// The supply of the bridge converter is gone for an instant: its registers are those of its start.
+    pub fn brown_out_converter(&mut self) {
+        self.chip.sensors.brown_out_converter();
+    }
+
     /// The operations on the flash so far, with their times.
     pub fn flash_operations(&self) -> &[(u64, Operation)] {
         &self.chip.flash.operations

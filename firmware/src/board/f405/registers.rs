@@ -7,6 +7,7 @@ use super::pll::Source;
 /// The name of a register, its address, a mask of the bits that matter, and the value they must have.
 struct Expected(&'static str, u32, u32, u32);
 
+const DBGMCU: u32 = 0xe004_2000;
 const RCC: u32 = 0x4002_3800;
 const GPIOB: u32 = 0x4002_0400;
 const UART4: u32 = 0x4000_4c00;
@@ -20,13 +21,17 @@ const ADC1: u32 = 0x4001_2000;
 #[cfg(not(feature = "spi-sensors"))]
 const DMA2: u32 = 0x4002_6400;
 #[cfg(feature = "spi-sensors")]
+const GPIOC: u32 = 0x4002_0800;
+#[cfg(feature = "spi-sensors")]
 const SPI3: u32 = 0x4000_3c00;
 
 /// Registers that have the same value with either set of sensors.
-const COMMON: [Expected; 15] = [
+const COMMON: [Expected; 16] = [
     // 7.3.3: SWS (3:2) says that the PLL drives the core; PPRE1 (12:10) divides by 4, PPRE2 (15:13)
     // by 2.
     Expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
+    // 38.16.3: no pin of the trace is assigned, which would be PB3.
+    Expected("DBGMCU_CR", DBGMCU + 0x04, 1 << 5, 0),
     // 8.4.1: PB12 is an output, and it is low (8.4.6).
     Expected("GPIOB_MODER", GPIOB, 0b11 << 24, 0b01 << 24),
     Expected("GPIOB_ODR", GPIOB + 0x14, 1 << 12, 0),
@@ -93,7 +98,16 @@ const SENSORS: [Expected; 10] = [
 ];
 
 #[cfg(feature = "spi-sensors")]
-const SENSORS: [Expected; 1] = [
+const SENSORS: [Expected; 4] = [
+    // 8.4.1 and 8.4.10: PC10 to PC12 are SPI3's; 8.4.3: edges of SCK and MOSI at high speed (erratum in ES0182).
+    Expected("GPIOC_MODER", GPIOC, 0b11_1111 << 20, 0b10_1010 << 20),
+    Expected("GPIOC_AFRH", GPIOC + 0x24, 0xf_ff00, 0x6_6600),
+    Expected(
+        "GPIOC_OSPEEDR",
+        GPIOC + 0x08,
+        0b11_0011 << 20,
+        0b10_0010 << 20,
+    ),
     // 28.5.1: mode 1, master, 42 MHz / 8, the highest bit first; SPE is left open.
     Expected("SPI3_CR1", SPI3, 0x00ff & !(1 << 6), 0b0001_0101),
 ];

@@ -6,13 +6,13 @@
 use super::clock::CORE_HZ;
 use super::{Clock, event};
 use crate::board::{Acquired, Sensors};
-use crate::driver::{ads1220, as5047p, pair::Pair};
+use crate::driver::{ads1220, ads1220::Silence, as5047p, pair::Pair};
 use crate::systick;
 use cortex_m::peripheral::SYST;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorType, MODE_1, Operation, SpiBus, SpiDevice};
 use estimator_core::board::sampling::Reading;
-use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PB2, PC10, PC11, PC12};
+use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PB2, PC10, PC11, PC12, Speed};
 use stm32f4xx_hal::pac::SPI3;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
@@ -40,6 +40,7 @@ pub struct SpiSensors {
     encoder: PA2<Output>,
     bridge: PA3<Output>,
     ready: PB2<Input>,
+    silence: Silence,
     pair: Pair,
     clock: Clock,
     tick: Option<SYST>,
@@ -50,6 +51,10 @@ pub fn set_up(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
     let (sck, miso, mosi) = wires.bus;
     // A line that nobody drives reads ones, which the encoder's driver takes for an error; zeros would be angle 0.
     let miso = miso.into_pull_up_input();
+    // With slow edges of SCK the last bit that comes in may be wrong: erratum "corrupted last bit of data received in
+    // master mode with delayed SCK feedback" of ES0182.
+    let sck = sck.into_alternate::<6>().speed(Speed::High);
+    let mosi = mosi.into_alternate::<6>().speed(Speed::High);
     let pins = (Some(sck), Some(miso), Some(mosi));
     // 42 MHz / 8.
     let bus = wires.spi3.spi(pins, MODE_1, 5_250.kHz(), rcc);
@@ -58,6 +63,7 @@ pub fn set_up(wires: Wires, clock: Clock, rcc: &mut Rcc) -> SpiSensors {
         encoder: wires.encoder,
         bridge: wires.bridge,
         ready: wires.ready,
+        silence: Silence::default(),
         pair: Pair::default(),
         clock,
         tick: Some(wires.tick),
@@ -123,7 +129,12 @@ impl Sensors for SpiSensors {
         };
         let ready = self.ready.is_low();
         let angle = as5047p::angle(&mut Chip(&mut self.bus, &mut self.encoder)).ok();
-        let force = ads1220::fetch_and_start(&mut Chip(&mut self.bus, &mut self.bridge)).ok();
+        let mut bridge = Chip(&mut self.bus, &mut self.bridge);
+        if self.silence.lasts(ready) {
+            // What it has forgotten it is told again; the next ticks show whether that was it.
+            let _ = ads1220::write_registers(&mut bridge);
+        }
+        let force = ads1220::fetch_and_start(&mut bridge).ok();
         match self.pair.sample(at.time_us, ready, angle, force) {
             Some(mut codes) => {
                 codes.faults = codes.faults | at.faults;

@@ -27,8 +27,10 @@ pub struct IwdgWatchdog {
 }
 
 impl IwdgWatchdog {
-    /// Starts the long watchdog; it stands still while a debugger holds the core.
+    /// Starts the long watchdog; it stands still while a debugger holds the core. A debugger that had the trace's pins
+    /// leaves them assigned, until the power goes: PB3 would be its output and not the force's.
     pub fn start(iwdg: IWDG, debug: &DBGMCU) -> Self {
+        debug.cr().modify(|_, w| w.trace_ioen().clear_bit());
         debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit());
         let mut watchdog = IwdgWatchdog { iwdg, long: false };
         watchdog.key(START);

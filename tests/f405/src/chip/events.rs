@@ -277,6 +277,11 @@ impl Chip {
             (_, true) => self.sensors.bridge(sent, at),
             _ => 0xff,
         };
+        // Erratum of ES0182, corrupted last bit: with slow edges of SCK, PC10, it comes as the one before it.
+        let answer = match self.ports[2].is_slow(10) {
+            true => answer & !1 | answer >> 1 & 1,
+            false => answer,
+        };
         self.spi.received(answer);
     }
 

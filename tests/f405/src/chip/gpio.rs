@@ -45,12 +45,17 @@ impl Port {
         self.mode(pin) == 1 && self.odr >> pin & 1 == 1
     }
 
-    /// Whether a pin is an output that is low.
     /// Whether a resistor pulls the pin up.
     pub(crate) fn pulls_up(&self, pin: u32) -> bool {
         self.pupdr >> (2 * pin) & 3 == 1
     }
 
+    /// Whether a pin's edges are as slow as after a reset.
+    pub(crate) fn is_slow(&self, pin: u32) -> bool {
+        self.ospeedr >> (2 * pin) & 3 == 0
+    }
+
+    /// Whether a pin is an output that is low.
     pub(crate) fn is_low(&self, pin: u32) -> bool {
         self.mode(pin) == 1 && self.odr >> pin & 1 == 0
     }

@@ -121,8 +121,12 @@ pub(crate) struct Sensors {
     pub(crate) cut: [bool; 2],
 }
 
-/// A conversion takes 0.5 to 0.6 ms in turbo mode at 2000 samples a second.
+/// A conversion takes 0.5 to 0.6 ms in turbo mode at 2000 samples a second, and 50 ms as after a reset.
 const CONVERSION: u64 = 550 * MICROSECOND;
+const SLOW_CONVERSION: u64 = 50_000 * MICROSECOND;
+/// The bits of rate and mode of register 1 (8.6.1.2), and their value for turbo mode at 2000 a second.
+const RATE: u8 = 0b1111_1000;
+const TURBO: u8 = 0b1101_0000;
 
 impl Sensors {
     /// A select line rises: a frame of the encoder ends, or a command of the converter.
@@ -138,6 +142,12 @@ impl Sensors {
             self.answer = data | ((data.count_ones() % 2) as u16) << 15;
         }
         self.frame.clear();
+    }
+
+    /// The converter has lost its supply for an instant.
+    pub(crate) fn brown_out_converter(&mut self) {
+        (self.registers, self.conversion, self.ready) = ([0; 4], None, false);
+        self.deselect_bridge();
     }
 
     pub(crate) fn deselect_bridge(&mut self) {
@@ -172,7 +182,11 @@ impl Sensors {
                 }
             }
             0x08 | 0x09 => {
-                self.conversion = Some((now, now + CONVERSION));
+                let length = match self.registers[1] & RATE {
+                    TURBO => CONVERSION,
+                    _ => SLOW_CONVERSION,
+                };
+                self.conversion = Some((now, now + length));
                 self.ready = false;
             }
             0x10..=0x1f => {

@@ -41,6 +41,19 @@ fn boots_with_its_registers_as_expected_and_samples_at_1_khz() {
     }
 }
 
+/// A debugger has left the trace with its pins, as it does with SWO. THEN the board takes PB3 back.
+#[test]
+fn the_pins_of_a_debuggers_trace_are_taken_back() {
+    let mut bench = pressing(analog(), Part::default(), Material::GEL, 1);
+    bench.machine.give_trace_its_pins();
+    assert!(bench.machine.chip.trace_has_pins());
+    bench.run(0.5);
+    assert!(!bench.machine.chip.trace_has_pins());
+    let log = bench.log();
+    let expected = |line: &String| line.contains("registers as expected");
+    assert!(log.iter().any(expected), "{log:#?}");
+}
+
 #[test]
 fn the_estimates_have_the_bits_of_the_host() {
     let mut bench = pressing(analog(), Part::default(), Material::PLASTIC, 3);
@@ -221,6 +234,32 @@ fn with_spi_sensors_it_boots_and_identifies_both_materials_within_a_hundredth() 
         let counts = (health.dropped, health.overruns, bench.lost());
         assert_eq!(counts, (0, 0, 0));
     }
+}
+
+/// The converter's supply is gone for an instant, and with it its registers: 20 conversions a second in place of a
+/// thousand. THEN it is told, and the registers are written again.
+// Before the repair: no force any more until the board is switched off and on.
+#[test]
+fn with_spi_sensors_a_converter_that_has_forgotten_its_registers_is_set_up_again() {
+    let mut bench = with_spi(Material::GEL, 1);
+    bench.run(4.0);
+    let before = identified(&bench).expect("converged");
+    let from = bench.machine.chip.seconds();
+    bench.machine.brown_out_converter();
+    bench.run(1.0);
+    within_the_model(&bench);
+    let faulty =
+        |(at, estimate): &(f64, &Estimate)| *at > from && estimate.faults.has(Fault::ForceUnusable);
+    let times: Vec<f64> = bench.estimates().filter(faulty).map(|(at, _)| at).collect();
+    let (first, last) = (times[0] - from, times[times.len() - 1] - from);
+    Report::new("SPI converter without its registers").row(
+        "told after, and for the last time after",
+        format!("{:.1} ms, {:.0} ms", first * 1e3, last * 1e3),
+    );
+    assert!(first < 0.02, "{first} s");
+    assert!(last < 0.15, "{last} s");
+    let after = identified(&bench).expect("converged");
+    assert!((after[0] / before[0] - 1.0).abs() < 0.01, "{after:?}");
 }
 
 /// A cable that comes off is told, and nothing is learned meanwhile.
