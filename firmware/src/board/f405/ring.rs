@@ -4,7 +4,7 @@
 //! stops the stream. Here a late call only loses a block.
 
 use super::analog::OVERSAMPLING;
-use core::sync::atomic::{AtomicU16, Ordering};
+use core::sync::atomic::{AtomicU16, Ordering, fence};
 use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::{Stream, StreamISR};
 use stm32f4xx_hal::dma::{CurrentBuffer, DmaChannel, DmaDataSize, DmaDirection};
@@ -130,6 +130,8 @@ impl<S: Stream + StreamISR> Ring<S> {
             CurrentBuffer::FirstBuffer => &blocks[1],
             CurrentBuffer::SecondBuffer => &blocks[0],
         };
+        // The values are read after the look at which block is full, and not before.
+        fence(Ordering::Acquire);
         full.iter().map(|value| value.load(Ordering::Relaxed))
     }
 }

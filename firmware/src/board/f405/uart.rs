@@ -3,7 +3,7 @@
 //! something waits. Commands come into a ring that the DMA fills without end and [`Link::receive`] follows.
 
 use crate::board::Link;
-use core::sync::atomic::{AtomicU8, Ordering};
+use core::sync::atomic::{AtomicU8, Ordering, fence};
 use cortex_m::peripheral::NVIC;
 use estimator_core::board::link::BAUD;
 use estimator_core::board::outbox::Outbox;
@@ -16,8 +16,8 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Rx, Serial, Tx, config};
 
-/// Bytes of the ring of commands. The longest command has 15 bytes, and telemetry looks every
-/// millisecond, in which 200 can come. A host waits for the answer before its next command.
+/// Bytes of the ring of commands. The longest command, an impedance to render, has 72 bytes, and telemetry looks
+/// every millisecond, in which 200 can come. A host waits for the answer before its next command.
 const INBOX: usize = 256;
 
 /// The priority of the interrupt that starts the next stretch, as RTIC counts: above the telemetry task, below
@@ -152,6 +152,8 @@ impl Link for Uart {
         if self.fetched == filled % INBOX {
             return None;
         }
+        // The byte is read after the count that says that it is there.
+        fence(Ordering::Acquire);
         let byte = RECEIVED[self.fetched].load(Ordering::Relaxed);
         self.fetched = (self.fetched + 1) % INBOX;
         Some(byte)
