@@ -303,6 +303,26 @@ fn force_and_position_belong_to_the_same_instant_through_wraps_of_the_encoder() 
     }
 }
 
+/// An encoder that turns by 300 counts a tick, and four ticks of which two are missed. THEN the conversion of the last
+/// tick before them has the position of its own middle, 9/32 of one tick after its start.
+#[test]
+fn after_missed_ticks_the_position_is_still_that_of_the_conversions_middle() {
+    let mut pair = Pair::default();
+    for (i, before) in [(1_i32, 0_i32), (2, 1), (5, 2), (6, 5)] {
+        if i == 1 {
+            assert_eq!(tick(&mut pair, 0, true, Some(0), 0), None);
+        }
+        let angle = Some((300 * i) as u16);
+        let codes = tick(&mut pair, 1000 * i as u64, true, angle, 0).unwrap();
+        assert_eq!(codes.time_us, 1000 * before as u64);
+        assert_eq!(
+            codes.position,
+            CODES_PER_COUNT * 300 * before + 9 * 300,
+            "{i}"
+        );
+    }
+}
+
 #[test]
 fn a_reading_that_fails_is_a_fault_of_its_instants_and_the_count_goes_on() {
     let mut pair = Pair::default();

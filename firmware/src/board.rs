@@ -93,6 +93,10 @@ pub struct Parts<B: Board + ?Sized> {
 
 /// The source of the samples.
 pub trait Sensors {
+    /// Counts after which the encoder's counter begins again: a position after many missed ticks may be off by as much,
+    /// which is then a fault. 0: it never begins again.
+    const COUNTS: u32;
+
     /// Starts the ticks. It is the last thing that the start does: a tick that nobody takes for milliseconds would
     /// give all later ones a false phase.
     fn start(&mut self);

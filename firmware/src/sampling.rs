@@ -55,6 +55,7 @@ struct BoardPorts<'a> {
 /// shows the compiler that it does not divide by zero, which would be a panic.
 impl Ports for BoardPorts<'_> {
     const FULL: u16 = <Selected as Board>::Output::FULL;
+    const COUNTS: u32 = <Selected as Board>::Sensors::COUNTS;
 
     fn now(&self) -> u32 {
         Selected::now()

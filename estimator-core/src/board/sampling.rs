@@ -36,6 +36,8 @@ pub enum Reading {
 pub trait Ports {
     /// Code of the full force output; 0 is no output.
     const FULL: u16;
+    /// Counts after which the encoder's counter begins again; 0: it never does.
+    const COUNTS: u32 = 0;
 
     /// Reads the stopwatch.
     fn now(&self) -> u32;
@@ -183,7 +185,10 @@ impl Sampler {
     pub fn tick<P: Ports>(&mut self, started: Started, reading: Reading, ports: &mut P) -> Sampled {
         let acquired = ports.now();
         let (codes, sample) = match reading {
-            Reading::Codes(codes) => (Some(codes), self.convert(&codes)),
+            Reading::Codes(codes) => {
+                let codes = self.doubt(codes, P::COUNTS);
+                (Some(codes), self.convert(&codes))
+            }
             Reading::Sample(sample) => (None, sample),
         };
         let converted = ports.now();
@@ -292,6 +297,16 @@ impl Sampler {
             .step(params, position_m, speed_mps, read.time_us);
         let code = self.setup.output.code(rendered.force_n, full);
         (Some(rendered), code)
+    }
+
+    /// Marks a position that may be off by whole rounds of the encoder's counter, `counts` each: instants are missing
+    /// before it.
+    fn doubt(&self, mut codes: Codes, counts: u32) -> Codes {
+        let conversion = &self.setup.conversion;
+        if conversion.may_have_gone_round(&self.watch, codes.time_us, counts) {
+            codes.faults = codes.faults.with(Fault::PositionJump);
+        }
+        codes
     }
 
     /// Converts codes to SI units and marks the faults that show in them.

@@ -7,6 +7,7 @@ mod standstill;
 pub use outlier::LATE;
 pub use standstill::Standstill;
 
+use crate::board::sampling::PERIOD_US;
 use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
 use outlier::Recent;
 use standstill::{Moving, micros};
@@ -152,6 +153,22 @@ impl Conversion {
             force_n,
             faults: faults | seen,
         }
+    }
+
+    /// Returns whether the encoder's counter may have gone round unseen since the last instant: instants are missing
+    /// before that at `time_us` (µs), and the fastest motion would have gone half of the counter's range of `counts`
+    /// in that time. A range of 0 never ends.
+    pub fn may_have_gone_round(&self, watch: &Watch, time_us: u64, counts: u32) -> bool {
+        let Some(last) = watch.last.as_ref().filter(|_| counts > 0) else {
+            return false;
+        };
+        let elapsed_us = time_us.saturating_sub(last.time_us);
+        // From one instant to the next the count is followed, and a jump of it shows.
+        if elapsed_us < 2 * PERIOD_US {
+            return false;
+        }
+        let half_m = (counts / 2) as f32 * CODES_PER_COUNT as f32 * self.m_per_code.abs();
+        self.limits.fastest_m_per_us * micros(elapsed_us) > half_m
     }
 
     fn saturation(&self, codes: &Codes) -> Faults {
@@ -422,6 +439,48 @@ mod tests {
             );
             let faults = conversion.sample(&mut watch, &read).faults;
             assert_eq!(faults, expected, "{low} {high} {counts}");
+        }
+    }
+
+    /// GIVEN an encoder of 1 µm a count, 65 536 counts, and at most 5 m/s: half of the range takes 6.55 ms. WHEN
+    /// instants are missing for longer, THEN the position may be another one, and nobody could tell; not before.
+    #[test]
+    fn a_counter_may_have_gone_round_only_where_the_fastest_motion_takes_it_there_unseen() {
+        let within = |fastest: f32, per_code: f32, elapsed_ms: i32, counts: u32| {
+            let conversion = conversion(|settings| {
+                settings.put(Key::PositionFastestMps, fastest);
+                settings.put(Key::PositionPerCode, per_code);
+            });
+            let mut watch = Watch::default();
+            let at = |ms: i32| Codes {
+                time_us: 1000 * ms as u64,
+                ..codes(ms)
+            };
+            assert!(!conversion.may_have_gone_round(&watch, 9_000_000, counts));
+            conversion.sample(&mut watch, &at(10));
+            !conversion.may_have_gone_round(&watch, at(10 + elapsed_ms).time_us, counts)
+        };
+        let micron = 1e-6 / 32.0;
+        for (fastest, per_code, elapsed_ms, counts, expected) in [
+            (5.0, micron, 6, 65_536, true),
+            (5.0, micron, 7, 65_536, false),
+            (5.0, -micron, 7, 65_536, false),
+            (5.0, micron, 4000, 65_536, false),
+            // A slower rig: half of the range takes 33 ms.
+            (1.0, micron, 32, 65_536, true),
+            (1.0, micron, 33, 65_536, false),
+            // Half a turn of 16 384 counts takes 1.6 ms, but from one instant to the next a jump shows.
+            (5.0, micron, 1, 16_384, true),
+            (5.0, micron, 2, 16_384, false),
+            // No counter that begins again, and no watch on the speed.
+            (5.0, micron, 4000, 0, true),
+            (0.0, micron, 4000, 65_536, true),
+        ] {
+            let shown = within(fastest, per_code, elapsed_ms, counts);
+            assert_eq!(
+                shown, expected,
+                "{fastest} {per_code} {elapsed_ms} {counts}"
+            );
         }
     }
 

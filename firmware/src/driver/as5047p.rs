@@ -6,6 +6,9 @@
 
 use embedded_hal::spi::SpiDevice;
 
+/// Counts of a turn, after which the angle begins again.
+pub const COUNTS: u32 = 1 << 14;
+
 const READ: u16 = 0x4000;
 const ERROR_FLAG: u16 = 0x4000;
 const DATA: u16 = 0x3fff;

@@ -1,5 +1,6 @@
 //! Encoder and converter as one instant, in the same codes as those of the reference wiring.
 
+use estimator_core::board::sampling::PERIOD_US;
 use estimator_core::board::sensing::{CODES_PER_COUNT, Codes};
 use estimator_core::{Fault, Faults};
 
@@ -30,8 +31,8 @@ impl Pair {
     /// tick started; the first tick has none. The angle is read before the next conversion starts. `ready`
     /// is true if the converter's DRDY pin showed a finished conversion before.
     ///
-    /// The position is that in the middle of the conversion: [`MIDDLE`] of the way from the last angle to
-    /// this one.
+    /// The position is that in the middle of the conversion: [`MIDDLE`] of the way of one tick from the last angle to
+    /// this one. Where ticks were missed in between, a tick has its share of the way.
     pub fn sample(
         &mut self,
         time_us: u64,
@@ -57,6 +58,7 @@ impl Pair {
             good: angle.is_some(),
         };
         self.last = Some(now);
+        let way = now.count.wrapping_sub(last.count);
         let mut faults = Faults::NONE;
         if !(last.good && now.good) {
             faults = faults.with(Fault::PositionUnusable);
@@ -71,9 +73,19 @@ impl Pair {
             force_high: now.force,
             position: CODES_PER_COUNT
                 .wrapping_mul(last.count)
-                .wrapping_add(MIDDLE * now.count.wrapping_sub(last.count)),
+                .wrapping_add(share(MIDDLE * way, time_us.wrapping_sub(last.time_us))),
             faults,
         })
+    }
+}
+
+/// Returns a tick's share of a way that took so long (µs), at least a tick. In 32 bits, up to 71 minutes: a division of
+/// 64 would be done in software.
+fn share(way: i32, elapsed_us: u64) -> i32 {
+    const PERIOD: u32 = PERIOD_US as u32;
+    match (elapsed_us as u32).wrapping_add(PERIOD / 2) / PERIOD {
+        0 | 1 => way,
+        ticks => way.checked_div(ticks as i32).unwrap_or(0),
     }
 }
 

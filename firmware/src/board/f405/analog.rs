@@ -194,7 +194,8 @@ impl AnalogAndQuadrature {
     }
 
     /// Returns the sums of the blocks that are full. Each 16-bit count continues the one before it, which is right
-    /// as long as the probe moves less than 32 768 counts between two of them.
+    /// as long as the probe moves less than 32 768 counts between two of them; where ticks are missing, the core says
+    /// whether it may have moved more ([`Sensors::COUNTS`]).
     fn read(&mut self) -> Codes {
         let (force, force_low, force_high) = summed(self.forces.finished());
         let mut position = 0_i32;
@@ -212,6 +213,9 @@ impl AnalogAndQuadrature {
 }
 
 impl Sensors for AnalogAndQuadrature {
+    // TIM3 has 16 bits.
+    const COUNTS: u32 = 1 << 16;
+
     fn start(&mut self) {
         if let Some(guard) = self.guard.take() {
             systick::start(guard, CORE_HZ, GUARD_MS);

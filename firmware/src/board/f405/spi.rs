@@ -115,6 +115,8 @@ impl SpiSensors {
 }
 
 impl Sensors for SpiSensors {
+    const COUNTS: u32 = as5047p::COUNTS;
+
     fn start(&mut self) {
         if let Some(tick) = self.tick.take() {
             systick::start(tick, CORE_HZ, 1);

@@ -143,6 +143,9 @@ impl Recording {
 }
 
 impl Sensors for Recording {
+    // A recording has positions without the wraps of a counter.
+    const COUNTS: u32 = 0;
+
     fn start(&mut self) {
         if let Some(tick) = self.tick.take() {
             systick::start(tick, CORE_HZ, 1);

@@ -185,12 +185,13 @@ fn identifies_the_exponent_of_plastic_within_three_standard_errors() {
 }
 
 /// What settings-spi.toml of the firmware sets.
-const SPI_SETTINGS: [(Key, f32); 5] = [
+const SPI_SETTINGS: [(Key, f32); 6] = [
     (Key::ForcePerCode, 6e-6),
     (Key::ForceZeroCode, 0.0),
     (Key::ForceLowestCode, -8_300_000.0),
     (Key::ForceHighestCode, 8_300_000.0),
     (Key::PositionPerCode, 9.536_743e-9),
+    (Key::PositionFastestMps, 1.0),
 ];
 
 /// A board with the second set of sensors and their settings, whose probe presses from 1.5 s on.

@@ -1,6 +1,7 @@
 //! Settings through a power cut at any operation on the flash, and erases at both ends of the watchdog.
 
 use crate::common::within_the_model;
+use estimator_core::Fault;
 use estimator_core::board::link::{Answer, Command};
 use estimator_core::board::settings::Key;
 use estimator_core::board::settings::store::SLOT;
@@ -113,7 +114,8 @@ fn an_erase_of_four_seconds_ends_before_the_watchdog_at_both_ends_of_its_oscilla
         let mut bench = free(part);
         bench.machine.set_flash(&flash);
         bench.run(0.5);
-        save(&mut bench, 9.0);
+        // Every record, so that a fault of a single sample shows.
+        save(&mut bench, 1.0);
         bench.run(2.0);
         within_the_model(&bench);
         assert!(bench.machine.chip.trace.resets.is_empty());
@@ -128,5 +130,11 @@ fn an_erase_of_four_seconds_ends_before_the_watchdog_at_both_ends_of_its_oscilla
             format!("{}, {}, {}", health.dropped, bench.lost(), health.missed),
         );
         assert_eq!((health.dropped, bench.lost()), (0, 0));
+        // Nobody has followed the encoder meanwhile: its first count afterwards is any, and the next ones follow it.
+        let jumps = bench
+            .estimates()
+            .filter(|(_, estimate)| estimate.faults.has(Fault::PositionJump));
+        let jumps: Vec<f64> = jumps.map(|(at, _)| at).collect();
+        assert_eq!(jumps.len(), 1, "{jumps:?}");
     }
 }
