@@ -63,14 +63,17 @@ pub enum CrashKind {
     ClockFailed = 3,
     /// Nothing fed the watchdog, and nothing said why.
     Hang = 4,
+    /// The supply sank so far that the flash might be read wrong.
+    SupplySank = 5,
 }
 
 impl CrashKind {
-    const ALL: [CrashKind; 4] = [
+    const ALL: [CrashKind; 5] = [
         CrashKind::Panic,
         CrashKind::HardFault,
         CrashKind::ClockFailed,
         CrashKind::Hang,
+        CrashKind::SupplySank,
     ];
 
     /// A few words for people.
@@ -80,6 +83,7 @@ impl CrashKind {
             CrashKind::HardFault => "hard fault",
             CrashKind::ClockFailed => "crystal died",
             CrashKind::Hang => "hang",
+            CrashKind::SupplySank => "supply sank",
         }
     }
 }

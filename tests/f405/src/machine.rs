@@ -129,6 +129,11 @@ impl Machine {
         self.reset(Reset::BrownOut);
     }
 
+    /// The supply sinks to 2.85 V, too little for the flash at 168 MHz and too much for a reset, and comes back.
+    pub fn sink_supply(&mut self) {
+        self.chip.sink_supply();
+    }
+
     /// The supply goes altogether: only the flash stays.
     pub fn lose_power(&mut self) {
         self.chip.lose_power();

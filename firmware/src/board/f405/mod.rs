@@ -21,6 +21,7 @@ mod registers;
 mod ring;
 #[cfg(feature = "spi-sensors")]
 mod spi;
+mod supply;
 mod time;
 mod uart;
 mod watchdog;
@@ -137,6 +138,7 @@ impl Board for F405 {
             )
         };
         let output = Pwm::new(gpiob.pb3.into_alternate(), dma1.1);
+        supply::watch(&device.PWR, &device.EXTI, &mut rcc);
         registers::check(source);
         Parts {
             sensors,

@@ -8,6 +8,8 @@ use super::pll::Source;
 struct Expected(&'static str, u32, u32, u32);
 
 const DBGMCU: u32 = 0xe004_2000;
+const PWR: u32 = 0x4000_7000;
+const EXTI: u32 = 0x4001_3c00;
 const RCC: u32 = 0x4002_3800;
 const GPIOB: u32 = 0x4002_0400;
 const UART4: u32 = 0x4000_4c00;
@@ -26,12 +28,15 @@ const GPIOC: u32 = 0x4002_0800;
 const SPI3: u32 = 0x4000_3c00;
 
 /// Registers that have the same value with either set of sensors.
-const COMMON: [Expected; 16] = [
+const COMMON: [Expected; 18] = [
     // 7.3.3: SWS (3:2) says that the PLL drives the core; PPRE1 (12:10) divides by 4, PPRE2 (15:13)
     // by 2.
     Expected("RCC_CFGR", RCC + 0x08, 0xfc0c, 0x9408),
     // 38.16.3: no pin of the trace is assigned, which would be PB3.
     Expected("DBGMCU_CR", DBGMCU + 0x04, 1 << 5, 0),
+    // 5.4.1: the supply is watched at 2.9 V; 12.3.1: and raises its interrupt.
+    Expected("PWR_CR", PWR, 0xf0, 0xf0),
+    Expected("EXTI_IMR", EXTI, 1 << 16, 1 << 16),
     // 8.4.1: PB12 is an output, and it is low (8.4.6).
     Expected("GPIOB_MODER", GPIOB, 0b11 << 24, 0b01 << 24),
     Expected("GPIOB_ODR", GPIOB + 0x14, 1 << 12, 0),

@@ -1,6 +1,6 @@
 //! The memory map (RM0090, table 1): who answers at which address.
 
-use super::{CCM, Chip, FLASH, MICROSECOND, RAM, flash};
+use super::{CCM, Chip, EXTI_PR, FLASH, MICROSECOND, RAM, SUPPLY, flash};
 
 /// The alias regions of single bits, and what they stand for.
 const BITS_OF_RAM: u32 = 0x2200_0000;
@@ -232,6 +232,8 @@ impl Chip {
             0x4000_2800 if (RTC_BACKUP..RTC_BACKUP + 80).contains(&at) => {
                 self.backup[(at - RTC_BACKUP) as usize / 4] = value;
             }
+            // A pending line is cleared by a 1; of the lines the model has the voltage detector's.
+            _ if at == EXTI_PR => self.supply_sank &= value & SUPPLY == 0,
             _ => _ = self.plain.insert(at, value),
         }
     }

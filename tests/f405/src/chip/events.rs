@@ -4,6 +4,7 @@ use super::dma::Request;
 use super::{Chip, NEVER, Reset, adc, timer};
 
 /// Numbers of the interrupts (RM0090, table 62).
+const PVD_IRQ: u32 = 1;
 const ADC_IRQ: u32 = 18;
 const SPI3_IRQ: u32 = 51;
 const UART4_IRQ: u32 = 52;
@@ -338,6 +339,7 @@ impl Chip {
             lines |= u128::from(asks) << TIMER_IRQS[index];
         }
         lines
+            | u128::from(self.supply_sank) << PVD_IRQ
             | u128::from(self.adc.line()) << ADC_IRQ
             | u128::from(self.uart.line()) << UART4_IRQ
             | u128::from(self.spi.line()) << SPI3_IRQ

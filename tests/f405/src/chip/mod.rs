@@ -53,6 +53,12 @@ const BACKUP_WORDS: usize = 20;
 /// The debugger's configuration, and its bit that assigns the trace's pins (RM0090, 38.16.3).
 const DBGMCU_CR: u32 = 0xe004_2004;
 const TRACE_IOEN: u32 = 1 << 5;
+/// The voltage detector (RM0090, 5.4.1) and its line of EXTI (12.3).
+const PWR_CR: u32 = 0x4000_7000;
+const EXTI_IMR: u32 = 0x4001_3c00;
+const EXTI_RTSR: u32 = 0x4001_3c08;
+const EXTI_PR: u32 = 0x4001_3c14;
+const SUPPLY: u32 = 1 << 16;
 
 /// What differs from one board to the next.
 #[derive(Clone, Copy, Debug)]
@@ -109,6 +115,8 @@ pub struct Chip {
     pub(crate) sensors: Sensors,
     /// Registers without a meaning in this model: what was written is read.
     plain: std::collections::BTreeMap<u32, u32>,
+    /// EXTI's line of the voltage detector is pending.
+    supply_sank: bool,
     periods: Periods,
     part: Part,
     /// The reset that is to come.
@@ -147,6 +155,7 @@ impl Chip {
             spi: Spi::new(),
             sensors: Sensors::default(),
             plain: Default::default(),
+            supply_sank: false,
             periods,
             part,
             reset: None,
@@ -176,12 +185,21 @@ impl Chip {
         self.uart.reset();
         self.spi = Spi::new();
         self.plain.clear();
+        self.supply_sank = false;
         self.flash.reset();
         self.trace.was_reset(self.now, why);
         self.periods = self.rcc.periods();
         self.take_clock();
         self.note_drive();
         self.reset = None;
+        self.attention = true;
+    }
+
+    /// The supply sinks to 2.85 V for a time: the voltage detector sees it at level 7, if it is on, and passes it on.
+    pub(crate) fn sink_supply(&mut self) {
+        let has = |at: u32, bits: u32| self.plain.get(&at).is_some_and(|v| v & bits == bits);
+        let watched = has(PWR_CR, 7 << 5 | 1 << 4);
+        self.supply_sank = watched && has(EXTI_RTSR, SUPPLY) && has(EXTI_IMR, SUPPLY);
         self.attention = true;
     }
 

@@ -2,6 +2,7 @@
 
 use crate::common::{REST_S, Rendering, pressing, within_the_model};
 use estimator_core::Status;
+use estimator_core::board::history::{CrashKind, ResetCause};
 use estimator_core::board::link::{Answer, Command};
 use estimator_core::board::settings::Key;
 use f405::bench::analog;
@@ -19,6 +20,19 @@ fn after_a_brown_out_no_force_is_put_out_until_somebody_wants_one() {
     let (last, _) = rendering.bench.estimates().last().expect("estimates");
     let now = rendering.bench.machine.chip.seconds();
     assert!(last > now - 0.1, "it goes on: {last} s of {now} s");
+}
+
+// Before the repair: nobody saw it, and the force stayed.
+#[test]
+fn a_supply_that_sinks_takes_the_force_away_before_the_flash_is_read_wrong_and_is_told() {
+    let mut rendering = Rendering::start(analog(), Part::default());
+    let rest = rendering.rest_after(|bench| bench.machine.sink_supply(), 3.0);
+    Report::new("supply sinks to 2.85 V while rendering")
+        .row("output at rest after", format!("{:.1} µs", rest * 1e6));
+    assert!(rest <= 1e-5, "{rest} s");
+    let history = rendering.bench.healths().last().expect("health").history;
+    assert_eq!(history.reset, ResetCause::Watchdog);
+    assert_eq!(history.crash.map(|c| c.kind), Some(CrashKind::SupplySank));
 }
 
 /// GIVEN a master whose amplifier takes half of the output for 0 N, as it was saved. WHEN the board starts, THEN the pin
