@@ -85,7 +85,8 @@ pub struct Parts<B: Board + ?Sized> {
     pub watchdog: B::Watchdog,
     /// The force output goes to the sampling task, except while settings are saved.
     pub output: B::Output,
-    /// True if a replacement drives the clock: times are off by up to 1 %.
+    /// True if a replacement drives the clock: times are off by more than a crystal's, on the F405 by up to 1 % at
+    /// 25 °C and by 8 % from −40 to 105 °C.
     pub clock_fallback: bool,
     /// The cause of the reset before this start.
     pub reset: ResetCause,
