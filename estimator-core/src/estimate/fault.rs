@@ -119,7 +119,9 @@ impl Fault {
             Fault::SettingsInvalid => "stored settings cannot be used, running on defaults",
             Fault::NotCalibrated => "sensors are not calibrated, scale is nominal",
             Fault::EstimatorSuspect => "the law does not explain the force",
-            Fault::ClockInternal => "clock is the internal oscillator, rates off by up to 1 % at 25 °C, 8 % beyond",
+            Fault::ClockInternal => {
+                "clock is the internal oscillator, rates off by up to 1 % at 25 °C, 8 % beyond"
+            }
             Fault::RenderStopped => "no impedance to render comes any more, force faded out",
             Fault::RenderUnusable => "rendering met no usable number, force is zero",
         }

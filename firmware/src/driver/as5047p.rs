@@ -11,7 +11,7 @@ pub const COUNTS: u32 = 1 << 14;
 
 const READ: u16 = 0x4000;
 const ERROR_FLAG: u16 = 0x4000;
-const DATA: u16 = 0x3fff;
+const DATA: u16 = (COUNTS - 1) as u16;
 /// The addresses (fig. 17).
 const NOP: u16 = 0x0000;
 const ERRFL: u16 = 0x0001;
