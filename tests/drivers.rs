@@ -295,7 +295,8 @@ fn force_and_position_belong_to_the_same_instant_through_wraps_of_the_encoder() 
     }
     // and the same backwards
     for i in (0..99_i64).rev() {
-        let codes = tick(&mut pair, 200_000, true, angle(i), 0).unwrap();
+        let time_us = (198 - i) as u64 * 1000;
+        let codes = tick(&mut pair, time_us, true, angle(i), 0).unwrap();
         assert_eq!(
             codes.position,
             CODES_PER_COUNT * 1000 * (i as i32 + 1) - 9 * 1000

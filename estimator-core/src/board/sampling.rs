@@ -303,7 +303,7 @@ impl Sampler {
     /// before it.
     fn doubt(&self, mut codes: Codes, counts: u32) -> Codes {
         let conversion = &self.setup.conversion;
-        if conversion.may_have_gone_round(&self.watch, codes.time_us, counts) {
+        if conversion.may_have_gone_round(&self.watch, codes.time_us, PERIOD_US, counts) {
             codes.faults = codes.faults.with(Fault::PositionJump);
         }
         codes

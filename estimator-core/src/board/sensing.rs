@@ -7,7 +7,6 @@ mod standstill;
 pub use outlier::LATE;
 pub use standstill::Standstill;
 
-use crate::board::sampling::PERIOD_US;
 use crate::estimate::{fault::Fault, fault::Faults, sample::Sample};
 use outlier::Recent;
 use standstill::{Moving, micros};
@@ -156,15 +155,21 @@ impl Conversion {
     }
 
     /// Returns whether the encoder's counter may have gone round unseen since the last instant: instants are missing
-    /// before that at `time_us` (µs), and the fastest motion would have gone half of the counter's range of `counts`
-    /// in that time. A range of 0 never ends.
-    pub fn may_have_gone_round(&self, watch: &Watch, time_us: u64, counts: u32) -> bool {
+    /// before that at `time_us` (µs), of which one comes every `period_us` (µs), and the fastest motion would have gone
+    /// half of the counter's range of `counts` in that time. A range of 0 never ends.
+    pub fn may_have_gone_round(
+        &self,
+        watch: &Watch,
+        time_us: u64,
+        period_us: u64,
+        counts: u32,
+    ) -> bool {
         let Some(last) = watch.last.as_ref().filter(|_| counts > 0) else {
             return false;
         };
         let elapsed_us = time_us.saturating_sub(last.time_us);
         // From one instant to the next the count is followed, and a jump of it shows.
-        if elapsed_us < 2 * PERIOD_US {
+        if elapsed_us < 2 * period_us {
             return false;
         }
         let half_m = (counts / 2) as f32 * CODES_PER_COUNT as f32 * self.m_per_code.abs();
@@ -456,9 +461,10 @@ mod tests {
                 time_us: 1000 * ms as u64,
                 ..codes(ms)
             };
-            assert!(!conversion.may_have_gone_round(&watch, 9_000_000, counts));
+            assert!(!conversion.may_have_gone_round(&watch, 9_000_000, 1000, counts));
             conversion.sample(&mut watch, &at(10));
-            !conversion.may_have_gone_round(&watch, at(10 + elapsed_ms).time_us, counts)
+            let time_us = at(10 + elapsed_ms).time_us;
+            !conversion.may_have_gone_round(&watch, time_us, 1000, counts)
         };
         let micron = 1e-6 / 32.0;
         for (fastest, per_code, elapsed_ms, counts, expected) in [
