@@ -113,6 +113,7 @@ fn run(log: &UniformLog, compensation: &Compensation<f64>) -> UniformLog {
     let mut out = UniformLog {
         path: log.path.clone(),
         kind: log.kind,
+        source: log.source.clone(),
         rate_hz: log.rate_hz,
         untouched: false,
         slower: log.slower.clone(),

@@ -6,7 +6,6 @@ pub(crate) mod refreshed;
 mod suspicion;
 
 pub use holds::{Hold, holds};
-pub(crate) use suspicion::columns;
 pub(crate) use suspicion::{exchanged, gives_work};
 pub use suspicion::{suspicions, suspicions_without_contact};
 

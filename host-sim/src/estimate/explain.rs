@@ -10,8 +10,8 @@ use super::evidence::{RELAXES, SURFACE_SHARE};
 use super::outcome::Outcome;
 use super::reason::EXPLAINED;
 use super::residual::surface_misfit;
-use crate::inspect::{Inspection, columns, suspicions};
-use crate::log::UniformLog;
+use crate::inspect::{Inspection, suspicions};
+use crate::log::{Channel, UniformLog};
 use crate::model::law_title;
 use crate::number::quantity;
 use crate::replay::Replay;
@@ -72,10 +72,11 @@ fn both_reversed(log: &UniformLog) -> Option<String> {
     let noise_n = log.force_noise_n();
     let pulls = -lowest_n > 20.0 * noise_n.max(highest(log.force_n.iter().copied()) / 20.0);
     pulls.then(|| {
-        let [_, x, f] = columns(log);
+        let remedy = log
+            .columns()
+            .option(&[(Channel::Position, -1.0), (Channel::Force, -1.0)]);
         format!(
-            ", but fell to {}: if that is the contact, position and force both have the other sign \
-             (--columns x=-{x},f=-{f})",
+            ", but fell to {}: if that is the contact, position and force both have the other sign ({remedy})",
             quantity(lowest_n, 3, "N")
         )
     })

@@ -13,6 +13,7 @@ pub fn suspicions(log: &UniformLog) -> Vec<String> {
         still_force,
         swapped,
         millimetres,
+        metres,
         milliseconds,
         force_sign,
         refreshed_slowly,
@@ -54,14 +55,8 @@ fn still(name: &str, letter: &str, channel: &[f64]) -> Option<String> {
 }
 
 fn swapped(log: &UniformLog) -> Option<String> {
-    let [_, x, f] = columns(log);
-    Some(format!("{} (--columns x={f},f={x})", exchanged(log)?))
-}
-
-/// The names of the log's columns.
-pub(crate) fn columns(log: &UniformLog) -> [&'static str; 3] {
-    let kind = log.kind.unwrap_or_default();
-    Channel::ALL.map(|channel| channel.column_of(kind))
+    let remedy = log.columns().exchanged();
+    Some(format!("{} ({remedy})", exchanged(log)?))
 }
 
 /// Position and force in each other's column, without the remedy.
@@ -85,23 +80,52 @@ fn millimetres(log: &UniformLog) -> Option<String> {
     let travel = range(&log.position_m);
     let span = range(&log.force_n);
     if log.kind == Some(Kind::Rotary) {
-        return degrees(travel);
+        return degrees(log, travel);
     }
-    (travel > 0.5 && span >= 0.01 * travel).then(|| {
+    let columns = log.columns();
+    // Half a metre is more than rigs that press travel; a tenth of one is, where nothing says the unit.
+    let most_m = match columns.has_no_unit(Channel::Position) {
+        true => 0.1,
+        false => 0.5,
+    };
+    (travel > most_m && span >= 0.01 * travel).then(|| {
         format!(
-            "the probe travels {}: millimetres or micrometres given as metres? (--columns x=x_m*1e-3)",
-            quantity(travel, 3, "m")
+            "the probe travels {}: millimetres or micrometres given as metres? ({})",
+            quantity(travel, 3, "m"),
+            columns.option(&[(Channel::Position, 1e-3)])
         )
     })
 }
 
-/// Degrees given as radians: more than six turns of a machine that presses or swings.
-fn degrees(travel_rad: f64) -> Option<String> {
-    const MOST_RAD: f64 = 40.0;
-    (travel_rad > MOST_RAD).then(|| {
+/// Metres taken as millimetres by a factor that a person gave: 0.1 MN/m over the whole travel, air included, is
+/// beyond what palpation presses on (steel through a load cell is 1 MN/m).
+fn metres(log: &UniformLog) -> Option<String> {
+    const STIFFEST: f64 = 1e5;
+    let columns = log.columns();
+    let (travel, span) = (range(&log.position_m), range(&log.force_n));
+    let is_stiff = travel > 0.0 && span > STIFFEST * travel && log.kind != Some(Kind::Rotary);
+    (is_stiff && columns.has_given_factor(Channel::Position)).then(|| {
         format!(
-            "the machine turns by {}: degrees given as radians? (--columns x=x_rad*0.0174533)",
-            quantity(travel_rad, 3, "rad")
+            "the force changes by {} over {} of travel, {} at least: is the position in metres already, or in \
+             another unit than its factor says? ({})",
+            quantity(span, 3, "N"),
+            quantity(travel, 3, "m"),
+            quantity(span / travel, 2, "N/m"),
+            columns.option(&[(Channel::Position, 1e3)])
+        )
+    })
+}
+
+/// Degrees given as radians: more than six turns of a machine that presses or swings, whose file does not say
+/// that they are radians.
+fn degrees(log: &UniformLog, travel_rad: f64) -> Option<String> {
+    const MOST_RAD: f64 = 40.0;
+    let columns = log.columns();
+    (travel_rad > MOST_RAD && !columns.is_in_radians()).then(|| {
+        format!(
+            "the machine turns by {}: degrees given as radians? ({})",
+            quantity(travel_rad, 3, "rad"),
+            columns.option(&[(Channel::Position, 0.0174533)])
         )
     })
 }
@@ -110,8 +134,9 @@ fn milliseconds(log: &UniformLog) -> Option<String> {
     let period = log.period_s();
     (0.5..=100.0).contains(&period).then(|| {
         format!(
-            "a sample every {}: milliseconds given as seconds? (--columns t=t_s*1e-3)",
-            quantity(period, 3, "s")
+            "a sample every {}: milliseconds given as seconds? ({})",
+            quantity(period, 3, "s"),
+            log.columns().option(&[(Channel::Time, 1e-3)])
         )
     })
 }
@@ -145,12 +170,15 @@ fn force_sign(log: &UniformLog) -> Option<String> {
     let span = range(&log.force_n);
     let falls = deep < out - 0.2 * span && span > 20.0 * noise;
     (travel > 0.0 && falls).then(|| {
-        let [_, x, f] = columns(log);
+        let columns = log.columns();
+        let position = columns.option(&[(Channel::Position, -1.0)]);
         format!(
             "the force falls from {} to {} on the way in: its sign, or that of the position, may be \
-             reversed (--columns f=-{f} or x=-{x})",
+             reversed ({} or {})",
             quantity(out, 3, "N"),
-            quantity(deep, 3, "N")
+            quantity(deep, 3, "N"),
+            columns.option(&[(Channel::Force, -1.0)]),
+            position.trim_start_matches("--columns ")
         )
     })
 }
@@ -169,6 +197,51 @@ mod tests {
         let t = t.iter().map(|t| t * time).collect();
         let x = x.iter().map(|x| x * position).collect();
         Log::from_channels(t, x, f).uniform().unwrap()
+    }
+
+    /// A log that was read with `--columns`.
+    fn named(asked: &str, factor: f64) -> UniformLog {
+        let text: String = (0..2000)
+            .map(|i| {
+                let t = f64::from(i) * 1e-3;
+                let x = 2e-3 * (1.0 - (std::f64::consts::TAU * t).cos()) - 1e-3;
+                format!("{t},{},{}\n", factor * x, 2000.0 * x.max(0.0))
+            })
+            .collect();
+        let name = format!("palpate-named-{}-{factor}.csv", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::write(&path, format!("time,position,force\n{text}")).unwrap();
+        let options = crate::log::ReadOptions {
+            columns: asked.parse().unwrap(),
+            ..Default::default()
+        };
+        let log = Log::read(&path, &options).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        log.uniform().unwrap()
+    }
+
+    #[test]
+    fn units_that_a_person_gave_wrong_are_suspected_with_the_columns_of_the_file() {
+        let metres = named("t=time,x=position,f=force", 1e3);
+        only(&metres, "(--columns t=time,x=position*1e-3,f=force)");
+        let millimetres = named("t=time,x=position*1e-3,f=force", 1.0);
+        only(&millimetres, "(--columns t=time,x=position,f=force)");
+        assert_eq!(
+            suspicions(&named("t=time,x=position,f=force", 1.0)),
+            [""; 0]
+        );
+    }
+
+    #[test]
+    fn angles_whose_column_says_radians_are_no_degrees() {
+        let mut turns = log(1.0, 4e4, 1.0);
+        turns.kind = Some(Kind::Rotary);
+        assert_eq!(suspicions(&turns), [""; 0]);
+        let mut stated = named("t=time,x=position,f=force", 1.0);
+        assert!(!stated.columns().is_in_radians());
+        stated.kind = Some(Kind::Rotary);
+        stated.position_m.iter_mut().for_each(|x| *x *= 4e4);
+        only(&stated, "(--columns t=time,x=position*0.0174533,f=force)");
     }
 
     fn only(log: &UniformLog, words: &str) {

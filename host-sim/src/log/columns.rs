@@ -87,10 +87,18 @@ fn parse_part(part: &str, text: &str) -> Result<(usize, Mapped), Diagnostic> {
     let (Some((_, column)), Some(slot)) = (letter_and_column, slot) else {
         return Err(malformed("not a channel and a column", part, text));
     };
-    let (signed, factor) = match column.rsplit_once('*') {
+    let (mut signed, mut factor) = match column.rsplit_once('*') {
         None => (column, None),
         Some((name, factor)) => (name.trim(), Some(parse_factor(factor.trim(), part, text)?)),
     };
+    // A product: a unit and a spring constant, `Deflection (nm)*1e-9*0.2`.
+    while let (Some(behind), Some((name, more))) = (factor, signed.rsplit_once('*'))
+        && let Ok(more) = more.trim().parse::<f64>()
+        && more.is_finite()
+        && more != 0.0
+    {
+        (signed, factor) = (name.trim(), Some(behind * more));
+    }
     let (name, is_reversed) = match signed.strip_prefix('-') {
         Some(name) => (name.trim(), true),
         None => (signed, false),
@@ -342,6 +350,54 @@ mod tests {
         let remedy = error.remedy.as_deref().unwrap();
         let wanted = "--columns 'x=Extension (mm)' or --columns 'x=Position (mm)'";
         assert!(remedy.contains(wanted), "{remedy}");
+    }
+
+    #[test]
+    fn a_position_without_a_unit_is_asked_for_in_both_units() {
+        let error = placed("", &["time", "position", "force"]).unwrap_err();
+        let remedy = error.remedy.as_deref().unwrap();
+        for wanted in [
+            "--columns 't=time,x=position,f=force' if it is in metres",
+            "--columns 't=time,x=position*1e-3,f=force' if it is in millimetres",
+        ] {
+            assert!(remedy.contains(wanted), "{remedy}");
+        }
+        let unknown = placed("", &["Time (s)", "Travel (mm)", "Load (furlongs)"]).unwrap_err();
+        let remedy = unknown.remedy.as_deref().unwrap();
+        assert!(remedy.contains("f=Load (furlongs)*FACTOR"), "{remedy}");
+        assert!(
+            unknown.to_string().contains("no unit that is known"),
+            "{unknown}"
+        );
+    }
+
+    #[test]
+    fn a_cantilevers_deflection_is_a_length_and_needs_its_spring_constant() {
+        let names = ["Time (s)", "Height (nm)", "Deflection (nm)"];
+        let remedy = placed("", &names).unwrap_err().remedy.clone().unwrap();
+        let wanted = "--columns 'f=Deflection (nm)*1e-9*K'";
+        assert!(remedy.contains(wanted), "{remedy}");
+        let found = placed("f=Deflection (nm)*1e-9*0.25", &names).unwrap();
+        assert_eq!(found, [(0, 1.0), (1, 1e-9), (2, 0.25e-9)]);
+        // Beside a force it is none.
+        let names = [
+            "Time (s)",
+            "Piezo height (um)",
+            "Deflection (nm)",
+            "Force (nN)",
+        ];
+        assert_eq!(placed("", &names).unwrap()[2], (3, 1e-9));
+    }
+
+    #[test]
+    fn an_extensometer_is_nearer_the_tip_than_the_crosshead() {
+        let names = [
+            "Time (s)",
+            "Crosshead (mm)",
+            "Extensometer (mm)",
+            "Load (N)",
+        ];
+        assert_eq!(placed("", &names).unwrap()[1].0, 2);
     }
 
     #[test]

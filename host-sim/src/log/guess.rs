@@ -131,9 +131,11 @@ fn stated_unit(channel: Channel, header: Header, index: usize) -> Option<Unit> {
     let in_row = header.units.get(index).and_then(|cell| units::parse(cell));
     let (name, in_name) = units::split(&header.names[index]);
     let unit = in_row.or(in_name)?;
-    // `torque_nm` in small letters is no length.
-    let is_torque =
-        channel == Channel::Force && unit.symbol == "nm" && names::FORCE.fit(name).is_some();
+    // `torque_nm` in small letters is no length, but a cantilever's `Deflection (nm)` is.
+    let is_torque = channel == Channel::Force
+        && unit.symbol == "nm"
+        && names::FORCE.fit(name).is_some()
+        && !names::is_deflection(name);
     let is_either = unit.symbol == "MN" && is_in_capitals(header);
     (!is_either).then(|| if is_torque { units::torque() } else { unit })
 }
@@ -207,10 +209,31 @@ pub(super) fn in_other_units(channel: Channel, header: Header) -> Option<usize> 
     })
 }
 
-/// What `--columns` probably should be, units that are not said left as SI.
-pub(super) fn suggestion(header: Header) -> Option<String> {
+/// A column that holds how far a cantilever bends, in a unit of length.
+pub(super) fn bent(header: Header) -> Option<(usize, Unit)> {
+    (0..header.names.len()).find_map(|index| {
+        let unit = stated_unit(Channel::Force, header, index)?;
+        let is_bent =
+            names::is_deflection(name(header, index)) && unit.quantity == Quantity::Length;
+        is_bent.then_some((index, unit))
+    })
+}
+
+/// What `--columns` probably should be.
+pub(super) struct Suggestion {
+    /// Units that are not said left as SI.
+    pub(super) as_si: String,
+    /// The same with the units that people have otherwise where none is said: mm.
+    pub(super) as_usual: Option<String>,
+    /// The channels whose unit nothing says.
+    pub(super) unsure: Vec<Channel>,
+}
+
+/// What `--columns` probably should be.
+pub(super) fn suggestion(header: Header) -> Option<Suggestion> {
     let mut taken = Vec::new();
-    let mut parts = Vec::new();
+    let (mut as_si, mut as_usual) = (Vec::new(), Vec::new());
+    let mut unsure = Vec::new();
     for channel in Channel::ALL {
         let own = (0..header.names.len()).find(|index| header.names[*index] == channel.column());
         let index = match own.map_or_else(|| guess(channel, header, &taken).map(|p| p.index), Ok) {
@@ -221,15 +244,31 @@ pub(super) fn suggestion(header: Header) -> Option<String> {
             Err(Unclear::Nothing) => return None,
         };
         taken.push(index);
-        let unit = unit(channel, header, index).filter(|unit| !unit.factor_text.is_empty());
-        let factor = unit.map_or(String::new(), |unit| format!("*{}", unit.factor_text));
-        parts.push(format!(
-            "{}={}{factor}",
-            channel.letter(),
-            called(header, index)
-        ));
+        let unit = unit(channel, header, index);
+        let is_unknown = unit.is_none() && units::unknown(&header.names[index]).is_some();
+        let factor = match unit {
+            Some(unit) if !unit.factor_text.is_empty() => format!("*{}", unit.factor_text),
+            None if is_unknown => "*FACTOR".into(),
+            _ => String::new(),
+        };
+        let part = format!("{}={}", channel.letter(), called(header, index));
+        if unit.is_none() {
+            unsure.push(channel);
+        }
+        as_usual.push(
+            match unit.is_none() && channel == Channel::Position && !is_unknown {
+                true => format!("{part}*1e-3"),
+                false => format!("{part}{factor}"),
+            },
+        );
+        as_si.push(format!("{part}{factor}"));
     }
-    Some(parts.join(","))
+    let (as_si, as_usual) = (as_si.join(","), as_usual.join(","));
+    Some(Suggestion {
+        as_usual: (as_usual != as_si).then_some(as_usual),
+        as_si,
+        unsure,
+    })
 }
 
 #[cfg(test)]

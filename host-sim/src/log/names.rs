@@ -57,7 +57,7 @@ pub(super) const POSITION: Words = Words {
         "deplacement", "allongement", "desplazamiento", "posición", "posicion", "recorrido", "extensión",
         "height", "höhe", "hoehe", "hauteur", "altura", "separation", "deformation", "déformation", "disp",
         "pos", "elongation", "path", "distance", "distancia", "abstand", "gap", "spalt", "winkel", "angle",
-        "ángulo", "angulo", "theta", "rotation", "twist",
+        "ángulo", "angulo", "theta", "rotation", "twist", "extensometer", "extensómetro", "extensomètre",
     ],
     secondary: &[
         "crosshead", "traverse", "stroke", "kolben", "actuator", "piezo", "course", "carrera", "motor", "lvdt",
@@ -126,6 +126,12 @@ impl Words {
         };
         hit.map(|(_, fit)| fit).or_else(letter)
     }
+}
+
+/// Whether a column holds how far a cantilever bends.
+pub(super) fn is_deflection(name: &str) -> bool {
+    let name = Name::new(name);
+    name.has("deflection") || name.has_word("defl")
 }
 
 /// Whether a column holds a position by the sample's height (a strain) or a force by its area (a stress).

@@ -99,6 +99,10 @@ fn preamble(lines: &[Line], at: usize, delimiter: u8) -> Preamble {
             break;
         }
     }
+    // A header of units only: each column is called by its unit.
+    if units.is_empty() && are_units(&names) {
+        units.clone_from(&names);
+    }
     let titles = lines[..at].iter().filter(|line| !line.is_comment).count();
     let sample = rows(&lines[last + 1..], delimiter);
     let widest = sample.iter().map(Vec::len).max().unwrap_or(0);
@@ -266,8 +270,14 @@ fn header_above(lines: &[Line], table: &Table, delimiter: u8) -> Option<usize> {
             || cells.get(table.columns..).is_some_and(are_remarks);
         fits && 2 * texts > cells.len() && !are_units(&cells)
     };
+    // Units alone name the columns where nothing else does.
+    let units = |at: &usize| {
+        let cells = split(&lines[*at].text, delimiter);
+        cells.len() == table.columns && are_units(&cells)
+    };
     // Without a mistake in its first rows, the header is near.
-    (from..table.start).rev().find(|at| names(*at))
+    let above = (from..table.start).rev().find(|at| names(*at));
+    above.or_else(|| table.start.checked_sub(1).filter(units))
 }
 
 /// Whether names are of remarks, whose cells may be left out at the end of a row (as LabVIEW does).
@@ -338,8 +348,8 @@ fn no_header(path: &Path, line: usize, text: &str, has_titles: bool) -> Diagnost
         .at_line(line)
         .excerpt(text, 0..text.len())
         .remedy(format!(
-            "put a header above it: {}, or name the columns by their numbers: --columns \
-             't=1,x=2*1e-3,f=3', the factors into s, m and N",
+            "put a header above it: {}, or name the columns by their numbers: --columns 't=1,x=2,f=3' if they are in \
+             s, m and N, --columns 't=1,x=2*1e-3,f=3' if the position is in mm",
             Channel::ALL.map(Channel::column).join(",")
         ))
 }
@@ -393,6 +403,14 @@ mod tests {
             (5, 7, 3)
         );
         assert!(found.format.decimal_comma);
+    }
+
+    #[test]
+    fn a_header_of_units_alone_names_the_columns() {
+        let found = parsed("ms,mm,N\n0,1.5,2\n1,1.5,2\n2,1.5,2\n");
+        assert_eq!(found.names, ["ms", "mm", "N"]);
+        assert_eq!(found.units, ["ms", "mm", "N"]);
+        assert_eq!((found.header_line, found.data_line), (1, 2));
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! What is asked where the column of a channel is missing or not certain, with the flag that answers it.
 
 use super::channel::{Channel, Header};
-use super::guess::{self, Unclear};
+use super::guess::{self, Suggestion, Unclear};
 use super::names;
+use super::units;
 use crate::diagnostic::{Diagnostic, listed, nearest};
 
 /// The question for a channel whose column could not be guessed.
@@ -60,12 +61,44 @@ pub(super) fn missing(channel: Channel, header: Header, asked: Option<&str>) -> 
 fn remedy(channel: Channel, header: Header, asked: Option<&str>) -> String {
     let suggestion = guess::suggestion(header);
     let is_timeless = channel == Channel::Time && asked.is_none();
+    if channel == Channel::Force
+        && asked.is_none()
+        && let Some((index, unit)) = guess::bent(header)
+    {
+        let factor = match unit.factor_text {
+            "" => String::new(),
+            factor => format!("*{factor}"),
+        };
+        return format!(
+            "give the spring constant K of the cantilever in N/m, as a number: --columns 'f={}{factor}*K'",
+            guess::called(header, index)
+        );
+    }
     match suggestion {
-        Some(columns) if is_timeless && !columns.contains("t=") => format!(
+        Some(Suggestion { as_si, .. }) if is_timeless && !as_si.contains("t=") => format!(
             "if the file has no time, give its samples per second: --rate HZ; if a column holds the time, name it: \
-             --columns 't=NAME*FACTOR,{columns}'"
+             --columns 't=NAME*FACTOR,{as_si}'"
         ),
-        Some(columns) => format!("name the columns, perhaps --columns '{columns}'"),
+        Some(Suggestion {
+            as_si,
+            as_usual: Some(as_usual),
+            ..
+        }) => format!(
+            "say in which unit the position is: --columns '{as_si}' if it is in metres, --columns '{as_usual}' if it is \
+             in millimetres; a factor that is wrong by 1000 makes the stiffness wrong by 1000"
+        ),
+        Some(Suggestion { as_si, unsure, .. }) => format!(
+            "name the columns, perhaps --columns '{as_si}'{}",
+            match unsure.first() {
+                Some(channel) if !as_si.contains("*FACTOR") => format!(
+                    " if the {} is in {}; behind another unit a factor is needed",
+                    channel.noun(),
+                    unit_of(*channel)
+                ),
+                Some(_) => ", with FACTOR what makes its unit SI".into(),
+                None => String::new(),
+            }
+        ),
         None => "name the columns: --columns 't=NAME*FACTOR,x=NAME*FACTOR,f=NAME*FACTOR', \
                  the factors into s, m and N"
             .to_string(),
@@ -92,6 +125,9 @@ fn hints(channel: Channel, header: Header) -> Vec<String> {
             (true, _) => {
                 "FACTOR is the height of the sample in m, divided by 100 if the strain is in %"
             }
+            (_, Channel::Force) if names::is_deflection(name) => {
+                "a cantilever's deflection is no force until it is multiplied by its spring constant"
+            }
             _ => "FACTOR is what one of its units is worth",
         };
         hints.push(format!(
@@ -117,9 +153,16 @@ fn unit_missing(channel: Channel, header: Header, index: usize) -> Diagnostic {
         Channel::Position => "*1e-3 if it is in mm, *1e-6 if in µm, nothing if in m",
         Channel::Force => "*1e3 if it is in kN, *1e-3 if in mN, nothing if in N",
     };
+    let why = match units::unknown(name) {
+        Some(unit) => format!(
+            "`{unit}` is no unit that is known here: its factor into {} is needed",
+            unit_of(channel)
+        ),
+        None => "its unit is not said".into(),
+    };
     missing(channel, header, None)
         .note(format!(
-            "`{name}` may hold the {}, but its unit is not said",
+            "`{name}` may hold the {}, but {why}",
             channel.noun()
         ))
         .note(format!("in --columns, {examples}"))
@@ -137,7 +180,7 @@ fn several(channel: Channel, header: Header, indices: &[usize]) -> Diagnostic {
     // Recordings side by side have one header each, with the same names.
     if indices.len() > 1
         && names().all(|name| name == first)
-        && let Some(columns) = guess::suggestion(header)
+        && let Some(Suggestion { as_si: columns, .. }) = guess::suggestion(header)
     {
         let numbers: Vec<String> = indices
             .iter()

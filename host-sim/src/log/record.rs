@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::columns::ColumnMap;
+use super::origin::SourceColumns;
 use crate::kind::Kind;
 
 /// Fewest samples that make a log.
@@ -24,6 +25,8 @@ pub struct Log {
     pub force_n: Vec<f64>,
     /// The further columns of numbers, in the order of the file.
     pub extra: Vec<ExtraColumn>,
+    /// The columns that it was read from; `None` for those of our own logs.
+    pub source: Option<SourceColumns>,
     /// What was left out or looks odd, a sentence each.
     pub notes: Vec<String>,
 }

@@ -126,6 +126,7 @@ impl Log {
             untouched: true,
             taken: None,
             compensated: Compensated::default(),
+            source: self.source,
             notes: self.notes,
         }
     }
@@ -204,6 +205,7 @@ impl Log {
             untouched: false,
             taken: None,
             compensated: Compensated::default(),
+            source: self.source.clone(),
             notes: self.notes.clone(),
         }
     }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use estimator_core::{Faults, Sample};
 
+use super::origin::SourceColumns;
 use crate::kind::Kind;
 use crate::signal;
 
@@ -77,6 +78,8 @@ pub struct UniformLog {
     pub recognised: Vec<Faults>,
     /// What was taken off its channels.
     pub compensated: Compensated,
+    /// The columns that it was read from; `None` for those of our own logs.
+    pub source: Option<SourceColumns>,
     /// The log's notes, and what was done to its samples.
     pub notes: Vec<String>,
 }
@@ -87,6 +90,14 @@ impl UniformLog {
         let time_s = self.time_s[at];
         let mut stretches = self.slower.iter();
         stretches.any(|(from_s, to_s)| (*from_s..=*to_s).contains(&time_s))
+    }
+
+    /// The columns that it was read from, or those of a log of our own.
+    pub(crate) fn columns(&self) -> Cow<'_, SourceColumns> {
+        match &self.source {
+            Some(source) => Cow::Borrowed(source),
+            None => Cow::Owned(SourceColumns::own(self.kind.unwrap_or_default())),
+        }
     }
 
     /// Number of samples.
@@ -122,6 +133,7 @@ impl UniformLog {
             time_s: taken.time_s.clone(),
             position_m: taken.position_m.clone(),
             force_n: taken.force_n.clone(),
+            source: self.source.clone(),
             ..UniformLog::default()
         })
     }
@@ -163,6 +175,7 @@ impl UniformLog {
                 turning: marks(&self.compensated.turning),
                 ..self.compensated.clone()
             },
+            source: self.source.clone(),
             notes: self.notes.clone(),
         }
     }

@@ -69,6 +69,7 @@ const UNITS: &[(Unit, &[&str])] = &[
     (unit("pN", Force, 1e-12, "1e-12"), &["pn"]),
     (unit("gf", Force, 9.80665e-3, "9.80665e-3"), &["gf", "g", "gram", "grams", "gramm"]),
     (unit("kgf", Force, 9.80665, "9.80665"), &["kgf", "kg", "kp"]),
+    (unit("ozf", Force, 0.278_013_85, "0.27801385"), &["ozf", "oz", "ounce", "ounces"]),
     (unit("lbf", Force, 4.448_221_6, "4.4482216"), &["lbf", "lb", "lbs", "pound", "pounds"]),
     (unit("N m", Torque, 1.0, ""), &["nm", "n m", "n·m", "n*m", "n.m", "n-m"]),
     (unit("mN m", Torque, 1e-3, "1e-3"), &["mnm", "mn m", "mn·m", "mn*m", "mn.m", "mn-m"]),
@@ -159,6 +160,12 @@ pub(super) fn split(header: &str) -> (&str, Option<Unit>) {
     }
 }
 
+/// What stands in brackets behind a name and is no unit that is known here: `foo` of `Load (foo)`.
+pub(super) fn unknown(header: &str) -> Option<&str> {
+    let (_, inside) = last_bracket(header.trim())?;
+    (parse(inside).is_none() && !inside.is_empty()).then_some(inside)
+}
+
 /// What stands before the last pair of brackets, and what in it.
 fn last_bracket(text: &str) -> Option<(&str, &str)> {
     let (open, close) = match text.chars().last()? {
@@ -193,6 +200,7 @@ mod tests {
                 "Position(Linear:Position)",
                 "mm",
             ),
+            ("Load (ozf)", "Load", "ozf"),
             ("Kraft [µN]", "Kraft", "µN"),
             ("Kraft [\u{3bc}N]", "Kraft", "µN"),
             ("Force (MN)", "Force", "MN"),

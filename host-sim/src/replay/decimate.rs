@@ -75,6 +75,7 @@ fn without_samples(log: &UniformLog, factor: usize) -> UniformLog {
     let mut means = UniformLog {
         path: log.path.clone(),
         kind: log.kind,
+        source: log.source.clone(),
         rate_hz: log.rate_hz / factor as f64,
         slower: log.slower.clone(),
         position_step_m: count_m.or_else(|| signal::step(&log.position_m)),

@@ -82,6 +82,7 @@ impl Rows<'_> {
                 time_s: own(&mut self.log.time_s),
                 position_m: own(&mut self.log.position_m),
                 force_n: own(&mut self.log.force_n),
+                source: self.log.source.clone(),
                 notes: Vec::new(),
             });
         }

@@ -37,7 +37,7 @@ pub(super) fn understood(
     if preamble.titles > 0 {
         facts.push(format!("the header in line {}", preamble.header_line));
     }
-    if !preamble.units.is_empty() {
+    if !preamble.units.is_empty() && preamble.units != preamble.names {
         facts.push(format!("units in line {}", preamble.data_line - 1));
     }
     if preamble.format.decimal_comma {

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::diagnostic::Diagnostic;
-use crate::log::channel::{Channel, Placed};
+use crate::log::channel::{Channel, Header, Placed};
 use crate::log::fields::split;
 use crate::log::preamble::Preamble;
 use crate::log::source::line_at;
@@ -51,6 +51,15 @@ pub(super) struct Table<'a> {
 }
 
 impl Table<'_> {
+    /// What is known of the columns.
+    pub(super) fn header(&self) -> Header<'_> {
+        Header {
+            names: &self.preamble.names,
+            units: &self.preamble.units,
+            sample: &self.preamble.sample,
+        }
+    }
+
     /// The name of a channel's column.
     pub(super) fn name(&self, slot: usize) -> &str {
         let index = self.placed[slot].map(|placed| placed.index);

@@ -9,6 +9,7 @@ use crate::log::cell::{Cell, number};
 use crate::log::channel::Channel;
 use crate::log::columns::kind_of;
 use crate::log::fields::is_comment;
+use crate::log::origin::SourceColumns;
 use crate::log::record::{ExtraColumn, FEWEST_SAMPLES, Log};
 use crate::log::stamp;
 use crate::stats::median;
@@ -100,6 +101,7 @@ impl<'a> Rows<'a> {
             log: Log {
                 path: table.path.to_path_buf(),
                 kind: kind_of(&table.placed),
+                source: SourceColumns::of(table.header(), &table.placed),
                 extra: extra.collect(),
                 ..Log::default()
             },
