@@ -10,12 +10,14 @@ use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder};
 
-use super::channel::{Header, Origin, Placed};
+use super::channel::{Channel, Header, Origin};
 use super::orientation::{self, Orientation};
+use super::origin::SourceColumns;
 use super::preamble::{self, Preamble};
 use super::record::{Log, ReadOptions};
 use super::source::{Source, unreadable};
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use notes::understood;
 use parts::separators;
 use problem::Table;
@@ -81,7 +83,7 @@ fn read_all(path: &Path, options: &ReadOptions) -> Result<Vec<Log>, Diagnostic> 
     let mut rows = Rows::new(&table, &separators, options.rate_hz);
     read_rows(source, &table, &mut rows)?;
     let mut logs = rows.finish()?;
-    let orientation = oriented(&mut logs, &placed, &options.columns);
+    let orientation = oriented(&mut logs, &table, &options.columns);
     if orientation == Orientation::One {
         return Err(at_header(table.which_sign()));
     }
@@ -121,13 +123,9 @@ fn broken(path: &Path, error: csv::Error) -> Diagnostic {
 
 /// Turns channels of other machines the way ours count, where nobody has said how they do. The recording
 /// with the largest force tells for all of a file.
-fn oriented(
-    logs: &mut [Log],
-    placed: &[Option<Placed>; 3],
-    columns: &super::columns::ColumnMap,
-) -> Orientation {
+fn oriented(logs: &mut [Log], table: &Table, columns: &super::columns::ColumnMap) -> Orientation {
     let is_guessed =
-        |slot: usize| placed[slot].is_some_and(|placed| placed.origin == Origin::Guessed);
+        |slot: usize| table.placed[slot].is_some_and(|placed| placed.origin == Origin::Guessed);
     if !(is_guessed(1) || is_guessed(2)) || columns.orients() {
         return Orientation::AsIs;
     }
@@ -135,17 +133,44 @@ fn oriented(
     let Some(clearest) = logs.iter().max_by(|a, b| span(a).total_cmp(&span(b))) else {
         return Orientation::AsIs;
     };
-    let orientation = orientation::of(&clearest.position_m, &clearest.force_n);
+    let found = orientation::of(&clearest.position_m, &clearest.force_n);
+    // The weight of a lever falls along its turn, and columns in SI that say so are taken as they are: only a contact
+    // with air beside it proves otherwise.
+    let is_rotary = clearest.kind == Some(Kind::Rotary);
+    let orientation = match found {
+        Orientation::One if is_rotary || states_si(table) => Orientation::AsIs,
+        found => found,
+    };
     let negate = |channel: &mut Vec<f64>| channel.iter_mut().for_each(|value| *value = -*value);
     for log in logs {
         if matches!(orientation, Orientation::Both | Orientation::Position) {
             negate(&mut log.position_m);
+            turn(&mut log.source, Channel::Position);
         }
         if matches!(orientation, Orientation::Both | Orientation::Force) {
             negate(&mut log.force_n);
+            turn(&mut log.source, Channel::Force);
         }
     }
     orientation
+}
+
+fn turn(source: &mut Option<SourceColumns>, channel: Channel) {
+    if let Some(source) = source {
+        source.turn(channel);
+    }
+}
+
+/// Whether position and force have names as ours, a word and the SI unit behind it: `position_m`, `torque_nm`.
+fn states_si(table: &Table) -> bool {
+    let is_si = |slot: usize| {
+        let unit = table.placed[slot].and_then(|placed| placed.unit);
+        let name = table.name(slot);
+        unit.is_some_and(|unit| unit.factor == 1.0)
+            && name.contains('_')
+            && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+    };
+    is_si(Channel::Position as usize) && is_si(Channel::Force as usize)
 }
 
 #[cfg(test)]
