@@ -111,7 +111,7 @@ fn rows_that_are_left_out_on_request_are_counted_and_too_many_are_refused() {
     let folder = Folder::with("log.csv", with_line_17("0.015,nan,0"));
     let done = folder.palpate("estimate log.csv --skip-bad-rows");
     assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
-    assert!(said(&done).contains("1 bad rows left out, the first at line 17"));
+    assert!(said(&done).contains("1 bad row left out, the first at line 17"));
     let mut third = csv(press());
     third.push_str(&"2.5,nan,0\n".repeat(1000));
     folder.write("log.csv", third);

@@ -21,6 +21,18 @@ impl Log {
         }
     }
 
+    /// Whether every sample whose stamp is that of the one before has its position and force, too: at a coarse clock
+    /// some of them would differ.
+    pub(super) fn repeats_are_copies(&self) -> bool {
+        let mut repeats = (1..self.len()).filter(|at| self.time_s[*at] == self.time_s[at - 1]);
+        let moves = crate::stats::range(&self.position_m) > 0.0;
+        let is_copy = |at: usize| {
+            self.position_m[at] == self.position_m[at - 1]
+                && self.force_n[at] == self.force_n[at - 1]
+        };
+        moves && repeats.all(is_copy)
+    }
+
     /// Replaces stamps that are coarser than the sampling by even ones, if each stays within a step of where it
     /// was; the note to that, or `None` with nothing changed.
     pub(super) fn spread_evenly(&mut self) -> Option<String> {
@@ -91,6 +103,16 @@ mod tests {
         let before = log.clone();
         assert_eq!(log.spread_evenly(), None);
         assert_eq!(log, before);
+    }
+
+    #[test]
+    fn rows_that_were_written_twice_are_copies_and_two_samples_of_one_stamp_are_none() {
+        let stamps = (0..40).map(|i: i32| f64::from(i / 2) * 5e-3);
+        let mut log = log(stamps.collect());
+        log.position_m = (0..40).map(|i: i32| f64::from(i / 2) * 1e-4).collect();
+        assert!(log.repeats_are_copies());
+        log.force_n[7] = 0.1;
+        assert!(!log.repeats_are_copies());
     }
 
     #[test]

@@ -183,8 +183,10 @@ impl Log {
         let missing = (0..grid.len()).filter(is_missing).count();
         if missing > 0 {
             notes.push(format!(
-                "{missing} of {} samples are missing and interpolated between their neighbours",
-                grid.len()
+                "{missing} of {} samples {} missing and interpolated between {} neighbours",
+                grid.len(),
+                if missing == 1 { "is" } else { "are" },
+                if missing == 1 { "its" } else { "their" }
             ));
         }
         notes
@@ -253,9 +255,15 @@ impl Log {
         let invented = grid.in_gap.iter().filter(|in_gap| **in_gap).count();
         if invented > 0 {
             notes.push(format!(
-                "{}: {invented} of {} samples are interpolated between their ends",
+                "{}: {invented} of {} samples {} interpolated between {}",
                 counted(timing.gaps.len(), "gap"),
-                grid.len()
+                grid.len(),
+                if invented == 1 { "is" } else { "are" },
+                if timing.gaps.len() == 1 {
+                    "its ends"
+                } else {
+                    "their ends"
+                }
             ));
         }
         let denser = self
@@ -265,7 +273,11 @@ impl Log {
             .count();
         if denser as f64 > 0.01 * self.len() as f64 {
             notes.push(format!(
-                "{denser} samples lie closer than the grid: a higher rate would keep what they show"
+                "{} closer than the grid: a higher rate would keep what they show",
+                match denser {
+                    1 => "1 sample lies".to_string(),
+                    _ => format!("{denser} samples lie"),
+                }
             ));
         }
         notes

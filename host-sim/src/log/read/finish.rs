@@ -109,7 +109,17 @@ impl Rows<'_> {
                 .map_or(0.0, |pair| pair[0]);
             log.leave_out_repeated();
             log.notes.push(format!(
-                "{repeats} samples left out whose time stamp repeats the one before, the first at {first_s} s"
+                "{} left out whose time stamp repeats the one before, the first at {first_s} s",
+                counted(repeats, "sample")
+            ));
+            return Ok(());
+        }
+        // Rows that were written twice are no clock that is too coarse.
+        if log.repeats_are_copies() {
+            log.leave_out_repeated();
+            log.notes.push(format!(
+                "{} left out: stamp, position and force repeat those of the row before",
+                counted(repeats, "row")
             ));
             return Ok(());
         }
@@ -162,7 +172,10 @@ impl Rows<'_> {
             let place = line(offset).map_or(String::new(), |(line, _)| {
                 format!(", the first at line {line}")
             });
-            notes.push(format!("{} bad rows left out{place}", self.skipped));
+            notes.push(format!(
+                "{} left out{place}",
+                counted(self.skipped, "bad row")
+            ));
         }
         if let Some((offset, _, count)) = &self.summary {
             let text = line(*offset).map_or(String::new(), |(line, text)| {

@@ -156,7 +156,7 @@ fn a_repeated_stamp_is_dropped_and_counted() {
     let log = strict("repeated", &table(5, "0.004,0.001,0.7")).unwrap();
     assert_eq!(log.len(), 19);
     assert!(
-        log.notes[0].starts_with("1 samples left out"),
+        log.notes[0].starts_with("1 sample left out"),
         "{:?}",
         log.notes
     );
