@@ -49,7 +49,15 @@ pub struct Inspection {
     pub saturated_n: Option<f64>,
     /// Speeds in contact: the lower and upper decile of those above a tenth of the fastest (m/s).
     pub speeds_mps: Option<(f64, f64)>,
+    /// Whether the probe stood still in contact, or went both ways, for long enough to be a second speed.
+    pub changes_speed: bool,
 }
+
+/// A speed is one of its own from this many samples of contact and this share of them on, and standing still is less
+/// than this share of the fastest. Derived: four windows of the filter at its default of eleven samples.
+const OWN_SAMPLES: usize = 44;
+const OWN_SHARE: f64 = 0.05;
+const STANDSTILL: f64 = 0.1;
 
 /// Inspects a log with the touches that a replay of it has found.
 pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspection {
@@ -84,6 +92,7 @@ pub fn inspect(log: &UniformLog, replay: &Replay, touches: &[Touch]) -> Inspecti
         pull_n: pull(&log.force_n, rest_n, sigma_n),
         saturated_n: saturation(&pick(&log.force_n, &touched, true), noise_n),
         speeds_mps: speeds(replay),
+        changes_speed: changes_speed(replay),
     }
 }
 
@@ -139,6 +148,26 @@ fn saturation(contact: &[f64], noise_n: f64) -> Option<f64> {
     (noise_n > 0.0 && longest as f64 > enough).then_some(peak)
 }
 
+/// The speeds in and out are two, and so are that of a ramp and that of a hold.
+fn changes_speed(replay: &Replay) -> bool {
+    let contacts = replay.contacts().into_iter().flatten();
+    let speeds: Vec<f64> = contacts
+        .map(|index| f64::from(replay.records.speed_mps(index)))
+        .collect();
+    let fastest = speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max);
+    let still = STANDSTILL * fastest;
+    let is_own = |is: &dyn Fn(f64) -> bool| {
+        let count = speeds.iter().filter(|speed| is(**speed)).count();
+        count >= OWN_SAMPLES && count as f64 >= OWN_SHARE * speeds.len() as f64
+    };
+    let kinds = [
+        is_own(&|speed| speed > still),
+        is_own(&|speed| speed < -still),
+        is_own(&|speed| speed.abs() <= still),
+    ];
+    fastest > 0.0 && kinds.into_iter().filter(|is| *is).count() >= 2
+}
+
 fn speeds(replay: &Replay) -> Option<(f64, f64)> {
     let contacts = replay.contacts().into_iter().flatten();
     let mut speeds: Vec<f64> = contacts
@@ -149,4 +178,41 @@ fn speeds(replay: &Replay) -> Option<(f64, f64)> {
     speeds.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| speeds.get((share * speeds.len() as f64) as usize).copied();
     Some((at(0.1)?, at(0.9)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use estimator_core::Config;
+    use estimator_core::estimate::method::Method;
+
+    use crate::estimate::{Choices, estimate};
+    use crate::log::Log;
+
+    /// Whether a press of 2 N/mm along a way of position (mm) and second shows more than one speed.
+    fn changes_speed(way: &[(f64, f64)]) -> bool {
+        let end_s = way.last().map_or(0.0, |last| last.0);
+        let time_s: Vec<f64> = (0..(1e3 * end_s) as u32)
+            .map(|at| f64::from(at) * 1e-3)
+            .collect();
+        let position = |t: &f64| {
+            let at = way.partition_point(|point| point.0 <= *t);
+            let ((from_s, from), (to_s, to)) = (way[at - 1], way[at]);
+            1e-3 * (from + (to - from) * (t - from_s) / (to_s - from_s))
+        };
+        let x: Vec<f64> = time_s.iter().map(position).collect();
+        let noise = |at: usize| 5e-3 * (at as f64 * 1.7).sin() * (at as f64 * 0.37).cos();
+        let f = x.iter().enumerate();
+        let f = f.map(|(at, x)| 2000.0 * x.max(0.0) + noise(at)).collect();
+        let log = Log::from_channels(time_s, x, f).uniform().unwrap();
+        let method = [Method::KELVIN_VOIGT];
+        let found = estimate(&log, Config::default(), &method, Choices::default()).unwrap();
+        found.inspection.changes_speed
+    }
+
+    #[test]
+    fn a_ramp_beside_a_hold_has_two_speeds_and_so_has_one_in_and_out() {
+        assert!(changes_speed(&[(0.0, -1.0), (1.5, 2.0), (3.0, 2.0)]));
+        assert!(changes_speed(&[(0.0, -1.0), (1.5, 2.0), (3.0, -1.0)]));
+        assert!(!changes_speed(&[(0.0, -1.0), (1.5, 2.0)]));
+    }
 }

@@ -326,8 +326,13 @@ fn elastic(inspection: &Inspection) -> Result<String, String> {
 fn damping(inspection: &Inspection) -> Result<String, String> {
     pressed(inspection).map_err(|why| format!("damping ({why})"))?;
     let (slow, fast) = inspection.speeds_mps.unwrap_or((1.0, 1.0));
-    if fast <= 3.0 * slow {
-        return Err("damping (one speed only)".into());
+    match (fast <= 3.0 * slow, inspection.changes_speed) {
+        (true, false) => return Err("damping (one speed only)".into()),
+        (true, true) => {
+            let fast = quantity(fast, 2, "m/s");
+            return Ok(format!("damping (at {fast} and at rest or back)"));
+        }
+        (false, _) => {}
     }
     let (slow, fast) = (quantity(slow, 2, "m/s"), quantity(fast, 2, "m/s"));
     Ok(format!("damping (speeds from {slow} to {fast})"))
