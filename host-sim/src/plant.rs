@@ -17,4 +17,4 @@ pub use contact::Contact;
 pub use material::{GEL, Material, PLASTIC};
 pub use motor::{Motor, MotorState};
 pub use rig::{Rig, Run, Stage, Truth};
-pub use sensors::{Encoder, LoadCell, Sensors};
+pub use sensors::{Encoder, FORCE_CODES, LoadCell, Sensors};

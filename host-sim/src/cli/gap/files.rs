@@ -58,6 +58,7 @@ fn motion(finding: &Finding, inputs: &Inputs<'_>) -> Option<String> {
         purpose: &advised.purpose,
         command: &command,
         limits,
+        peak_n: None,
     };
     Some(advised_motion::text(&advised.motion, &note))
 }

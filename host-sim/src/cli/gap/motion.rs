@@ -25,6 +25,8 @@ pub(super) struct Note<'a> {
     pub(super) command: &'a str,
     /// How far and how fast the logs so far went, if there are any.
     pub(super) limits: Option<Limits>,
+    /// The largest force (N) that the model expects on the way, where it was asked.
+    pub(super) peak_n: Option<f64>,
 }
 
 /// The file: what it is for, what to check against the rig, the motion.
@@ -32,12 +34,18 @@ pub(super) fn text(motion: &Motion, note: &Note<'_>) -> String {
     let so_far = note.limits.map_or(String::new(), |limits| {
         format!(" The log so far: {}.", in_words(limits))
     });
+    let force = note.peak_n.map_or(String::new(), |peak_n| {
+        format!(
+            ", and up to {} as the model expects",
+            quantity(peak_n, 2, "N")
+        )
+    });
     let paragraphs = [
         format!("It is: {}.", note.words),
         note.purpose.to_string(),
         format!("With its log: `{}`", note.command),
         format!(
-            "Check it against the rig before it runs: {}, in {}.{so_far}",
+            "Check it against the rig before it runs: {}, in {}{force}.{so_far}",
             in_words(motion.limits()),
             plain(&quantity(motion.duration_s(), 3, "s")),
         ),
@@ -107,6 +115,7 @@ mod tests {
             purpose: "This log does not tell force_lag from series_compliance.",
             command: "palpate gap --model base.toml --log old.csv --log NEW.csv --out DIR",
             limits: Some(Limits::of([(1e-3, 0.02), (4e-3, -0.03)])),
+            peak_n: None,
         }
     }
 

@@ -71,7 +71,7 @@ fn further_motions(text: &mut String, plan: &Plan) {
             format!("{} ({})", effect.id.name(), sigma(sigma_with))
         });
         let names = names.collect::<Vec<_>>().join(", ");
-        let value = format!("{}: for {names}", further.words);
+        let value = format!("{}{}: for {names}", further.words, peak(further));
         line(text, "record as well", &value);
     }
     let needy = plan.effects.iter().filter(|effect| needs(plan, effect));
@@ -79,6 +79,13 @@ fn further_motions(text: &mut String, plan: &Plan) {
         let value = format!("{}: {}", effect.id.name(), effect.id.info().motion);
         line(text, "no motion here", &value);
     }
+}
+
+/// The largest force that is expected on the way.
+fn peak(further: &FurtherMotion) -> String {
+    further.peak_n.map_or(String::new(), |peak_n| {
+        format!(", up to {}", quantity(peak_n, 2, "N"))
+    })
 }
 
 fn ids(effects: &[EffectId]) -> String {
@@ -135,6 +142,7 @@ pub(super) fn motion(plan: &Plan) -> Option<String> {
         ),
         command: "palpate gap --model MODEL.toml --log PLANNED.csv --log NEW.csv --out DIR",
         limits: None,
+        peak_n: further.peak_n,
     };
     Some(advised_motion::text(&further.motion, &note))
 }

@@ -4,12 +4,13 @@
 use rayon::prelude::*;
 
 use crate::gap::data::fit_data::FitData;
-use crate::gap::experiment::excitations::{Excitation, ExcitationRange, excitations};
+use crate::gap::experiment::excitations::{Excitation, ExcitationRange, bounded};
 use crate::gap::experiment::plan::{FurtherMotion, best_excitation};
 use crate::gap::experiment::recordings::{Recordings, Sensor};
 use crate::gap::model::{dataset::Dataset, fit::Fit, simulate::forces};
 use crate::gap::noise::floor::NoiseFloor;
-use crate::stats::rounding_step;
+use crate::motion::Motion;
+use crate::stats::{highest, rounding_step};
 
 /// Samples of the log that are kept.
 const SAMPLES: usize = 2_000;
@@ -36,7 +37,20 @@ impl ExperimentDesign {
             position_step_m: rounding_step(dataset.scales.position_noise_m),
             noise_n: dataset.floors[0].used_n.max(f64::MIN_POSITIVE),
         };
-        let at_pace = |pace: &f64| excitations(range(dataset, fit, *pace));
+        let peak_n = |motion: &Motion| {
+            let alone = Recordings::default().and(motion, sensor);
+            let forces = forces(&fit.shape, &fit.numbers, &alone.logs);
+            highest(forces.into_iter().map(f64::abs))
+        };
+        // What the rig's cell has shown it can read; in air the weight and drag of a faster stroke are what is asked for.
+        let most_n = match fit.shape.base.is_free() {
+            true => f64::INFINITY,
+            false => {
+                let forces = dataset.logs.iter().flat_map(|log| &log.force_n);
+                highest(forces.map(|force| force.abs()))
+            }
+        };
+        let at_pace = |pace: &f64| bounded(range(dataset, fit, *pace), most_n, peak_n);
         ExperimentDesign {
             recordings: Recordings {
                 repeats: vec![step as f64; logs.len()],

@@ -24,6 +24,40 @@ pub(super) struct Excitation {
     /// What to record, in words.
     pub(super) words: String,
     pub(super) motion: Motion,
+    /// The largest force (N) that is expected on the way, where it was predicted.
+    pub(super) peak_n: Option<f64>,
+}
+
+/// Predictions of a force until a motion is gentle enough. Derived: each makes it at least 5 % shallower, which is a
+/// factor of 7 in all.
+const TRIES: usize = 40;
+
+/// One motion of each kind, each as deep as the range allows and as keeps the force that `peak_n` predicts (N) below
+/// `most_n`: a fast stroke of a depth that a slow one may go to drove the rig's own cell to its end.
+pub(super) fn bounded(
+    range: ExcitationRange,
+    most_n: f64,
+    peak_n: impl Fn(&Motion) -> f64,
+) -> Vec<Excitation> {
+    let mut found = excitations(range);
+    for own in &mut found {
+        let mut depth_m = range.depth_m;
+        for _ in 0..TRIES {
+            let peak = peak_n(&own.motion);
+            own.peak_n = Some(peak);
+            if peak <= most_n || !peak.is_finite() {
+                break;
+            }
+            // A force grows at least with the depth; the root keeps what a steeper one would leave out.
+            depth_m *= (most_n / peak).sqrt().clamp(0.5, 0.95);
+            let gentler = excitations(ExcitationRange { depth_m, ..range });
+            match gentler.into_iter().find(|other| other.name == own.name) {
+                Some(other) => *own = other,
+                None => break,
+            }
+        }
+    }
+    found
 }
 
 /// One motion of each kind.
@@ -47,6 +81,7 @@ pub(super) fn excitations(range: ExcitationRange) -> Vec<Excitation> {
             name,
             words,
             motion: motion.shifted(range.surface_m),
+            peak_n: None,
         })
     };
     kinds.into_iter().filter_map(of_kind).collect()

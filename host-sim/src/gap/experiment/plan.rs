@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::diagnostic::Diagnostic;
 use crate::gap::data::scales::Scales;
 use crate::gap::experiment::discriminability::{Discriminability, EffectSignature};
-use crate::gap::experiment::excitations::{Excitation, ExcitationRange, excitations};
+use crate::gap::experiment::excitations::{Excitation, ExcitationRange, bounded};
 use crate::gap::experiment::recordings::{Recordings, Sensor};
 use crate::gap::model::{given::given, shape::Shape, shape::Term, simulate::forces};
 use crate::gap::options::Options;
@@ -20,12 +20,15 @@ use crate::gap::search::relatives::related;
 use crate::kind::{self, Kind};
 use crate::model::Model;
 use crate::motion::Motion;
-use crate::plant::depth_at_m;
+use crate::plant::{FORCE_CODES, depth_at_m};
+use crate::stats::highest;
 
 /// The largest change of the force by an effect (root mean square) in units of the noise.
 const STRENGTH: f64 = 3.0;
 /// Force at the deepest point in units of the noise: 10 N at 0.02 N.
 const DEEPEST: f64 = 500.0;
+/// Share of the force channel's range that a motion may use: 1.5 N of 15 N are 75 times the default noise. Not measured.
+const OF_RANGE: f64 = 0.9;
 /// Depth of the motions where nothing pushes back, in reference depths.
 const FREE_DEPTHS: f64 = 4.2;
 /// The same of a machine that turns (rad): a lever shows its weight in it.
@@ -75,6 +78,8 @@ pub struct FurtherMotion {
     pub sigma: f64,
     /// The motion itself, at the positions of model and log.
     pub motion: Motion,
+    /// The largest force (N) that the model expects on the way, where it was asked.
+    pub peak_n: Option<f64>,
 }
 
 impl Plan {
@@ -148,13 +153,19 @@ fn planned(
         position_step_m: model.sensors.position_step_m,
         noise_n: noise_n.max(f64::MIN_POSITIVE),
     };
-    let excitations = excitations(range(model, motion, sensor)?);
+    let terms = given(model)?;
+    let peak_n = |motion: &Motion| {
+        let mut alone = Recordings::default().and(motion, sensor);
+        predict_base(&mut alone, model, &terms, sensor);
+        let forces = alone.logs.iter().flat_map(|log| &log.force_n);
+        highest(forces.map(|force| force.abs()))
+    };
+    let excitations = bounded(range(model, motion, sensor)?, most_n(model), peak_n);
     let (words, motion) = match motion {
         Some(motion) => ("the motion given".to_string(), motion.clone()),
         None => (excitations[0].words.clone(), excitations[0].motion.clone()),
     };
     let mut recordings = Recordings::default().and(&motion, sensor);
-    let terms = given(model)?;
     let scales = predict_base(&mut recordings, model, &terms, sensor);
     let shape = Shape::new(&model.environment, terms, &scales);
     let numbers = shape.start();
@@ -183,6 +194,16 @@ fn planned(
         least_sigma,
         effects,
     })
+}
+
+/// The largest force (N) that a motion may reach: what is left of the model's force channel with its noise and what a
+/// motor overshoots.
+fn most_n(model: &Model) -> f64 {
+    let sensors = &model.sensors;
+    match sensors.force_step_n > 0.0 {
+        true => OF_RANGE * (sensors.force_min_n + FORCE_CODES * sensors.force_step_n),
+        false => f64::INFINITY,
+    }
 }
 
 /// Depth and pace of the motions: those of the motion given, or what the noise suggests.
@@ -332,6 +353,7 @@ pub(super) fn best_excitation(
         words: best.words.clone(),
         sigma,
         motion: best.motion.clone(),
+        peak_n: best.peak_n,
     })
 }
 

@@ -4,6 +4,7 @@ use estimator_core::physics::effect::EffectId as E;
 
 use super::*;
 use crate::motion::Segment;
+use crate::plant::{Rig, Stage};
 use crate::toml_reader::TomlFile;
 
 fn model(environment: &str) -> Model {
@@ -122,4 +123,33 @@ fn a_plan_is_the_same_at_any_scale() {
         );
     }
     assert!(sigma_between(&large, E::ForceOffset, E::ViscousDrag) > large.least_sigma);
+}
+
+#[test]
+fn an_advised_motion_stays_within_the_range_of_the_rigs_own_cell() {
+    // GIVEN a damped contact on which fast strokes to the depth of 10 N pushed with 21 N, and a cell that ends at 15.4 N
+    let model = model(
+        "[environment]\nlaw = \"hunt_crossley\"\nstiffness = 1350.0\ndamping = 36.0\nexponent = 1.35\nsurface = 0.0\n",
+    );
+    let plan = plan(&model, None, None, &Options::default()).unwrap();
+    let mut advised: Vec<&FurtherMotion> = Vec::new();
+    for further in plan.effects.iter().filter_map(|own| own.further.as_ref()) {
+        if advised.iter().all(|other| other.name != further.name) {
+            advised.push(further);
+        }
+    }
+    assert!(!advised.is_empty());
+    // THEN what is expected of each motion and what the simulated rig reads stay within it.
+    for further in advised {
+        let peak_n = further.peak_n.unwrap();
+        assert!(peak_n <= 0.9 * 15.36, "{}: {peak_n} N", further.name);
+        let (contact, effects) = model.simulated().unwrap();
+        let rig = Rig {
+            sensors: model.sensors,
+            effects,
+            ..Rig::default()
+        };
+        let run = rig.run(&Stage::throughout(contact), &further.motion, 1);
+        assert_eq!(run.unwrap().clipped, 0, "{}", further.name);
+    }
 }
