@@ -3,6 +3,8 @@
 
 use crate::kind;
 
+/// A thousandth of the smallest prefix: less of any unit is the rounding of larger numbers.
+const SMALLEST: f64 = 1e-18;
 /// Minus sign; a hyphen is too short beside digits.
 const MINUS: char = '\u{2212}';
 /// Between groups of three digits, and between number and unit: narrow, never broken.
@@ -92,6 +94,11 @@ impl Measured {
     pub fn new(value: f64, std_error: Option<f64>, unit: &str) -> Measured {
         let unit = kind::unit(unit);
         let error = std_error.filter(|e| e.is_finite() && *e > 0.0);
+        // A surface of −0.0002168 fm is what an addition of millimetres leaves.
+        let value = match error {
+            None if takes_prefix(unit) && value.abs() < SMALLEST => 0.0,
+            _ => value,
+        };
         let size = value.abs().max(error.unwrap_or(0.0));
         let prefix = pick(size, unit, 0.1, if unit.contains('/') { 1e5 } else { 1e3 });
         let (value, error) = (value / prefix.factor, error.map(|e| e / prefix.factor));
@@ -297,6 +304,10 @@ mod tests {
         assert_eq!(fixed(-0.0004, -2), "0.00");
         assert_eq!(fixed(-0.04, -2), "−0.04");
         assert_eq!(Measured::new(0.0, None, "N").to_string(), "0\u{a0}N");
+        for noise in [-2.168e-19, 9e-19] {
+            assert_eq!(Measured::new(noise, None, "m").to_string(), "0\u{a0}m");
+        }
+        assert_eq!(Measured::new(2e-15, None, "m").to_string(), "2.000\u{a0}fm");
     }
 
     #[test]
