@@ -4,8 +4,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::diagnostic::Diagnostic;
+use crate::kind::Kind;
 use crate::log::channel::{Channel, Header, Placed};
 use crate::log::fields::split;
+use crate::log::origin::SourceColumns;
 use crate::log::preamble::Preamble;
 use crate::log::source::line_at;
 
@@ -97,13 +99,18 @@ impl Table<'_> {
 
     /// The force falls on the way in, and nothing tells which channel counts the other way.
     pub(super) fn which_sign(&self) -> Diagnostic {
-        let (position, force) = (self.name(1), self.name(2));
+        let source = SourceColumns::of(self.header(), &self.placed)
+            .unwrap_or_else(|| SourceColumns::own(Kind::Linear));
+        let with = |channel: Channel, times: f64| source.option(&[(channel, times)]);
+        let force = self.name(2);
         Diagnostic::new("the force falls on the way in: the sign of one of the two is reversed")
             .in_column(force)
             .note("the position must grow into the material and the force push the probe out")
             .remedy(format!(
-                "say which: --columns 'x=-{position}' or --columns 'f=-{force}'; if nothing is touched and \
-                 both are right, --columns 'f={force}'"
+                "say which: {} or {}; if nothing is touched and both are right, {}",
+                with(Channel::Position, -1.0),
+                with(Channel::Force, -1.0),
+                with(Channel::Force, 1.0)
             ))
     }
 
