@@ -31,7 +31,7 @@ pub(crate) use lateness::carrier;
 pub use lateness::{Form, Lateness};
 pub use outcome::Outcome;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
-pub(crate) use reason::{NEGATIVE_DAMPING, trust_in_words};
+pub(crate) use reason::{NEGATIVE_DAMPING, meaning, trust_in_words};
 use residual::{Motions, times_the_errors};
 pub use setup::{Choices, Setup, setup};
 

@@ -47,6 +47,11 @@ fn an_odd_log_is_estimated_honestly_and_both_verbs_say_what_is_odd() {
             );
             assert_eq!(json["touches"], serde_json::json!([]), "{case}");
         }
+        // Whatever is not trusted says in a sentence why, and what to do.
+        if let Some(reason) = json["status_reason"].as_str() {
+            let (text, lead) = (said(&done), format!("\n  {reason}: "));
+            assert!(text.contains(&lead), "{case}: no `{lead}` in {text}");
+        }
         for said in [said(&done), said(&folder.palpate("check log.csv"))] {
             assert!(
                 flowing(&said).contains(words),

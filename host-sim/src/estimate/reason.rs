@@ -127,6 +127,58 @@ pub(crate) fn in_words(reason: Reason) -> &'static str {
     }
 }
 
+/// What the word in brackets behind a status says, and what to do about it: a sentence for every reason.
+pub(crate) fn meaning(status: Status, reason: Reason) -> String {
+    let says = match status {
+        Status::NoContact => "nothing was touched",
+        Status::Changed => "the material has just changed, and too little of it was pressed since",
+        _ => in_words(reason),
+    };
+    let remedy = match (status, reason) {
+        (Status::NoContact, _) => "record presses into the material that begin in free air",
+        (Status::Changed, _) => "press it again, several times",
+        (_, reason) => remedy(reason),
+    };
+    format!("{says}: {remedy}")
+}
+
+/// What to do about a reason.
+fn remedy(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Residual => {
+            "no law that was tried describes all of the force, so read the parameters as an average; palpate gap \
+             names what else acts on the probe"
+        }
+        Reason::Bound => {
+            "the true value may lie beyond it, so look at units and signs first, and then try another law (--law)"
+        }
+        Reason::Skew => {
+            "it bends the damping, so read both channels at the same instant, or take the delay off (palpate gap, then \
+             --compensate)"
+        }
+        Reason::Lag => {
+            "a filter or an elastic part of the rig stands between them, so switch the filter off or take the lag off \
+             (palpate gap, then --compensate)"
+        }
+        Reason::Zero => {
+            "begin and end the log in free air for half a second, and tare before the touch and not in it"
+        }
+        Reason::Surface => {
+            "approach more slowly from free air, or give the position of the surface (--surface)"
+        }
+        Reason::Excitation => {
+            "press more than once, at different speeds and depths, and hold the depth for a second"
+        }
+        Reason::Saturated => "press less deeply, or use a cell with a larger range",
+        Reason::Relaxing => {
+            "a law that relaxes describes it (--law zener or --law quasi_linear); hold for longer to see all of it"
+        }
+        Reason::Law => "compare the laws above (--law NAME), and take the one that leaves least",
+        // The core may get more of them.
+        _ => "see the notes",
+    }
+}
+
 /// Whether a law is trusted, as the verb of a sentence; `misfit` is what it leaves over the noise.
 pub(crate) fn trust_in_words(status: Status, reason: Option<Reason>, misfit: f64) -> String {
     let but = |what: &str| match reason {
@@ -225,6 +277,19 @@ mod tests {
             text.starts_with("follows the force") && text.ends_with(why),
             "{text}"
         );
+    }
+
+    #[test]
+    fn every_reason_of_every_status_is_a_sentence_with_what_to_do() {
+        for status in Status::ALL {
+            for reason in Reason::ALL {
+                let text = meaning(status, reason);
+                assert_ne!(in_words(reason), reason.name(), "{reason:?}");
+                let (says, remedy) = text.split_once(": ").unwrap();
+                assert!(says.len() > 10 && remedy.len() > 15, "{text}");
+                assert_ne!(remedy, "see the notes", "{reason:?}");
+            }
+        }
     }
 
     #[test]

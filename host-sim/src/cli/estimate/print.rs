@@ -3,11 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use estimator_core::estimate::Estimated;
+use estimator_core::{Status, estimate::Estimated};
 
 use super::methods::MethodChoice;
 use super::show::wide;
-use crate::estimate::{Compared, Estimation, explain::times};
+use crate::estimate::{Compared, Estimation, Reason, explain::times, meaning};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::replay::{EventMark, fault_tallies};
@@ -59,6 +59,7 @@ fn write_summary(
         None if outcome.touches.is_empty() => writeln!(text)?,
         None => writeln!(text, ", not settled within 5 %")?,
     }
+    write_reason(text, outcome.status, outcome.reason)?;
     let named = outcome.named(&outcome.parameters);
     let rows: Vec<Row> = named
         .map(|(info, estimate)| (info.name, info.unit.symbol(), estimate.map(wide)))
@@ -77,6 +78,17 @@ fn write_summary(
         writeln!(text, "{}", wrapped("note: ", note))?;
     }
     Ok(())
+}
+
+/// What the reason behind a status means, and what to do; nothing where there is none.
+pub(super) fn write_reason(
+    text: &mut String,
+    status: Status,
+    reason: Option<Reason>,
+) -> std::fmt::Result {
+    let Some(reason) = reason else { return Ok(()) };
+    let lead = format!("  {}: ", reason.name());
+    writeln!(text, "{}", wrapped(&lead, &meaning(status, reason)))
 }
 
 /// A parameter as it is printed: name, unit, estimate.

@@ -6,7 +6,9 @@ use std::path::Path;
 use estimator_core::physics::law::Recovery;
 
 use crate::batch::{Batch, Form, Modulus, Tried};
-use crate::cli::estimate::print::{Row, headline, write_events, write_parameters, write_residual};
+use crate::cli::estimate::print::{
+    Row, headline, write_events, write_parameters, write_reason, write_residual,
+};
 use crate::log::UniformLog;
 use crate::number::{Measured, counted, quantity};
 use crate::wrap::wrapped;
@@ -35,6 +37,7 @@ fn write_summary(
         batch.family.name(),
         batch.status.name()
     )?;
+    write_reason(text, batch.status, batch.reason)?;
     let rows = batch.parameters.iter();
     let rows: Vec<Row> = rows.map(|own| (own.name, own.unit, own.estimate)).collect();
     write_parameters(text, &rows)?;
