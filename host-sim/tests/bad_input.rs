@@ -259,7 +259,8 @@ error: no column `f_n` for the force in newtons
    = note: `Load` may hold the force, but its unit is not said
    = note: in --columns, *1e3 if it is in kN, *1e-3 if in mN, nothing if in N
    = remedy: name the columns, perhaps --columns
-             't=Elapsed Time (s),x=Displacement (mm)*1e-3,f=Load'
+             't=Elapsed Time (s),x=Displacement (mm)*1e-3,f=Load' if the force is in N; behind
+             another unit a factor is needed
 ";
     assert_eq!(screen("check other.csv"), column);
     let key = "\
