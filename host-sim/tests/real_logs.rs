@@ -368,7 +368,7 @@ fn the_report_of_each_record_is_one_file_without_network() {
 fn check_names_what_is_in_each_record() {
     #[rustfmt::skip]
     let records: [(&str, &[&str]); 4] = [
-        (AFM,    &["76600 samples", "5000 Hz", "touches 1", "relaxes by 21.6 %", "615 nN below rest: adhesion", "not for damping (one speed only)"]),
+        (AFM,    &["76600 samples", "5000 Hz", "touches 1", "relaxes by 21.6 %", "615 nN below rest: adhesion", "damping (at "]),
         (FOAM,   &["1982 samples", "50 Hz", "1198 gaps", "touches 1", "relaxes by 26.0 %", "further temp_c", "relaxation (a hold of 1600 s)"]),
         (RIG_06, &["26966 samples", "1000 Hz, no jitter", "steps of 1.00 µm", "touches 8", "damping (speeds from"]),
         (RIG_13, &["25645 samples", "1000 Hz, no jitter", "steps of 1.00 µm", "touches 2", "damping (speeds from"]),
