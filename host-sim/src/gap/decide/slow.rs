@@ -6,9 +6,13 @@
 
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
 use crate::gap::noise::floor::NoiseFloor;
+use crate::stats::highest;
 
 /// Samples of a mean: at 1 kHz a tenth of a stroke.
 const MEAN_OF: usize = 32;
+/// A sample says something of the noise where that makes this share of what is allowed: errors of the motion are alike over a
+/// window, and a servo's corners would be something slow.
+const MOSTLY_NOISE: f64 = 0.5;
 /// Fewest means to judge by.
 const FEWEST: f64 = 8.0;
 
@@ -36,12 +40,13 @@ pub(super) fn slow_remainder(dataset: &Dataset<'_>, all: &Problem<'_>, best: &Fi
 
 /// The mean square of means, over that of means of white noise, in motion and at rest; `None` where there are too few.
 fn squared_means(residuals: &[f64], weights: &[f64], speeds: &[f64]) -> [Option<f64>; 2] {
+    let least = MOSTLY_NOISE * highest(weights.iter().copied());
     let mut sums = [(0.0, 0.0); 2];
     let blocks = (residuals.chunks_exact(MEAN_OF))
         .zip(weights.chunks_exact(MEAN_OF))
         .zip(speeds.chunks_exact(MEAN_OF));
     for ((residuals, weights), speeds) in blocks {
-        if weights.contains(&0.0) {
+        if weights.iter().any(|weight| *weight <= least) {
             continue;
         }
         let each = residuals.iter().zip(weights).map(|(r, w)| r * w.sqrt());
