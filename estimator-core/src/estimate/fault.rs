@@ -38,7 +38,7 @@ pub enum Fault {
     /// in an estimate the status `model_suspect` says it.
     EstimatorSuspect = 13,
     /// The crystal of the board does not run, and its clock is the internal oscillator: time, speed and
-    /// damping are wrong by up to 1 %. Reported by the board.
+    /// damping are wrong by up to 1 % at 25 °C, and 8 % beyond. Reported by the board.
     ClockInternal = 14,
     /// No impedances to render arrive any more, and the force fades out. Reported by
     /// [`crate::board::reflection::Renderer`].

@@ -167,7 +167,7 @@ fn health_lines(health: &Health) -> Vec<Line<'static>> {
     let mut say = |text: String| lines.push(Line::from(format!("        {text}")));
     condition::lines(health).into_iter().for_each(&mut say);
     if health.clock_fallback {
-        say("no crystal: times are off by up to 1 %".into());
+        say("no crystal: times are off by up to 1 % at 25 °C, and 8 % beyond".into());
     }
     if let Some(key) = health.concerns {
         say(format!("saved {} cannot be used", key.info().name));
