@@ -5,7 +5,7 @@ use estimator_core::physics::effect::{EffectId, Repeats};
 use super::parameter::ParameterEstimate;
 use crate::gap::thresholds::{Changes, Thresholds};
 use crate::model::Model;
-use crate::number::Measured;
+use crate::number::{Measured, quantity};
 
 /// A parameter that another log gave another value.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +33,9 @@ pub struct ChangesSince {
 /// 4.6 away, since the model's own error was 3 %, and "nothing has changed" kept it back.
 const LIKELY_SIGMAS: f64 = 3.0;
 
+/// What is larger by this share is said by how many times.
+const TENFOLD: f64 = 9.0;
+
 impl Change {
     /// How much larger its magnitude is, as a share of what it was.
     pub fn share(&self) -> f64 {
@@ -55,6 +58,11 @@ impl Change {
             percent => format!("{percent:.0}"),
         };
         let how = match share {
+            _ if self.has_no_size() => {
+                let by = quantity(now.value - was.0, 2, now.unit);
+                format!("is another than in the model, by {by}")
+            }
+            TENFOLD.. => format!("is {:.0} times as large as in the model", 1.0 + share),
             ..-1.0 => "has another sign than in the model".into(),
             ..0.0 => format!("is {percent} % smaller than in the model"),
             _ => format!("is {percent} % larger than in the model"),
@@ -66,6 +74,11 @@ impl Change {
             Measured::new(was.0, Some(was.1), now.unit),
             self.std_errors(),
         )
+    }
+
+    /// Whether its zero is where somebody put it, so that a share of it says nothing: a phase of 0.0017 rad was 5250 % larger.
+    fn has_no_size(&self) -> bool {
+        self.now.name.ends_with(".phase")
     }
 
     /// By how many standard errors of the difference it is another.
@@ -335,6 +348,29 @@ mod tests {
         );
         // AND with an error of 1.3 N, 2.7 standard errors, nothing is said.
         assert!(likely(friction(24.0, Some(1.3))).starts_with("nothing: "));
+    }
+
+    #[test]
+    fn a_phase_is_another_by_an_angle_and_what_is_tenfold_by_so_many_times() {
+        let said = |name: &str, unit: &'static str, was: f64, now: f64| {
+            let change = Change {
+                was: (was, 0.001),
+                now: ParameterEstimate {
+                    name: name.into(),
+                    unit,
+                    ..friction(now, Some(0.0025))
+                },
+                is_gone: false,
+            };
+            change.in_words()
+        };
+        let phase = said("gravity_torque.phase", "rad", 0.0017, 0.0908);
+        assert!(phase.contains("by 0.089\u{a0}rad: "), "{phase}");
+        let beta = said("bouc_wen.beta", "1/m^ν", 113.0, 1960.0);
+        assert!(
+            beta.contains("is 17 times as large as in the model"),
+            "{beta}"
+        );
     }
 
     #[test]
