@@ -16,7 +16,7 @@ use std::borrow::Cow;
 use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::{median, rms, rounding_deviation, rounding_step};
-use bend::Bends;
+use bend::{Bends, around};
 use beyond::Beyond;
 use misfit::within;
 
@@ -280,11 +280,10 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         noise_square += window.map_or(0.0, |own| (own.beyond.noise() * noise_m).powi(2));
         let quintic = bends.at(channel, at);
         let (bend, bend_noise, unresolved) = quintic.unwrap_or((bend, noise[1], None));
-        if let Some(half_width) = unresolved {
-            // The windows that reach there see some of it.
-            let reach = 2 * half_width;
-            is_corner[at.saturating_sub(reach)..(at + reach + 1).min(channel.len())].fill(true);
-        }
+        // The windows that reach there see some of a corner.
+        unresolved
+            .into_iter()
+            .for_each(|width| around(&mut is_corner, at, 2 * width).fill(true));
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
         acceleration_noise_mps2.push(bend_noise * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);

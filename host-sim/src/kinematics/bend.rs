@@ -64,6 +64,12 @@ impl Bends {
     }
 }
 
+/// The places up to so many on either side of one.
+pub(super) fn around<T>(all: &mut [T], at: usize, reach: usize) -> &mut [T] {
+    let to = (at + reach + 1).min(all.len());
+    &mut all[at.saturating_sub(reach)..to]
+}
+
 /// The half-width that shows most of the bends beyond their noise.
 fn narrowest(channel: &[f64], noise_m: f64) -> usize {
     let own = HALF_WIDTHS.iter().rev().copied();
