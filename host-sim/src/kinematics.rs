@@ -281,9 +281,9 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         let quintic = bends.at(channel, at);
         let (bend, bend_noise, unresolved) = quintic.unwrap_or((bend, noise[1], None));
         // The windows that reach there see some of a corner.
-        unresolved
-            .into_iter()
-            .for_each(|width| around(&mut is_corner, at, 2 * width).fill(true));
+        if let Some(width) = unresolved {
+            around(&mut is_corner, at, 2 * width).fill(true);
+        }
         speed_noise_mps.push(noise[0] * noise_m * log.rate_hz);
         acceleration_noise_mps2.push(bend_noise * noise_m * log.rate_hz * log.rate_hz);
         position_m.push(position);

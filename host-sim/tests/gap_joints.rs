@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, complained, csv, flowing, said};
+use common::{Folder, complained, csv, flowing, grown, said, tables};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -50,8 +50,7 @@ impl Joint {
         let mut random = Pcg64::seed_from_u64(seed);
         let way = |t: f64| {
             let t = (t - 0.6).max(0.0);
-            let grown = (t / 2.0).min(1.0);
-            let grown = grown.powi(3) * (10.0 - 15.0 * grown + 6.0 * grown * grown);
+            let grown = grown(t);
             let phase = seed as f64;
             grown
                 * (0.8 * (TAU * 0.23 * t + phase).sin()
@@ -107,8 +106,7 @@ impl Joint {
 
 /// A model of the joint with these effects.
 fn model(effects: &[(&str, &str)]) -> String {
-    let effect = |(id, numbers): &(&str, &str)| format!("[[effect]]\nid = \"{id}\"\n{numbers}\n");
-    let effects: String = effects.iter().map(effect).collect();
+    let effects = tables(effects);
     format!("kind = \"rotary\"\n[environment]\nlaw = \"free\"\n{effects}")
 }
 

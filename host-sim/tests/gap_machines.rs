@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, complained, csv, flowing, said};
+use common::{Folder, complained, csv, flowing, grown, said, tables};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -46,9 +46,7 @@ impl Machine {
         let mut random = Pcg64::seed_from_u64(seed);
         let way = |t: f64| {
             let t = (t - 1.0).max(0.0);
-            let grown = (t / 2.0).min(1.0);
-            // The sines grow within 2 s, without a step of the acceleration.
-            let grown = grown.powi(3) * (10.0 - 15.0 * grown + 6.0 * grown * grown);
+            let grown = grown(t);
             grown * (0.02 * (TAU * 0.31 * t).sin() + 0.006 * (TAU * 1.13 * t).sin())
         };
         let (mut bent, mut last) = (self.wound * self.friction.1, 0.0);
@@ -91,8 +89,7 @@ impl Machine {
 
 /// A model of the free machine with these effects.
 fn model(effects: &[(&str, &str)]) -> String {
-    let effect = |(id, numbers): &(&str, &str)| format!("[[effect]]\nid = \"{id}\"\n{numbers}\n");
-    let effects: String = effects.iter().map(effect).collect();
+    let effects = tables(effects);
     format!("[environment]\nlaw = \"free\"\n{effects}")
 }
 

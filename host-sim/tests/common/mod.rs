@@ -166,6 +166,18 @@ pub(crate) fn csv(rows: impl IntoIterator<Item = [f64; 3]>) -> String {
     format!("t_s,x_m,f_n\n{}", lines.collect::<String>())
 }
 
+/// How far strokes have grown (1) within 2 s, without a step of their acceleration.
+pub(crate) fn grown(t: f64) -> f64 {
+    let share = (t / 2.0).min(1.0);
+    share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share)
+}
+
+/// The tables of effects in a model file, each its id and its numbers.
+pub(crate) fn tables(effects: &[(&str, &str)]) -> String {
+    let effect = |(id, numbers): &(&str, &str)| format!("[[effect]]\nid = \"{id}\"\n{numbers}\n");
+    effects.iter().map(effect).collect()
+}
+
 /// A way that starts and ends at rest: how far it has come (1) after a share of its time.
 pub(crate) fn rounded(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)

@@ -117,16 +117,19 @@ pub(crate) fn with_speed_error(log: &mut FitData, sign: f64) {
 
 /// Adds the error of the acceleration with a sign, larger next to a corner.
 fn with_corners_error(log: &mut FitData, sign: f64) {
-    let noise = std::iter::zip(&log.acceleration_noise_mps2, &log.is_corner);
-    let each = log.acceleration_mps2.iter_mut().zip(noise);
-    each.for_each(|(a, (noise, corner))| *a += sign * acceleration_error_factor(*corner) * noise);
+    add_noise_of_acceleration(log, |is_corner| sign * acceleration_error_factor(is_corner));
 }
 
 /// Adds the acceleration's standard deviation with a sign.
 pub(crate) fn with_acceleration_error(log: &mut FitData, sign: f64) {
-    let noise = &log.acceleration_noise_mps2;
+    add_noise_of_acceleration(log, |_| sign);
+}
+
+/// Adds the acceleration's standard deviation times a factor, that of a corner or of elsewhere.
+fn add_noise_of_acceleration(log: &mut FitData, factor: impl Fn(bool) -> f64) {
+    let noise = std::iter::zip(&log.acceleration_noise_mps2, &log.is_corner);
     let each = log.acceleration_mps2.iter_mut().zip(noise);
-    each.for_each(|(a, noise)| *a += sign * noise);
+    each.for_each(|(a, (noise, is_corner))| *a += factor(*is_corner) * noise);
 }
 
 /// The weights (1/N²) of variances (N²); 0 where the variance is 0.
