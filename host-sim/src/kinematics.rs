@@ -17,7 +17,7 @@ use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::{median, rms, rounding_deviation, rounding_step};
 use bend::{Bends, around};
-use beyond::Beyond;
+use beyond::{Beyond, half_the_turn};
 use misfit::within;
 
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
@@ -292,7 +292,12 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         // The noise of a log that is mostly missing is that of the straight lines across it, beside which everything is
         // a bend: a foam's hold that was thinned to a fortieth.
         let is_bend = !smoother.is_taken_as_it_is && window.is_some_and(|own| own.half_width == 1);
-        unresolved_mps.push(if is_bend { left[1] * log.rate_hz } else { 0.0 });
+        let turns = if is_bend {
+            half_the_turn(channel, at)
+        } else {
+            0.0
+        };
+        unresolved_mps.push(turns * log.rate_hz);
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }

@@ -74,8 +74,7 @@ impl Given<'_> {
         }
         let both = batch.value("surface").zip(self.departure);
         both.is_some_and(|(surface, left)| {
-            let sample_m = self.course.scales.speed_mps * self.course.scales.period_s;
-            surface.value - left.to_m > LATE_SIGMAS * surface.std_error + sample_m
+            surface.value - left.to_m > LATE_SIGMAS * surface.std_error + left.step_m
         })
     }
 }

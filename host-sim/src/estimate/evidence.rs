@@ -96,13 +96,13 @@ fn is_at_bound(outcome: &Outcome) -> bool {
     value("exponent").is_some_and(|n| !EXPONENTS.contains(&n)) || relaxing > MOST_RELAXING
 }
 
-/// By how much the surface that was found lies behind where the force has left its baseline (m), a sample
-/// aside; 0 where it does not.
+/// By how much the surface that was found lies behind where the force has left its baseline (m), a sample of that
+/// approach aside; 0 where it does not.
 pub(super) fn surface_late_m(log: &UniformLog, replay: &Replay, outcome: &Outcome) -> f64 {
     let touched = outcome.status != Status::NoContact;
     let both = outcome.value("surface").zip(departure(log, replay));
     both.filter(|_| touched).map_or(0.0, |(surface, left)| {
-        (f64::from(surface.value) - left.to_m - fastest_step_m(log)).max(0.0)
+        (f64::from(surface.value) - left.to_m - left.step_m).max(0.0)
     })
 }
 
@@ -111,15 +111,6 @@ fn is_surface_late(log: &UniformLog, replay: &Replay, outcome: &Outcome) -> bool
         .value("surface")
         .map_or(0.0, |found| found.std_error.into());
     surface_late_m(log, replay, outcome) > LATE_SIGMAS * error_m
-}
-
-/// The longest way between two samples (m).
-fn fastest_step_m(log: &UniformLog) -> f64 {
-    let steps = log
-        .position_m
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).abs());
-    steps.fold(0.0, f64::max)
 }
 
 fn is_surface_the_cause(replay: &Replay, outcome: &Outcome) -> bool {

@@ -44,6 +44,8 @@ pub(crate) struct Departure {
     pub(crate) to_m: f64,
     /// Sample of the latter.
     pub(crate) at: usize,
+    /// The longest way between two samples from the one to the other (m).
+    pub(crate) step_m: f64,
     /// How far over rest (N) it is no longer within its baseline.
     pub(crate) over_n: f64,
 }
@@ -54,8 +56,11 @@ pub(crate) fn departure(log: &UniformLog, replay: &Replay) -> Option<Departure> 
     let departures = each(log, replay, &smooth).filter_map(|one| {
         let before = one.onset()?;
         let at = (before + 1 + smooth.half_width).min(log.len() - 1);
+        let way = log.position_m[before..=at].windows(2);
+        let steps = way.map(|pair| (pair[1] - pair[0]).abs());
         Some(Departure {
             from_m: log.position_m[before],
+            step_m: steps.fold(0.0, f64::max),
             to_m: log.position_m[at],
             at,
             over_n: one.leaves_n,

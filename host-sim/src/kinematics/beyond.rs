@@ -65,6 +65,19 @@ impl Beyond {
     }
 }
 
+/// Half of what the slopes per sample on either side of a sample differ by, each of a parabola; 0 near the ends. A corner
+/// that falls on a sample is symmetric to it, and three samples halve its slope without a sign of it: a probe that was
+/// let go of at 100 Hz read 12 mm/s where it had 0 or 25.
+pub(super) fn half_the_turn(channel: &[f64], at: usize) -> f64 {
+    if at < 2 || at + 2 >= channel.len() {
+        return 0.0;
+    }
+    let x = &channel[at - 2..=at + 2];
+    let before = 1.5 * x[2] - 2.0 * x[1] + 0.5 * x[0];
+    let after = -1.5 * x[2] + 2.0 * x[3] - 0.5 * x[4];
+    0.5 * (after - before).abs()
+}
+
 fn of_slope(share: f64) -> [f64; 2] {
     [0.0, share]
 }
