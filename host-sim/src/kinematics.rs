@@ -269,14 +269,17 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         (Vec::new(), Vec::new(), Vec::new());
     let (mut position_left_m, mut speed_left_mps) = (Vec::new(), Vec::new());
     let (mut left_square, mut noise_square) = (0.0, 0.0);
-    let mut unresolved_mps = Vec::new();
-    let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
+    let [
+        mut unresolved_mps,
+        mut speed_noise_mps,
+        mut acceleration_noise_mps2,
+    ] = [const { Vec::new() }; 3];
     let mut is_corner = vec![false; channel.len()];
     for at in 0..channel.len() {
         let ([position, slope, bend], window) = smoother.cubic(at);
         let noise = window.map_or([1.5; 2], Window::noise);
         let left = window.map_or([0.0; 2], |own| own.beyond.at(channel, at));
-        left_square += left[1] * left[1];
+        left_square += left[1].powi(2);
         noise_square += window.map_or(0.0, |own| (own.beyond.noise() * noise_m).powi(2));
         let quintic = bends.at(channel, at);
         let (bend, bend_noise, unresolved) = quintic.unwrap_or((bend, noise[1], None));
@@ -292,12 +295,8 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         // The noise of a log that is mostly missing is that of the straight lines across it, beside which everything is
         // a bend: a foam's hold that was thinned to a fortieth.
         let is_bend = !smoother.is_taken_as_it_is && window.is_some_and(|own| own.half_width == 1);
-        let turns = if is_bend {
-            half_the_turn(channel, at)
-        } else {
-            0.0
-        };
-        unresolved_mps.push(turns * log.rate_hz);
+        let turn = f64::from(u8::from(is_bend)) * log.rate_hz;
+        unresolved_mps.push(turn * half_the_turn(channel, at));
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }

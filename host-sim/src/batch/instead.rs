@@ -116,7 +116,9 @@ fn is_doubted(estimation: &Estimation) -> bool {
     outcome.status == Status::ModelSuspect
         && matches!(
             outcome.reason,
-            Some(Reason::Residual | Reason::Law | Reason::Relaxing | Reason::Surface)
+            Some(
+                Reason::Residual | Reason::Law | Reason::Relaxing | Reason::Surface | Reason::Bound
+            )
         )
 }
 

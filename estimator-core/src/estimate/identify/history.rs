@@ -31,6 +31,7 @@ use super::{ForceNoise, Identify, Instant};
 use crate::estimate::method::{Method, MethodInfo, Offer, methods};
 use crate::estimate::monitor::ParameterEstimate;
 use crate::estimate::record::PARAMETER_SLOTS;
+use crate::estimate::status::{Doubt, Reason};
 use crate::maths::scalar::Real;
 use crate::physics::law::LawKind;
 
@@ -253,6 +254,11 @@ impl<T: Real> Identify<T> for HistoryFit<T> {
         }
         let error = at.force - force;
         (force, variance.max_of(error * error))
+    }
+
+    fn doubt(&self, _at: &Instant<T>) -> Option<Doubt> {
+        let at_bound = self.current.as_ref()?.is_at_bound;
+        at_bound.then_some(Doubt::Against(Reason::Bound))
     }
 
     fn observe(&mut self, at: &Instant<T>, in_contact: bool) {

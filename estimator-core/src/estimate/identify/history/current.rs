@@ -24,6 +24,8 @@ pub(super) struct Current<T: Real> {
     pub(super) estimates: [ParameterEstimate<T>; PARAMETER_SLOTS],
     /// The surface and its standard error.
     pub(super) surface: (T, T),
+    /// Whether a rate has run against a bound: what goes with it has standard errors all the same.
+    pub(super) is_at_bound: bool,
 }
 
 impl<T: Real> Current<T> {
@@ -33,6 +35,7 @@ impl<T: Real> Current<T> {
             live: fit.relaxation(),
             estimates: estimates(&fit),
             surface: (fit.values()[SURFACE], fit.std_errors()[SURFACE]),
+            is_at_bound: fit.is_at_bound(),
             fit,
         };
         // From the end of the last block to this sample.

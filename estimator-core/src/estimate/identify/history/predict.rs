@@ -145,28 +145,22 @@ impl<T: Real> Shape<T> {
     fn of(theta: &Theta<T>, block: &Block<T>) -> Self {
         let exponent = theta[EXPONENT];
         let depth = block.position - theta[SURFACE];
-        if depth <= T::zero() {
-            return Shape::default();
+        let variance = block.position_variance;
+        if depth <= T::zero() || variance >= T::from_f64(WIDEST) * depth * depth {
+            return Shape::wide(exponent, depth, block);
         }
         let log = depth.ln();
         let power = (exponent * log).exp();
         let per_depth = T::one() / depth;
-        let variance = block.position_variance;
-        let narrow = variance < T::from_f64(WIDEST) * depth * depth;
-        let curve = if narrow {
-            let second = T::from_f64(0.5) * exponent * (exponent - T::one());
-            second * variance * per_depth * per_depth
-        } else {
-            T::zero()
-        };
-        let s = power * (T::one() + curve);
+        let second = T::from_f64(0.5) * exponent * (exponent - T::one());
+        let s = power * (T::one() + second * variance * per_depth * per_depth);
         let slope = exponent * s * per_depth;
         // An even motion over a way w has the variance w²/12.
         let way = (T::from_f64(12.0) * variance).sqrt();
-        let rise = match (narrow, block.speed > T::zero()) {
-            (false, _) => T::zero(),
-            (true, true) => slope * way,
-            (true, false) => -(slope * way),
+        let rise = if block.speed > T::zero() {
+            slope * way
+        } else {
+            -(slope * way)
         };
         Shape {
             s,
@@ -178,7 +172,43 @@ impl<T: Real> Shape<T> {
             damped: s * block.speed + power * exponent * block.position_velocity_cov * per_depth,
             log,
             damped_per_depth: per_depth,
-            narrow,
+            narrow: true,
+        }
+    }
+
+    /// Of a block that begins or ends near the surface, or on its other side, as of an even motion: it is nothing to learn
+    /// from, and a material that relaxes remembers it. With the mean depth alone, a surface in the middle of a block of
+    /// 40 ms left a mode of 30/s 6 % too slow.
+    fn wide(exponent: T, depth: T, block: &Block<T>) -> Self {
+        let half = (T::from_f64(3.0) * block.position_variance).sqrt();
+        let (shallow, deep) = (T::zero().max_of(depth - half), depth + half);
+        // Nothing is known of the motion within a flight.
+        if deep <= T::zero() || half <= T::zero() || block.count < T::zero() {
+            return Shape::default();
+        }
+        let more = exponent + T::one();
+        let per_way = T::one() / (half + half);
+        let (deep, shallow) = (Power::of(deep, exponent), Power::of(shallow, exponent));
+        let s = (deep.integral - shallow.integral) * per_way / more;
+        let by_exponent = (deep.by_exponent - shallow.by_exponent) * per_way;
+        let (rise, slope) = (
+            deep.value - shallow.value,
+            (deep.value - shallow.value) * per_way,
+        );
+        let sign = if block.speed > T::zero() {
+            T::one()
+        } else {
+            -T::one()
+        };
+        Shape {
+            s,
+            by_exponent: by_exponent / more - s / more,
+            by_surface: -slope,
+            damped: s * block.speed + slope * block.position_velocity_cov,
+            rise: sign * rise,
+            rise_by_exponent: sign * (deep.log_value - shallow.log_value),
+            rise_by_surface: -(sign * exponent * (deep.per_depth - shallow.per_depth)),
+            ..Shape::default()
         }
     }
 
@@ -189,6 +219,37 @@ impl<T: Real> Shape<T> {
             damped: if inside { speed } else { T::zero() },
             damped_per_depth: T::zero(),
             ..self
+        }
+    }
+}
+
+/// dⁿ at one end of a block.
+#[derive(Default)]
+struct Power<T> {
+    value: T,
+    /// dⁿ⁺¹
+    integral: T,
+    /// dⁿ ln d
+    log_value: T,
+    /// dⁿ⁺¹ ln d
+    by_exponent: T,
+    /// dⁿ⁻¹
+    per_depth: T,
+}
+
+impl<T: Real> Power<T> {
+    fn of(depth: T, exponent: T) -> Self {
+        if depth <= T::zero() {
+            return Power::default();
+        }
+        let log = depth.ln();
+        let value = (exponent * log).exp();
+        Power {
+            value,
+            integral: value * depth,
+            log_value: value * log,
+            by_exponent: value * depth * log,
+            per_depth: value / depth,
         }
     }
 }
