@@ -17,7 +17,7 @@ use crate::log::UniformLog;
 use crate::signal;
 use crate::stats::{median, rms, rounding_deviation, rounding_step};
 use bend::{Bends, around};
-use beyond::{Beyond, half_the_turn};
+use beyond::{Beyond, left_at_bend};
 use misfit::within;
 
 /// Half-widths that are tried, widest first. 15 samples: one count of 1 µm at 1 kHz then leaves
@@ -269,11 +269,8 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         (Vec::new(), Vec::new(), Vec::new());
     let (mut position_left_m, mut speed_left_mps) = (Vec::new(), Vec::new());
     let (mut left_square, mut noise_square) = (0.0, 0.0);
-    let [
-        mut unresolved_mps,
-        mut speed_noise_mps,
-        mut acceleration_noise_mps2,
-    ] = [const { Vec::new() }; 3];
+    let mut unresolved_mps = Vec::new();
+    let (mut speed_noise_mps, mut acceleration_noise_mps2) = (Vec::new(), Vec::new());
     let mut is_corner = vec![false; channel.len()];
     for at in 0..channel.len() {
         let ([position, slope, bend], window) = smoother.cubic(at);
@@ -295,8 +292,7 @@ pub(crate) fn kinematics(log: &UniformLog) -> Kinematics {
         // The noise of a log that is mostly missing is that of the straight lines across it, beside which everything is
         // a bend: a foam's hold that was thinned to a fortieth.
         let is_bend = !smoother.is_taken_as_it_is && window.is_some_and(|own| own.half_width == 1);
-        let turn = f64::from(u8::from(is_bend)) * log.rate_hz;
-        unresolved_mps.push(turn * half_the_turn(channel, at));
+        unresolved_mps.push(left_at_bend(channel, at, is_bend) * log.rate_hz);
         speed_mps.push(slope * log.rate_hz);
         acceleration_mps2.push(bend * log.rate_hz * log.rate_hz);
     }

@@ -65,11 +65,12 @@ impl Beyond {
     }
 }
 
-/// Half of what the slopes per sample on either side of a sample differ by, each of a parabola; 0 near the ends. A corner
-/// that falls on a sample is symmetric to it, and three samples halve its slope without a sign of it: a probe that was
-/// let go of at 100 Hz read 12 mm/s where it had 0 or 25.
-pub(super) fn half_the_turn(channel: &[f64], at: usize) -> f64 {
-    if at < 2 || at + 2 >= channel.len() {
+/// What three samples through a bend may leave out of a slope per sample: half of what the slopes on either side of it
+/// differ by, each of a parabola; 0 elsewhere and near the ends. A corner that falls on a sample is symmetric to it, and
+/// three samples halve its slope without a sign of it: a probe that was let go of at 100 Hz read 12 mm/s where it had 0
+/// or 25.
+pub(super) fn left_at_bend(channel: &[f64], at: usize, is_bend: bool) -> f64 {
+    if !is_bend || at < 2 || at + 2 >= channel.len() {
         return 0.0;
     }
     let x = &channel[at - 2..=at + 2];
