@@ -270,17 +270,19 @@ pub(super) fn against(finding: &Finding, truths: &[(&str, f64)]) -> Table {
         .rows(base.chain(effects))
 }
 
-fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> String {
+pub(super) fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> String {
     let change = (after.value - before.value) / before.value.abs();
     match change {
         // A parameter that may be 0, such as the surface, has no meaningful relative change.
         c if !c.is_finite() || before.name == "surface" => {
             let difference = after.value - before.value;
             let sign = if difference > 0.0 { "+" } else { "" };
-            format!(
-                "{sign}{}",
-                Measured::new(difference, after.std_error, after.unit)
-            )
+            // Of the difference, in which `moved` counts.
+            let std_error = before
+                .std_error
+                .zip(after.std_error)
+                .map(|(a, b)| a.hypot(b));
+            format!("{sign}{}", Measured::new(difference, std_error, after.unit))
         }
         c if c.abs() >= 0.0995 => format!("{:+.0} %", 100.0 * c),
         c => format!("{:+.1} %", 100.0 * c),
@@ -288,7 +290,7 @@ fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> String {
     .replacen('-', "\u{2212}", 1)
 }
 
-fn moved(before: &ParameterEstimate, after: &ParameterEstimate) -> Cell {
+pub(super) fn moved(before: &ParameterEstimate, after: &ParameterEstimate) -> Cell {
     match (before.std_error, after.std_error) {
         (Some(a), Some(b)) if a.hypot(b) > 0.0 => {
             let errors = (after.value - before.value).abs() / a.hypot(b);

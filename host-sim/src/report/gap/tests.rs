@@ -51,6 +51,17 @@ fn known(name: &str, value: f64, std_error: Option<f64>, unit: &'static str) -> 
     }
 }
 
+/// 259 µm ± 92 µm before and 0.9 µm after: the change is as uncertain as both, and 2.8 of that.
+#[test]
+fn the_error_of_a_change_is_that_of_both_fits() {
+    let before = known("surface", 0.0, Some(92e-6), "m");
+    let after = known("surface", 259.2e-6, Some(0.9e-6), "m");
+    let said = tables::change(&before, &after);
+    assert!(said.contains("± 90"), "{said}");
+    let moved = format!("{:?}", tables::moved(&before, &after));
+    assert!(moved.contains("2.8 σ"), "{moved}");
+}
+
 fn finding(verdict: Verdict) -> Finding {
     let named = MissingEffect {
         id: EffectId::CoulombFriction,
