@@ -155,6 +155,12 @@ fn ordered<P: Port>(
 /// # Errors
 /// What board and file system say.
 pub fn keep<P: Port>(device: &mut Device<P>, file: &Path) -> Result<String, Box<dyn Error>> {
+    if file.exists() {
+        return Err(Diagnostic::new("the file is there already")
+            .in_file(file)
+            .remedy("name another file, or remove this one")
+            .into());
+    }
     let name = device.identity()?.board.to_string();
     let (settings, unknown) = device.known_settings()?;
     backup::write(file, &settings, &unknown, &name)?;

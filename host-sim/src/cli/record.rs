@@ -24,7 +24,8 @@ pub struct RecordArgs {
     /// Serial port, the emulator's working directory, or `simulated`: a simulated board, new at every start.
     #[arg(long, value_name = "PORT", required_unless_present = "convert")]
     pub port: Option<String>,
-    /// How long (s); a port that falls silent for 3 s ends a recording as well.
+    /// How long (s), from when the settings have been read; what came while they were, about 0.4 s, is kept as well. A port
+    /// that falls silent for 3 s ends a recording, too.
     #[arg(long, value_name = "S", requires = "port")]
     pub seconds: Option<f64>,
     /// Where recording.frames, settings.toml and log.csv go; made if missing.

@@ -23,6 +23,9 @@ fn a_backup_is_restored_to_the_bit_through_the_command_itself() {
             .read("out.toml")
             .contains("n_per_code = 0.00076293945")
     );
+    // A file that is there is kept, as a recording is.
+    let again = folder.palpate("config --port simulated backup out.toml");
+    assert_eq!(again.status.code(), Some(2));
     folder.write("bad.toml", "[force]\nlowest_code = 70000000\n");
     let done = folder.palpate("config --port simulated restore bad.toml");
     assert_eq!(done.status.code(), Some(2));
