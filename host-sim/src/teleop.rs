@@ -14,6 +14,7 @@ pub mod file;
 pub mod hand;
 pub mod held;
 pub mod json;
+pub mod limit;
 pub mod measure;
 pub mod notice;
 pub mod operator;
@@ -22,7 +23,8 @@ pub mod scheme;
 pub mod system;
 pub mod trace;
 
-pub use compare::{Cell, Grid, compare, stability_limit_s};
+pub use compare::{Cell, Grid, compare};
+pub use limit::{Limit, limit};
 pub use measure::{Measures, measure};
 pub use options::{Options, SchemeId};
 pub use system::System;

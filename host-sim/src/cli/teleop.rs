@@ -18,8 +18,10 @@ use crate::json::write_json;
 use crate::output::{result, say, try_folder};
 use crate::report::teleop::{TeleopReport, comparison};
 use crate::report::{Input, Provenance};
+use crate::teleop::measure::run as run_and_measure;
 use crate::teleop::measure::transparency::transparency;
-use crate::teleop::{Grid, Measures, Options, System, compare, json, measure, stability_limit_s};
+use crate::teleop::{Grid, Measures, Options, compare, json, limit};
+use crate::wrap::wrapped;
 
 /// Runs the scheme, or all of them, writes the files and prints a summary.
 ///
@@ -33,22 +35,27 @@ pub fn run(args: &TeleopArgs) -> Result<(), Box<dyn Error>> {
     if bridge::is_asked(args) {
         return bridge::run(args);
     }
-    let options = setup::options(args)?;
+    let (options, notes) = setup::options(args)?;
     match args.compare {
-        true => run_all(args, &options),
-        false => run_one(args, &options),
+        true => run_all(args, &options, &notes),
+        false => run_one(args, &options, notes),
     }
 }
 
-fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
+fn run_one(
+    args: &TeleopArgs,
+    options: &Options,
+    mut notes: Vec<String>,
+) -> Result<(), Box<dyn Error>> {
     let started = Instant::now();
-    let trace = System::new(options, args.seed).run();
+    let (trace, measures) = run_and_measure(options, args.seed);
     let took_s = started.elapsed().as_secs_f64();
-    let measures = measure(&trace);
-    let mut value = json::run(options, &measures);
+    notes.extend(setup::never_changed(options, &trace));
+    let mut value = json::run(options, &measures, args.seed, &notes);
     result(&value)?;
     say(print::summary(options, &trace, &measures))?;
     say(print::speed(1, options.duration_s(), took_s))?;
+    say_notes(&notes)?;
     let Some(folder) = &args.out else {
         return Ok(());
     };
@@ -58,7 +65,7 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
         bar.at(0.8 * done as f64 / total as f64, "the other schemes");
     });
     bar.at(0.8, "stability");
-    let limit_s = stability_limit_s(options, LONGEST_TRIED_S, args.seed);
+    let limit = limit(options, measures.rests(), args.seed);
     bar.at(0.9, "transparency");
     let lines: Vec<_> = setup::beside(options.scheme)
         .into_iter()
@@ -76,17 +83,21 @@ fn run_one(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
         measures: &measures,
         transparency: &lines,
         map: &map,
-        limit_s: (limit_s, LONGEST_TRIED_S),
-        provenance: provenance(args)?,
+        limit,
+        notes: &notes,
+        provenance: provenance(args)?.setting("Seed", args.seed.to_string()),
     };
-    json::add_sweeps(&mut value, &lines, limit_s);
+    json::add_sweeps(&mut value, &lines, &limit);
     finish(folder, &value, &report.document())
 }
 
-/// The largest round trip that is tried for the limit of stability (s).
-const LONGEST_TRIED_S: f64 = 5.0;
+fn say_notes(notes: &[String]) -> std::io::Result<()> {
+    notes
+        .iter()
+        .try_for_each(|note| say(wrapped("note: ", note) + "\n"))
+}
 
-fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
+fn run_all(args: &TeleopArgs, options: &Options, notes: &[String]) -> Result<(), Box<dyn Error>> {
     let mut grid = Grid::table(options.clone(), args.seeds);
     if !args.model.is_empty() {
         grid.environments = vec![options.environment.clone()];
@@ -110,10 +121,12 @@ fn run_all(args: &TeleopArgs, options: &Options) -> Result<(), Box<dyn Error>> {
         simulated_s,
         started.elapsed().as_secs_f64(),
     ))?;
-    match &args.out {
-        Some(folder) => finish(folder, &value, &comparison(&cells, provenance(args)?)),
-        None => Ok(()),
-    }
+    say_notes(notes)?;
+    let Some(folder) = &args.out else {
+        return Ok(());
+    };
+    let seeds = provenance(args)?.setting("Seeds of each cell", args.seeds.to_string());
+    finish(folder, &value, &comparison(&cells, seeds))
 }
 
 fn finish(
@@ -130,7 +143,7 @@ fn finish(
 
 fn provenance(args: &TeleopArgs) -> std::io::Result<Provenance> {
     let files = args.model.iter().chain(&args.operator).chain(&args.channel);
-    let mut provenance = Provenance::of_this_process().setting("Seed", args.seed.to_string());
+    let mut provenance = Provenance::of_this_process();
     for file in files {
         provenance = provenance.input(Input::of_file(file)?);
     }

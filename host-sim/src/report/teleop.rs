@@ -7,10 +7,14 @@ mod run;
 mod tables;
 mod words;
 
+pub use words::rest;
+
 pub use run::TeleopReport;
 
 use super::{Document, Provenance, Section, Tone};
 use crate::number::setting;
+use crate::teleop::measure::felt::NotCompared;
+use crate::teleop::measure::stability::Rest;
 use crate::teleop::{Cell, Measures, Options, SchemeId};
 
 /// The felt force is right below this share, and wrong above the other.
@@ -97,26 +101,28 @@ pub fn verdict(options: &Options, measures: &Measures) -> (Tone, &'static str, S
             "The felt force is {:.1} % of its peak off the true one",
             100.0 * share
         ),
-        None => "The scheme never became ready: it put out no force".into(),
+        None => measures
+            .felt_force_not_compared
+            .map_or("", NotCompared::sentence)
+            .into(),
     };
     let shaped = match options.shaping()[0] {
         1.0 => String::new(),
         gain => format!(", which is shaped by {gain:.2} on purpose"),
     };
-    if !measures.stable {
-        let sentence = format!("The system does not come to rest. {felt}{shaped}.");
-        return (Tone::Bad, "unstable", sentence);
+    let rest = words::rest(options, measures);
+    let sentence = || format!("{}. {felt}{shaped}.", words::sentence(&rest));
+    match measures.rests() {
+        Rest::Moves => return (Tone::Bad, "unstable", sentence()),
+        Rest::CannotTell => return (Tone::Warning, "rest not known", sentence()),
+        Rest::Rests => {}
     }
     let (tone, badge) = match measures.felt_force_rmse_share {
         Some(share) if share <= RIGHT => (Tone::Good, "transparent"),
         Some(share) if share <= WRONG => (Tone::Warning, "stable"),
         _ => (Tone::Bad, "not transparent"),
     };
-    (
-        tone,
-        badge,
-        format!("{felt}{shaped}; the system comes to rest."),
-    )
+    (tone, badge, format!("{felt}{shaped}; {rest}."))
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@ use estimator_core::board::reflection::Limit;
 use rayon::prelude::*;
 
 use super::environment::Environment;
-use super::measure::{Measures, measure};
+use super::measure::felt::NotCompared;
+use super::measure::stability::Rest;
+use super::measure::{Measures, run};
 use super::options::{Options, SchemeId};
-use super::system::System;
 use crate::stats::{highest, median};
 
 /// What is compared.
@@ -119,9 +120,30 @@ impl Cell {
             .is_some_and(|share| share > LIMITED)
     }
 
-    /// Whether every run came to rest.
+    /// Whether every run came to rest, on each material.
+    pub fn rest(&self) -> Rest {
+        let each = self.runs.iter().map(Measures::rests);
+        each.reduce(Rest::and).unwrap_or_default()
+    }
+
+    /// Whether every run is known to have come to rest.
     pub fn is_stable(&self) -> bool {
-        self.runs.iter().all(|run| run.stable)
+        self.rest() == Rest::Rests
+    }
+
+    /// How old what is applied at the end of a way is, in the median (s): 0 to the slave, 1 to the master.
+    pub fn age_s(&self, way: usize) -> Option<f64> {
+        self.median(|run| run.ages_s[way])
+    }
+
+    /// Why there is no felt force to compare in most runs.
+    pub fn not_compared(&self) -> Option<NotCompared> {
+        let share = self.median(|run| run.felt_force_rmse_share);
+        let mut why = self
+            .runs
+            .iter()
+            .filter_map(|run| run.felt_force_not_compared);
+        why.next().filter(|_| share.is_none())
     }
 }
 
@@ -142,7 +164,7 @@ pub fn compare(grid: &Grid, progress: &(dyn Fn(usize, usize) + Sync)) -> Vec<Cel
                 .with_channel(0.5 * round_trip_s, *jitter, *loss)
                 .with_task_for_delay();
             let runs = (1..=grid.seeds).map(|seed| {
-                let measures = measure(&System::new(&options, seed).run());
+                let (_, measures) = run(&options, seed);
                 progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
                 measures
             });
@@ -156,28 +178,4 @@ pub fn compare(grid: &Grid, progress: &(dyn Fn(usize, usize) + Sync)) -> Vec<Cel
             }
         })
         .collect()
-}
-
-/// The largest round trip (s) up to `most_s` at which a scheme comes to rest, by eight halvings of the
-/// logarithm; `None` if it does not even without delay.
-pub fn stability_limit_s(options: &Options, most_s: f64, seed: u64) -> Option<f64> {
-    let rests = |round_trip_s: f64| {
-        let options = options.clone().with_channel(0.5 * round_trip_s, 0.0, 0.0);
-        measure(&System::new(&options.with_task_for_delay(), seed).run()).stable
-    };
-    if !rests(0.0) {
-        return None;
-    }
-    if rests(most_s) {
-        return Some(most_s);
-    }
-    let (mut low, mut high) = (1e-3_f64, most_s);
-    for _ in 0..8 {
-        let middle = (low * high).sqrt();
-        match rests(middle) {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    Some(low)
 }

@@ -3,7 +3,11 @@
 use serde_json::{Value, json};
 
 use super::bridge::{Clock, Summary};
+use super::channel::{ChannelConfig, Jitter};
 use super::compare::Cell;
+use super::limit::Limit;
+use super::measure::felt::NotCompared;
+use super::measure::stability::Rest;
 use super::measure::transparency::Line;
 use super::measure::{Measures, Packets};
 use super::operator::Grip;
@@ -11,8 +15,9 @@ use super::options::{Options, SchemeId};
 use super::trace::Parameters;
 use crate::json::number;
 
-/// A run.
-pub fn run(options: &Options, measures: &Measures) -> Value {
+/// A run; `delay_s`, `jitter` and `loss` are those of the way from master to slave, and of both ways in `there` and
+/// `back`.
+pub fn run(options: &Options, measures: &Measures, seed: u64, notes: &[String]) -> Value {
     let [there, back] = options.channels;
     let environment = &options.environment.first.name;
     let mut value = object(
@@ -22,16 +27,54 @@ pub fn run(options: &Options, measures: &Measures) -> Value {
         measures,
     );
     value["round_trip_s"] = number(there.delay_s + back.delay_s);
+    (value["there"], value["back"]) = (way(&there), way(&back));
     value["shaping"] = number(options.shaping()[0]);
-    let grip = options.operator.grips.last().copied();
-    value["operator"] = operator(grip, measures.hand);
+    // The grip that was the last to be taken.
+    let grip = options.operator.grip(options.duration_s());
+    value["operator"] = operator(Some(grip), measures.hand);
+    let second = options.environment.second.as_ref();
+    value["second_environment"] = json!(second.map(|material| &material.name));
+    value["changed_s"] = measures.changed_s.map_or(Value::Null, number);
+    value["stable_on"] = rests_on(measures);
+    value["seed"] = json!(seed);
+    value["notes"] = json!(notes);
     value
 }
 
-/// What only a report asks for: the transparency of some schemes, and the largest round trip at which the run's own comes
-/// to rest (s).
-pub fn add_sweeps(value: &mut Value, transparency: &[(SchemeId, Vec<Line>)], limit_s: Option<f64>) {
-    value["rests_to_round_trip_s"] = limit_s.map_or(Value::Null, number);
+/// Whether the system comes to rest on the first and on the second material.
+fn rests_on(measures: &Measures) -> Value {
+    let second = measures.changed_s.map(|_| measures.rest);
+    let first = match second {
+        Some(_) => measures.rest_first,
+        None => Some(measures.rest),
+    };
+    json!({
+        "first": first.and_then(Rest::known),
+        "second": second.and_then(Rest::known),
+    })
+}
+
+/// One way of the channel.
+fn way(channel: &ChannelConfig) -> Value {
+    json!({
+        "delay_s": number(channel.delay_s),
+        "jitter": number(channel.jitter),
+        "distribution": match channel.distribution {
+            Jitter::Uniform => "uniform",
+            Jitter::Gamma => "gamma",
+        },
+        "loss": number(channel.loss),
+        "burst": number(channel.burst),
+        "bytes_per_s": number(channel.bytes_per_s),
+        "outage_s": channel.outage_s.map(|(from_s, to_s)| [number(from_s), number(to_s)]),
+    })
+}
+
+/// What only a report asks for: the transparency of some schemes, and up to which round trip the run's own comes to
+/// rest (s).
+pub fn add_sweeps(value: &mut Value, transparency: &[(SchemeId, Vec<Line>)], limit: &Limit) {
+    value["rests_to_round_trip_s"] = limit.rests_to_s.map_or(Value::Null, number);
+    value["rest_ends_at_round_trip_s"] = limit.ends_at_s.map_or(Value::Null, number);
     let lines = transparency.iter().map(|(scheme, lines)| {
         let column = |of: fn(&Line) -> f64| {
             lines
@@ -62,14 +105,18 @@ pub fn cell(cell: &Cell) -> Value {
         felt_stiffness_error: cell.median(|run| run.felt_stiffness_error),
         felt_damping_error: cell.median(|run| run.felt_damping_error),
         position_rmse_m: median(|run| run.position_rmse_m),
-        stable: cell.is_stable(),
+        felt_force_not_compared: cell.not_compared(),
+        rest: cell.rest(),
+        rest_first: None,
         decay_per_s: median(|run| run.decay_per_s),
         created_energy_j: median(|run| run.created_energy_j),
+        coupling_energy_j: median(|run| run.coupling_energy_j),
         exchanged_energy_j: median(|run| run.exchanged_energy_j),
         peak_touch_n: median(|run| run.peak_touch_n),
         peak_change_n: cell.median(|run| run.peak_change_n),
         settled_s: cell.median(|run| run.settled_s),
         resettled_s: cell.median(|run| run.resettled_s),
+        ages_s: [0, 1].map(|way| cell.age_s(way)),
         ..first.clone()
     };
     let channel = (0.5 * cell.round_trip_s, cell.jitter, cell.loss);
@@ -122,14 +169,16 @@ fn object(
         "loss": number(loss),
         "environment": environment,
         "felt_force_rmse_share": optional(measures.felt_force_rmse_share),
+        "felt_force_not_compared": measures.felt_force_not_compared.map(NotCompared::name),
         "felt_force_rmse_share_whole": number(measures.felt_force_rmse_share_whole),
         "felt_force_rmse_share_after": optional(measures.felt_force_rmse_share_after),
         "felt_stiffness_error": optional(measures.felt_stiffness_error),
         "felt_damping_error": optional(measures.felt_damping_error),
         "position_rmse_m": number(measures.position_rmse_m),
-        "stable": measures.stable,
+        "stable": measures.rests().known(),
         "decay_per_s": number(measures.decay_per_s),
         "created_energy_j": number(measures.created_energy_j),
+        "coupling_energy_j": number(measures.coupling_energy_j),
         "exchanged_energy_j": number(measures.exchanged_energy_j),
         "peak_touch_n": number(measures.peak_touch_n),
         "peak_change_n": optional(measures.peak_change_n),
@@ -140,6 +189,10 @@ fn object(
             .map(|(name, share)| json!({ "limit": name, "share": number(*share) }))
             .collect::<Vec<_>>(),
         "packets": packets(&measures.packets),
+        "effective_age_s": {
+            "there": optional(measures.ages_s[0]),
+            "back": optional(measures.ages_s[1]),
+        },
     })
 }
 
@@ -147,6 +200,7 @@ fn packets(packets: &Packets) -> Value {
     json!({
         "sent": packets.sent,
         "lost": packets.lost,
+        "lost_to_rate": packets.lost_to_rate,
         "rejected": packets.rejected,
         "bytes_per_s": packets.bytes_per_s,
     })

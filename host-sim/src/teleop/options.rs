@@ -13,6 +13,7 @@ use super::scheme::reflection::{Reflection, ReflectionOptions};
 use super::scheme::shape::Shape;
 use super::scheme::wave_variables::{WaveVariables, Waves};
 use super::scheme::{Scheme, Servo};
+use crate::motion::{Motion, Segment};
 use crate::plant::Sensors;
 
 /// A scheme by its name.
@@ -170,11 +171,31 @@ impl Options {
         self
     }
 
+    /// The round trip (s).
+    pub fn round_trip_s(&self) -> f64 {
+        self.channels[0].delay_s + self.channels[1].delay_s
+    }
+
+    /// The same with another round trip (s), of which each way has the share that it had.
+    #[must_use]
+    pub fn with_round_trip(mut self, round_trip_s: f64) -> Options {
+        let own_s = self.round_trip_s();
+        for channel in &mut self.channels {
+            let share = if own_s > 0.0 {
+                channel.delay_s / own_s
+            } else {
+                0.5
+            };
+            channel.delay_s = share * round_trip_s;
+        }
+        self
+    }
+
     /// The same with a task that is as much longer as the round trip asks for, and with the material
     /// changing when it says, or when its hand has slid off.
     #[must_use]
     pub fn with_task_for_delay(mut self) -> Options {
-        let round_trip_s = self.channels[0].delay_s + self.channels[1].delay_s;
+        let round_trip_s = self.round_trip_s();
         if let Some(task) = self.task {
             let task = task.with_round_trip(round_trip_s);
             self.environment.change_s = task.changes_s.unwrap_or(task.slides_off_s());
@@ -182,6 +203,16 @@ impl Options {
             self.operator.intention = task.motion();
         }
         self
+    }
+
+    /// The same with a press at the end that lasts so much longer (s).
+    #[must_use]
+    pub fn with_longer_press(&self, seconds: f64) -> Options {
+        let mut options = self.clone();
+        let hold = Motion::new(0.0, vec![Segment::Hold { seconds }]);
+        let hold = hold.expect("a hold is a motion");
+        options.operator.intention = options.operator.intention.then(&hold);
+        options
     }
 
     /// How long a run lasts (s).

@@ -100,6 +100,8 @@ pub struct System<'a> {
     /// for a change to be noticed (µs, by the slave's clock).
     touched_s: f64,
     known_us: Option<u64>,
+    /// Sum of the ages of what each end applies (s), and in how many ticks.
+    ages: [(f64, u32); 2],
 }
 
 /// An estimator has noticed another material after this much contact (s): 50 ms on the chapter's, and twice
@@ -137,6 +139,7 @@ impl<'a> System<'a> {
             material_j: 0.0,
             touched_s: 0.0,
             known_us: None,
+            ages: [(0.0, 0); 2],
         }
     }
 
@@ -151,6 +154,9 @@ impl<'a> System<'a> {
                 break;
             }
         }
+        trace.ages_s = self
+            .ages
+            .map(|(sum_s, ticks)| (ticks > 0).then(|| sum_s / f64::from(ticks)));
         trace.finish(self.changed_s, self.counts())
     }
 
@@ -168,6 +174,7 @@ impl<'a> System<'a> {
         let arrived = newest(&mut self.channels[0], time_s);
         let slave = self.scheme.slave(&of_slave, arrived);
         send(&mut self.channels[1], time_s, slave.message);
+        self.count_ages(time_s);
         let row = self.row(time_s, &master);
         let step_s = period_s / f64::from(self.options.substeps);
         for step in 0..self.options.substeps {
@@ -182,6 +189,14 @@ impl<'a> System<'a> {
         }
         if self.known_us.is_none() && self.touched_s >= NOTICED_S {
             self.known_us = Some(of_slave.time_us);
+        }
+    }
+
+    fn count_ages(&mut self, time_s: f64) {
+        for (sum, channel) in self.ages.iter_mut().zip(&self.channels) {
+            if let Some(age_s) = channel.age_s(time_s) {
+                *sum = (sum.0 + age_s, sum.1 + 1);
+            }
         }
     }
 

@@ -79,7 +79,54 @@ pub struct Trace {
     pub shaping: [f64; 2],
     /// Whether the run went to its end.
     pub ended: bool,
+    /// How old what each end applies is on average, on the way from master to slave and back (s): what was overtaken
+    /// is not applied, and the rest waits for the tick. `None`: nothing arrived.
+    pub ages_s: [Option<f64>; 2],
+    intends: Intention,
     expected: usize,
+}
+
+/// What measures have to know of the intended motion.
+#[derive(Clone, Copy, Debug)]
+struct Intention {
+    /// How long the hand means to stay where it is at the end (s).
+    still_s: f64,
+    /// Whether it means to be inside the material then.
+    inside: bool,
+    /// The middle time between two reversals (s); `None`: it does not palpate.
+    reversal_s: Option<f64>,
+}
+
+impl Intention {
+    /// Slower than this is still (m/s): a ten-thousandth of a palpation.
+    const STILL_MPS: f64 = 1e-5;
+
+    fn of(options: &Options) -> Intention {
+        let motion = &options.operator.intention;
+        let period_s = options.period_s();
+        let ticks = (motion.duration_s() / period_s).round() as usize;
+        let (mut moved_s, mut turned_s, mut last) = (0.0, None::<f64>, 0.0);
+        let mut between = Vec::new();
+        for tick in 0..ticks {
+            let time_s = tick as f64 * period_s;
+            let speed_mps = motion.position(time_s).1;
+            if speed_mps.abs() < Intention::STILL_MPS {
+                continue;
+            }
+            moved_s = time_s;
+            if speed_mps * last < 0.0 {
+                between.extend(turned_s.map(|turned_s| time_s - turned_s));
+                turned_s = Some(time_s);
+            }
+            last = speed_mps;
+        }
+        let duration_s = motion.duration_s();
+        Intention {
+            still_s: duration_s - moved_s,
+            inside: motion.position(duration_s).0 > 0.0,
+            reversal_s: (!between.is_empty()).then(|| crate::stats::median(between)),
+        }
+    }
 }
 
 impl Trace {
@@ -94,6 +141,8 @@ impl Trace {
             counts: [Counts::default(); 2],
             shaping: options.shaping(),
             ended: false,
+            ages_s: [None; 2],
+            intends: Intention::of(options),
             expected: ticks,
         }
     }
@@ -121,6 +170,20 @@ impl Trace {
         let at = |time_s: f64| self.rows.partition_point(|row| row.time_s < time_s);
         let (from, to) = (at(from_s), at(to_s));
         &self.rows[from.min(to)..to]
+    }
+
+    /// How long the run ends in a press into the material that the hand means to hold (s); 0 without one.
+    pub fn press_s(&self) -> f64 {
+        if self.intends.inside {
+            self.intends.still_s
+        } else {
+            0.0
+        }
+    }
+
+    /// The middle time between two reversals of the intended motion (s), half a palpation; `None`: it has none.
+    pub fn reversal_s(&self) -> Option<f64> {
+        self.intends.reversal_s
     }
 
     /// The round trip (s).

@@ -41,11 +41,12 @@ pub struct TeleopArgs {
     /// The channel (TOML); the flags above override it.
     #[arg(long, value_name = "FILE")]
     pub channel: Option<PathBuf>,
-    /// All schemes over round trips of 0 to 5 s, jitter and loss, on four materials (or on --model).
-    #[arg(long)]
+    /// All schemes over round trips of 0 to 5 s, jitter and loss, on four materials (or on --model). The table has
+    /// schemes, delays, jitters, losses and seeds of its own; of --channel it takes the rest.
+    #[arg(long, conflicts_with_all = ["scheme", "delay_ms", "jitter", "loss", "seed"])]
     pub compare: bool,
-    /// Seeds per cell of the comparison.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    /// Seeds per cell of the comparison, from 1 on.
+    #[arg(long, value_name = "N", default_value_t = 2, requires = "compare", value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: u64,
     /// Seed of noise and channel; one seed is one run.
     #[arg(long, default_value_t = 1)]
@@ -72,7 +73,7 @@ pub struct TeleopArgs {
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
     /// Bridge: end after this time (s).
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Where teleop.json and report.html go; of a bridge teleop.json, when it has ended.
     #[arg(long, value_name = "DIR")]
@@ -119,6 +120,13 @@ fn jitter(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("must be a share from 0 to 1, such as 0.3".into()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a time greater than 0 s, such as 60".into()),
     }
 }
 

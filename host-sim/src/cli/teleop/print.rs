@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use crate::number::quantity;
 use crate::report::teleop::verdict;
+use crate::teleop::measure::felt::NotCompared;
+use crate::teleop::measure::stability::Rest;
 use crate::teleop::notice::notices;
 use crate::teleop::{Cell, Measures, Options, SchemeId, Trace};
 
@@ -32,17 +34,10 @@ pub fn summary(options: &Options, trace: &Trace, measures: &Measures) -> String 
         format!("{} at first", quantity(measures.peak_touch_n, 2, "N")),
     );
     line("settled", times(measures));
-    line(
-        "energy",
-        format!(
-            "{} created, {} exchanged and declared",
-            quantity(measures.created_energy_j, 2, "J"),
-            quantity(measures.exchanged_energy_j, 2, "J")
-        ),
-    );
+    line("energy", energy(measures));
     for notice in notices(trace, measures)
         .iter()
-        .filter(|notice| notice.is_noticed())
+        .filter(|notice| notice.is_noticed == Some(true))
     {
         line("noticed", notice.threshold.what.into());
     }
@@ -59,19 +54,57 @@ pub fn summary(options: &Options, trace: &Trace, measures: &Measures) -> String 
     line(
         "packets",
         format!(
-            "{} sent, {} lost, {} rejected",
-            packets.sent, packets.lost, packets.rejected
+            "{} sent, {} lost{}, {} rejected",
+            packets.sent,
+            packets.lost,
+            by_rate(packets.lost_to_rate),
+            packets.rejected
         ),
     );
+    line("age", ages(measures));
     text
+}
+
+fn by_rate(lost: u64) -> String {
+    match lost {
+        0 => String::new(),
+        lost => format!(" ({lost} of them to the limited rate)"),
+    }
+}
+
+/// How old what is applied at either end is.
+fn ages(measures: &Measures) -> String {
+    let [slave, master] = measures
+        .ages_s
+        .map(|age_s| age_s.map_or("–".into(), |age_s| quantity(age_s, 2, "s")));
+    format!("what the slave applies is {slave} old on average, what the master applies {master}")
+}
+
+fn energy(measures: &Measures) -> String {
+    let created = match measures.coupling_energy_j > 0.0 {
+        true => format!(
+            "{} given out by the coupling, {} of it beyond the master's damping",
+            quantity(measures.coupling_energy_j, 2, "J"),
+            quantity(measures.created_energy_j, 2, "J"),
+        ),
+        false => "none given out beyond what was stored".into(),
+    };
+    let exchanged_j = quantity(measures.exchanged_energy_j, 2, "J");
+    format!("{created}, {exchanged_j} exchanged and declared")
 }
 
 fn felt(measures: &Measures) -> String {
     let share =
         |value: Option<f64>| value.map_or("none".into(), |value| format!("{:.1} %", 100.0 * value));
+    let force = match (
+        measures.felt_force_rmse_share,
+        measures.felt_force_not_compared,
+    ) {
+        (None, Some(why)) => why.word().into(),
+        (known, _) => format!("{} off", share(known)),
+    };
     format!(
-        "force {} off, stiffness {}, damping {}",
-        share(measures.felt_force_rmse_share),
+        "force {force}, stiffness {}, damping {}",
         share(measures.felt_stiffness_error),
         share(measures.felt_damping_error)
     )
@@ -79,10 +112,13 @@ fn felt(measures: &Measures) -> String {
 
 fn times(measures: &Measures) -> String {
     let time = |value: Option<f64>| value.map_or("never".into(), |value| quantity(value, 2, "s"));
+    let change = match measures.changed_s {
+        Some(_) => format!(", {} after the change", time(measures.resettled_s)),
+        None => String::new(),
+    };
     format!(
-        "{} of contact and way back, {} after the change",
-        time(measures.settled_s),
-        time(measures.resettled_s)
+        "{} of contact and way back{change}",
+        time(measures.settled_s)
     )
 }
 
@@ -102,8 +138,9 @@ pub fn speed(runs: usize, simulated_s: f64, took_s: f64) -> String {
 /// The comparison: a block per environment and channel, schemes over round trips.
 pub fn table(cells: &[Cell]) -> String {
     let mut text = String::from(
-        "felt minus true force, rms over peak, % (from when the scheme is ready); * does not come to rest; \
-         ~ a limit of the renderer at work in more than 5 % of the contact\n",
+        "felt minus true force, rms over peak, % (from when the scheme is ready); * does not come to rest on one of the \
+         materials; ? cannot be told; ~ a limit of the renderer at work in more than 5 % of the contact; outside: the \
+         hand did not reach the material after the scheme was ready\n",
     );
     let mut blocks: Vec<(&str, f64, f64)> = Vec::new();
     for cell in cells {
@@ -136,7 +173,7 @@ fn block(cells: &[&Cell]) -> String {
     trips.dedup();
     let mut text = format!("  {:<19}", "round trip");
     for trip_s in &trips {
-        let _ = write!(text, "{:>9}", quantity(*trip_s, 2, "s"));
+        let _ = write!(text, "{:>10}", quantity(*trip_s, 2, "s"));
     }
     text.push('\n');
     for id in SchemeId::ALL {
@@ -147,7 +184,7 @@ fn block(cells: &[&Cell]) -> String {
         let _ = write!(text, "  {:<19}", id.name());
         for trip_s in &trips {
             let cell = own.iter().find(|cell| cell.round_trip_s == *trip_s);
-            let _ = write!(text, "{:>9}", cell.map_or("–".into(), |cell| entry(cell)));
+            let _ = write!(text, "{:>10}", cell.map_or("–".into(), |cell| entry(cell)));
         }
         text.push('\n');
     }
@@ -156,14 +193,16 @@ fn block(cells: &[&Cell]) -> String {
 
 fn entry(cell: &Cell) -> String {
     let share = cell.median(|run| run.felt_force_rmse_share);
-    let number = share.map_or("none".into(), |share| match share < 10.0 {
-        true => format!("{:.1}", 100.0 * share),
-        false => "> 999".into(),
-    });
-    let mark = match (cell.is_stable(), cell.is_limited()) {
-        (false, _) => "*",
-        (true, true) => "~",
-        (true, false) => " ",
+    let number = match share {
+        Some(share) if share < 10.0 => format!("{:.1}", 100.0 * share),
+        Some(_) => "> 999".into(),
+        None => cell.not_compared().map_or("none", NotCompared::word).into(),
+    };
+    let mark = match (cell.rest(), cell.is_limited()) {
+        (Rest::Moves, _) => "*",
+        (Rest::CannotTell, _) => "?",
+        (Rest::Rests, true) => "~",
+        (Rest::Rests, false) => " ",
     };
     format!("{number}{mark}")
 }

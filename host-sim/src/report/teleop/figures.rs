@@ -6,7 +6,7 @@ use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Marker, Series, Size, Span, StripTone, Stroke};
 use crate::teleop::environment::Material;
 use crate::teleop::measure::felt::scored;
-use crate::teleop::measure::transparency::Line;
+use crate::teleop::measure::transparency::{self, Line};
 use crate::teleop::notice::STIFFNESS;
 use crate::teleop::operator::Grip;
 use crate::teleop::{Row, SchemeId};
@@ -131,8 +131,9 @@ fn energies(report: &TeleopReport<'_>) -> Figure {
             row.exchanged_j
         }));
     Figure::new("Energy", &chart).caption(
-        "A coupling that creates none never gives back more than it got. What an exchange of impedances adds \
-         under the hand, V_new − V_old, is declared.",
+        "A coupling that creates none never gives back more than it got: where its curve is below 0, or falls in the \
+         last press by more than was stored, it gave energy out, to the master's own damping and to the hand. What an \
+         exchange of impedances adds under the hand, V_new − V_old, is declared.",
     )
 }
 
@@ -193,14 +194,28 @@ pub(super) fn transparency(schemes: &[(SchemeId, Vec<Line>)]) -> Figure {
         .iter()
         .zip(Ink::RANKS)
         .fold(chart, |chart, ((id, lines), ink)| {
+            if transparency::oscillates(lines) {
+                return chart;
+            }
             let x: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
             let y: Vec<f64> = lines.iter().map(|line| line.magnitude).collect();
             chart.series(Series::new(words(*id), ink, Stroke::Solid, x, y))
         });
-    Figure::new("Transparency", &chart).caption(
+    let mut caption = String::from(
         "|Ẑ/Z|: the felt over the true force at the lines of a motion within the material; what is above 2 is drawn \
          at the upper edge. Band: differences in stiffness that people do not feel (15 %).",
-    )
+    );
+    let moving = schemes
+        .iter()
+        .filter(|(_, lines)| transparency::oscillates(lines));
+    let moving: Vec<&str> = moving.map(|(id, _)| words(*id)).collect();
+    if !moving.is_empty() {
+        caption += &format!(
+            " Not drawn, as it oscillates by itself and does not follow the motion: {}.",
+            moving.join(", ")
+        );
+    }
+    Figure::new("Transparency", &chart).caption(caption)
 }
 
 /// Stiffness, damping and exponent as the slave identifies them, and the hand as the master does.

@@ -3,6 +3,8 @@
 use super::words::words;
 use crate::number::quantity;
 use crate::report::{HeatMap, HeatScale, Section, Shaded};
+use crate::teleop::measure::felt::NotCompared;
+use crate::teleop::measure::stability::Rest;
 use crate::teleop::{Cell, SchemeId};
 
 /// The errors of no shade and of the darkest: what nobody feels, and the whole force.
@@ -33,13 +35,41 @@ pub(super) fn maps(cells: &[Cell]) -> Vec<HeatMap> {
             .iter()
             .filter(|cell| (cell.jitter, cell.loss) == (jitter, loss))
             .collect();
-        one(&own).caption(format!(
-            "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, from when the scheme is ready; limited: a limit of the renderer is at work in more than 5 % of the contact.",
+        let mut caption = format!(
+            "Loss {:.0} %, jitter {:.0} % of the delay: felt minus true force, rms over the peak, from when the scheme is ready. Unstable: on either material. Limited: a limit of the renderer is at work in more than 5 % of the contact.",
             100.0 * loss,
             100.0 * jitter
-        ))
+        );
+        if own
+            .iter()
+            .any(|cell| cell.not_compared() == Some(NotCompared::NotInside))
+        {
+            caption += " Outside: the hand did not reach the material after the scheme was ready.";
+        }
+        if jitter > 0.0 {
+            caption += &ages(&own);
+        }
+        one(&own).caption(caption)
     };
     channels.into_iter().map(map).collect()
+}
+
+/// How old what is applied is, where the delay varies.
+fn ages(cells: &[&Cell]) -> String {
+    let age = |reflects: bool| {
+        let own = cells
+            .iter()
+            .filter(|cell| cell.scheme.reflects() == reflects && cell.round_trip_s > 0.0);
+        let shares = own.filter_map(|cell| Some(2.0 * cell.age_s(1)? / cell.round_trip_s));
+        let shares: Vec<f64> = shares.collect();
+        (!shares.is_empty()).then(|| format!("{:.0} %", 100.0 * crate::stats::median(shares)))
+    };
+    match (age(false), age(true)) {
+        (Some(other), Some(reflecting)) => format!(
+            " Each message draws its own delay and the newest counts: what the master applies is {other} of the mean delay old with 1000 messages a second, {reflecting} with those of a reflection (medians)."
+        ),
+        _ => String::new(),
+    }
 }
 
 /// A section per environment.
@@ -89,21 +119,18 @@ fn shaded(cell: &Cell) -> Shaded {
         Some(share) if share < 0.0995 => format!("{:.1} %", 100.0 * share),
         Some(share) if share < 10.0 => format!("{:.0} %", 100.0 * share),
         Some(_) => "> 1000 %".into(),
-        None => "no force".into(),
+        None => cell.not_compared().map_or("none", NotCompared::word).into(),
     };
-    let stable = cell.is_stable();
-    let value = match stable {
-        // A scheme that puts no force out is as wrong as the whole force.
-        true => Some(share.unwrap_or(1.0)),
-        false => None,
+    let small = match (cell.rest(), cell.is_limited()) {
+        (Rest::Moves, _) => "unstable",
+        (Rest::CannotTell, _) => "rest not known",
+        (Rest::Rests, true) => "limited",
+        (Rest::Rests, false) => "",
     };
     Shaded {
         text,
-        small: match (stable, cell.is_limited()) {
-            (false, _) => "unstable".into(),
-            (true, true) => "limited".into(),
-            (true, false) => String::new(),
-        },
-        value,
+        small: small.into(),
+        // A scheme that puts no force out, or that keeps the hand outside, is as wrong as the whole force.
+        value: (cell.rest() != Rest::Moves).then(|| share.unwrap_or(1.0)),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::report::Provenance;
 use crate::teleop::measure::transparency::Line;
-use crate::teleop::{Cell, Measures, Options, SchemeId, Trace};
+use crate::teleop::{Cell, Limit, Measures, Options, SchemeId, Trace};
 
 /// What the report of a run is made of.
 #[derive(Clone, Debug)]
@@ -17,8 +17,10 @@ pub struct TeleopReport<'a> {
     pub transparency: &'a [(SchemeId, Vec<Line>)],
     /// All schemes over delay and loss.
     pub map: &'a [Cell],
-    /// The largest round trip at which the scheme comes to rest (s), and the largest that was tried.
-    pub limit_s: (Option<f64>, f64),
+    /// Up to which round trip the scheme comes to rest.
+    pub limit: Limit,
+    /// What of the input has no effect.
+    pub notes: &'a [String],
     /// What the report was made from.
     pub provenance: Provenance,
 }

@@ -1,8 +1,11 @@
 //! The measures of a run, and what a person would notice of them.
 
 use super::run::TeleopReport;
+use super::words;
+use crate::number::quantity;
 use crate::report::{Cell, Section, Table};
 use crate::teleop::Measures;
+use crate::teleop::measure::felt::NotCompared;
 use crate::teleop::notice::notices;
 
 /// The measures.
@@ -10,15 +13,28 @@ pub(super) fn summary(report: &TeleopReport<'_>) -> Section {
     let rows = felt(report.measures).into_iter().chain(rest(report));
     let rows = rows.map(|(name, cell)| [Cell::from(name), cell]);
     let table = Table::new(["Measure", "Value"]).rows(rows);
-    let packets = &report.measures.packets;
-    Section::new("Measures")
+    let section = Section::new("Measures")
         .table(table)
         .text(limits(report.measures))
-        .text(format!(
-            "{} messages were sent, {} were lost, {} arrived too late or were refused; {} bytes a second the \
-             busier way.",
-            packets.sent, packets.lost, packets.rejected, packets.bytes_per_s
-        ))
+        .text(messages(report.measures));
+    let notes = report.notes.iter().map(|note| words::sentence(note) + ".");
+    notes.fold(section, Section::text)
+}
+
+fn messages(measures: &Measures) -> String {
+    let packets = &measures.packets;
+    let age = |age_s: Option<f64>| age_s.map_or("–".into(), |age_s| quantity(age_s, 2, "s"));
+    format!(
+        "{} messages were sent, {} were lost, {} arrived too late or were refused; {} bytes a second the \
+         busier way. What the slave applies is {} old on average, what the master applies {}: of messages that \
+         overtake each other the newest counts.",
+        packets.sent,
+        packets.lost,
+        packets.rejected,
+        packets.bytes_per_s,
+        age(measures.ages_s[0]),
+        age(measures.ages_s[1]),
+    )
 }
 
 fn share(value: Option<f64>) -> Cell {
@@ -35,19 +51,21 @@ fn time(value: Option<f64>) -> Cell {
     }
 }
 
-fn felt(measures: &Measures) -> [(&'static str, Cell); 7] {
-    [
+fn felt(measures: &Measures) -> Vec<(&'static str, Cell)> {
+    let why = measures
+        .felt_force_not_compared
+        .map_or("none", NotCompared::word);
+    let mut rows = vec![
         (
             "Felt minus true force, rms over peak, from when it is ready",
-            share(measures.felt_force_rmse_share),
+            match measures.felt_force_rmse_share {
+                None => Cell::Missing(why.into()),
+                known => share(known),
+            },
         ),
         (
             "Felt minus true force over every contact, rms over peak",
             share(Some(measures.felt_force_rmse_share_whole)),
-        ),
-        (
-            "Felt minus true force on the second material, rms over peak",
-            share(measures.felt_force_rmse_share_after),
         ),
         (
             "Felt stiffness, error",
@@ -58,21 +76,25 @@ fn felt(measures: &Measures) -> [(&'static str, Cell); 7] {
             "Contact and way back until felt within 5 %",
             time(measures.settled_s),
         ),
-        (
-            "The same after the change of material",
-            time(measures.resettled_s),
-        ),
-    ]
+    ];
+    if measures.changed_s.is_some() {
+        rows.extend([
+            (
+                "Felt minus true force on the second material, rms over peak",
+                share(measures.felt_force_rmse_share_after),
+            ),
+            (
+                "Contact and way back on the second material",
+                time(measures.resettled_s),
+            ),
+        ]);
+    }
+    rows
 }
 
-fn rest(report: &TeleopReport<'_>) -> [(&'static str, Cell); 5] {
+fn rest(report: &TeleopReport<'_>) -> [(&'static str, Cell); 6] {
     let measures = report.measures;
-    let (limit_s, tried_s) = report.limit_s;
-    let limit = match limit_s {
-        Some(limit_s) if limit_s >= tried_s => Cell::from(format!("at least {tried_s} s")),
-        Some(limit_s) => Cell::quantity(limit_s, 2, "s"),
-        None => Cell::Missing("none".into()),
-    };
+    let limit = words::limit(&report.limit, report.options.round_trip_s());
     let quantity = |value, unit| Cell::quantity(value, 2, unit);
     [
         (
@@ -84,15 +106,30 @@ fn rest(report: &TeleopReport<'_>) -> [(&'static str, Cell); 5] {
             quantity(measures.peak_touch_n, "N"),
         ),
         (
-            "Energy that the coupling created",
-            quantity(measures.created_energy_j, "J"),
+            "Energy that the coupling gave out beyond what went in",
+            energy(measures.coupling_energy_j),
+        ),
+        (
+            "The same at the hand, after the master's own damping",
+            energy(measures.created_energy_j),
         ),
         (
             "Energy of exchanged impedances, declared",
             quantity(measures.exchanged_energy_j, "J"),
         ),
-        ("Largest round trip at which it comes to rest", limit),
+        (
+            "Comes to rest at every round trip tried up to",
+            limit.map_or_else(|why| Cell::Missing(why.into()), Cell::from),
+        ),
     ]
+}
+
+/// Energy that came out; what may have been stored before is not counted.
+fn energy(value_j: f64) -> Cell {
+    match value_j > 0.0 {
+        true => Cell::quantity(value_j, 2, "J"),
+        false => Cell::Missing("none beyond what was stored".into()),
+    }
 }
 
 fn limits(measures: &Measures) -> String {
@@ -120,13 +157,15 @@ pub(super) fn noticed(report: &TeleopReport<'_>) -> Section {
         };
         [
             Cell::from(threshold.what),
-            notice.value.map_or(Cell::Missing("none".into()), number),
+            notice
+                .value
+                .map_or(Cell::Missing("not determined".into()), number),
             number(threshold.from),
-            Cell::from(if notice.is_noticed() {
-                "noticed"
-            } else {
-                "not noticed"
-            }),
+            match notice.is_noticed {
+                Some(true) => Cell::from("noticed"),
+                Some(false) => Cell::from("not noticed"),
+                None => Cell::Missing("cannot be told".into()),
+            },
             Cell::from(threshold.source),
         ]
     });

@@ -38,7 +38,11 @@ fn a_report_of_a_run_and_of_a_comparison_have_their_parts_and_are_well_formed() 
             ],
         )],
         map: &map,
-        limit_s: (Some(5.0), 5.0),
+        limit: crate::teleop::Limit {
+            rests_to_s: Some(5.0),
+            ..Default::default()
+        },
+        notes: &["nothing of it is used".into()],
         provenance: Provenance::new("palpate teleop"),
     };
     for html in [
@@ -59,6 +63,8 @@ fn a_report_of_a_run_and_of_a_comparison_have_their_parts_and_are_well_formed() 
         "Transparency",
         "of the hand",
         "noticed",
+        "the longest that was tried",
+        "Nothing of it is used.",
     ] {
         assert!(html.contains(part), "{part}");
     }

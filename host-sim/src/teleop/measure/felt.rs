@@ -13,11 +13,58 @@ const COMES_IN_S: f64 = 0.15;
 /// What a scheme without an estimate gets from the first touch on, besides the round trip (s).
 const FIRST_S: f64 = 0.5;
 
+/// Why the felt force of a material cannot be compared with the true one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotCompared {
+    /// The scheme put out no force.
+    NoForce,
+    /// The scheme put out a force, and was not ready before the contact ended.
+    NotReady,
+    /// The hand was not within the material for a tenth of a second once the scheme was ready: there was no true
+    /// force, whatever the hand felt.
+    NotInside,
+}
+
+impl NotCompared {
+    /// The name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            NotCompared::NoForce => "no_force",
+            NotCompared::NotReady => "not_ready",
+            NotCompared::NotInside => "not_inside",
+        }
+    }
+
+    /// A word for a table.
+    pub const fn word(self) -> &'static str {
+        match self {
+            NotCompared::NoForce => "no force",
+            NotCompared::NotReady => "not ready",
+            NotCompared::NotInside => "outside",
+        }
+    }
+
+    /// A sentence without its full stop.
+    pub const fn sentence(self) -> &'static str {
+        match self {
+            NotCompared::NoForce => "The scheme never became ready: it put out no force",
+            NotCompared::NotReady => {
+                "The felt force is not comparable: the contact ended before the scheme was ready"
+            }
+            NotCompared::NotInside => {
+                "The felt force is not comparable: the hand did not reach the material after the scheme was ready"
+            }
+        }
+    }
+}
+
 /// What was felt of one material.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Felt {
     /// RMS over the peak, once the scheme has what it needs.
     pub share: Option<f64>,
+    /// Why there is no such share.
+    pub not_compared: Option<NotCompared>,
     /// RMS over the peak, over every contact.
     pub whole: f64,
     /// Felt stiffness over the true one, minus 1.
@@ -47,7 +94,13 @@ pub fn materials(trace: &Trace) -> Vec<Range<usize>> {
 
 /// Which rows are scored: contacts in which the scheme has what it needs.
 pub fn scored(trace: &Trace) -> Vec<bool> {
-    let mut scored = vec![false; trace.rows.len()];
+    let ready = ready(trace).into_iter().zip(&trace.rows);
+    ready.map(|(ready, row)| ready && touches(row)).collect()
+}
+
+/// In which rows the scheme has what it needs.
+fn ready(trace: &Trace) -> Vec<bool> {
+    let mut is_ready = vec![false; trace.rows.len()];
     for stretch in materials(trace) {
         let mut since = None;
         for at in stretch {
@@ -66,15 +119,15 @@ pub fn scored(trace: &Trace) -> Vec<bool> {
                 true => COMES_IN_S,
                 false => FIRST_S + trace.round_trip_s(),
             };
-            scored[at] = since.is_some_and(|since| row.time_s >= since + waits_s) && touches(row);
+            is_ready[at] = since.is_some_and(|since| row.time_s >= since + waits_s);
         }
     }
-    scored
+    is_ready
 }
 
 /// What was felt of each material.
 pub fn felt(trace: &Trace) -> Vec<Felt> {
-    let scored = scored(trace);
+    let (is_ready, scored) = (ready(trace), scored(trace));
     let stretches = materials(trace).into_iter().zip(trace.shaping);
     stretches
         .map(|(stretch, shaping)| {
@@ -85,14 +138,29 @@ pub fn felt(trace: &Trace) -> Vec<Felt> {
             let ready = rows(&|at| scored[at]);
             let inside = rows(&|at| scored[at] && trace.rows[at].true_n > TOUCH_N);
             let errors = impedance_errors(&inside, shaping).unwrap_or_default();
+            let share_ready = share(&ready, shaping);
+            let not_compared = || why_not(&trace.rows[stretch.clone()], &is_ready[stretch.clone()]);
             Felt {
-                share: share(&ready, shaping),
+                share: share_ready,
+                not_compared: share_ready.is_none().then(not_compared),
                 whole: share(&rows(&|at| touches(&trace.rows[at])), shaping).unwrap_or(0.0),
                 stiffness_error: errors[0],
                 damping_error: errors[1],
             }
         })
         .collect()
+}
+
+/// Why a stretch has nothing to compare.
+fn why_not(rows: &[Row], is_ready: &[bool]) -> NotCompared {
+    let is_felt = rows.iter().any(|row| row.felt_n > TOUCH_N);
+    let is_true = rows.iter().any(|row| row.true_n > TOUCH_N);
+    let was_ready = is_ready.contains(&true);
+    match (is_felt, is_true, was_ready) {
+        (_, _, true) | (false, false, false) => NotCompared::NotInside,
+        (true, _, false) => NotCompared::NotReady,
+        (false, true, false) => NotCompared::NoForce,
+    }
 }
 
 /// RMS of felt minus true force over the peak of the true one; `None` of less than a tenth of a second.

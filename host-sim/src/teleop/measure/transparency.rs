@@ -5,9 +5,11 @@ use std::f64::consts::TAU;
 
 use crate::motion::{Motion, Segment};
 use crate::teleop::environment::Environment;
+use crate::teleop::measure::rest_on_the_first;
+use crate::teleop::measure::stability::Rest;
 use crate::teleop::options::Options;
 use crate::teleop::system::System;
-use crate::teleop::trace::Row;
+use crate::teleop::trace::{Row, Trace};
 
 /// One line of the spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,18 +31,28 @@ const PERIOD_S: f64 = 10.0;
 /// How long is palpated before (s): an impedance converges within a second and crosses.
 const LEARNS_S: f64 = 5.0;
 
-/// The transparency of a scheme on the first material.
+/// The transparency of a scheme on the first material; one that does not come to rest on it moves by itself, and has
+/// none.
 pub fn transparency(options: &Options, seed: u64) -> Vec<Line> {
+    let trace = moved(options, seed);
+    match trace.ended && rest_on_the_first(options, seed) != Rest::Moves {
+        true => lines(&trace),
+        false => LINES_HZ.map(not_determined).into(),
+    }
+}
+
+/// The first material under a motion that holds all lines.
+fn moved(options: &Options, seed: u64) -> Trace {
     let mut options = options.clone();
     let round_trip_s = options.channels[0].delay_s + options.channels[1].delay_s;
     options.environment = Environment::throughout(options.environment.first);
     options.operator.intention = motion(LEARNS_S + round_trip_s);
-    let trace = System::new(&options, seed).run();
+    System::new(&options, seed).run()
+}
+
+fn lines(trace: &Trace) -> Vec<Line> {
     let last_s = trace.rows.last().map_or(0.0, |row| row.time_s);
     let rows = trace.between(last_s - PERIOD_S + 0.5 * trace.period_s, f64::INFINITY);
-    if !trace.ended {
-        return Vec::new();
-    }
     let of = |frequency_hz: f64, force: fn(&Row) -> f64| {
         let (mut re, mut im) = (0.0, 0.0);
         for row in rows {
@@ -62,6 +74,20 @@ pub fn transparency(options: &Options, seed: u64) -> Vec<Line> {
         }
     });
     lines.collect()
+}
+
+/// A line of a system that does not follow the motion.
+fn not_determined(frequency_hz: f64) -> Line {
+    Line {
+        frequency_hz,
+        magnitude: f64::NAN,
+        phase_rad: f64::NAN,
+    }
+}
+
+/// Whether a scheme oscillated by itself, so that no line was determined.
+pub fn oscillates(lines: &[Line]) -> bool {
+    lines.iter().all(|line| line.magnitude.is_nan())
 }
 
 /// A palpation for the estimator, then all lines about a depth that is never left, for two periods: the
@@ -87,4 +113,23 @@ fn motion(learns_s: f64) -> Motion {
         },
     ];
     Motion::new(-6e-3, segments).expect("the segments have durations and finite numbers")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::teleop::SchemeId;
+    use crate::teleop::environment::Material;
+
+    #[test]
+    fn a_scheme_that_oscillates_by_itself_has_no_transparency_and_one_that_follows_has() {
+        let lines = |scheme: SchemeId, delay_s: f64| {
+            let mut options = Options::default().with_scheme(scheme);
+            options.environment = Environment::throughout(Material::linear(1000.0, 5.0));
+            transparency(&options.with_channel(delay_s, 0.0, 0.0), 1)
+        };
+        assert!(oscillates(&lines(SchemeId::PositionForce, 0.5)));
+        assert!(!oscillates(&lines(SchemeId::Reflection, 0.15)));
+        assert!(!oscillates(&lines(SchemeId::WaveVariables, 0.05)));
+    }
 }
