@@ -108,7 +108,7 @@ impl HeatMap {
         // Writing into a String cannot fail.
         let _ = write!(
             out,
-            "<div class=\"map\">\n<div class=\"scroll\"><table class=\"heat\">\n<caption>{}</caption>\n<thead><tr><th>{}</th>",
+            "<div class=\"map\">\n<div class=\"scroll\"><table class=\"heat\">\n<caption><span>{}</span></caption>\n<thead><tr><th>{}</th>",
             escape(&self.caption),
             escape(&self.corner)
         );

@@ -130,7 +130,11 @@ impl Table {
     pub(super) fn push_html(&self, out: &mut String) {
         out.push_str("<div class=\"scroll\"><table>\n");
         if !self.caption.is_empty() {
-            let _ = writeln!(out, "<caption>{}</caption>", escape(&self.caption));
+            let _ = writeln!(
+                out,
+                "<caption><span>{}</span></caption>",
+                escape(&self.caption)
+            );
         }
         out.push_str("<thead><tr>");
         for (i, column) in self.columns.iter().enumerate() {

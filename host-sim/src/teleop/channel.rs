@@ -273,13 +273,13 @@ mod tests {
     }
 
     /// A message a millisecond with a delay of 150 ms that varies by all of it is applied at an age of 21 ms; 100 a
-    /// second at one of 50 to 80 ms.
+    /// second at one of 50 to 80 ms. Where it varies by 30 % these are 0.78 and 0.93 of the mean.
     #[test]
     fn what_is_applied_is_younger_than_the_mean_delay_and_its_age_is_known() {
-        let age_s = |every_ms: u32| {
+        let age_s = |jitter: f64, every_ms: u32| {
             let config = ChannelConfig {
                 delay_s: 0.15,
-                jitter: 1.0,
+                jitter,
                 ..ChannelConfig::default()
             };
             let mut channel = Channel::new(config, SEED);
@@ -294,9 +294,12 @@ mod tests {
             }
             ages.iter().sum::<f64>() / ages.len() as f64
         };
-        let (thousand, hundred) = (age_s(1), age_s(10));
+        let (thousand, hundred) = (age_s(1.0, 1), age_s(1.0, 10));
         assert!((0.018..0.024).contains(&thousand), "{thousand}");
         assert!((0.05..0.08).contains(&hundred), "{hundred}");
+        let (thousand, hundred) = (age_s(0.3, 1) / 0.15, age_s(0.3, 10) / 0.15);
+        assert!((0.76..0.8).contains(&thousand), "{thousand}");
+        assert!((0.91..0.95).contains(&hundred), "{hundred}");
     }
 
     #[test]

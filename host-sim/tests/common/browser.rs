@@ -45,6 +45,15 @@ function looked(frame) {
     const said = f.querySelector('figcaption');
     return !said || said.textContent.replace(/^Figure \d+\./, '').trim().length < 5;
   });
+  const tables = scrolls.filter(s => s.querySelector('tbody td'));
+  const right = s => s.getBoundingClientRect().right;
+  const unseen = tables.filter(s => s.querySelector('tbody td').getBoundingClientRect().left > right(s) - 40);
+  const cut = tables.filter(s => {
+    const said = s.querySelector('caption span');
+    return said && said.getBoundingClientRect().right > right(s) + 2;
+  });
+  const tall = tables.flatMap(s => [...s.querySelectorAll('tbody tr')]).filter(r => r.getBoundingClientRect().height > 150);
+  const named = e => e.textContent.slice(0, 60);
   const timing = own.performance.getEntriesByType('navigation')[0];
   return {
     report: frame.dataset.report, width: Number(frame.width), errors: own.noticed.errors, refused: own.noticed.refused,
@@ -53,6 +62,7 @@ function looked(frame) {
     contents: !!doc.querySelector('nav.contents'), charts: charts.length, tips, zoomed, whole,
     cued: beyond.every(s => s.classList.contains('more') && s.nextElementSibling.className === 'cue'
       && !s.nextElementSibling.hidden),
+    unseen: unseen.map(named), cut: cut.map(named), tall: tall.map(named),
     uncaptioned: captions.map(f => f.querySelector('h3').textContent),
     load_ms: timing ? timing.loadEventEnd : null,
   };
@@ -150,6 +160,10 @@ pub(crate) fn assert_good(looked: &[Value]) {
         none("refused");
         none("requests");
         none("uncaptioned");
+        // Of a table the first value and the whole caption are seen, and no row is a column of words.
+        none("unseen");
+        none("cut");
+        none("tall");
         assert!(
             frame["scroll_width"].as_u64() <= frame["width"].as_u64(),
             "overflows: {frame}"

@@ -1,6 +1,7 @@
 //! The bar: each row is something that impedance reflection has to reach, with what it reached.
 
 use palpate::teleop::environment::{Environment, Material};
+use palpate::teleop::measure::stability::Rest;
 use palpate::teleop::{Cell, Grid, Measures, Options, SchemeId, System, compare, measure};
 
 use crate::quantile::quantile;
@@ -133,11 +134,12 @@ pub fn touch(cells: &[Cell]) -> Vec<Row> {
 
 /// Where reflection is ahead of every other scheme in felt force.
 pub fn ahead(cells: &[Cell]) -> Vec<Row> {
-    let share = |cell: &Cell| match cell.is_stable() {
-        true => cell
+    // One that comes to rest only after the press counts with its force.
+    let share = |cell: &Cell| match cell.rest() {
+        Rest::Moves => f64::INFINITY,
+        Rest::Rests | Rest::CannotTell => cell
             .median(|run| run.felt_force_rmse_share)
             .unwrap_or(f64::INFINITY),
-        false => f64::INFINITY,
     };
     let others = |own: &Cell| {
         let same = |cell: &&Cell| {

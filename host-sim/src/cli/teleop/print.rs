@@ -116,10 +116,11 @@ fn times(measures: &Measures) -> String {
         Some(_) => format!(", {} after the change", time(measures.resettled_s)),
         None => String::new(),
     };
-    format!(
-        "{} of contact and way back{change}",
-        time(measures.settled_s)
-    )
+    let first = match measures.settled_s {
+        Some(settled_s) => format!("{} of contact and way back", quantity(settled_s, 2, "s")),
+        None => "never".into(),
+    };
+    first + &change
 }
 
 /// How many runs of what length altogether took how long (s).

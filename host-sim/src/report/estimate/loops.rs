@@ -49,7 +49,14 @@ fn hysteresis(run: &Run, layout: &Layout, window: &Window) -> Figure {
 fn shown(run: &Run, window: &Window) -> String {
     match window.name.as_str() {
         "" => String::new(),
-        name => format!(" in the {name} of {}", run.touches.len()),
+        name => {
+            let (all, deep) = (run.touches.len(), super::window::shown(run).len());
+            let chatter = match all - deep {
+                0 => String::new(),
+                left_out => format!(", besides {left_out} of hardly any depth"),
+            };
+            format!(" in the {name} of {deep}{chatter}")
+        }
     }
 }
 

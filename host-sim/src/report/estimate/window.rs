@@ -10,6 +10,10 @@ const MOST_CONTACT_S: f64 = 120.0;
 const SHOWN_TOUCHES: usize = 3;
 const SHOWN_S: f64 = 30.0;
 
+/// A touch of a smaller share of the deepest is chatter at the surface, and shows no loop. Not measured: 0.02 of a figure's
+/// width is as wide as its curve.
+const CHATTER: f64 = 0.02;
+
 /// A part of a run with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Window {
@@ -34,7 +38,7 @@ impl Window {
 
 /// The whole run, or its first and last touches.
 pub(super) fn windows(run: &Run) -> Vec<Window> {
-    let touches = &run.touches;
+    let touches = &shown(run)[..];
     let contact_s: f64 = touches.iter().map(|t| t.to_s - t.from_s).sum();
     if touches.len() <= MOST_TOUCHES && contact_s <= MOST_CONTACT_S {
         return vec![Window {
@@ -50,6 +54,20 @@ pub(super) fn windows(run: &Run) -> Vec<Window> {
         cut(first, "first", |from, to| (from, to.min(from + SHOWN_S))),
         cut(last, "last", |from, to| (from.max(to - SHOWN_S), to)),
     ]
+}
+
+/// The touches that show a loop; all of them where none is deeper than another.
+pub(super) fn shown(run: &Run) -> Vec<Touch> {
+    let deepest_m = crate::stats::highest(run.touches.iter().map(|touch| touch.peak_depth_m));
+    let deep = run
+        .touches
+        .iter()
+        .filter(|touch| touch.peak_depth_m >= CHATTER * deepest_m);
+    let deep: Vec<Touch> = deep.copied().collect();
+    match deep.is_empty() {
+        true => run.touches.to_vec(),
+        false => deep,
+    }
 }
 
 fn cut(touches: &[Touch], which: &str, shorten: fn(f64, f64) -> (f64, f64)) -> Window {
@@ -94,6 +112,21 @@ mod tests {
             names(&touches(9, 1.0)),
             ["first 3 touches", "last 3 touches"]
         );
+    }
+
+    /// A probe that chatters at the surface before it leaves: the loops are those of the touches before.
+    #[test]
+    fn touches_of_no_depth_are_no_loops() {
+        let mut all = touches(20, 1.0);
+        for chatter in &mut all[15..] {
+            chatter.peak_depth_m = 0.0;
+        }
+        let run = Run {
+            touches: (&all).into(),
+            ..Run::default()
+        };
+        let last = windows(&run).pop().unwrap();
+        assert_eq!((last.from_s, last.to_s), (all[12].from_s, all[14].to_s));
     }
 
     #[test]

@@ -277,12 +277,10 @@ pub(super) fn change(before: &ParameterEstimate, after: &ParameterEstimate) -> S
         c if !c.is_finite() || before.name == "surface" => {
             let difference = after.value - before.value;
             let sign = if difference > 0.0 { "+" } else { "" };
-            // Of the difference, in which `moved` counts.
-            let std_error = before
-                .std_error
-                .zip(after.std_error)
-                .map(|(a, b)| a.hypot(b));
-            format!("{sign}{}", Measured::new(difference, std_error, after.unit))
+            // As `moved` counts.
+            let errors = before.std_error.zip(after.std_error);
+            let both = errors.map(|(a, b)| a.hypot(b));
+            format!("{sign}{}", Measured::new(difference, both, after.unit))
         }
         c if c.abs() >= 0.0995 => format!("{:+.0} %", 100.0 * c),
         c => format!("{:+.1} %", 100.0 * c),

@@ -296,7 +296,10 @@ fn a_rig_that_touches_nothing_has_a_travel_and_no_depth() {
 #[test]
 fn an_effect_that_the_model_had_already_is_shown_with_its_base() {
     let html = html(&finding(Verdict::NoMissingEffect));
-    assert!(html.contains("<caption>Tool inertia</caption>"), "{html}");
+    assert!(
+        html.contains("<caption><span>Tool inertia</span></caption>"),
+        "{html}"
+    );
 }
 
 #[test]

@@ -24,8 +24,12 @@ pub(super) fn summary(report: &TeleopReport<'_>) -> Section {
 fn messages(measures: &Measures) -> String {
     let packets = &measures.packets;
     let age = |age_s: Option<f64>| age_s.map_or("–".into(), |age_s| quantity(age_s, 2, "s"));
+    let to_rate = match packets.lost_to_rate {
+        0 => String::new(),
+        lost => format!(" ({lost} of them to the limited rate)"),
+    };
     format!(
-        "{} messages were sent, {} were lost, {} arrived too late or were refused; {} bytes a second the \
+        "{} messages were sent, {} were lost{to_rate}, {} arrived too late or were refused; {} bytes a second the \
          busier way. What the slave applies is {} old on average, what the master applies {}: of messages that \
          overtake each other the newest counts.",
         packets.sent,
@@ -118,7 +122,7 @@ fn rest(report: &TeleopReport<'_>) -> [(&'static str, Cell); 6] {
             quantity(measures.exchanged_energy_j, "J"),
         ),
         (
-            "Comes to rest at every round trip tried up to",
+            "Comes to rest, if only slowly, at every round trip tried up to",
             limit.map_or_else(|why| Cell::Missing(why.into()), Cell::from),
         ),
     ]
