@@ -5,6 +5,7 @@
 //! reader of the log should know (rows left out, stamps that repeat) stands in [`Log::notes`].
 
 mod agreed;
+mod arrival;
 mod cell;
 mod channel;
 mod coarse;

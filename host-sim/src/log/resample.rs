@@ -1,6 +1,8 @@
 //! Samples on an even grid of time.
 
-use super::sampling::{EVEN_PERIODS, Line, Stamps, is_rounding, slower, step_of_stamps};
+use super::sampling::{
+    EVEN_PERIODS, Line, Stamps, is_pause, is_rounding, slower, step_of_stamps,
+};
 use super::uniform::{Compensated, Taken, UniformLog};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
@@ -8,6 +10,10 @@ use crate::number::{counted, quantity, setting};
 use crate::signal;
 use crate::stats::rms;
 
+/// Most places of a grid for each row that is there, where rows are dense: with more, most samples would be invented,
+/// and a speed between rows that crowd and pauses is none. Derived: half of the places. Of 1000 rows a second that were
+/// stamped 1 µs apart in bunches a grid of 1 MHz had 1000 places a row.
+const MOST_PLACES: f64 = 2.0;
 /// Largest grid (samples): 2.8 h at 5 kHz, 1.2 GB. Beyond it a stamp is wrong rather than a log long.
 const LARGEST_GRID: f64 = 5e7;
 
@@ -49,6 +55,9 @@ impl Log {
         let rate_hz = timing.rate_hz();
         if self.len() < 2 {
             return self.on_grid(rate_hz, &timing);
+        }
+        if let Some(sparse) = self.too_sparse(rate_hz, &timing) {
+            return Err(sparse);
         }
         let line = Line::through(&self.time_s, &timing);
         match (self.stamps(line.as_ref()), line) {
@@ -283,6 +292,36 @@ impl Log {
         notes
     }
 
+    /// What to say where a grid of that rate would be invented for the most part, beside stretches that were sampled more
+    /// slowly and the pauses of the measurement.
+    fn too_sparse(&self, rate_hz: f64, timing: &Timing) -> Option<Diagnostic> {
+        let (slower, gaps) = slower(&timing.gaps);
+        let is_slow = |at: &f64| slower.iter().any(|(from_s, to_s)| (from_s..to_s).contains(&at));
+        let slow_rows = self.time_s.iter().filter(|at| is_slow(at)).count();
+        let slow_s: f64 = slower.iter().map(|(from_s, to_s)| to_s - from_s).sum();
+        let lengths = gaps.iter().map(|gap| gap.to_s - gap.from_s);
+        let paused_s: f64 = lengths.filter(|length_s| is_pause(*length_s, timing)).sum();
+        let rows = (self.len() - slow_rows) as f64;
+        let dense_s = self.duration_s() - slow_s - paused_s;
+        let places = dense_s * rate_hz;
+        let mean_hz = (rows / dense_s * 10.0).round() / 10.0;
+        (places > MOST_PLACES * rows).then(|| {
+            Diagnostic::new(format!(
+                "{rows} rows in {} lie so unevenly that most samples of an even grid would be invented: many are {} \
+                 apart, the longest interval is {}",
+                quantity(dense_s, 3, "s"),
+                quantity(timing.base_period_s, 2, "s"),
+                quantity(timing.longest_s, 3, "s")
+            ))
+            .in_file(&self.path)
+            .note(format!("a grid as fine as the dense ones has {places:.0} samples"))
+            .remedy(format!(
+                "if the samples were taken evenly and only stamped unevenly, give their rate: --rate {mean_hz} is what \
+                 the rows over the time make; else record at even times"
+            ))
+        })
+    }
+
     fn grid_too_large(&self, rate_hz: f64, timing: &Timing) -> Diagnostic {
         let longest = timing
             .gaps
@@ -363,6 +402,24 @@ mod tests {
     fn the_last_sample_stays_on_the_grid() {
         let log = straight_line((0..101).map(|i| f64::from(i) * 0.1).collect());
         assert_eq!(log.resample(20.0).unwrap().len(), 201);
+    }
+
+    #[test]
+    fn a_grid_of_which_most_would_be_invented_is_refused_and_a_thinned_hold_is_none() {
+        // GIVEN 16 rows 1 µs apart every 16 ms, which are samples of those instants
+        let bunches =
+            (0..3200).map(|i: u32| f64::from(i / 16) * 0.016 + f64::from(i % 16) * 1e-6);
+        let error = straight_line(bunches.collect()).uniform().unwrap_err();
+        assert!(error.to_string().contains("1005 is what"), "{error}");
+        // WHEN 40 % are missing, or a hold of 100 s is sampled at 2 Hz, THEN the grid is made.
+        let kept = (0..5000).filter(|i| i * 7919 % 5 < 3);
+        let dropped = kept.map(|i: u32| f64::from(i) * 1e-3).collect();
+        assert_eq!(straight_line(dropped).uniform().unwrap().rate_hz, 1000.0);
+        let fast = (0..2000).map(|i: u32| f64::from(i) * 1e-3);
+        let hold = (0..200).map(|i: u32| 2.0 + 0.5 * f64::from(i));
+        let thinned = fast.clone().chain(hold).chain(fast.map(|t| 102.0 + t));
+        let grid = straight_line(thinned.collect()).uniform().unwrap();
+        assert_eq!(grid.len(), 104_000);
     }
 
     #[test]

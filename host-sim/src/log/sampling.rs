@@ -183,9 +183,13 @@ fn drops(gaps: Vec<Gap>, measured: usize, line: Option<&Line>, period_s: f64) ->
     }
 }
 
+/// Whether an interval (s) separates two segments.
+pub(super) fn is_pause(interval_s: f64, timing: &Timing) -> bool {
+    interval_s > SEGMENT_S.max(SEGMENT_PERIODS * timing.base_period_s)
+}
+
 fn segments(time_s: &[f64], timing: &Timing) -> Vec<(f64, f64)> {
-    let longest_s = SEGMENT_S.max(SEGMENT_PERIODS * timing.base_period_s);
-    let near = |a: &f64, b: &f64| b - a <= longest_s;
+    let near = |a: &f64, b: &f64| !is_pause(b - a, timing);
     // A slower rate is no pause: three samples make a piece.
     let pieces: Vec<&[f64]> = time_s.chunk_by(near).collect();
     match pieces.iter().all(|piece| piece.len() > 2) {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::rows::Rows;
 use crate::diagnostic::Diagnostic;
+use crate::log::arrival::Arrival;
 use crate::log::record::{ExtraColumn, FEWEST_SAMPLES, Log};
 use crate::number::counted;
 
@@ -32,7 +33,7 @@ impl Rows<'_> {
         let mut logs = self.recordings();
         for log in &mut logs {
             log.notes.extend(notes.iter().cloned());
-            self.spread_stamps(log)?;
+            self.even_stamps(log)?;
             if log.len() < FEWEST_SAMPLES {
                 return Err(Diagnostic::new(format!(
                     "the log has {} samples, fewer than {FEWEST_SAMPLES}",
@@ -90,45 +91,27 @@ impl Rows<'_> {
         logs
     }
 
-    /// Stamps that repeat: few are left out; many that do so evenly are coarser than the sampling, and the line
-    /// through them takes their place.
-    fn spread_stamps(&self, log: &mut Log) -> Result<(), Diagnostic> {
-        let repeats = log
-            .time_s
-            .windows(2)
-            .filter(|pair| pair[0] == pair[1])
-            .count();
-        if repeats == 0 {
+    /// Stamps that are coarser than the sampling, or those of an arrival, give way to even ones.
+    fn even_stamps(&self, log: &mut Log) -> Result<(), Diagnostic> {
+        let repeats = repeats(log);
+        let is_coarse = many(repeats, log) && !log.repeats_are_copies();
+        if let Some(note) = is_coarse.then(|| log.spread_evenly()).flatten() {
+            log.notes.push(note);
             return Ok(());
         }
-        if repeats as f64 <= MOST_LEFT_OUT * log.len() as f64 {
-            let first_s = log
-                .time_s
-                .windows(2)
-                .find(|pair| pair[0] == pair[1])
-                .map_or(0.0, |pair| pair[0]);
-            log.leave_out_repeated();
-            log.notes.push(format!(
-                "{} left out whose time stamp repeats the one before, the first at {first_s} s",
-                counted(repeats, "sample")
-            ));
-            return Ok(());
-        }
-        // Rows that were written twice are no clock that is too coarse.
-        if log.repeats_are_copies() {
-            log.leave_out_repeated();
-            log.notes.push(format!(
-                "{} left out: stamp, position and force repeat those of the row before",
-                counted(repeats, "row")
-            ));
-            return Ok(());
-        }
-        match log.spread_evenly() {
-            Some(note) => {
+        match log.take_arrivals_as_even() {
+            Arrival::Even(note) => {
                 log.notes.push(note);
                 Ok(())
             }
-            None => Err(self.too_coarse_clock(repeats, log.len())),
+            Arrival::Uncertain { rate_hz, what, why } => {
+                Err(self.stamped_on_arrival(rate_hz, what, why))
+            }
+            Arrival::No if is_coarse => Err(self.too_coarse_clock(repeats, log.len())),
+            Arrival::No => {
+                leave_out_repeats(log, repeats);
+                Ok(())
+            }
         }
     }
 
@@ -142,6 +125,18 @@ impl Rows<'_> {
             self.skipped, diagnostic.what
         );
         diagnostic.remedy("repair the recording: too little of it is left")
+    }
+
+    fn stamped_on_arrival(&self, rate_hz: f64, what: String, why: String) -> Diagnostic {
+        Diagnostic::new(what)
+            .in_file(self.table.path)
+            .in_column(self.table.name(0))
+            .note(why)
+            .remedy(format!(
+                "if the sampling was even and nothing is missing, give its rate: --rate {} is what the rows \
+                 over the time make; else record the time at which each sample was taken",
+                rounded(rate_hz)
+            ))
     }
 
     fn too_coarse_clock(&self, repeats: usize, rows: usize) -> Diagnostic {
@@ -205,6 +200,44 @@ impl Rows<'_> {
         }
         notes
     }
+}
+
+/// How many stamps repeat the one before.
+fn repeats(log: &Log) -> usize {
+    let pairs = log.time_s.windows(2);
+    pairs.filter(|pair| pair[0] == pair[1]).count()
+}
+
+fn many(repeats: usize, log: &Log) -> bool {
+    repeats as f64 > MOST_LEFT_OUT * log.len() as f64
+}
+
+/// Leaves out the samples whose stamps repeat, few or copies, and says so.
+fn leave_out_repeats(log: &mut Log, repeats: usize) {
+    if repeats == 0 {
+        return;
+    }
+    let mut pairs = log.time_s.windows(2);
+    let first_s = pairs.find(|pair| pair[0] == pair[1]);
+    let first_s = first_s.map_or(0.0, |pair| pair[0]);
+    let note = match many(repeats, log) {
+        false => format!(
+            "{} left out whose time stamp repeats the one before, the first at {first_s} s",
+            counted(repeats, "sample")
+        ),
+        // Rows that were written twice are no clock that is too coarse.
+        true => format!(
+            "{} left out: stamp, position and force repeat those of the row before",
+            counted(repeats, "row")
+        ),
+    };
+    log.leave_out_repeated();
+    log.notes.push(note);
+}
+
+/// A rate (Hz) with the digits that a clock of bunches has.
+fn rounded(rate_hz: f64) -> f64 {
+    (rate_hz * 10.0).round() / 10.0
 }
 
 /// A name for a recording within a file.
