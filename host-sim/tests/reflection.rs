@@ -323,9 +323,11 @@ fn settings_of_an_older_firmware_are_read_and_what_it_lacks_is_said() {
 
 #[test]
 fn a_backup_of_an_older_firmware_is_restored_onto_a_newer_one_and_the_other_way_round() {
-    let folder = Folder::new();
-    let (old_file, new_file) = (folder.path("old.toml"), folder.path("new.toml"));
     for unknown in newer() {
+        let folder = Folder::new();
+        let path = |name| folder.path(name);
+        let (old_file, new_file, later_file) =
+            (path("old.toml"), path("new.toml"), path("later.toml"));
         let old_board = || device(board(Hand::Palpating).without(&unknown));
         // GIVEN what an older firmware's settings are
         let mut old = old_board();
@@ -358,8 +360,8 @@ fn a_backup_of_an_older_firmware_is_restored_onto_a_newer_one_and_the_other_way_
         assert!(said.expect("free air").contains("1 changed, saved"));
         // AND what the older one cannot do is refused by its name, as a whole
         set(&mut new, &MASTER);
-        config::keep(&mut new, &new_file).unwrap();
-        let error = config::restored(&mut old, &new_file)
+        config::keep(&mut new, &later_file).unwrap();
+        let error = config::restored(&mut old, &later_file)
             .unwrap_err()
             .to_string();
         assert!(

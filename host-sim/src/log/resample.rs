@@ -1,8 +1,6 @@
 //! Samples on an even grid of time.
 
-use super::sampling::{
-    EVEN_PERIODS, Line, Stamps, is_pause, is_rounding, slower, step_of_stamps,
-};
+use super::sampling::{EVEN_PERIODS, Line, Stamps, is_pause, is_rounding, slower, step_of_stamps};
 use super::uniform::{Compensated, Taken, UniformLog};
 use super::{record::Log, timing::GAP_PERIODS, timing::Timing, timing::snapped};
 use crate::diagnostic::Diagnostic;
@@ -296,7 +294,11 @@ impl Log {
     /// slowly and the pauses of the measurement.
     fn too_sparse(&self, rate_hz: f64, timing: &Timing) -> Option<Diagnostic> {
         let (slower, gaps) = slower(&timing.gaps);
-        let is_slow = |at: &f64| slower.iter().any(|(from_s, to_s)| (from_s..to_s).contains(&at));
+        let is_slow = |at: &f64| {
+            slower
+                .iter()
+                .any(|(from_s, to_s)| (from_s..to_s).contains(&at))
+        };
         let slow_rows = self.time_s.iter().filter(|at| is_slow(at)).count();
         let slow_s: f64 = slower.iter().map(|(from_s, to_s)| to_s - from_s).sum();
         let lengths = gaps.iter().map(|gap| gap.to_s - gap.from_s);
@@ -407,8 +409,7 @@ mod tests {
     #[test]
     fn a_grid_of_which_most_would_be_invented_is_refused_and_a_thinned_hold_is_none() {
         // GIVEN 16 rows 1 µs apart every 16 ms, which are samples of those instants
-        let bunches =
-            (0..3200).map(|i: u32| f64::from(i / 16) * 0.016 + f64::from(i % 16) * 1e-6);
+        let bunches = (0..3200).map(|i: u32| f64::from(i / 16) * 0.016 + f64::from(i % 16) * 1e-6);
         let error = straight_line(bunches.collect()).uniform().unwrap_err();
         assert!(error.to_string().contains("1005 is what"), "{error}");
         // WHEN 40 % are missing, or a hold of 100 s is sampled at 2 Hz, THEN the grid is made.

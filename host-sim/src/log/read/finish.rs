@@ -104,10 +104,10 @@ impl Rows<'_> {
                 log.notes.push(note);
                 Ok(())
             }
+            _ if is_coarse => Err(self.too_coarse_clock(repeats, log.len())),
             Arrival::Uncertain { rate_hz, what, why } => {
                 Err(self.stamped_on_arrival(rate_hz, what, why))
             }
-            Arrival::No if is_coarse => Err(self.too_coarse_clock(repeats, log.len())),
             Arrival::No => {
                 leave_out_repeats(log, repeats);
                 Ok(())
