@@ -6,7 +6,7 @@ use estimator_core::estimate::{Estimated, Event, PARAMETER_SLOTS, Parameters};
 use estimator_core::physics::law::ParameterInfo;
 use estimator_core::{Faults, LawKind, Status};
 
-use super::reason::{Evidence, Reason, judged};
+use super::reason::{EXPLAINED, Evidence, Reason, judged};
 pub(crate) use super::residual::Motions;
 pub use super::residual::law_with;
 use super::residual::{depth_misfit, force_rmse, named, replay_force};
@@ -20,6 +20,8 @@ const SETTLED_WITHIN: f64 = 0.05;
 /// this share of all contact: a law that does not fit raises false changes, and fits what little follows.
 const STRETCH_S: f64 = 1.0;
 const STRETCH_SHARE: f64 = 0.25;
+/// More changes than these are not looked at one by one. Not measured.
+const MOST_CHANGES: usize = 20;
 type Record = estimator_core::Estimate<f32>;
 
 /// A stretch of one material.
@@ -83,7 +85,10 @@ impl Outcome {
         let decisive = decisive.as_ref();
         let law = decisive.map_or(replay.params.law(), |record| record.law);
         let parameters = decisive.map_or([None; PARAMETER_SLOTS], |record| record.parameters);
-        let stretch = at.map_or(0..0, |at| stretch(replay, at));
+        let stretch = at.map_or(0..0, |at| match each_by_itself(log, replay, motions, at) {
+            true => since_change(replay, at),
+            false => stretch(replay, at),
+        });
         let replays = motions.each().map(|motion| {
             let replayed_n = replay_force(log, replay, motion, law, &parameters);
             let rmse_n = force_rmse(log, replay, &replayed_n, stretch.clone());
@@ -173,12 +178,48 @@ fn decisive(replay: &Replay) -> Option<usize> {
     }
 }
 
+/// Whether the material has changed, and each stretch of one material is explained by its own parameters: then the
+/// changes are no sign of a law that fits nothing, and the last stretch is judged by itself, however short it is. Two
+/// touches of each of three materials had all of them right, and one law left 100 times the noise of the log.
+fn each_by_itself(log: &UniformLog, replay: &Replay, motions: &Motions<'_>, at: usize) -> bool {
+    let until = changes(replay).into_iter().filter(|change| *change <= at);
+    let bounds = bounds(replay, until, at + 1);
+    let contacts = replay.contacts();
+    // A change is noticed some samples into the first touch of another material.
+    let before = |change: usize| {
+        let mut touched = contacts.iter().filter(|own| own.contains(&change));
+        touched.next().map_or(change, |own| own.start)
+    };
+    let explained = |from: usize, to: usize| {
+        let own = replay.records.at(to - 1);
+        let stretch = from..if to <= at { before(to) } else { to };
+        let mut left_n = motions.each().filter_map(|motion| {
+            let replayed_n = replay_force(log, replay, motion, own.law, &own.parameters);
+            force_rmse(log, replay, &replayed_n, stretch.clone())
+        });
+        left_n.any(|left_n| left_n <= EXPLAINED * replay.noise_n)
+    };
+    (3..=MOST_CHANGES + 2).contains(&bounds.len())
+        && bounds.windows(2).all(|pair| explained(pair[0], pair[1]))
+}
+
+/// Where stretches of one material begin, and the end: the first touch, and every change.
+fn bounds(replay: &Replay, changes: impl IntoIterator<Item = usize>, end: usize) -> Vec<usize> {
+    let first = replay.contacts().first().map(|contact| contact.start);
+    first.into_iter().chain(changes).chain([end]).collect()
+}
+
+/// Records from the last change of material on, up to `at`.
+fn since_change(replay: &Replay, at: usize) -> Range<usize> {
+    let mut before = changes(replay).into_iter().rev();
+    before.find(|change| *change <= at).unwrap_or(0)..at + 1
+}
+
 /// Records of the material that those of `at` stand for: from its change on, from where the zero was found that they
 /// are measured from, and from the last jump of the encoder, since which its surface is elsewhere; if enough of the
 /// contact comes after that to judge a law by.
 fn stretch(replay: &Replay, at: usize) -> Range<usize> {
-    let mut before = changes(replay).into_iter().rev();
-    let start = before.find(|change| *change <= at).unwrap_or(0);
+    let start = since_change(replay, at).start;
     let start = start.max(zero_found(replay, at).unwrap_or(0));
     let jumped = replay.jumps.iter().rfind(|jump| **jump <= at);
     let start = start.max(jumped.copied().unwrap_or(0));
@@ -246,11 +287,11 @@ fn settled_at(replay: &Replay, law: LawKind, parameters: &Parameters<f32>) -> Op
 }
 
 fn segments(replay: &Replay) -> Vec<Segment> {
-    let Some(first) = replay.contacts().first().map(|contact| contact.start) else {
+    let bounds = bounds(replay, changes(replay), replay.records.len());
+    if replay.contacts().is_empty() {
         return Vec::new();
-    };
-    let mut bounds: Vec<usize> = std::iter::once(first).chain(changes(replay)).collect();
-    bounds.push(replay.records.len());
+    }
+    let first = bounds[0];
     bounds
         .windows(2)
         .map(|pair| Segment {

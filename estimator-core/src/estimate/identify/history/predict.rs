@@ -431,6 +431,43 @@ mod tests {
         largest
     }
 
+    /// Blocks of 40 ms, 1.2 time constants of the mode, of which the first is half outside.
+    #[test]
+    fn a_block_across_the_surface_is_remembered_from_the_surface_on() {
+        let law = QuasiLinear {
+            elastic: Elastic::Power {
+                stiffness_n_per_m: 2000.0,
+                exponent: 1.2,
+                reference_depth_m: 1e-3,
+            },
+            modes: [RelaxationMode {
+                fraction: 0.3,
+                rate_per_s: 30.0,
+            }],
+        };
+        let theta = SVector::from([2.0, 0.0, 1.2, 0.0, 0.6, libm::log(30.0), 0.0, 0.0]);
+        let (mut state, mut relaxation) = (law.at_rest(), RelaxationState::default());
+        let mut off = 0.0;
+        for from in [-0.5, 0.5, 1.5] {
+            // 1 mm a block.
+            let inside = |k: u32| 1e-3 * (from + (f64::from(k) + 0.5) / 400.0);
+            let forces = (0..400).map(|k| law.step(&mut state, inside(k), 0.025, 1e-4));
+            let force = forces.sum::<f64>() / 400.0;
+            let block = Block {
+                position: from + 0.5,
+                position_variance: 1.0 / 12.0,
+                speed: 1.0,
+                duration_s: 0.04,
+                ..Block::default()
+            };
+            let predicted = predict(&theta, LawKind::QuasiLinear, &relaxation, &block);
+            relaxation = predicted.relaxation;
+            off = (predicted.force - force) / force;
+        }
+        // 1.1 % where the mode began in the middle of the block that is half outside.
+        assert!(off.abs() < 3e-3, "{off}");
+    }
+
     #[test]
     fn the_mean_force_of_a_block_is_that_of_the_law() {
         // Of up to 11.6 N: in blocks of 8 ms, at the shallow end of the stroke,
