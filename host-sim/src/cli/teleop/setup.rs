@@ -79,7 +79,7 @@ fn changes(options: &mut Options, args: &TeleopArgs, path: &Path) -> Result<(), 
             "task.changes",
         )
         .value(changes_s)
-        .remedy(&format!(
+        .remedy(format!(
             "give a time before {end_s:.2} s, or leave `changes` out"
         )));
     }
