@@ -90,7 +90,8 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         empty.notes.extend(note::nothing(log, &empty));
         return Ok(empty);
     };
-    if let Some(noise_n) = course.rest_noise_n(log) {
+    let slower_n = course.rest_noise_n(log);
+    if let Some(noise_n) = slower_n {
         empty.notes.push(note::rest_noise(noise_n, empty.noise_n));
         empty.noise_n = noise_n;
     }
@@ -107,7 +108,8 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         motion: &motion,
         course: &course,
         reference_depth_m: empty.reference_depth_m,
-        departure: departure(log, &replay),
+        // Noise that is slower than a sample leaves a baseline by itself.
+        departure: slower_n.map_or_else(|| departure(log, &replay), |_| None),
         late: None,
     };
     let fitted = given.fitted(empty.clone(), options, fixed);

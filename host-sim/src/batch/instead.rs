@@ -34,7 +34,7 @@ pub fn batch_instead(
     };
     let mut fitted = batch(log, base, options)?;
     // An answer that stands gives way to one that is better founded only.
-    let is_answered = matches!(cause, Cause::Doubted | Cause::SlowNoise);
+    let is_answered = matches!(cause, Cause::Doubted | Cause::SlowNoise | Cause::Changed);
     if is_answered && fitted.status != Status::Converged {
         return Ok(None);
     }
@@ -42,7 +42,7 @@ pub fn batch_instead(
         let left_n = fitted.force_rmse_n;
         left_n.is_some_and(|left_n| left_n <= times * fitted.noise_n)
     };
-    if cause == Cause::SlowNoise && !leaves_at_most(SLOW) {
+    if matches!(cause, Cause::SlowNoise | Cause::Changed) && !leaves_at_most(SLOW) {
         return Ok(None);
     }
     let explains = leaves_at_most(NEARLY_NOISE);
@@ -88,6 +88,8 @@ enum Cause {
     Doubted,
     /// One explains it, and leaves more than the noise of a sample.
     SlowNoise,
+    /// One explains it, as that of several materials.
+    Changed,
 }
 
 /// `None` where the estimate stands, or nothing is touched.
@@ -105,6 +107,7 @@ fn cause(log: &UniformLog, estimation: &Estimation) -> Option<Cause> {
         () if !estimation.is_explained() => Cause::Unexplained,
         () if is_doubted(estimation) => Cause::Doubted,
         () if outcome.status == Status::Converged && is_slow => Cause::SlowNoise,
+        () if outcome.segments.len() > 1 => Cause::Changed,
         () => return None,
     })
 }
@@ -143,6 +146,9 @@ fn instead_in_words(estimation: &Estimation, cause: Cause) -> String {
         Cause::Unexplained => "no recursive method explains this force (",
         Cause::Doubted => {
             "a recursive method is doubted, and a fit of the whole log is not (of those that there are, "
+        }
+        Cause::Changed => {
+            "one law explains the whole log, and the changes of material that a recursive method noticed are none (by itself "
         }
         Cause::SlowNoise => {
             "the noise is slower than a sample, and a recursive method's standard errors are too small beside it ("

@@ -66,12 +66,8 @@ impl Given<'_> {
             || is_too_fast
     }
 
-    /// Whether the force has left its baseline before the surface, by more than its error and a sample. Noise that is slower
-    /// than a sample leaves it by itself.
+    /// Whether the force has left its baseline before the surface, by more than its error and a sample.
     fn is_surface_late(&self, batch: &Batch) -> bool {
-        if batch.noise_n > self.course.scales.noise_n {
-            return false;
-        }
         let both = batch.value("surface").zip(self.departure);
         both.is_some_and(|(surface, left)| {
             surface.value - left.to_m > LATE_SIGMAS * surface.std_error + left.step_m

@@ -38,6 +38,7 @@ pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<Stri
     notes.extend(offset(course, decide));
     notes.extend(misfit(batch, decide));
     notes.extend(relaxation(batch));
+    notes.extend(faster(batch));
     notes.extend(recovery(batch));
     notes.extend(held(options));
     notes.extend(damping(batch, decide));
@@ -52,6 +53,19 @@ pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<Stri
         ));
     }
     notes
+}
+
+/// That a material relaxes faster than a log shows, where it does so at all times that the log shows.
+fn faster(batch: &Batch) -> Option<String> {
+    let rate = batch
+        .value("relaxation_rate_1")
+        .filter(|_| batch.relaxes_at_all_times())?;
+    Some(format!(
+        "the force falls in {} modes, as one that falls at all times would: the stiffness at once is that of the first {} \
+         that this motion shows, and a faster one would find more; its standard error is that of one mode more",
+        batch.family.modes,
+        quantity(1.0 / rate.value, 1, "s")
+    ))
 }
 
 fn left_out(log: &UniformLog, course: &Course) -> Option<String> {

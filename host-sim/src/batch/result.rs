@@ -10,6 +10,10 @@ use crate::estimate::Reason;
 use crate::inspect::Inspection;
 use crate::replay::{EventMark, Touch};
 
+/// Modes of a material that relaxes at all times. A mode or two stand for themselves; of a power law over three decades, or
+/// of water that is pressed out of a gel, a log shows three or four.
+const AT_ALL_TIMES: usize = 3;
+
 /// A parameter of the law.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
@@ -172,6 +176,25 @@ impl Batch {
                 let moved = of_way * (own.value - before.value);
                 own.std_error = own.std_error.hypot(moved);
             }
+        }
+    }
+
+    /// Whether the material relaxes in so many modes as one that does so at all times would.
+    pub(super) fn relaxes_at_all_times(&self) -> bool {
+        self.family.modes >= AT_ALL_TIMES
+    }
+
+    /// Adds to the standard error of a stiffness at once what a faster mode that is as large as the fastest would: a
+    /// material whose force falls as t^−0.2 had 5180 ± 160, 4560 ± 160 and 3700 ± 70 N/m, pressed in 0.2, 0.8 and 3 s.
+    pub(super) fn widen_by_faster_modes(&mut self) {
+        let fastest = self.value("relaxation_fraction_1");
+        let Some(fastest) = fastest.filter(|_| self.relaxes_at_all_times()) else {
+            return;
+        };
+        let mut own = self.parameters.iter_mut();
+        let stiffness = own.find(|own| own.name == "stiffness");
+        if let Some(stiffness) = stiffness.and_then(|own| own.estimate.as_mut()) {
+            stiffness.std_error = stiffness.std_error.hypot(stiffness.value * fastest.value);
         }
     }
 
