@@ -53,6 +53,14 @@ pub(crate) fn rounding_step(deviation: f64) -> f64 {
     deviation * 12.0_f64.sqrt()
 }
 
+/// The standard deviation from the mean; NaN of fewer than two.
+pub(crate) fn deviation(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares = values.iter().map(|value| (value - mean).powi(2));
+    (squares.sum::<f64>() / (count - 1.0)).sqrt()
+}
+
 /// The root of the mean square; 0 if there are no values.
 pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, count), value| {

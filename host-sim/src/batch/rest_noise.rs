@@ -7,7 +7,7 @@
 use super::blocks::Use;
 use super::course::Course;
 use crate::log::UniformLog;
-use crate::stats::quantile;
+use crate::stats::{deviation, quantile};
 
 /// Samples next to a touch that are no rest: a probe that is pushed by less than the noise is not in free air.
 const MARGIN: usize = 32;
@@ -58,12 +58,4 @@ fn still(position_m: &[f64], way_m: f64) -> Vec<std::ops::Range<usize>> {
         from = to;
     }
     stretches
-}
-
-/// The standard deviation of forces (N).
-fn deviation(forces_n: &[f64]) -> f64 {
-    let count = forces_n.len() as f64;
-    let mean_n = forces_n.iter().sum::<f64>() / count;
-    let squares = forces_n.iter().map(|force| (force - mean_n).powi(2));
-    (squares.sum::<f64>() / (count - 1.0)).sqrt()
 }

@@ -10,7 +10,7 @@ use estimator_core::estimate::{
 use crate::log::UniformLog;
 use crate::number::quantity;
 use crate::replay::half_width;
-use crate::stats::{median, range, rms};
+use crate::stats::{deviation, median, range, rms};
 
 /// A rise of the force above this share of its peak ends the free air at the start.
 const FREE_SHARE: f64 = 0.02;
@@ -30,6 +30,14 @@ const BELOW_FORCE: f64 = 0.1;
 const BELOW_SAMPLES: f64 = 0.2;
 /// The threshold of a touch over the drift of the resting force.
 const DRIFT_MARGIN: f64 = 2.0;
+/// A touch begins so many standard deviations of a force at rest from it, where that is more than six of the noise from
+/// sample to sample: of six presses beside 20 mN of 1/f noise, 5 mN of it fast, there were 63.
+const WANDER_SIGMAS: f64 = 4.0;
+/// Means over so long (s) wander, of which so many must be there: hum of 50 Hz has none.
+const WANDER_S: f64 = 0.02;
+const FEWEST_MEANS: usize = 8;
+/// A touch begins at no more than this share of the peak force.
+const MOST_WANDER: f64 = 0.25;
 /// Largest drift, of the peak force, that is one: a larger end is a contact.
 const MOST_DRIFT: f64 = 0.05;
 /// Depths and forces within these bounds are measured with the default reference of 1 mm and 1 N.
@@ -185,16 +193,33 @@ pub(super) fn begins_in_contact(log: &UniformLog) -> bool {
     at_once || below as f64 >= BELOW_SAMPLES * log.len() as f64
 }
 
-/// How far the force strays from its start while the probe has not moved yet (N): hum and noise.
-fn idle_n(log: &UniformLog, rest: f64) -> f64 {
+/// Samples before the probe moves; none where they are too few to measure something in.
+fn idle(log: &UniformLog) -> usize {
     let still_m = STILL_SHARE * range(&log.position_m);
     let moved = |position: &f64| (position - log.position_m[0]).abs() > still_m;
-    let idle = log.position_m.iter().position(moved).unwrap_or(0);
-    if idle < FEWEST_FREE {
-        return 0.0;
-    }
-    let strays = log.force_n[..idle].iter().map(|force| (force - rest).abs());
+    let idle = log.position_m.iter().position(moved);
+    idle.filter(|idle| *idle >= FEWEST_FREE).unwrap_or(0)
+}
+
+/// How far the force strays from its start while the probe has not moved yet (N): hum and noise.
+fn idle_n(log: &UniformLog, rest: f64) -> f64 {
+    let strays = log.force_n[..idle(log)]
+        .iter()
+        .map(|force| (force - rest).abs());
     strays.fold(0.0, f64::max)
+}
+
+/// How far the force goes by itself while the probe has not moved yet (N), more slowly than a touch is noticed.
+fn wander_n(log: &UniformLog) -> f64 {
+    let width = ((WANDER_S * log.rate_hz) as usize).max(1);
+    let means = log.force_n[..idle(log)].chunks_exact(width);
+    let means: Vec<f64> = means
+        .map(|own| own.iter().sum::<f64>() / width as f64)
+        .collect();
+    match means.len() >= FEWEST_MEANS {
+        true => WANDER_SIGMAS * deviation(&means),
+        false => 0.0,
+    }
 }
 
 /// By how much the resting force has risen (N) at the end of a log that ends out of contact.
@@ -207,8 +232,8 @@ fn drift_n(log: &UniformLog) -> Option<f64> {
     (end_m < touch_m - 0.1 * depth_m && drift < MOST_DRIFT * force_n).then_some(drift)
 }
 
-/// Lifts the threshold of a touch above the drift of the resting force: else a force that has not
-/// come back to zero would be taken for another touch.
+/// Lifts the threshold of a touch above what the resting force does by itself: else one that has not come back to zero
+/// would be taken for another touch.
 fn set_touch(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) {
     let usual = Config::default().contact;
     let own = config.contact.touch_sigma != usual.touch_sigma
@@ -216,20 +241,35 @@ fn set_touch(config: &mut Config, notes: &mut Vec<String>, log: &UniformLog) {
     if own || config.contact.surface != Surface::AtImpact {
         return;
     }
-    let Some(drift) = drift_n(log) else { return };
     let floor_n = NOISE_FLOOR * f64::from(config.reference.force_n);
     let sigma_n = config.contact.force_noise_n.map_or(0.0, f64::from);
     let sigma_n = sigma_n.max(log.force_noise_n()).max(floor_n);
-    let times = (DRIFT_MARGIN * drift / (f64::from(usual.touch_sigma) * sigma_n)) as f32;
-    if times > 1.0 {
-        // 1000 is the largest multiple that the estimator takes.
-        config.contact.touch_sigma = (times * usual.touch_sigma).min(1000.0);
-        config.contact.release_sigma = (times * usual.release_sigma).min(100.0);
-        notes.push(format!(
+    let drift = drift_n(log).unwrap_or(0.0);
+    let (_, peak_n) = reach(log);
+    let wander = wander_n(log).min(MOST_WANDER * peak_n);
+    let over_n = wander.max(DRIFT_MARGIN * drift);
+    let times = (over_n / (f64::from(usual.touch_sigma) * sigma_n)) as f32;
+    if times <= 1.0 {
+        return;
+    }
+    // 1000 is the largest multiple that the estimator takes.
+    config.contact.touch_sigma = (times * usual.touch_sigma).min(1000.0);
+    config.contact.release_sigma = (times * usual.release_sigma).min(100.0);
+    let wanders = wander >= over_n;
+    if wanders {
+        // The board's own measure of a wander ends with the settling, and is forgotten where the zero goes elsewhere.
+        config.contact.force_noise_n.get_or_insert(sigma_n as f32);
+    }
+    notes.push(match wanders {
+        false => format!(
             "the resting force rises by {} over the log: a touch begins at twice that",
             quantity(drift, 2, "N")
-        ));
-    }
+        ),
+        true => format!(
+            "the force wanders before the probe moves: a touch begins at {}",
+            quantity(wander, 2, "N")
+        ),
+    });
 }
 
 /// Gives the noise of the samples as they were taken, where those of the log lie between them: of a loop of 2 ms and a
@@ -432,6 +472,30 @@ mod tests {
         // Without drift, or with one that must be a contact, nothing changes.
         assert_eq!(pressed(0.0).touch_sigma, usual.touch_sigma);
         assert_eq!(pressed(0.5).touch_sigma, usual.touch_sigma);
+    }
+
+    #[test]
+    fn a_touch_begins_above_how_far_the_force_wanders_at_rest() {
+        // GIVEN 2 mN of noise from sample to sample, and of 20 mN rms that lasts for 25 ms
+        let wandering = |slow_n: f64| {
+            let mut log = ramp(2e-3, 2000.0, 0.5);
+            let mut rng = rand_pcg::Pcg64::seed_from_u64(SEED);
+            let noise = Normal::new(0.0, 1.0).unwrap();
+            let mut own_n = 0.0;
+            for force in &mut log.force_n {
+                own_n = 0.96 * own_n + 0.28 * slow_n * noise.sample(&mut rng);
+                *force += own_n + 2e-3 * noise.sample(&mut rng);
+            }
+            of(&log)
+        };
+        // THEN a touch begins above 60 mN, and it is said; AND as ever where the noise is that of samples.
+        let setup = wandering(20e-3);
+        let contact = setup.config.contact;
+        let begins_n = contact.touch_sigma * contact.force_noise_n.expect("as it was measured");
+        assert!((0.05..0.1).contains(&begins_n), "{contact:?}");
+        assert!(setup.notes[0].contains("wanders"), "{:?}", setup.notes);
+        let usual = Config::default().contact;
+        assert_eq!(wandering(0.0).config.contact, usual);
     }
 
     #[test]
