@@ -1,5 +1,6 @@
 //! The board's step over a log, and what it comes to.
 
+mod baseline;
 mod beginning;
 mod damping;
 mod drift;
@@ -10,6 +11,7 @@ mod lateness;
 pub mod outcome;
 mod reason;
 mod residual;
+mod settling;
 mod setup;
 pub(crate) mod touches;
 
@@ -18,6 +20,7 @@ use std::ops::Range;
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, Status};
 
+pub use baseline::undrifted;
 use beginning::from_free_air;
 pub(crate) use beginning::touched;
 use damping::{is_negative, widen_by_counts};
@@ -33,6 +36,7 @@ pub use outcome::Outcome;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
 pub(crate) use reason::{NEGATIVE_DAMPING, meaning, trust_in_words};
 use residual::{Motions, times_the_errors};
+pub use settling::settled;
 pub use setup::{Choices, Setup, setup};
 
 use crate::diagnostic::Diagnostic;
