@@ -26,7 +26,7 @@ pub use show::{Shown, document};
 use crate::batch::{Options, batch, batch_instead, is_dented, lateness};
 use crate::cli::logs::folder;
 use crate::cli::summary::{Answer, Failure, each};
-use crate::estimate::{Choices, Estimation, estimate, settled, undrifted};
+use crate::estimate::{Choices, Estimation, estimate, low_passed, settled, undrifted};
 use crate::json::write_json;
 use crate::kind;
 use crate::log::UniformLog;
@@ -113,6 +113,8 @@ impl<'a> Task<'a> {
         let log = settled.as_ref().unwrap_or(log);
         let undrifted = undrifted(log);
         let log = undrifted.as_ref().unwrap_or(log);
+        let low_passed = low_passed(log);
+        let log = low_passed.as_ref().unwrap_or(log);
         kind::worded(kind, || self.worded(file, path, folder, log))
     }
 

@@ -173,7 +173,10 @@ impl Baseline {
         }
         log.untouched = false;
         let shape = match self.time_constant {
-            None => format!("{} evenly", quantity(self.numbers[1] / self.duration_s, 2, "N/s")),
+            None => format!(
+                "{} evenly",
+                quantity(self.numbers[1] / self.duration_s, 2, "N/s")
+            ),
             Some(own) => format!(
                 "{} with a time constant of {}",
                 quantity(over_n, 2, "N"),
