@@ -60,7 +60,7 @@ use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{
-    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, replayed, setup, touched,
+    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, delay_s, replayed, setup, touched,
     touches::departure,
 };
 use crate::inspect::inspect;
@@ -143,6 +143,11 @@ impl Given<'_> {
         };
         let batch = self.result(empty, best, &tried, fixed);
         let mut batch = self.judged(batch, &best.fit);
+        if batch.family == Family::KELVIN_VOIGT
+            && let Some(late_s) = delay_s(self.log)
+        {
+            batch.widen_damper(late_s);
+        }
         batch.modulus = options.indenter.and_then(|indenter| {
             self.modulus(
                 best,
@@ -235,6 +240,7 @@ fn nothing(log: &UniformLog, replay: &Replay, motion: &Kinematics, notes: Vec<St
         reference_depth_m: f64::from(replay.config.reference.depth_m),
         force_rmse_n: None,
         noise_n: log.force_noise_n(),
+        allowed_n: log.force_noise_n(),
         misfit: 1.0,
         selection: Vec::new(),
         per_touch: Vec::new(),

@@ -1,5 +1,6 @@
 //! The board's step over a log, and what it comes to.
 
+mod baseline;
 mod beginning;
 mod damping;
 mod drift;
@@ -7,10 +8,13 @@ mod evidence;
 pub(crate) mod explain;
 mod friction;
 mod lateness;
+mod low_pass;
 pub mod outcome;
 mod reason;
 mod residual;
+mod settling;
 mod setup;
+mod stiffening;
 pub(crate) mod touches;
 
 use std::ops::Range;
@@ -18,9 +22,10 @@ use std::ops::Range;
 use estimator_core::estimate::{identify::method_info, method::Method};
 use estimator_core::{Config, Status};
 
+pub use baseline::undrifted;
 use beginning::from_free_air;
 pub(crate) use beginning::touched;
-use damping::{is_negative, widen_by_counts};
+use damping::{is_negative, widen_by_counts, widen_by_low_pass};
 use drift::Drift;
 
 pub(crate) use evidence::RELAXES;
@@ -29,11 +34,15 @@ pub use explain::explain;
 use friction::Friction;
 pub(crate) use lateness::carrier;
 pub use lateness::{Form, Lateness};
+pub use low_pass::low_passed;
+pub(crate) use low_pass::{delay_s, may_be_the_filter};
 pub use outcome::Outcome;
 pub use reason::{EXPLAINED, Evidence, NOISE_ALONE, Reason, judged};
 pub(crate) use reason::{NEGATIVE_DAMPING, meaning, trust_in_words};
 use residual::{Motions, times_the_errors};
+pub use settling::settled;
 pub use setup::{Choices, Setup, setup};
+pub(crate) use stiffening::stiffening;
 
 use crate::diagnostic::Diagnostic;
 use crate::inspect::{Inspection, inspect};
@@ -236,13 +245,18 @@ fn with_evidence(
         outcome.widen_one("surface", surface_late_m(log, &replay, &outcome));
     }
     notes.extend(widen_by_counts(log, &replay, &mut outcome));
+    widen_by_low_pass(log, &mut outcome);
+    if log.low_pass_hz.is_some() {
+        // Its noise remembers, and a method takes it for white.
+        outcome.widen(times_the_errors(log, &replay, &outcome.replayed_n).max(1.0));
+    }
     (outcome.status, outcome.reason) = judged(outcome.method_status, &evidence);
     notes.extend(log.notes.iter().cloned());
     notes.extend(explain(log, &replay, &outcome, &inspection));
     notes.extend(drift.iter().map(Drift::sentence));
     notes.extend(friction.iter().map(Friction::sentence));
     notes.extend(is_negative(&outcome).then(|| NEGATIVE_DAMPING.into()));
-    if evidence.is_unexplained() && !evidence.is_surface_doubtful {
+    if evidence.is_unexplained() && !evidence.is_surface_doubtful && log.low_pass_hz.is_none() {
         // A damper that plays left 115 times the noise, and had a surface of 27 mm to 1.6 µm. What the surface's error
         // leaves is in all errors already.
         outcome.widen(times_the_errors(log, &replay, &outcome.replayed_n).max(1.0));
@@ -295,7 +309,7 @@ impl Residual {
         let or_infinite = |rmse: Option<f64>| rmse.unwrap_or(f64::INFINITY);
         let rmse_n = or_infinite(outcome.force_rmse_n);
         Residual {
-            misfit: rmse_n / replay.noise_n,
+            misfit: rmse_n / outcome.noise_n,
             beyond_noise: rmse_n.max(outcome.allowed_n) / replay.noise_n,
             whole_log_n: or_infinite(outcome.whole_log_rmse_n).max(outcome.allowed_n),
             has_changed: outcome.whole_log_rmse_n != outcome.force_rmse_n,

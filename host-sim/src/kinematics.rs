@@ -236,6 +236,11 @@ impl<'a> Smoother<'a> {
         }
     }
 
+    /// Standard deviation of what the counts of an encoder round off (m); `None` of a position without them.
+    pub(crate) fn rounding_m(&self) -> Option<f64> {
+        self.is_counted.then_some(self.noise_m)
+    }
+
     /// Position (m) and its rate (m/s) at a sample.
     pub(crate) fn motion(&self, at: usize) -> (f64, f64) {
         let ([position, slope, _], _) = self.cubic(at);

@@ -1,8 +1,9 @@
 //! The fit of the whole log where no recursion explains it.
 
+use estimator_core::estimate::Estimated;
 use estimator_core::{Config, Status};
 
-use super::{batch, lateness::is_late_instead, options::Options, result::Batch};
+use super::{batch, lateness::is_late_instead, options::Options, result::Batch, result::Parameter};
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{Estimation, Reason, explain::times};
 use crate::log::UniformLog;
@@ -16,6 +17,8 @@ const NEARLY_NOISE: f64 = 1.5;
 /// noise a recursion had λ 8.8 ± 0.3 and 11.0 ± 0.14 N s/m of 10; a fit of the whole log, which measures it at rest, 9.0 ± 1.5
 /// and 10.95 ± 0.44.
 const SLOW: f64 = 1.3;
+/// A parameter is known well if its standard error is less than this share of it. Not measured.
+const WELL_KNOWN: f64 = 0.2;
 
 /// The fit of a whole log in place of an estimate whose law does not explain it; `None` where the estimate
 /// stands: it explains the force, nothing is touched, or the fit leaves no less. Where it says by which lateness it
@@ -34,15 +37,28 @@ pub fn batch_instead(
     };
     let mut fitted = batch(log, base, options)?;
     // An answer that stands gives way to one that is better founded only.
-    let is_answered = matches!(cause, Cause::Doubted | Cause::SlowNoise | Cause::Changed);
+    let is_answered = matches!(
+        cause,
+        Cause::Doubted | Cause::SlowNoise | Cause::Changed | Cause::Unfinished
+    );
     if is_answered && fitted.status != Status::Converged {
         return Ok(None);
     }
     let leaves_at_most = |times: f64| {
         let left_n = fitted.force_rmse_n;
-        left_n.is_some_and(|left_n| left_n <= times * fitted.noise_n)
+        left_n.is_some_and(|left_n| left_n <= times * fitted.allowed_n)
     };
-    if matches!(cause, Cause::SlowNoise | Cause::Changed) && !leaves_at_most(SLOW) {
+    let is_known = || fitted.parameters.iter().all(is_well_known);
+    let is_refused = match cause {
+        Cause::SlowNoise | Cause::Changed => !leaves_at_most(SLOW),
+        Cause::Unfinished => !leaves_at_most(NEARLY_NOISE) || !is_known(),
+        // A zero that wanders within the noise at rest is noise.
+        Cause::Doubted if estimation.outcome.reason == Some(Reason::Zero) => {
+            log.low_pass_hz.is_none() && fitted.noise_n < SLOW * estimation.replay.noise_n
+        }
+        _ => false,
+    };
+    if is_refused {
         return Ok(None);
     }
     let explains = leaves_at_most(NEARLY_NOISE);
@@ -90,6 +106,8 @@ enum Cause {
     SlowNoise,
     /// One explains it, as that of several materials.
     Changed,
+    /// One explains it, and has seen too little of it to be sure.
+    Unfinished,
 }
 
 /// `None` where the estimate stands, or nothing is touched.
@@ -108,8 +126,28 @@ fn cause(log: &UniformLog, estimation: &Estimation) -> Option<Cause> {
         () if is_doubted(estimation) => Cause::Doubted,
         () if outcome.status == Status::Converged && is_slow => Cause::SlowNoise,
         () if outcome.segments.len() > 1 => Cause::Changed,
+        () if is_unfinished(estimation) => Cause::Unfinished,
         () => return None,
     })
+}
+
+/// Whether a recursion explains a force, and waits for more of it: of one touch nothing is seen twice. A fit of the whole log
+/// was right on six of six of them.
+fn is_unfinished(estimation: &Estimation) -> bool {
+    let outcome = &estimation.outcome;
+    outcome.status == Status::Converging
+        && matches!(
+            outcome.reason,
+            Some(Reason::Excitation | Reason::Surface | Reason::Law)
+        )
+}
+
+/// Whether a parameter is known well: a surface is a place, and is if it is known at all.
+fn is_well_known(parameter: &Parameter) -> bool {
+    let within = |own: Estimated<f64>| own.std_error < WELL_KNOWN * own.value.abs();
+    parameter
+        .estimate
+        .is_some_and(|own| parameter.name == "surface" || within(own))
 }
 
 /// Whether a law that leaves little is doubted for what it leaves, which a fit of the whole log may not leave: 1.8 times the
@@ -120,7 +158,12 @@ fn is_doubted(estimation: &Estimation) -> bool {
         && matches!(
             outcome.reason,
             Some(
-                Reason::Residual | Reason::Law | Reason::Relaxing | Reason::Surface | Reason::Bound
+                Reason::Residual
+                    | Reason::Law
+                    | Reason::Relaxing
+                    | Reason::Surface
+                    | Reason::Bound
+                    | Reason::Zero
             )
         )
 }
@@ -149,6 +192,10 @@ fn instead_in_words(estimation: &Estimation, cause: Cause) -> String {
         }
         Cause::Changed => {
             "one law explains the whole log, and the changes of material that a recursive method noticed are none (by itself "
+        }
+        Cause::Unfinished => {
+            "a recursive method has seen too little to be sure, and a fit of the whole log knows every parameter (of those \
+             that there are, "
         }
         Cause::SlowNoise => {
             "the noise is slower than a sample, and a recursive method's standard errors are too small beside it ("

@@ -4,7 +4,7 @@ use estimator_core::physics::law::Recovery;
 
 use super::assemble::Given;
 use super::{course::Course, options::Options, result::Batch, thresholds::Report};
-use crate::estimate::{Form, NEGATIVE_DAMPING, RELAXES, carrier};
+use crate::estimate::{Form, NEGATIVE_DAMPING, RELAXES, carrier, stiffening};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
 use crate::model::law_title;
@@ -40,6 +40,7 @@ pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<Stri
     notes.extend(relaxation(batch));
     notes.extend(faster(batch));
     notes.extend(recovery(batch));
+    notes.extend(stiffening(&batch.touches, batch.family.law));
     notes.extend(held(options));
     notes.extend(damping(batch, decide));
     notes.extend(skew(given, batch));

@@ -123,6 +123,8 @@ pub struct Batch {
     pub force_rmse_n: Option<f64>,
     /// Standard deviation of the raw force (N): from sample to sample, or at rest in free air where that is more.
     pub noise_n: f64,
+    /// That, and what the counts of the position leave of the force (N rms): what may remain.
+    pub allowed_n: f64,
     /// √(χ²/(N − p)) over the noise and what no candidate explains.
     pub misfit: f64,
     /// The laws that were tried.
@@ -199,7 +201,7 @@ impl Batch {
     }
 
     /// The same for Kelvin and Voigt's damper, which a lateness of T bends by K·T and nothing else.
-    fn widen_damper(&mut self, of_lateness_s: f64) {
+    pub(super) fn widen_damper(&mut self, of_lateness_s: f64) {
         let stiffness = self.value("stiffness").map_or(0.0, |own| own.value);
         let mut own = self.parameters.iter_mut();
         let damping = own.find(|own| own.name == "damping");

@@ -81,6 +81,13 @@ impl Course {
         each.map(|(a, b)| (a - b).powi(2) / 12.0).collect()
     }
 
+    /// What a fit's force moves by (N) at every node for a depth that is so much (m) larger.
+    pub(super) fn moved_n(&self, fit: &Fit, shift_m: f64) -> Vec<f64> {
+        let force = |shift_m: f64| forces(self, fit, &self.nodes, shift_m);
+        let both = force(shift_m).into_iter().zip(force(-shift_m));
+        both.map(|(a, b)| 0.5 * (a - b)).collect()
+    }
+
     /// From when on (s) a fit with these weights counts: always, of a log that begins in free air.
     pub(super) fn counts_from_s(&self, weights: &[f64]) -> f64 {
         let counts =

@@ -26,7 +26,7 @@ pub use show::{Shown, document};
 use crate::batch::{Options, batch, batch_instead, is_dented, lateness};
 use crate::cli::logs::folder;
 use crate::cli::summary::{Answer, Failure, each};
-use crate::estimate::{Choices, Estimation, estimate};
+use crate::estimate::{Choices, Estimation, estimate, low_passed, settled, undrifted};
 use crate::json::write_json;
 use crate::kind;
 use crate::log::UniformLog;
@@ -108,6 +108,13 @@ impl<'a> Task<'a> {
     ) -> Result<Answer, Failure> {
         let kind = log.kind.unwrap_or_default();
         self.args.batch.refuse_on(kind)?;
+        // What the force does besides the contact is taken off before any method sees it.
+        let settled = settled(log);
+        let log = settled.as_ref().unwrap_or(log);
+        let undrifted = undrifted(log);
+        let log = undrifted.as_ref().unwrap_or(log);
+        let low_passed = low_passed(log);
+        let log = low_passed.as_ref().unwrap_or(log);
         kind::worded(kind, || self.worded(file, path, folder, log))
     }
 

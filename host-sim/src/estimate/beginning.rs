@@ -55,6 +55,12 @@ pub(super) fn from_free_air(log: &UniformLog) -> Option<UniformLog> {
     Some(rest)
 }
 
+/// Whether a log shows free air, and that is where a sample lies and its probe moves from there.
+pub(super) fn is_free_from(log: &UniformLog, sample: usize) -> bool {
+    let (free, _) = free_air(log);
+    !begins_in_contact(log) && free.first().is_some_and(|own| own.contains(&sample))
+}
+
 /// The first sample from a block on whose force is that of free air no longer.
 fn rises(log: &UniformLog, from: usize, level_n: f64) -> usize {
     let within_n = SAME_SIGMAS * log.force_noise_n() / (MEAN as f64).sqrt();

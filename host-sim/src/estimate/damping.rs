@@ -3,6 +3,7 @@
 use estimator_core::Status;
 use estimator_core::physics::law::LawId;
 
+use super::low_pass::delay_s;
 use super::outcome::Outcome;
 use crate::log::UniformLog;
 use crate::replay::Replay;
@@ -78,6 +79,12 @@ pub(super) fn taken_by_lateness(outcome: &Outcome, late_s: f64) -> Option<f64> {
     }
     let taken = late_s * value("stiffness")?;
     (taken > MATTERS * value("damping")?.abs()).then_some(taken)
+}
+
+/// Widens the error of Kelvin and Voigt's damping by what a low-pass may take off it: whether it delays is not told.
+pub(super) fn widen_by_low_pass(log: &UniformLog, outcome: &mut Outcome) {
+    let taken = delay_s(log).and_then(|late_s| taken_by_lateness(outcome, late_s));
+    outcome.widen_one("damping", taken.unwrap_or(0.0));
 }
 
 /// Widens the error of the damping by what an encoder with counts may do to it, and says where that hides it: then it has

@@ -5,6 +5,7 @@ use estimator_core::estimate::identify::method_info;
 use estimator_core::physics::law::LawId;
 
 use super::damping::{is_negative, taken_by_lateness};
+use super::low_pass::may_be_the_filter;
 use super::outcome::Outcome;
 use super::reason::{EXPLAINED, Evidence, Reason};
 use super::residual::surface_misfit;
@@ -42,7 +43,7 @@ pub(super) fn evidence(
     inspection: &Inspection,
     rmses_n: &[Option<f64>],
 ) -> Evidence {
-    let misfit = outcome.force_rmse_n.map(|rmse| rmse / replay.noise_n);
+    let misfit = outcome.force_rmse_n.map(|rmse| rmse / outcome.noise_n);
     let least = rmses_n
         .iter()
         .flatten()
@@ -70,7 +71,10 @@ pub(super) fn evidence(
         has_other_force: false,
         is_dented: false,
         is_at_bound: is_at_bound(outcome) || is_negative(outcome),
-        lateness: is_apart(log, outcome).then_some(Reason::Skew),
+        lateness: match is_filter(log, outcome) {
+            true => Some(Reason::Lag),
+            false => is_apart(log, outcome).then_some(Reason::Skew),
+        },
         relaxes: !outcome.law.law().info().relaxes
             && inspection.holds.iter().any(|hold| decays(hold.relaxed)),
         has_better_law: whole > CLEARLY * least && exceeds_noise,
@@ -87,6 +91,17 @@ pub(super) fn evidence(
 fn is_apart(log: &UniformLog, outcome: &Outcome) -> bool {
     outcome.law.law() == LawId::KelvinVoigt
         && apart_s(log).is_some_and(|apart_s| taken_by_lateness(outcome, apart_s).is_some())
+}
+
+/// Whether a relaxation may be that of the low-pass that the force went through: a spring and a damper behind 25 to 60 Hz
+/// were a solid of up to three times the stiffness.
+fn is_filter(log: &UniformLog, outcome: &Outcome) -> bool {
+    let rates = ["relaxation_rate_1", "relaxation_rate_2"];
+    let rate = |name: &str| outcome.value(name).map(|found| f64::from(found.value));
+    rates
+        .into_iter()
+        .filter_map(rate)
+        .any(|own| may_be_the_filter(log, own))
 }
 
 fn is_at_bound(outcome: &Outcome) -> bool {

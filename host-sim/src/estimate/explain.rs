@@ -8,8 +8,9 @@ use estimator_core::physics::law::LawId;
 use super::damping::taken_by_lateness;
 use super::evidence::{RELAXES, SURFACE_SHARE};
 use super::outcome::Outcome;
-use super::reason::EXPLAINED;
+use super::reason::{EXPLAINED, NOISE_ALONE};
 use super::residual::surface_misfit;
+use super::stiffening::stiffening;
 use crate::inspect::{Inspection, suspicions};
 use crate::log::{Channel, UniformLog};
 use crate::model::law_title;
@@ -27,7 +28,9 @@ pub fn explain(
     let mut notes = suspicions(log);
     notes.extend(contact(log, replay, outcome, inspection));
     notes.extend(misfit(replay, outcome));
+    notes.extend(counts(replay, outcome));
     notes.extend(relaxation(outcome, inspection));
+    notes.extend(stiffening(&outcome.touches, outcome.law.law()));
     notes.extend(adhesion(outcome, inspection));
     notes.extend(surface(replay, outcome));
     notes.extend(simultaneity(outcome));
@@ -84,7 +87,7 @@ fn both_reversed(log: &UniformLog) -> Option<String> {
 
 fn misfit(replay: &Replay, outcome: &Outcome) -> Option<String> {
     let rmse = outcome.force_rmse_n?;
-    if rmse <= EXPLAINED * replay.noise_n {
+    if rmse <= EXPLAINED * outcome.noise_n {
         return None;
     }
     let leaves = format!(
@@ -104,6 +107,19 @@ fn misfit(replay: &Replay, outcome: &Outcome) -> Option<String> {
         None => format!(
             "{leaves}: it does not explain this force, and its parameters describe it only on average"
         ),
+    })
+}
+
+/// What the counts of the position leave of the force of a stiff contact, where that is more than noise.
+fn counts(replay: &Replay, outcome: &Outcome) -> Option<String> {
+    let rmse_n = outcome.force_rmse_n?;
+    let needs =
+        rmse_n > NOISE_ALONE * replay.noise_n && outcome.noise_n > NOISE_ALONE * replay.noise_n;
+    needs.then(|| {
+        format!(
+            "a count of the position times the stiffness is {} of force (rms, with its noise): as much may remain",
+            quantity(outcome.noise_n, 2, "N")
+        )
     })
 }
 

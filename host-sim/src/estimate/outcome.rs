@@ -55,6 +55,8 @@ pub struct Outcome {
     pub force_rmse_n: Option<f64>,
     /// The same over the contacts of the whole log, whatever has changed in between (N rms).
     pub whole_log_rmse_n: Option<f64>,
+    /// Noise of the force, and what the counts of the position leave of it with these parameters (N rms): what may remain.
+    pub noise_n: f64,
     /// What the noise of the force and the errors of the position leave with these parameters (N rms).
     pub allowed_n: f64,
     /// How late the force is against the position (s), where that was estimated.
@@ -97,8 +99,12 @@ impl Outcome {
         let or_infinite = |rmse_n: Option<f64>| rmse_n.unwrap_or(f64::INFINITY);
         let least = replays.min_by(|a, b| or_infinite(a.1).total_cmp(&or_infinite(b.1)));
         let (replayed_n, force_rmse_n) = least.unwrap_or_default();
+        let counts_n = motions
+            .rounding_m
+            .and_then(|rounding_m| depth_misfit(replay, law, &parameters, rounding_m));
+        let noise_n = replay.noise_n.hypot(counts_n.unwrap_or(0.0));
         let evidence = Evidence {
-            misfit: force_rmse_n.map(|rmse| rmse / replay.noise_n),
+            misfit: force_rmse_n.map(|rmse| rmse / noise_n),
             ..Evidence::default()
         };
         let method_status = decisive.map_or(Status::NoContact, |record| record.status);
@@ -115,6 +121,7 @@ impl Outcome {
             method_reason,
             reason,
             force_rmse_n,
+            noise_n,
             allowed_n: {
                 let by_position_n = depth_misfit(replay, law, &parameters, motions.error_m);
                 let noise_n = replay.noise_n.max(log.force_noise_n());

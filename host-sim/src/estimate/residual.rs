@@ -49,6 +49,8 @@ pub(crate) struct Motions<'a> {
     each: Vec<Box<Motion<'a>>>,
     /// How far the position may be off (m).
     pub(super) error_m: f64,
+    /// Standard deviation of what its counts round off (m); `None` of one without counts.
+    pub(super) rounding_m: Option<f64>,
 }
 
 /// A position (m) and its rate (m/s) at a sample.
@@ -58,10 +60,14 @@ impl<'a> Motions<'a> {
     pub(crate) fn of(log: &'a UniformLog) -> Motions<'a> {
         let (narrow, period_s) = (Smoother::of(log), log.period_s());
         let fixed = move |at| signal::parabola(&log.position_m, at, FIXED_HALF_WIDTH, period_s);
-        let error_m = narrow.error_m();
+        let (error_m, rounding_m) = (narrow.error_m(), narrow.rounding_m());
         let each: Vec<Box<Motion<'a>>> =
             vec![Box::new(move |at| narrow.motion(at)), Box::new(fixed)];
-        Motions { each, error_m }
+        Motions {
+            each,
+            error_m,
+            rounding_m,
+        }
     }
 
     /// The one that is there already.
@@ -70,6 +76,7 @@ impl<'a> Motions<'a> {
         Motions {
             each: vec![Box::new(at)],
             error_m: motion.noise_m,
+            rounding_m: None,
         }
     }
 

@@ -179,6 +179,12 @@ fn free_samples(log: &UniformLog) -> Option<usize> {
     (0..log.len()).position(|index| away(index) > leaves)
 }
 
+/// Where the probe is (m) when the force first leaves its start; `None` of a log that begins in contact, or has none.
+pub(super) fn first_touch_m(log: &UniformLog) -> Option<f64> {
+    let touch = free_samples(log).filter(|_| !begins_in_contact(log))?;
+    Some(log.position_m[touch])
+}
+
 /// Whether too little free air was seen at the start to know what the force rests at.
 pub(super) fn has_no_zero(log: &UniformLog) -> bool {
     begins_in_contact(log) || free_samples(log).is_some_and(|free| free / 2 < FEWEST_SETTLING)

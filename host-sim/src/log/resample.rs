@@ -120,6 +120,7 @@ impl Log {
 
     fn untouched(self, rate_hz: f64) -> UniformLog {
         UniformLog {
+            low_pass_hz: None,
             path: self.path,
             kind: self.kind,
             rate_hz,
@@ -201,6 +202,7 @@ impl Log {
 
     fn empty_grid(&self, rate_hz: f64, count: usize) -> UniformLog {
         UniformLog {
+            low_pass_hz: None,
             path: self.path.clone(),
             kind: self.kind,
             rate_hz,

@@ -76,6 +76,8 @@ pub struct UniformLog {
     pub taken: Option<Taken>,
     /// The faults of each sample, where they were recognised before its samples were averaged; else empty.
     pub recognised: Vec<Faults>,
+    /// The corner (Hz) of a low-pass that the force went through before it was logged, where its noise shows one.
+    pub low_pass_hz: Option<f64>,
     /// What was taken off its channels.
     pub compensated: Compensated,
     /// The columns that it was read from; `None` for those of our own logs.
@@ -175,6 +177,7 @@ impl UniformLog {
                 turning: marks(&self.compensated.turning),
                 ..self.compensated.clone()
             },
+            low_pass_hz: self.low_pass_hz,
             source: self.source.clone(),
             notes: self.notes.clone(),
         }
