@@ -7,6 +7,7 @@
 
 mod bend;
 mod beyond;
+mod counts;
 mod misfit;
 mod missing;
 mod width;
@@ -15,7 +16,7 @@ use std::borrow::Cow;
 
 use crate::log::UniformLog;
 use crate::signal;
-use crate::stats::{median, rms, rounding_deviation, rounding_step};
+use crate::stats::{median, rms, rounding_deviation};
 use bend::{Bends, around};
 use beyond::{Beyond, left_at_bend};
 use misfit::within;
@@ -227,18 +228,9 @@ impl<'a> Smoother<'a> {
         }
     }
 
-    /// How far the position may be off for as long as a hold takes (m): half a count of an encoder with counts, else the
-    /// standard deviation of its noise.
-    pub(crate) fn error_m(&self) -> f64 {
-        match self.is_counted {
-            true => 0.5 * rounding_step(self.noise_m),
-            false => self.noise_m,
-        }
-    }
-
-    /// Standard deviation of what the counts of an encoder round off (m); `None` of a position without them.
-    pub(crate) fn rounding_m(&self) -> Option<f64> {
-        self.is_counted.then_some(self.noise_m)
+    /// How far the position may be off.
+    pub(crate) fn errors(&self) -> counts::Errors {
+        counts::errors(self.noise_m, self.is_counted)
     }
 
     /// Position (m) and its rate (m/s) at a sample.
@@ -405,6 +397,7 @@ fn edge_slope(channel: &[f64], at: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::log::Log;
+    use crate::stats::rounding_step;
 
     fn of(position: impl Fn(f64) -> f64) -> (Kinematics, Vec<f64>) {
         let time: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();

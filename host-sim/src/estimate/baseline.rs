@@ -12,7 +12,7 @@ use crate::number::quantity;
 use crate::stats::{median, range, rms, robust_deviation};
 
 /// Time of a mean (s), and its fewest samples.
-const MEAN_S: f64 = 0.03;
+const MEAN_S: f64 = 0.02;
 const FEWEST_SAMPLES: usize = 4;
 /// Means of a stretch of free air at least; and the share of its means at either end in which a contact may still pull or
 /// already push.

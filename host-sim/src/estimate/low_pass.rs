@@ -16,10 +16,9 @@ use crate::stats::{median, range, robust_deviation};
 const SEGMENT: usize = 256;
 /// Bins of an octave at least.
 const FEWEST_BINS: usize = 8;
-/// The noise falls by this (a ratio of powers, 8 dB) within two octaves: 1/f noise by 6 dB.
-const FALLS: f64 = 6.3;
-/// And in all by this (10 dB).
-const FALLS_IN_ALL: f64 = 10.0;
+/// The noise falls by this (a ratio of powers, 14 dB) within two octaves: 1/f noise by 6 dB, and by 12 dB above its highest
+/// frequency, where it may be of first order. What is steeper is a filter.
+const FALLS: f64 = 25.0;
 /// The corner is where half of the power of the lowest octaves is left.
 const HALF: f64 = 0.5;
 /// Free air ends this share of the travel before the first touch.
@@ -112,7 +111,7 @@ fn corner(segments: &[Vec<f64>]) -> Option<f64> {
         .windows(3)
         .map(|own| own[2] / own[0])
         .fold(0.0, f64::max);
-    if falls < FALLS || plateau < FALLS_IN_ALL * octaves[0] {
+    if falls < FALLS {
         return None;
     }
     let smooth = spectrum.windows(5).map(|own| median(own.iter().copied()));

@@ -60,13 +60,13 @@ impl<'a> Motions<'a> {
     pub(crate) fn of(log: &'a UniformLog) -> Motions<'a> {
         let (narrow, period_s) = (Smoother::of(log), log.period_s());
         let fixed = move |at| signal::parabola(&log.position_m, at, FIXED_HALF_WIDTH, period_s);
-        let (error_m, rounding_m) = (narrow.error_m(), narrow.rounding_m());
+        let errors = narrow.errors();
         let each: Vec<Box<Motion<'a>>> =
             vec![Box::new(move |at| narrow.motion(at)), Box::new(fixed)];
         Motions {
             each,
-            error_m,
-            rounding_m,
+            error_m: errors.held_m,
+            rounding_m: errors.rounding_m,
         }
     }
 
