@@ -38,13 +38,19 @@ pub(super) fn taken_off(
     let [log] = logs else { return Ok(finding) };
     let mut log = log.clone();
     let mut steps: Vec<(f64, f64)> = Vec::new();
-    while let Some((about_s, force_n)) = step(&finding).filter(|_| steps.len() < MOST) {
-        let (without, at_s) = without(&log, about_s, force_n);
-        let next = ask(std::slice::from_ref(&without))?;
-        if !is_better(&next, &finding) || may_be_an_effect(&next, &finding) {
+    while steps.len() < MOST {
+        let (mut without, mut new) = (log.clone(), remaining_steps(&finding));
+        for step in &mut new {
+            (without, step.0) = self::without(&without, step.0, step.1);
+        }
+        if new.is_empty() {
             break;
         }
-        steps.push((at_s, force_n));
+        let next = ask(std::slice::from_ref(&without))?;
+        if !is_better(&next, &finding) || may_be_an_effect(&next, &finding, new.len()) {
+            break;
+        }
+        steps.extend(new);
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         (finding, log) = (next, without);
     }
@@ -78,16 +84,16 @@ fn without(log: &UniformLog, about_s: f64, force_n: f64) -> (UniformLog, f64) {
 }
 
 /// Whether a finding without a step leaves much less than the one with it, or no more with fewer effects.
-fn is_better(without: &Finding, with: &Finding) -> bool {
+pub(super) fn is_better(without: &Finding, with: &Finding) -> bool {
     let left = without.rmse_after_n / with.rmse_after_n;
     left < LESS || left < AS_MUCH && without.effects.len() < with.effects.len()
 }
 
-/// Whether an effect in the place of the step does as well: on a machine that went up and came down once a friction
-/// does. Where none was tried it may.
-fn may_be_an_effect(without: &Finding, with: &Finding) -> bool {
+/// Whether effects in the place of so many steps do as well: on a machine that went up and came down once a friction
+/// does. Where none was tried they may.
+pub(super) fn may_be_an_effect(without: &Finding, with: &Finding, steps: usize) -> bool {
     let most = BY_ONE_EFFECT * without.ratio_after;
-    let sets = 1..=without.effects.len() + 1;
+    let sets = 1..=without.effects.len() + steps;
     let tried = with
         .ladder
         .iter()
@@ -96,11 +102,25 @@ fn may_be_an_effect(without: &Finding, with: &Finding) -> bool {
     least.is_none_or(|ratio| ratio < most)
 }
 
-/// Instant (s) and amount (N) of the step that is nearly all that remains, or that the base leaves.
-fn step(finding: &Finding) -> Option<(f64, f64)> {
-    let regions = finding.remaining.iter().chain(&finding.disagreement);
-    let mut nearly_all = regions.filter(|own| own.share > NEARLY_ALL);
-    nearly_all.find_map(Region::step)
+/// Instants (s) and amounts (N) of the steps that are nearly all that remains, or that the base leaves.
+fn remaining_steps(finding: &Finding) -> Vec<(f64, f64)> {
+    nearly_all(finding, NEARLY_ALL, Region::step)
+}
+
+/// The steps of a kind that together are more than a share of what remains, or of what the base leaves.
+pub(super) fn nearly_all<T>(
+    finding: &Finding,
+    share: f64,
+    of: impl Fn(&Region) -> Option<T>,
+) -> Vec<T> {
+    for regions in [&finding.remaining, &finding.disagreement] {
+        let steps = regions.iter().filter_map(|own| Some((own.share, of(own)?)));
+        let (shares, steps): (Vec<f64>, Vec<T>) = steps.unzip();
+        if shares.iter().sum::<f64>() > share {
+            return steps;
+        }
+    }
+    Vec::new()
 }
 
 /// Corrects the amounts of steps by what the last fit leaves after each, and the curves by that.

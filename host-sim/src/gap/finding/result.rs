@@ -203,6 +203,8 @@ pub struct Finding {
     pub curves: Vec<Curves>,
     /// What a reader must know.
     pub notes: Vec<String>,
+    /// Why the log seems to be in another unit, or with another sign, than the model: then no effect is asked for.
+    pub mistaken: Option<String>,
 }
 
 impl Finding {
@@ -298,15 +300,6 @@ impl Finding {
                 Some((*id, estimates.collect()))
             })
             .collect()
-    }
-}
-
-/// A share in percent, never rounded to all or nothing.
-pub fn share_in_words(share: f64) -> String {
-    match 100.0 * share {
-        percent if percent > 99.0 => "more than 99 %".into(),
-        percent if percent < 1.0 => "less than 1 %".into(),
-        percent => format!("{percent:.0} %"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! A step of the zero: from an instant on the force is off by one amount, beside all that the numbers of a fit can do.
+//! Steps of the zero: from an instant on the force is off by one amount, beside all that the numbers of a fit can do.
 //!
 //! No effect of the catalogue is one, and several take most of it off: a zero of a load cell that jumped by 0.15 N in
 //! the middle of a log was a drift, an offset or a loop of hysteresis, each with strong evidence.
@@ -6,8 +6,10 @@
 use std::ops::Range;
 
 use crate::gap::data::low_pass::LowPass;
-use crate::gap::model::{fit::Fit, problem::Problem};
-use crate::lsq::basis::{add_column, project_out};
+use crate::gap::model::fit::Fit;
+use crate::gap::model::problem::{Linearization, Problem};
+use crate::lsq::basis::{add_column, dot, project_out};
+use crate::lsq::dense;
 
 /// Samples on either side of the instant that are left out where its sharpness is seen, and as many times as many that
 /// are averaged.
@@ -19,7 +21,11 @@ const SHARP: f64 = 0.7;
 const LEAST_SIDE: f64 = 0.02;
 /// The least share of a step that the numbers of the fit cannot make. Derived: of less its size has three times the
 /// standard error that it has beside no number.
-const LEAST_OWN: f64 = 0.1;
+pub(super) const LEAST_OWN: f64 = 0.1;
+/// Most steps in a log, and the least share that one takes off what the others leave. Derived: of as many of one size, each in
+/// the middle of a part of its own, the first takes off more.
+pub(super) const MOST_STEPS: usize = 4;
+pub(super) const LEAST_SHARE: f64 = 0.2;
 
 /// A step of the zero beside a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,11 +49,27 @@ impl ZeroStep {
         let each = problem.logs.iter().enumerate().filter_map(|(number, log)| {
             let rows = from..from + log.len();
             from += log.len();
-            let clear = CLEAR.max(problem.low_pass.map_or(0, |own| rise(own, log.period_s)));
-            Some((number, left.largest_step(rows, clear)?))
+            Some((
+                number,
+                left.largest_step(rows, clear(problem, log.period_s))?,
+            ))
         });
         each.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))
     }
+
+    /// The sharp steps of the first log, in the order of time, each with the share that it takes off beside those before which
+    /// it was found. Two tares and a knock leave one step among others, of which none is nearly all.
+    pub(crate) fn all(problem: &Problem<'_>, fit: &Fit) -> Vec<ZeroStep> {
+        let Some(log) = problem.logs.first() else {
+            return Vec::new();
+        };
+        Left::of(problem, fit).steps(0..log.len(), clear(problem, log.period_s))
+    }
+}
+
+/// Samples on either side of an instant that are left out.
+fn clear(problem: &Problem<'_>, period_s: f64) -> usize {
+    CLEAR.max(problem.low_pass.map_or(0, |own| rise(own, period_s)))
 }
 
 /// Samples in which a step behind a low-pass rises.
@@ -56,18 +78,23 @@ fn rise(low_pass: LowPass, period_s: f64) -> usize {
 }
 
 /// What a fit leaves, and what its numbers can do about it.
-struct Left {
+#[derive(Clone)]
+pub(super) struct Left {
     /// √w of each sample.
-    roots: Vec<f64>,
+    pub(super) roots: Vec<f64>,
     /// √w r, without what the numbers can take off.
-    white: Vec<f64>,
+    pub(super) white: Vec<f64>,
     /// Orthonormal changes of √w·force that they make.
-    basis: Vec<Vec<f64>>,
+    pub(super) basis: Vec<Vec<f64>>,
 }
 
 impl Left {
     fn of(problem: &Problem<'_>, fit: &Fit) -> Left {
         let linear = problem.linearize(&fit.shape, &fit.numbers);
+        Left::of_linear(problem, fit, &linear)
+    }
+
+    pub(super) fn of_linear(problem: &Problem<'_>, fit: &Fit, linear: &Linearization) -> Left {
         let roots: Vec<f64> = problem.weights.iter().map(|w| w.sqrt()).collect();
         let weighted = |channel: &[f64]| -> Vec<f64> {
             channel
@@ -99,6 +126,55 @@ impl Left {
             white,
             basis,
         }
+    }
+
+    /// The sharp steps within some rows.
+    fn steps(&self, rows: Range<usize>, clear: usize) -> Vec<ZeroStep> {
+        let without = dot(&self.white, &self.white);
+        let mut steps: Vec<ZeroStep> = Vec::new();
+        let mut left = self.clone();
+        while steps.len() < MOST_STEPS {
+            let next = left.largest_step(rows.clone(), clear);
+            let Some(mut step) = next.filter(|own| own.share > LEAST_SHARE) else {
+                break;
+            };
+            left.know(self.column(rows.start + step.at..rows.end));
+            step.share *= (step.cost / (1.0 - step.share).max(f64::MIN_POSITIVE)) / without;
+            steps.push(step);
+        }
+        steps.sort_by_key(|own| own.at);
+        let column = |own: &ZeroStep| self.column(rows.start + own.at..rows.end);
+        let amounts = self.amounts(steps.iter().map(column).collect());
+        let each = steps.iter_mut().zip(amounts.into_iter().flatten());
+        each.for_each(|(step, force_n)| step.force_n = force_n);
+        steps
+    }
+
+    /// What a newton in some rows is of √w·force.
+    fn column(&self, rows: Range<usize>) -> Vec<f64> {
+        let mut column = vec![0.0; self.roots.len()];
+        column[rows.clone()].copy_from_slice(&self.roots[rows]);
+        column
+    }
+
+    /// Adds a change of √w·force to those that the numbers can make.
+    pub(super) fn know(&mut self, column: Vec<f64>) {
+        let known = self.basis.len();
+        add_column(&mut self.basis, column, &[]);
+        project_out(&mut self.white, &self.basis[known..]);
+    }
+
+    /// How much of each of some changes of √w·force is in what is left, all at once; `None` where that cannot be told.
+    pub(super) fn amounts(&self, mut columns: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+        for column in &mut columns {
+            project_out(column, &self.basis);
+        }
+        let n = columns.len();
+        let pairs = (0..n * n).map(|at| dot(&columns[at / n], &columns[at % n]));
+        let curvature: Vec<f64> = pairs.collect();
+        let downhill = columns.iter().map(|column| dot(column, &self.white));
+        let downhill: Vec<f64> = downhill.collect();
+        Some(dense::solve(&dense::cholesky(&curvature, n)?, n, &downhill))
     }
 
     /// The step within some rows that takes most off; `None` if that is not sharp.
@@ -202,6 +278,33 @@ mod tests {
         // What the wave leaves.
         assert!((found.cost - 0.4).abs() < 0.02, "{found:?}");
         assert_eq!(left(step(400.0)).largest_step(0..2000, CLEAR), None);
+    }
+
+    #[test]
+    fn of_several_steps_each_is_found_with_its_amount() {
+        // GIVEN three tares of 0.1, -0.15 and 0.2 N of a zero that drifts, too
+        let steps = [(450, 0.1), (900, -0.15), (1500, 0.2)];
+        let wave = |at: usize| 0.004 * (0.3 * at as f64).sin();
+        let off = |at: usize| -> f64 {
+            let before = steps.iter().filter(|own| at >= own.0);
+            before.map(|own| own.1).sum()
+        };
+        let white = |at: usize| off(at) + wave(at) + 1e-4 * at as f64;
+        let found = left((0..2000).map(white).collect()).steps(0..2000, CLEAR);
+        assert_eq!(found.len(), 3, "{found:?}");
+        for (found, (at, force_n)) in found.iter().zip(steps) {
+            assert!(found.at.abs_diff(at) <= 1, "{found:?}");
+            assert!((found.force_n - force_n).abs() < 0.003, "{found:?}");
+        }
+        let share: f64 = found.iter().map(|own| own.share).sum();
+        assert!((0.98..=1.0).contains(&share), "{share}");
+        // AND of one there is one.
+        let one = left(
+            (0..2000)
+                .map(|at| f64::from(u8::from(at > 800)) + wave(at))
+                .collect(),
+        );
+        assert_eq!(one.steps(0..2000, CLEAR).len(), 1);
     }
 
     #[test]
