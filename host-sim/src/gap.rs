@@ -129,7 +129,8 @@ fn workflow(
         refit(model, logs).map(|finding| finding.rmse_before_n)
     };
     if let Some(mut finding) = units::mistaken(model, &bridged, |logs| refit(model, logs))? {
-        finding.notes = finding.mistaken.iter().cloned().chain(notes).collect();
+        let first = finding.mistaken.iter().cloned();
+        finding.notes.splice(0..0, first.chain(notes));
         return Ok(finding);
     }
     let (closed, lost) = lost_counts::taken_back(&bridged, |logs| left_n(model, logs))?;
@@ -137,7 +138,7 @@ fn workflow(
     let ask = |model: &Model| {
         zero_steps::taken_off(&closed, |logs| {
             let ask = |logs: &[UniformLog]| asked(model, logs, options, progress);
-            surface_steps::taken_off(logs, ask, |logs| refit(model, logs))
+            surface_steps::taken_off(model, logs, ask, refit)
         })
     };
     let mut finding = dents::allowed_for(model, ask, |model| left_n(model, &closed))?;

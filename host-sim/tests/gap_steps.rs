@@ -26,7 +26,7 @@ fn rows(happens: Happens<'_>) -> Vec<[f64; 3]> {
         let number = (t / 2.0).floor();
         let deepest = 1.5e-3 + 1.5e-3 * (0.37 * number).fract();
         let way_s = 0.15 + 0.5 * (0.61 * number).fract();
-        -1e-3 + (deepest + 1e-3) * pressed(t - 2.0 * number - 0.3, way_s, 0.3)
+        -1e-3 + (deepest + 1e-3) * pressed((t - 2.0 * number - 0.3).max(0.0), way_s, 0.3)
     };
     let since = |steps: &[(f64, f64)], t: f64| -> f64 {
         let before = steps.iter().filter(|own| own.0 <= t);
@@ -132,7 +132,7 @@ fn units_and_signs_are_asked_for_before_any_effect() {
         (
             (1.0, 101.97),
             "the force seems to be in grams of weight",
-            "--columns f=f_n*0.00980665",
+            "--columns f=f_n*9.80665e-3",
         ),
         (
             (1e3, 1.0),

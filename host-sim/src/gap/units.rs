@@ -9,9 +9,10 @@ use super::finding::Finding;
 use super::model::simulate::forces_of;
 use crate::diagnostic::Diagnostic;
 use crate::inspect::falls_inwards;
+use crate::kind::Kind;
 use crate::log::{Channel, UniformLog};
 use crate::model::Model;
-use crate::stats::range;
+use crate::stats::{highest, lowest, range};
 
 /// The force spans this many times more or less than the model as it is foretells. Derived: a gram's weight is 102 times less
 /// than a newton, and a model that is off by three is no unit.
@@ -48,10 +49,9 @@ pub(super) fn mistaken(
     logs: &[UniformLog],
     refit: impl Fn(&[UniformLog]) -> Result<Finding, Diagnostic>,
 ) -> Result<Option<Finding>, Diagnostic> {
-    if model.environment.is_free() {
-        return Ok(None);
-    }
-    let why = match logs.iter().all(|log| falls_inwards(log).is_some()) {
+    // Which way a machine goes that touches nothing its own friction says (`data::orientation`).
+    let may_turn = !model.environment.is_free();
+    let why = match may_turn && logs.iter().all(|log| falls_inwards(log).is_some()) {
         true => another_sign(logs, &refit)?,
         false if is_another_size(model, logs)? => another_unit(model, logs, &refit)?,
         false => None,
@@ -115,12 +115,14 @@ fn another_unit(
         return Ok(None);
     }
     let mut units: Vec<(f64, Channel, f64, &str)> = Vec::new();
-    let is_long = logs.iter().any(|log| range(&log.position_m) > LONG_M);
+    let is_free = model.environment.is_free();
+    let is_long = !is_free && logs.iter().any(|log| range(&log.position_m) > LONG_M);
     // The stiffness is as many times a force's unit as the force is: nothing must be fitted again.
+    let is_turning = model.kind == Some(Kind::Rotary);
     for (factor, unit) in FORCES.into_iter().filter(|_| !is_long) {
         units.extend(times_given.map(|own| (off(own * factor), Channel::Force, factor, unit)));
     }
-    if !units.iter().any(|own| own.0 < AS_GIVEN) {
+    if !is_free && !units.iter().any(|own| own.0 < AS_GIVEN) {
         for (factor, unit) in POSITIONS {
             // In some units nothing can be fitted.
             let found = refit(&times(logs, Channel::Position, factor)).ok();
@@ -133,24 +135,50 @@ fn another_unit(
     Ok(told.map(|(_, channel, factor, unit)| {
         let name = name(channel);
         let option = logs[0].columns().option(&[(channel, factor)]);
+        let unit = match is_turning {
+            true => format!("{} metres", unit.trim_end_matches('s')),
+            false => unit.into(),
+        };
         let why = format!(
-            "the {name} seems to be in {unit}: so the stiffness is about the model's, else it is of another order, and no \
+            "the {name} seems to be in {unit}: so its numbers are about the model's, else they are of another order, and no \
              effect is asked for ({option})"
         );
         (why, option)
     }))
 }
 
-/// How many times the model's the stiffness of a finding is; `None` where it touches nothing.
+/// How many times the model's the stiffness of a finding is; `None` where it touches nothing. Of a machine that touches nothing,
+/// how many times as large its masses, drags and forces are, if two or more agree.
 fn times_given(model: &Model, finding: &Finding) -> Option<f64> {
+    let found = |name: &str| finding.base_before.iter().find(|own| own.name == name);
+    if model.environment.is_free() {
+        let each = model.effects.iter().flat_map(|effect| {
+            let name = |own: &str| format!("{}.{own}", effect.id);
+            let pairs = effect.parameters.iter();
+            pairs.filter_map(move |(own, given)| {
+                let found = found(&name(own))?;
+                is_of_force(found.unit).then_some(found.value / given)
+            })
+        });
+        let times: Vec<f64> = each.filter(|times| *times > 0.0).collect();
+        let (least, most) = (
+            lowest(times.iter().copied()),
+            highest(times.iter().copied()),
+        );
+        return (times.len() > 1 && most < AS_GIVEN * least).then(|| (least * most).sqrt());
+    }
     let mut depths = finding.curves.iter().flat_map(|own| &own.depth_m);
     if !depths.any(|depth| *depth > 0.0) {
         return None;
     }
     let given = model.environment.parameters();
-    let mut each = given.iter().zip(&finding.base_before);
-    let (given, found) = each.find(|(given, _)| given.name == "stiffness")?;
-    Some(found.value / given.value)
+    let given = given.iter().find(|own| own.name == "stiffness")?;
+    Some(found("stiffness")?.value / given.value)
+}
+
+/// Whether a unit is in proportion to that of the force.
+fn is_of_force(unit: &str) -> bool {
+    unit.starts_with('N') || unit.starts_with("kg")
 }
 
 /// By which factor, of either side, a number is off.

@@ -203,6 +203,8 @@ pub struct Finding {
     pub curves: Vec<Curves>,
     /// What a reader must know.
     pub notes: Vec<String>,
+    /// Instants (s) of the steps of the surface that were taken off, and by what each is still off (m), to first order.
+    pub(crate) surface_off: Vec<(f64, f64)>,
     /// Why the log seems to be in another unit, or with another sign, than the model: then no effect is asked for.
     pub mistaken: Option<String>,
 }

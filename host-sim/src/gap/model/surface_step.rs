@@ -1,17 +1,24 @@
 //! Steps of the surface: from a touch on it is nearer or farther by one amount, as where a sample has slipped between two.
 //!
 //! Nothing is seen of it in free air, so that its instant is known to the stretch between two touches. A permanent set, which
-//! recedes within its first touch, takes off less.
+//! recedes within its first touch, takes off less. One touch that differs from those before and after it is no slip: on either
+//! side of each step there are two at least.
 
 use crate::gap::model::fit::Fit;
 use crate::gap::model::problem::Problem;
 use crate::gap::model::shape::Owner;
-use crate::gap::model::zero_step::{LEAST_OWN, LEAST_SHARE, Left, MOST_STEPS};
+use crate::gap::model::zero_step::{Left, Needed};
 use crate::lsq::basis::{dot, project_out};
 
 /// The surface acts where it makes more than this share of the most that it does. Derived: a relaxation that decays out of
 /// contact is below it.
 const ACTS: f64 = 1e-3;
+
+/// Fewest touches on either side of a step. Of a rig whose every touch differed by a force that ran away, steps of ±0.7 mm
+/// around one touch took most off.
+const TOUCHES: usize = 2;
+/// The stretches between touches that are looked at, those first that alone take most off.
+const MOST: usize = 24;
 
 /// A step of the surface beside a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,18 +35,46 @@ impl SurfaceStep {
     /// The steps of the surface of the first log, in the order of time, with the numbers of the fit refitted to first order;
     /// none where the model holds its surface.
     pub(crate) fn all(problem: &Problem<'_>, fit: &Fit) -> Vec<SurfaceStep> {
-        let (Some(surface), Some(log)) = (surface(fit), problem.logs.first()) else {
-            return Vec::new();
-        };
-        let linear = problem.linearize(&fit.shape, &fit.numbers);
-        let left = Left::of_linear(problem, fit, &linear);
-        let each = linear.columns[surface][..log.len()].iter();
-        let by_surface: Vec<f64> = each
-            .zip(&left.roots)
-            .map(|(slope, root)| slope * root)
-            .collect();
-        steps(&left, &by_surface)
+        let beside = beside(problem, fit);
+        beside.map_or(Vec::new(), |(left, by_surface)| steps(&left, &by_surface))
     }
+}
+
+/// Instants (s) of the steps of the surface that are known of the first log, and by what each is still off (m), with the
+/// numbers of the fit refitted to first order.
+pub(crate) fn off_by(problem: &Problem<'_>, fit: &Fit) -> Vec<(f64, f64)> {
+    let known = problem
+        .logs
+        .first()
+        .filter(|log| !log.surface_steps.is_empty());
+    let Some((log, (left, by_surface))) = known.zip(beside(problem, fit)) else {
+        return Vec::new();
+    };
+    let at = |own: &(f64, f64)| log.time_s.partition_point(|stamp| *stamp < own.0);
+    let each = log.surface_steps.iter();
+    let columns = each.map(|own| after(&by_surface, at(own), left.white.len()));
+    let amounts = left.amounts(columns.collect()).into_iter().flatten();
+    let each = log.surface_steps.iter().zip(amounts);
+    each.map(|((s, _), by_m)| (*s, by_m)).collect()
+}
+
+/// What a fit leaves, and what a metre of the surface makes of √w·force in each row of the first log; `None` where the model
+/// holds its surface.
+fn beside(problem: &Problem<'_>, fit: &Fit) -> Option<(Left, Vec<f64>)> {
+    let (surface, log) = (surface(fit)?, problem.logs.first()?);
+    let linear = problem.linearize(&fit.shape, &fit.numbers);
+    let left = Left::of_linear(problem, fit, &linear);
+    let each = linear.columns[surface][..log.len()].iter();
+    let by_surface = each.zip(&left.roots).map(|(slope, root)| slope * root);
+    let by_surface = by_surface.collect();
+    Some((left, by_surface))
+}
+
+/// What a metre of the surface makes from a row on, in so many rows of all logs.
+fn after(by_surface: &[f64], at: usize, len: usize) -> Vec<f64> {
+    let mut column = vec![0.0; len];
+    column[at..by_surface.len()].copy_from_slice(&by_surface[at..]);
+    column
 }
 
 /// The number of a fit that is its surface.
@@ -52,45 +87,31 @@ fn surface(fit: &Fit) -> Option<usize> {
 
 /// The steps of what is left, where a metre of the surface makes so much of √w·force in each row of the first log.
 fn steps(left: &Left, by_surface: &[f64]) -> Vec<SurfaceStep> {
-    let without = dot(&left.white, &left.white);
     let between = between_touches(by_surface);
-    let column = |at: usize| {
-        let mut column = vec![0.0; left.white.len()];
-        column[at..by_surface.len()].copy_from_slice(&by_surface[at..]);
-        column
+    let column = |at: usize| after(by_surface, at, left.white.len());
+    // The number of touches before each stretch, and one more in the last.
+    let inner = TOUCHES..(between.len() + 2).saturating_sub(TOUCHES);
+    let gain = |touches: &usize| {
+        let mut own = column(between[touches - 1]);
+        project_out(&mut own, &left.basis);
+        dot(&own, &left.white).powi(2) / dot(&own, &own).max(f64::MIN_POSITIVE)
     };
-    let mut steps: Vec<SurfaceStep> = Vec::new();
-    let mut beside = left.clone();
-    while steps.len() < MOST_STEPS {
-        let now = dot(&beside.white, &beside.white);
-        let gain = |at: &usize| {
-            let mut own = column(*at);
-            let whole = dot(&own, &own);
-            project_out(&mut own, &beside.basis);
-            let square = dot(&own, &own);
-            let gain = dot(&own, &beside.white).powi(2) / square;
-            (square > LEAST_OWN * whole).then_some((*at, gain))
-        };
-        let most = between
-            .iter()
-            .filter_map(gain)
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((at, gain)) = most.filter(|(_, gain)| *gain > LEAST_SHARE * now) else {
-            break;
-        };
-        beside.know(column(at));
-        let share = gain / without;
-        steps.push(SurfaceStep {
-            at,
-            by_m: 0.0,
-            share,
-        });
+    let mut open: Vec<(f64, usize)> = inner.map(|touches| (gain(&touches), touches)).collect();
+    open.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut open: Vec<usize> = open.into_iter().take(MOST).map(|own| own.1).collect();
+    open.sort_unstable();
+    let columns = open.iter().map(|touches| column(between[touches - 1]));
+    let needed = left.needed(columns.collect());
+    let mut pairs = needed.windows(2);
+    if pairs.any(|pair| open[pair[1].at] - open[pair[0].at] < TOUCHES) {
+        return Vec::new();
     }
-    steps.sort_by_key(|own| own.at);
-    let amounts = left.amounts(steps.iter().map(|own| column(own.at)).collect());
-    let each = steps.iter_mut().zip(amounts.into_iter().flatten());
-    each.for_each(|(step, by_m)| step.by_m = by_m);
-    steps
+    let step = |own: &Needed| SurfaceStep {
+        at: between[open[own.at] - 1],
+        by_m: own.amount,
+        share: own.share,
+    };
+    needed.iter().map(step).collect()
 }
 
 /// The middle of each stretch between two touches.

@@ -13,7 +13,7 @@ use crate::gap::finding::{
 };
 use crate::gap::model::{
     dataset::Dataset, error::std_errors, fit::Fit, problem::Problem, shape::Term, simulate::depths,
-    surface_step::SurfaceStep, weights::weights, zero_step::ZeroStep,
+    surface_step::SurfaceStep, surface_step::off_by, weights::weights, zero_step::ZeroStep,
 };
 use crate::gap::noise::floors::largest_noise_n;
 use crate::gap::options::Options;
@@ -88,6 +88,7 @@ pub(crate) fn finding(
                 .collect(),
         ]
         .concat(),
+        surface_off: off_by(&builder.problem, &decision.best),
         mistaken: None,
         effects,
     };
