@@ -14,8 +14,9 @@
 //!   remains, the effects with strong evidence stand, each for itself.
 //! - `rounds` asks again for what remains beside what is named, until nothing more is. Where the model says what it left
 //!   when it was identified, `as_identified` allows for that first.
-//! - `lost_counts`, `zero_steps` and `dents` ask again where counts were lost, where the zero has stepped, and where a
-//!   material was touched again before it had recovered: none of that is an effect of the catalogue.
+//! - `units` asks first whether the log is in another unit than the model, or with another sign.
+//! - `lost_counts`, `zero_steps`, `surface_steps` and `dents` ask again where counts were lost, where the zero or the surface
+//!   has stepped, and where a material was touched again before it had recovered: none of that is an effect of the catalogue.
 //! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
 //! - `say` makes the `finding` of it: regions, estimates, advice.
 //!
@@ -38,7 +39,9 @@ mod progress;
 mod rounds;
 mod say;
 mod search;
+mod surface_steps;
 pub mod thresholds;
+mod units;
 mod zero_steps;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
@@ -117,17 +120,26 @@ fn workflow(
     let mut notes = input_notes(model, logs, &options.thresholds.input)?;
     let (measured, hangs) = hangs::left_out(logs);
     let (bridged, spikes) = spikes::bridged(&measured);
-    let left_n = |model: &Model, logs: &[UniformLog]| {
-        let nothing = Options {
-            catalogue: Vec::new(),
-            ..options.clone()
-        };
-        asked(model, logs, &nothing, &Silent).map(|finding| finding.rmse_before_n)
+    let nothing = Options {
+        catalogue: Vec::new(),
+        ..options.clone()
     };
+    let refit = |model: &Model, logs: &[UniformLog]| asked(model, logs, &nothing, &Silent);
+    let left_n = |model: &Model, logs: &[UniformLog]| {
+        refit(model, logs).map(|finding| finding.rmse_before_n)
+    };
+    if let Some(mut finding) = units::mistaken(model, &bridged, |logs| refit(model, logs))? {
+        let first = finding.mistaken.iter().cloned();
+        finding.notes.splice(0..0, first.chain(notes));
+        return Ok(finding);
+    }
     let (closed, lost) = lost_counts::taken_back(&bridged, |logs| left_n(model, logs))?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
     let ask = |model: &Model| {
-        zero_steps::taken_off(&closed, |logs| asked(model, logs, options, progress))
+        zero_steps::taken_off(&closed, |logs| {
+            let ask = |logs: &[UniformLog]| asked(model, logs, options, progress);
+            surface_steps::taken_off(model, logs, ask, refit)
+        })
     };
     let mut finding = dents::allowed_for(model, ask, |model| left_n(model, &closed))?;
     finding.notes.splice(0..0, notes);
@@ -183,7 +195,12 @@ fn asked(
     let (decision, ladder) = (&answer.decision, answer.ladder);
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
     let another_unit = thresholds.regions.another_unit;
-    notes.extend(plausibility::implausible(model, &finding, another_unit));
+    notes.extend(plausibility::implausible(
+        model,
+        &whole[0],
+        &finding,
+        another_unit,
+    ));
     finding.differs = each_log::in_words(&rounds.fine, decision, whole);
     if finding.differs.is_some() && finding.verdict == Verdict::Unexplained {
         finding.advice = "Ask about each log by itself, or without the one that differs.".into();

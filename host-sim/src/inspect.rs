@@ -6,7 +6,7 @@ pub(crate) mod refreshed;
 mod suspicion;
 
 pub use holds::{Hold, holds};
-pub(crate) use suspicion::{exchanged, gives_work};
+pub(crate) use suspicion::{exchanged, falls_inwards, gives_work};
 pub use suspicion::{suspicions, suspicions_without_contact};
 
 use crate::log::UniformLog;

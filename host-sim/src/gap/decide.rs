@@ -4,6 +4,7 @@
 pub(crate) mod acceptance;
 mod adequacy;
 pub(crate) mod decision;
+mod early;
 mod evaluate;
 mod held_out;
 mod one_speed;

@@ -10,5 +10,6 @@ pub(crate) mod problem;
 pub(crate) mod shape;
 pub(crate) mod simulate;
 pub(crate) mod start;
+pub(crate) mod surface_step;
 pub(crate) mod weights;
 pub(crate) mod zero_step;

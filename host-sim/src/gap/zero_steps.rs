@@ -9,11 +9,12 @@ use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 use crate::number::quantity;
 
-/// The step takes more than this share off what remains. Zeros that stepped by 0.12 to 0.45 N in the middle of four logs:
-/// 0.97 to 0.996.
-const NEARLY_ALL: f64 = 0.9;
-/// Less than this share (rms) remains then. Derived: where it was nearly all of the squares less than a third does, and
-/// as much again for effects that are not known yet.
+/// The steps take more than this share off what remains. Zeros that stepped by 0.12 to 0.45 N in the middle of four logs:
+/// 0.97 to 0.996; two steps beside a friction that was missing as well took 0.56 and 0.70 off what the base left, and without
+/// them the friction explained the rest.
+const MUCH: f64 = 0.5;
+/// Less than this share (rms) remains then, with what is found beside them. Derived: steps that take half off must let an effect
+/// be found that takes half of the rest.
 const LESS: f64 = 0.5;
 /// Effects that leave at least this share of what the step leaves (rms) are no better. A drift that came to rest and a
 /// wave of three seconds were made of a step of 1 N, and left 1.05 times the noise. Derived: a tenth of the squares.
@@ -38,13 +39,19 @@ pub(super) fn taken_off(
     let [log] = logs else { return Ok(finding) };
     let mut log = log.clone();
     let mut steps: Vec<(f64, f64)> = Vec::new();
-    while let Some((about_s, force_n)) = step(&finding).filter(|_| steps.len() < MOST) {
-        let (without, at_s) = without(&log, about_s, force_n);
-        let next = ask(std::slice::from_ref(&without))?;
-        if !is_better(&next, &finding) || may_be_an_effect(&next, &finding) {
+    while steps.len() < MOST {
+        let (mut without, mut new) = (log.clone(), remaining_steps(&finding));
+        for step in &mut new {
+            (without, step.0) = self::without(&without, step.0, step.1);
+        }
+        if new.is_empty() {
             break;
         }
-        steps.push((at_s, force_n));
+        let next = ask(std::slice::from_ref(&without))?;
+        if !is_better(&next, &finding) || may_be_an_effect(&next, &finding, new.len()) {
+            break;
+        }
+        steps.extend(new);
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         (finding, log) = (next, without);
     }
@@ -78,16 +85,16 @@ fn without(log: &UniformLog, about_s: f64, force_n: f64) -> (UniformLog, f64) {
 }
 
 /// Whether a finding without a step leaves much less than the one with it, or no more with fewer effects.
-fn is_better(without: &Finding, with: &Finding) -> bool {
+pub(super) fn is_better(without: &Finding, with: &Finding) -> bool {
     let left = without.rmse_after_n / with.rmse_after_n;
     left < LESS || left < AS_MUCH && without.effects.len() < with.effects.len()
 }
 
-/// Whether an effect in the place of the step does as well: on a machine that went up and came down once a friction
-/// does. Where none was tried it may.
-fn may_be_an_effect(without: &Finding, with: &Finding) -> bool {
+/// Whether effects in the place of so many steps do as well: on a machine that went up and came down once a friction
+/// does. Where none was tried they may.
+pub(super) fn may_be_an_effect(without: &Finding, with: &Finding, steps: usize) -> bool {
     let most = BY_ONE_EFFECT * without.ratio_after;
-    let sets = 1..=without.effects.len() + 1;
+    let sets = 1..=without.effects.len() + steps;
     let tried = with
         .ladder
         .iter()
@@ -96,11 +103,25 @@ fn may_be_an_effect(without: &Finding, with: &Finding) -> bool {
     least.is_none_or(|ratio| ratio < most)
 }
 
-/// Instant (s) and amount (N) of the step that is nearly all that remains, or that the base leaves.
-fn step(finding: &Finding) -> Option<(f64, f64)> {
-    let regions = finding.remaining.iter().chain(&finding.disagreement);
-    let mut nearly_all = regions.filter(|own| own.share > NEARLY_ALL);
-    nearly_all.find_map(Region::step)
+/// Instants (s) and amounts (N) of the steps that are much of what remains, or of what the base leaves.
+fn remaining_steps(finding: &Finding) -> Vec<(f64, f64)> {
+    together(finding, MUCH, Region::step)
+}
+
+/// The steps of a kind that together are more than a share of what remains, or of what the base leaves.
+pub(super) fn together<T>(
+    finding: &Finding,
+    share: f64,
+    of: impl Fn(&Region) -> Option<T>,
+) -> Vec<T> {
+    for regions in [&finding.remaining, &finding.disagreement] {
+        let steps = regions.iter().filter_map(|own| Some((own.share, of(own)?)));
+        let (shares, steps): (Vec<f64>, Vec<T>) = steps.unzip();
+        if shares.iter().sum::<f64>() > share {
+            return steps;
+        }
+    }
+    Vec::new()
 }
 
 /// Corrects the amounts of steps by what the last fit leaves after each, and the curves by that.

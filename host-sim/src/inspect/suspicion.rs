@@ -157,6 +157,22 @@ pub(crate) fn gives_work(log: &UniformLog) -> bool {
 
 /// The sign of the force where the probe is deepest, against where it is farthest out.
 fn force_sign(log: &UniformLog) -> Option<String> {
+    falls_inwards(log).map(|(out, deep)| {
+        let columns = log.columns();
+        let position = columns.option(&[(Channel::Position, -1.0)]);
+        format!(
+            "the force falls from {} to {} on the way in: its sign, or that of the position, may be \
+             reversed ({} or {})",
+            quantity(out, 3, "N"),
+            quantity(deep, 3, "N"),
+            columns.option(&[(Channel::Force, -1.0)]),
+            position.trim_start_matches("--columns ")
+        )
+    })
+}
+
+/// The forces (N) where the probe is farthest out and where it is deepest, if they fall from one to the other.
+pub(crate) fn falls_inwards(log: &UniformLog) -> Option<(f64, f64)> {
     let noise = log.force_noise_n();
     let travel = range(&log.position_m);
     let deepest = highest(log.position_m.iter().copied());
@@ -169,18 +185,7 @@ fn force_sign(log: &UniformLog) -> Option<String> {
     let (deep, out) = (mean(deepest), mean(farthest));
     let span = range(&log.force_n);
     let falls = deep < out - 0.2 * span && span > 20.0 * noise;
-    (travel > 0.0 && falls).then(|| {
-        let columns = log.columns();
-        let position = columns.option(&[(Channel::Position, -1.0)]);
-        format!(
-            "the force falls from {} to {} on the way in: its sign, or that of the position, may be \
-             reversed ({} or {})",
-            quantity(out, 3, "N"),
-            quantity(deep, 3, "N"),
-            columns.option(&[(Channel::Force, -1.0)]),
-            position.trim_start_matches("--columns ")
-        )
-    })
+    (travel > 0.0 && falls).then_some((out, deep))
 }
 
 #[cfg(test)]

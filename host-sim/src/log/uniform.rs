@@ -23,6 +23,8 @@ pub struct Compensated {
     pub turning: Vec<bool>,
     /// Instants (s) from each of which on the zero is off by a force that is known to its errors only.
     pub stepped_s: Vec<f64>,
+    /// Instants (s) from each of which on the surface is farther by so much (m), in the order of time.
+    pub surface_steps: Vec<(f64, f64)>,
 }
 
 /// The samples of an uneven log as they were taken, which interpolation has made smoother than they are.

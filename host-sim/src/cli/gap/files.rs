@@ -215,6 +215,10 @@ fn region(region: &Region) -> Value {
             value["s"] = number(s);
             value["n"] = number(n);
         }
+        Some(Pattern::SurfaceStep { s, m }) => {
+            value["s"] = number(s);
+            value["m"] = number(m);
+        }
         None => {}
     }
     value

@@ -60,6 +60,9 @@ fn line(text: &mut String, label: &str, value: &str) {
 pub(super) fn verdict(finding: &Finding) -> String {
     let ids: Vec<EffectId> = finding.effects.iter().map(|effect| effect.id).collect();
     let names = listed(&ids);
+    if let Some(why) = &finding.mistaken {
+        return why.clone();
+    }
     match finding.verdict {
         Verdict::NoMissingEffect if finding.has_changed() => {
             "nothing is missing, but numbers have changed: with those the base model explains the log".into()

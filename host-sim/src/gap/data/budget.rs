@@ -131,6 +131,7 @@ fn averaged(log: &UniformLog, factor: usize) -> UniformLog {
         notes: log.notes.clone(),
         compensated: Compensated {
             stepped_s: log.compensated.stepped_s.clone(),
+            surface_steps: log.compensated.surface_steps.clone(),
             ..Compensated::default()
         },
         ..UniformLog::default()

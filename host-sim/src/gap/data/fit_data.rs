@@ -55,6 +55,8 @@ pub(crate) struct FitData {
     pub(crate) rest_waves_hz: Vec<f64>,
     /// Instants (s) from each of which on the zero is off by a force that a fit finds.
     pub(crate) stepped_s: Vec<f64>,
+    /// Instants (s) from each of which on the surface is farther by so much (m).
+    pub(crate) surface_steps: Vec<(f64, f64)>,
 }
 
 /// A rest is short if it takes less than this share of a log.
@@ -121,6 +123,7 @@ impl FitData {
             count: measured(log),
             rest_waves_hz: Vec::new(),
             stepped_s: log.compensated.stepped_s.clone(),
+            surface_steps: log.compensated.surface_steps.clone(),
         }
     }
 
@@ -249,6 +252,7 @@ impl FitData {
             count: picked(&self.count),
             rest_waves_hz: self.rest_waves_hz.clone(),
             stepped_s: self.stepped_s.clone(),
+            surface_steps: self.surface_steps.clone(),
         }
     }
 

@@ -7,11 +7,14 @@
 use crate::diagnostic::Diagnostic;
 use crate::gap::thresholds::Input;
 use crate::inspect::{exchanged, suspicions, suspicions_without_contact};
-use crate::log::UniformLog;
+use crate::log::{Channel, UniformLog};
 use crate::model::Model;
 use crate::number::{quantity, setting};
 use crate::signal;
 use crate::stats::range;
+
+/// No probe travels farther (m): millimetres of a palpation, read as metres, are less.
+const FARTHEST_M: f64 = 100.0;
 
 /// Describes what looks wrong in a log, a sentence for each suspicion.
 ///
@@ -32,7 +35,15 @@ pub(crate) fn suspected(
         return Ok(suspicions_without_contact(log));
     }
     if let Some(text) = exchanged(log) {
-        return refuse(text, "give the columns as they are: --columns x=f_n,f=x_m");
+        let columns = log.columns();
+        let mut remedy = format!("give the columns as they are: {}", columns.exchanged());
+        if range(&log.position_m) > FARTHEST_M {
+            let micrometres = columns.option(&[(Channel::Position, 1e-6)]);
+            remedy = format!(
+                "{remedy}; or the position in its unit, if it is in micrometres: {micrometres}"
+            );
+        }
+        return refuse(text, &remedy);
     }
     let span_n = range(&log.force_n);
     if span_n <= decide.silent_sigmas * log.force_noise_n() {

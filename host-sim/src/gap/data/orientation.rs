@@ -16,10 +16,10 @@ pub(crate) fn oriented<'a>(model: &Model, logs: &'a [UniformLog]) -> Cow<'a, [Un
     let turned = |log: &UniformLog| {
         let mut turned = log.clone();
         turned.force_n.iter_mut().for_each(|force| *force = -*force);
-        let column = Channel::Force.column_of(log.kind.unwrap_or_default());
+        let other_way = log.columns().option(&[(Channel::Force, -1.0)]);
         turned.notes.push(format!(
             "the force drives the motion and resists none of it: its sign is taken the other way round. Give it so to \
-             the other verbs as well (--columns f=-{column})"
+             the other verbs as well ({other_way})"
         ));
         turned
     };

@@ -22,14 +22,10 @@ pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
 /// much, or at all where the effect acts there as it does elsewhere. On a press at 100 Hz with counts of 5 µm a delay of
 /// −3.2 ± 1.0 ms took something off the rest, left a third more of the held-out squares, and was `certain`.
 pub(crate) fn fit_without_harmful_effect(decision: &Decision) -> Option<&Fit> {
-    let decide = &decision.thresholds.acceptance;
-    let judged = decision.gains.iter().zip(&decision.there);
-    let each = decision.without.iter().zip(judged);
-    let worst = each.min_by(|(_, a), (_, b)| a.0.total_cmp(b.0));
-    let harmful = worst.filter(|(_, (gain, there))| {
-        **gain < -decide.harm || **gain < 0.0 && **there > decide.acts_there
-    });
-    harmful.map(|(fit, _)| fit)
+    let each = decision.without.iter().zip(&decision.gains).enumerate();
+    let worst = each.min_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
+    let harmful = worst.filter(|(at, _)| decision.is_spoken_against(*at));
+    harmful.map(|(_, (fit, _))| fit)
 }
 
 /// The difference in Σ w r² within which a fit is not told from the best.
@@ -245,6 +241,7 @@ pub(super) mod tests {
             held_out: vec![false; SAMPLES],
             correlation: 1.0,
             is_beside_remainder: false,
+            may_be_a_damper: false,
         }
     }
 

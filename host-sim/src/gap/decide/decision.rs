@@ -51,6 +51,8 @@ pub(crate) struct Decision {
     pub(crate) correlation: f64,
     /// Whether what the model left when it was identified was allowed for.
     pub(crate) is_beside_remainder: bool,
+    /// Whether a delay by which the force is earlier than the position may as well be a damper.
+    pub(crate) may_be_a_damper: bool,
 }
 
 impl Decision {
@@ -58,6 +60,14 @@ impl Decision {
     pub(crate) fn evidence_for(&self, number: usize) -> Option<&Evidence> {
         let id = self.best.shape.terms[number].id;
         self.evidence.iter().find(|evidence| evidence.id == id)
+    }
+
+    /// Whether the held-out part is foretold worse with an added effect, by much, or at all where it acts there as it does
+    /// elsewhere.
+    pub(crate) fn is_spoken_against(&self, at: usize) -> bool {
+        let decide = &self.thresholds.acceptance;
+        let (gain, there) = (self.gains[at], self.there[at]);
+        gain < -decide.harm || gain < 0.0 && there > decide.acts_there
     }
 
     /// What speaks for those that are named.

@@ -68,6 +68,7 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         held_out,
         correlation,
         is_beside_remainder: false,
+        may_be_a_damper: false,
     }
 }
 

@@ -8,6 +8,7 @@ use super::acceptance::{
     fit_without_harmful_effect, fit_without_idle_effect, is_harmful,
 };
 use super::decision::Decision;
+use super::early::open_where_early;
 use super::evaluate::{evaluate, held_out_rmse_n};
 use super::rivals::result_without;
 use crate::gap::finding::Verdict;
@@ -52,7 +53,10 @@ pub(crate) fn decide(
                 Some(plain) => result.best = plain,
                 None => result = result_without(result, decision.without.swap_remove(at), dataset),
             },
-            None => return open_where_form_is_uncertain(decision),
+            None => {
+                let decision = open_where_form_is_uncertain(decision);
+                return open_where_early(dataset, decision);
+            }
         }
     }
 }

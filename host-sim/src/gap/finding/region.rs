@@ -7,7 +7,7 @@ use crate::phase::PHASES;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// `free`, `touch`, `loading`, `hold`, `unloading`, `lift_off`, `depth_low`, `depth_mid`,
-    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line`, `pitch` or `step`; where nothing is touched `forward`,
+    /// `depth_high`, `slow`, `fast`, `early`, `late`, `line`, `pitch`, `step` or `surface_step`; where nothing is touched `forward`,
     /// `backward`, `travel_low`, `travel_mid` and `travel_high` instead of phases and depths.
     pub id: &'static str,
     /// The region's share of the energy above the noise; a pattern's share of the whole residual.
@@ -40,6 +40,13 @@ pub enum Pattern {
         /// The amount (N).
         n: f64,
     },
+    /// A surface that is farther by one amount from an instant on.
+    SurfaceStep {
+        /// The instant (s), between two touches.
+        s: f64,
+        /// The amount (m).
+        m: f64,
+    },
 }
 
 impl Region {
@@ -47,6 +54,14 @@ impl Region {
     pub(in crate::gap) fn step(&self) -> Option<(f64, f64)> {
         match self.pattern? {
             Pattern::Step { s, n } => Some((s, n)),
+            _ => None,
+        }
+    }
+
+    /// Instant (s) and amount (m) of a surface that is farther from an instant on.
+    pub(in crate::gap) fn surface_step(&self) -> Option<(f64, f64)> {
+        match self.pattern? {
+            Pattern::SurfaceStep { s, m } => Some((s, m)),
             _ => None,
         }
     }
@@ -74,8 +89,8 @@ pub fn regions_in_words(regions: &[Region]) -> String {
             ""
         };
         words.push(format!(
-            "{:.0} % {of}{}",
-            100.0 * region.share,
+            "{} {of}{}",
+            share_in_words(region.share),
             place(region.id)
         ));
     }
@@ -83,17 +98,29 @@ pub fn regions_in_words(regions: &[Region]) -> String {
     words.join(", ")
 }
 
+/// A share in percent, never rounded to all or nothing.
+pub fn share_in_words(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent > 99.0 => "more than 99 %".into(),
+        percent if percent < 1.0 => "less than 1 %".into(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
 fn pattern_in_words(region: &Region) -> Option<String> {
-    let percent = 100.0 * region.share;
+    let share = share_in_words(region.share);
     Some(match region.pattern? {
-        Pattern::Line { hz } => format!("{percent:.0} % in a line at {hz:.3} Hz"),
+        Pattern::Line { hz } => format!("{share} in a line at {hz:.3} Hz"),
         Pattern::Pitch { m } => format!(
-            "{percent:.0} % repeats every {} along the way",
+            "{share} repeats every {} along the way",
             quantity(m, 3, "m")
         ),
-        Pattern::Step { s, n } => format!(
-            "{percent:.0} % in a step of {} at {s:.2} s",
-            quantity(n, 3, "N")
+        Pattern::Step { s, n } => {
+            format!("{share} in a step of {} at {s:.2} s", quantity(n, 3, "N"))
+        }
+        Pattern::SurfaceStep { s, m } => format!(
+            "{share} in a surface that steps by {} at {s:.2} s",
+            quantity(m, 3, "m")
         ),
     })
 }

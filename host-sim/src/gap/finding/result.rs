@@ -203,6 +203,10 @@ pub struct Finding {
     pub curves: Vec<Curves>,
     /// What a reader must know.
     pub notes: Vec<String>,
+    /// Instants (s) of the steps of the surface that were taken off, and by what each is still off (m), to first order.
+    pub(crate) surface_off: Vec<(f64, f64)>,
+    /// Why the log seems to be in another unit, or with another sign, than the model: then no effect is asked for.
+    pub mistaken: Option<String>,
 }
 
 impl Finding {
@@ -298,15 +302,6 @@ impl Finding {
                 Some((*id, estimates.collect()))
             })
             .collect()
-    }
-}
-
-/// A share in percent, never rounded to all or nothing.
-pub fn share_in_words(share: f64) -> String {
-    match 100.0 * share {
-        percent if percent > 99.0 => "more than 99 %".into(),
-        percent if percent < 1.0 => "less than 1 %".into(),
-        percent => format!("{percent:.0} %"),
     }
 }
 

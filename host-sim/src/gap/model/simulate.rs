@@ -18,7 +18,12 @@ fn run_from<S: Scalar>(
     mut each: impl FnMut(usize, Reading<S>),
 ) {
     let delay_s = rig.delay_s();
+    let mut rig = *rig;
+    let mut slips = log.surface_steps.iter().peekable();
     for at in 0..log.len() {
+        while let Some((_, by_m)) = slips.next_if(|own| own.0 <= log.time_s[at]) {
+            rig.environment.surface_m = rig.environment.surface_m + S::from_f64(*by_m);
+        }
         let motion = match delay_s {
             Some(delay_s) => log.delayed_motion(at, delay_s),
             None => log.motion(at),

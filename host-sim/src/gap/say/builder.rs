@@ -13,7 +13,7 @@ use crate::gap::finding::{
 };
 use crate::gap::model::{
     dataset::Dataset, error::std_errors, fit::Fit, problem::Problem, shape::Term, simulate::depths,
-    weights::weights, zero_step::ZeroStep,
+    surface_step::SurfaceStep, surface_step::off_by, weights::weights, zero_step::ZeroStep,
 };
 use crate::gap::noise::floors::largest_noise_n;
 use crate::gap::options::Options;
@@ -22,6 +22,7 @@ use crate::gap::say::{
 };
 use crate::gap::search::evidence::Evidence;
 use crate::model::{Model, Remainder};
+use crate::stats::rms;
 
 /// Builds the finding.
 pub(crate) fn finding(
@@ -77,12 +78,27 @@ pub(crate) fn finding(
         },
         bandwidth_hz: options.bandwidth_hz,
         curves: builder.curves(),
-        notes: [forms_in_words(&decision.best.shape.terms), replaced].concat(),
+        notes: [
+            forms_in_words(&decision.best.shape.terms),
+            replaced,
+            decision
+                .may_be_a_damper
+                .then(|| EARLY.into())
+                .into_iter()
+                .collect(),
+        ]
+        .concat(),
+        surface_off: off_by(&builder.problem, &decision.best),
+        mistaken: None,
         effects,
     };
     (finding.advice, finding.advised) = advice(&finding, dataset, decision);
     finding
 }
+
+/// What a force that is earlier than the position may be.
+const EARLY: &str = "the force is earlier than the position, which a damper in contact that the model lacks or has too large, \
+     or a mount that damps, shows as well as a delay of the position does: this log does not tell them apart";
 
 /// The forms that effects of the model have taken on, a sentence each.
 fn forms_in_words(terms: &[Term]) -> Vec<String> {
@@ -177,11 +193,19 @@ impl<'a> FindingBuilder<'a> {
             .zip(&decision.without);
         let mut effects: Vec<MissingEffect> = added
             .zip(evaluated)
-            .map(|(number, ((alternatives, gain), without))| {
+            .enumerate()
+            .map(|(at, (number, ((alternatives, gain), without)))| {
                 let forces = self.problem.forces(&without.shape, &without.numbers);
                 let id = decision.best.shape.terms[number].id;
                 let evidence = decision.evidence_for(number);
-                let (grade, alternatives) = graded(decision.verdict, evidence, alternatives);
+                let (grade, alternatives) = match decision.is_spoken_against(at) {
+                    // What the rest of the log is foretold worse with is not sure, whatever takes off most.
+                    true => (
+                        Grade::Open,
+                        evidence.map_or(Vec::new(), |own| own.alternatives.clone()),
+                    ),
+                    false => graded(decision.verdict, evidence, alternatives),
+                };
                 MissingEffect {
                     id,
                     parameters: estimates.of_effect(number),
@@ -227,23 +251,40 @@ impl<'a> FindingBuilder<'a> {
         let residuals = self.problem.residuals_of(forces);
         let mut regions = self.regions_of(&residuals, &self.decision.variances);
         if !regions.is_empty() {
-            regions.extend(self.step(fit));
+            regions.extend(self.steps(fit));
         }
         regions
     }
 
-    /// The step of the zero of the first log that a fit leaves, if that is a good part of it.
-    fn step(&self, fit: &Fit) -> Option<Region> {
-        let (_, step) = ZeroStep::of(&self.problem, fit).filter(|(log, _)| *log == 0)?;
-        let (s, n) = (self.dataset.logs[0].time_s[step.at], step.force_n);
-        let after = 1.0 - step.at as f64 / self.dataset.logs[0].len() as f64;
-        (step.share > self.decision.thresholds.regions.step_share).then_some(Region {
-            id: "step",
-            share: step.share,
-            rms_n: n.abs() * after.sqrt(),
-            samples: after,
-            pattern: Some(Pattern::Step { s, n }),
-        })
+    /// The steps of the zero and of the surface of the first log that a fit leaves, if they are a good part of it.
+    fn steps(&self, fit: &Fit) -> Vec<Region> {
+        let log = &self.dataset.logs[0];
+        let after = |at: usize| 1.0 - at as f64 / log.len() as f64;
+        let region = |id, share, rms_n, samples, pattern| Region {
+            id,
+            share,
+            rms_n,
+            samples,
+            pattern: Some(pattern),
+        };
+        let of_zero = ZeroStep::all(&self.problem, fit).into_iter().map(|own| {
+            let (s, n, after) = (log.time_s[own.at], own.force_n, after(own.at));
+            let pattern = Pattern::Step { s, n };
+            region("step", own.share, n.abs() * after.sqrt(), after, pattern)
+        });
+        let left_n = rms(self.problem.residuals(&fit.shape, &fit.numbers));
+        let surface = SurfaceStep::all(&self.problem, fit).into_iter();
+        let of_surface = surface.map(|own| {
+            let (s, m) = (log.time_s[own.at], own.by_m);
+            let pattern = Pattern::SurfaceStep { s, m };
+            let made_n = left_n * own.share.sqrt();
+            region("surface_step", own.share, made_n, after(own.at), pattern)
+        });
+        let together = |own: &Vec<Region>| own.iter().map(|own| own.share).sum::<f64>();
+        let least = self.decision.thresholds.regions.step_share;
+        let both: [Vec<Region>; 2] = [of_zero.collect(), of_surface.collect()];
+        let large = both.into_iter().filter(|own| together(own) > least);
+        large.flatten().collect()
     }
 
     fn regions_of(&self, residuals: &[f64], variances: &[f64]) -> Vec<Region> {

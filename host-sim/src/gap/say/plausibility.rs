@@ -1,13 +1,19 @@
 //! What a finding says about its input.
 
 use crate::gap::finding::Finding;
+use crate::log::{Channel, UniformLog};
 use crate::model::Model;
 use crate::number::quantity;
 use crate::stats::highest;
 
 /// Notes on what the result says about the input: a stiffness of another order, a surface that is never
 /// reached.
-pub(crate) fn implausible(model: &Model, finding: &Finding, another_unit: f64) -> Vec<String> {
+pub(crate) fn implausible(
+    model: &Model,
+    log: &UniformLog,
+    finding: &Finding,
+    another_unit: f64,
+) -> Vec<String> {
     let mut notes = Vec::new();
     for (given, found) in model
         .environment
@@ -19,9 +25,10 @@ pub(crate) fn implausible(model: &Model, finding: &Finding, another_unit: f64) -
         if given.name == "stiffness" && !(1.0 / another_unit..=another_unit).contains(&times) {
             notes.push(format!(
                 "the fitted stiffness is {}, the model's {}: another unit or sign of position or force, or another \
-                 rig's log? (--columns x=x_m*1e-3)",
+                 rig's log? ({})",
                 quantity(found.value, 3, found.unit),
                 quantity(given.value, 3, given.unit),
+                log.columns().option(&[(Channel::Position, 1e-3)]),
             ));
         }
     }

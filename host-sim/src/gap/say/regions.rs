@@ -8,7 +8,7 @@
 use crate::gap::finding::Region;
 use crate::gap::say::{lines::lines, log_residuals::LogResiduals};
 use crate::gap::thresholds::Regions;
-use crate::phase::Course;
+use crate::phase::{Course, PHASES};
 use crate::stats::{lowest, median, range};
 
 /// The regions in which the excess is significant, the largest share first.
@@ -21,10 +21,10 @@ pub(crate) fn regions(
     logs.iter().for_each(|log| tallies.add_log(log));
     let mut tested: Vec<(f64, Region)> = tallies
         .regions
-        .into_iter()
+        .iter()
         .filter(|(_, tally)| tally.count >= decide.fewest_samples)
         .map(|(id, tally)| {
-            let region = tally.region(id, &tallies.total);
+            let region = tally.region(id, tallies.whole_n2(id), tallies.total.count);
             (tally.p_value(correlation), region)
         })
         .collect();
@@ -94,6 +94,14 @@ impl Tallies {
         }
     }
 
+    /// The excess (N²) of which a region has its share: that of all samples, or of all regions of its cut that have any. One
+    /// in which there is less than the noise makes no other more than all.
+    fn whole_n2(&self, id: &str) -> f64 {
+        let own = self.regions.iter().filter(|(of, _)| cut(of) == cut(id));
+        let whole: f64 = own.map(|(_, tally)| tally.excess_n2.max(0.0)).sum();
+        whole.max(self.total.excess_n2)
+    }
+
     fn add(&mut self, id: &'static str, square: f64, variance: f64) {
         match self.regions.iter_mut().find(|(of, _)| *of == id) {
             Some((_, tally)) => tally.add(square, variance),
@@ -103,6 +111,16 @@ impl Tallies {
                 self.regions.push((id, tally));
             }
         }
+    }
+}
+
+/// Which way of cutting the log a region is of: by phase, depth or travel, speed, time.
+fn cut(id: &str) -> usize {
+    match id {
+        "slow" | "fast" => 2,
+        "early" | "late" => 3,
+        _ if PHASES.contains(&id) => 0,
+        _ => 1,
     }
 }
 
@@ -135,12 +153,13 @@ impl Tally {
         0.5 * libm::erfc(deviations / std::f64::consts::SQRT_2)
     }
 
-    fn region(&self, id: &'static str, total: &Tally) -> Region {
+    /// The region, of a `whole_n2` excess and so many samples in all.
+    fn region(&self, id: &'static str, whole_n2: f64, count: f64) -> Region {
         Region {
             id,
-            share: (self.excess_n2 / total.excess_n2.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
+            share: (self.excess_n2 / whole_n2.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
             rms_n: (self.energy_n2 / self.count).sqrt(),
-            samples: self.count / total.count,
+            samples: self.count / count,
             pattern: None,
         }
     }
@@ -149,6 +168,26 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shares_of_one_cut_are_no_more_than_all_where_a_region_is_below_the_noise() {
+        // GIVEN 9 N² in loading, 3 N² in holds, and free air that is 8 N² below its noise
+        let mut tallies = Tallies::default();
+        let mut add = |id: &'static str, square: f64, variance: f64| {
+            tallies.add(id, square, variance);
+            tallies.total.add(square, variance);
+        };
+        add("loading", 10.0, 1.0);
+        add("hold", 4.0, 1.0);
+        add("free", 1.0, 9.0);
+        let share = |(id, tally): &(&'static str, Tally)| {
+            tally
+                .region(id, tallies.whole_n2(id), tallies.total.count)
+                .share
+        };
+        let shares: Vec<f64> = tallies.regions.iter().map(share).collect();
+        assert_eq!(shares, [0.75, 0.25, 0.0]);
+    }
 
     #[test]
     fn the_deepest_is_in_the_last_third() {

@@ -47,7 +47,7 @@ fn remaining_share(finding: &Finding) -> String {
 }
 
 /// The order of the rows after the phases of the contact or the ways: depth or place, speed, time, patterns.
-const AFTER_PHASES: [&str; 13] = [
+const AFTER_PHASES: [&str; 14] = [
     "depth_low",
     "depth_mid",
     "depth_high",
@@ -61,17 +61,23 @@ const AFTER_PHASES: [&str; 13] = [
     "line",
     "pitch",
     "step",
+    "surface_step",
 ];
 
 /// A table of every region in which either model and the log disagree.
 fn table(finding: &Finding) -> Table {
     let only_base = finding.effects.is_empty();
     let (before, after) = (&finding.disagreement, &finding.remaining);
-    let of = |regions: &[Region], id: &str| regions.iter().find(|region| region.id == id).cloned();
-    let mut rows: Vec<(Option<Region>, Option<Region>)> = PHASES
-        .iter()
-        .chain(&AFTER_PHASES)
-        .map(|id| (of(before, id), of(after, id).filter(|_| !only_base)))
+    let of = |regions: &[Region], id: &str, at: usize| {
+        let mut own = regions.iter().filter(|region| region.id == id);
+        own.nth(at).cloned()
+    };
+    // A zero may step several times.
+    let count = before.len().max(after.len());
+    let ids = PHASES.iter().chain(&AFTER_PHASES);
+    let mut rows: Vec<(Option<Region>, Option<Region>)> = ids
+        .flat_map(|id| (0..count).map(move |at| (id, at)))
+        .map(|(id, at)| (of(before, id, at), of(after, id, at).filter(|_| !only_base)))
         .collect();
     rows.retain(|(before, after)| before.is_some() || after.is_some());
     let all = rows
@@ -136,6 +142,9 @@ fn name(region: &Region) -> String {
         }
         Some(Pattern::Step { s, n }) => {
             return format!("Step of {} at {s:.2} s", quantity(n, 3, "N"));
+        }
+        Some(Pattern::SurfaceStep { s, m }) => {
+            return format!("Surface {} farther at {s:.2} s", quantity(m, 3, "m"));
         }
         None => {}
     }

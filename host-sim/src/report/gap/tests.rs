@@ -88,6 +88,8 @@ fn finding(verdict: Verdict) -> Finding {
     };
     let has_effects = !matches!(verdict, Verdict::NoMissingEffect | Verdict::Unexplained);
     Finding {
+        mistaken: None,
+        surface_off: Vec::new(),
         verdict,
         effects: if has_effects { vec![named] } else { Vec::new() },
         rmse_before_n: 0.4,

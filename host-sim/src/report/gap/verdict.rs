@@ -8,6 +8,9 @@ use crate::report::Tone;
 
 /// The tone and the words of the badge.
 pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
+    if finding.mistaken.is_some() {
+        return (Tone::Warning, "units or signs");
+    }
     match finding.verdict {
         Verdict::NoMissingEffect => (Tone::Good, "nothing missing"),
         Verdict::MissingEffects if finding.effects.len() == 1 => (Tone::Good, "missing effect"),
@@ -24,6 +27,11 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
 
 /// The verdict with its numbers.
 pub(super) fn sentence(finding: &Finding) -> String {
+    if let Some(why) = &finding.mistaken {
+        let mut letters = why.chars();
+        let first = letters.next().map(|first| first.to_uppercase().to_string());
+        return format!("{}{}.", first.unwrap_or_default(), letters.as_str());
+    }
     let (before, after) = errors(finding);
     let times =
         |ratio: f64| format!("{ratio:.2} times what noise and the errors of the motion allow");
