@@ -67,7 +67,7 @@ use data::scales::Scales;
 use data::{budget, hangs, input, leaps, orientation, ringing, spikes};
 use noise::floors::{Floors, largest_correlation};
 use rounds::{Answer, Rounds};
-use say::{builder, each_log, plausibility};
+use say::{builder, each_log, plausibility::implausible};
 use search::run::MOST_ADDED;
 use search::sets::keep_first;
 use thresholds::{Floor, Input, Rest};
@@ -194,13 +194,7 @@ fn asked(
     progress.at(0.95, "regions and errors");
     let (decision, ladder) = (&answer.decision, answer.ladder);
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
-    let another_unit = thresholds.regions.another_unit;
-    notes.extend(plausibility::implausible(
-        model,
-        &whole[0],
-        &finding,
-        another_unit,
-    ));
+    notes.extend(implausible(model, &whole[0], &finding, thresholds));
     finding.differs = each_log::in_words(&rounds.fine, decision, whole);
     if finding.differs.is_some() && finding.verdict == Verdict::Unexplained {
         finding.advice = "Ask about each log by itself, or without the one that differs.".into();

@@ -70,24 +70,13 @@ pub(crate) fn finding(
             // What was allowed for stays the measure: it would grow from log to log.
             remainder: match decision.is_beside_remainder {
                 true => model.remainder,
-                false => builder
-                    .left(options.bandwidth_hz)
-                    .or_else(|| Some(builder.noise_alone(options.bandwidth_hz))),
+                false => Some(builder.left_or_noise(options.bandwidth_hz)),
             },
             ..estimates.refitted_model(model)
         },
         bandwidth_hz: options.bandwidth_hz,
         curves: builder.curves(),
-        notes: [
-            forms_in_words(&decision.best.shape.terms),
-            replaced,
-            decision
-                .may_be_a_damper
-                .then(|| EARLY.into())
-                .into_iter()
-                .collect(),
-        ]
-        .concat(),
+        notes: [in_words(decision), replaced].concat(),
         surface_off: off_by(&builder.problem, &decision.best),
         mistaken: None,
         effects,
@@ -99,6 +88,13 @@ pub(crate) fn finding(
 /// What a force that is earlier than the position may be.
 const EARLY: &str = "the force is earlier than the position, which a damper in contact that the model lacks or has too large, \
      or a mount that damps, shows as well as a delay of the position does: this log does not tell them apart";
+
+/// What a decision leaves open, a sentence each.
+fn in_words(decision: &Decision) -> Vec<String> {
+    let early = decision.may_be_a_damper.then(|| EARLY.into());
+    let forms = forms_in_words(&decision.best.shape.terms).into_iter();
+    forms.chain(early).collect()
+}
 
 /// The forms that effects of the model have taken on, a sentence each.
 fn forms_in_words(terms: &[Term]) -> Vec<String> {
@@ -318,6 +314,12 @@ impl<'a> FindingBuilder<'a> {
             count += log.len() as f64;
         }
         (sum / count).sqrt()
+    }
+
+    /// What the model with the effects leaves beside the noise, or the noise.
+    fn left_or_noise(&self, bandwidth_hz: Option<f64>) -> Remainder {
+        let left = self.left(bandwidth_hz);
+        left.unwrap_or_else(|| self.noise_alone(bandwidth_hz))
     }
 
     /// What the model with the effects leaves, where that is no noise. A log may be explained and leave some: errors of a

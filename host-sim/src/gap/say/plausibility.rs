@@ -1,6 +1,7 @@
 //! What a finding says about its input.
 
 use crate::gap::finding::Finding;
+use crate::gap::thresholds::Thresholds;
 use crate::log::{Channel, UniformLog};
 use crate::model::Model;
 use crate::number::quantity;
@@ -12,8 +13,9 @@ pub(crate) fn implausible(
     model: &Model,
     log: &UniformLog,
     finding: &Finding,
-    another_unit: f64,
+    thresholds: &Thresholds,
 ) -> Vec<String> {
+    let another_unit = thresholds.regions.another_unit;
     let mut notes = Vec::new();
     for (given, found) in model
         .environment
