@@ -25,9 +25,10 @@ const FEWEST_FOR_EXPONENTIAL: usize = 4;
 const OUTSIDE: f64 = 0.1;
 /// A log that goes on for longer than this share after its last free air is not known there.
 const MOST_AFTER: f64 = 1.0 / 3.0;
-/// It is a drift if it goes over so many times the scatter of the means about it. 1/f noise looks like a drift: of 15 logs
-/// with it 2 to 6 times. A zero that steps in the middle is 6 times.
-const OVER_SCATTER: f64 = 8.0;
+/// It is a drift if it goes over so many times the scatter of the means about it. 50 logs that drift: 13.7 times and more;
+/// 30 with 1/f noise, which looks like a drift: 4.0 times at most; 100 without either: 0.9 times at most; 40 whose zero steps by
+/// 0.5 N in the middle: 5.6 to 8.8 times.
+const OVER_SCATTER: f64 = 10.0;
 /// Means so many deviations off are none of the baseline (a pull, a late release); it has no more of them than this share.
 const OUTLIER: f64 = 4.0;
 const MOST_OUTLIERS: f64 = 0.2;

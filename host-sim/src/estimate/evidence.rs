@@ -93,8 +93,8 @@ fn is_apart(log: &UniformLog, outcome: &Outcome) -> bool {
         && apart_s(log).is_some_and(|apart_s| taken_by_lateness(outcome, apart_s).is_some())
 }
 
-/// Whether a relaxation may be that of the low-pass that the force went through: a spring and a damper behind 25 to 60 Hz
-/// were a solid of up to three times the stiffness.
+/// Whether a relaxation may be that of the low-pass that the force went through: a spring and a damper
+/// behind 20 to 100 Hz were a solid of up to three times the stiffness.
 fn is_filter(log: &UniformLog, outcome: &Outcome) -> bool {
     let rates = ["relaxation_rate_1", "relaxation_rate_2"];
     let rate = |name: &str| outcome.value(name).map(|found| f64::from(found.value));

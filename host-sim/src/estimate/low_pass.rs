@@ -1,7 +1,7 @@
 //! A force that went through a low-pass before it was logged, or was interpolated: its noise ends at a corner.
 //!
 //! From sample to sample such a force hardly scatters (0.1 mN of 1 mN behind 20 Hz at 1 kHz), and every law left many times
-//! that: of 26 logs behind a filter without delay seven were `converged`. Its noise is what it does at rest. What the
+//! that. Its noise is what it does at rest. What the
 //! filter does to the contact is not undone: one with a delay takes stiffness times delay off a damping.
 
 use std::f64::consts::TAU;

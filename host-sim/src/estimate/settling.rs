@@ -2,7 +2,7 @@
 //!
 //! The probe rests in free air and the force goes to where it rests. What is estimated would take the first samples for
 //! the resting force: of logs with an exponential of 0.1 to 1 N and 20 to 100 ms two of fifteen ended in `no_contact`, and
-//! of those behind a low-pass that started from zero beside an offset three of twelve. That part is left out.
+//! of those behind a low-pass that started from zero beside an offset two of twelve. That part is left out.
 
 use super::beginning::is_free_from;
 use crate::log::UniformLog;
