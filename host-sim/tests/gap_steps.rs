@@ -13,6 +13,8 @@ struct Happens<'a> {
     zero_steps: &'a [(f64, f64)],
     /// Instants (s) from each of which on the surface is farther by so much (m).
     slips: &'a [(f64, f64)],
+    /// From this instant (s) on the material has other numbers: it is so many times as stiff and damps so many times as much.
+    swapped: Option<(f64, f64, f64)>,
     /// Coulomb's friction of the drive (N).
     friction_n: f64,
     /// The sensor's time (s) by which the force is earlier than the position, as a damper in contact shows it.
@@ -36,9 +38,13 @@ fn rows(happens: Happens<'_>) -> Vec<[f64; 3]> {
         let t = f64::from(at) * PERIOD_S;
         let v = (way(t + 1e-5) - way(t - 1e-5)) / 2e-5;
         let depth = (way(t) - since(happens.slips, t)).max(0.0) / 1e-3;
-        let stiff = 1.35 * depth.powf(1.35);
-        let damped =
-            (0.02 * depth.powf(1.35) + 1.8 * happens.damper_s * depth.powf(0.35)) * 1e3 * v;
+        let swapped = happens.swapped.filter(|own| own.0 <= t);
+        let (stiffer, more_damped) = swapped.map_or((1.0, 1.0), |own| (own.1, own.2));
+        let stiff = 1.35 * stiffer * depth.powf(1.35);
+        let damped = (0.02 * more_damped * depth.powf(1.35)
+            + 1.8 * happens.damper_s * depth.powf(0.35))
+            * 1e3
+            * v;
         let friction = happens.friction_n * (v / 2e-4).tanh();
         let force = (stiff + damped).max(0.0) + friction + since(happens.zero_steps, t);
         [t, way(t), force + 5e-3 * white(at)]
@@ -98,6 +104,16 @@ fn a_sample_that_slips_between_touches_is_said_and_nothing_is_missing() {
         said.contains("steps by 100.") || said.contains("steps by 99."),
         "{said}"
     );
+}
+
+#[test]
+fn another_material_from_a_touch_on_is_no_slip() {
+    let (json, said) = asked(csv(rows(Happens {
+        swapped: Some((8.1, 0.8, 6.0)),
+        ..Happens::default()
+    })));
+    assert!(!said.contains("the surface steps by"), "{said}");
+    assert_ne!(json["verdict"], "no_missing_effect", "{said}");
 }
 
 #[test]

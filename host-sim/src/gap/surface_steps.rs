@@ -32,9 +32,9 @@ pub(super) fn taken_off(
     ask: impl Fn(&[UniformLog]) -> Result<Finding, Diagnostic>,
     refit: impl Fn(&Model, &[UniformLog]) -> Result<Finding, Diagnostic>,
 ) -> Result<Finding, Diagnostic> {
-    let mut finding = ask(logs)?;
-    let [log] = logs else { return Ok(finding) };
-    let mut log = log.clone();
+    let first = ask(logs)?;
+    let [log] = logs else { return Ok(first) };
+    let (mut finding, mut log) = (first.clone(), log.clone());
     for _ in 0..MOST_ROUNDS {
         let steps = together(&finding, NEARLY_ALL, Region::surface_step);
         if steps.is_empty() {
@@ -54,6 +54,10 @@ pub(super) fn taken_off(
             break;
         }
         (finding, log) = (next, moved);
+    }
+    // Another material from a touch on is no slip, though one explains most of it: 308 µm, and 39 mN of 21 mN were left.
+    if finding.verdict.leaves_a_remainder() {
+        return Ok(first);
     }
     let all = &log.compensated.surface_steps;
     let steps = finding
