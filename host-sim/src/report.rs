@@ -15,6 +15,7 @@ pub mod plot;
 mod provenance;
 mod table;
 pub mod teleop;
+mod words;
 
 pub use document::{Document, Section, Tone};
 pub use figure::Figure;
@@ -22,6 +23,7 @@ pub use heat_map::{HeatMap, HeatScale, Shaded};
 pub use html::escape;
 pub use provenance::{Input, Provenance};
 pub use table::{Cell, Table};
+pub(crate) use words::capitalised;
 
 use std::path::Path;
 

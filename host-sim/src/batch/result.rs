@@ -181,6 +181,12 @@ impl Batch {
         }
     }
 
+    /// The same for Kelvin and Voigt's damper, which a lateness of T bends by K·T and nothing else.
+    pub(super) fn widen_damper(&mut self, of_lateness_s: f64) {
+        let stiffness = self.value("stiffness").map_or(0.0, |own| own.value);
+        self.widen("damping", stiffness * of_lateness_s);
+    }
+
     /// Whether the material relaxes in so many modes as one that does so at all times would.
     pub(super) fn relaxes_at_all_times(&self) -> bool {
         self.family.modes >= AT_ALL_TIMES
@@ -189,24 +195,20 @@ impl Batch {
     /// Adds to the standard error of a stiffness at once what a faster mode that is as large as the fastest would: a
     /// material whose force falls as t^−0.2 had 5180 ± 160, 4560 ± 160 and 3700 ± 70 N/m, pressed in 0.2, 0.8 and 3 s.
     pub(super) fn widen_by_faster_modes(&mut self) {
-        let fastest = self.value("relaxation_fraction_1");
-        let Some(fastest) = fastest.filter(|_| self.relaxes_at_all_times()) else {
-            return;
-        };
-        let mut own = self.parameters.iter_mut();
-        let stiffness = own.find(|own| own.name == "stiffness");
-        if let Some(stiffness) = stiffness.and_then(|own| own.estimate.as_mut()) {
-            stiffness.std_error = stiffness.std_error.hypot(stiffness.value * fastest.value);
+        let both = self
+            .value("stiffness")
+            .zip(self.value("relaxation_fraction_1"));
+        if let Some((stiffness, fastest)) = both.filter(|_| self.relaxes_at_all_times()) {
+            self.widen("stiffness", stiffness.value * fastest.value);
         }
     }
 
-    /// The same for Kelvin and Voigt's damper, which a lateness of T bends by K·T and nothing else.
-    pub(super) fn widen_damper(&mut self, of_lateness_s: f64) {
-        let stiffness = self.value("stiffness").map_or(0.0, |own| own.value);
+    /// Adds an independent error to the standard error of a parameter, where it is known.
+    fn widen(&mut self, name: &str, by: f64) {
         let mut own = self.parameters.iter_mut();
-        let damping = own.find(|own| own.name == "damping");
-        if let Some(damping) = damping.and_then(|own| own.estimate.as_mut()) {
-            damping.std_error = damping.std_error.hypot(stiffness * of_lateness_s);
+        let own = own.find(|own| own.name == name);
+        if let Some(own) = own.and_then(|own| own.estimate.as_mut()) {
+            own.std_error = own.std_error.hypot(by);
         }
     }
 

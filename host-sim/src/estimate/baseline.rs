@@ -5,7 +5,7 @@
 //! 50 mN/s, or warmed up by 0.05 to 0.4 N in 2 to 10 s, a fit of the whole log with one resting force was right in four,
 //! and `converged` and wrong in two.
 
-use super::setup::first_touch_m;
+use super::setup::outside;
 use crate::log::UniformLog;
 use crate::lsq::dense;
 use crate::number::quantity;
@@ -21,8 +21,6 @@ const MARGIN: f64 = 0.1;
 /// Stretches of free air that a line is told from, and an exponential: one more than their numbers.
 const FEWEST_FOR_LINE: usize = 3;
 const FEWEST_FOR_EXPONENTIAL: usize = 4;
-/// Free air ends this share of the travel before the first touch.
-const OUTSIDE: f64 = 0.1;
 /// A log that goes on for longer than this share after its last free air is not known there.
 const MOST_AFTER: f64 = 1.0 / 3.0;
 /// It is a drift if it goes over so many times the scatter of the means about it. 50 logs that drift: 13.7 times and more;
@@ -71,12 +69,9 @@ pub fn undrifted(log: &UniformLog) -> Option<UniformLog> {
 
 /// Means (s, N) of each stretch of free air.
 fn rests(log: &UniformLog) -> Option<Vec<Vec<(f64, f64)>>> {
-    let outside_m = first_touch_m(log)? - OUTSIDE * range(&log.position_m);
     let samples = ((MEAN_S * log.rate_hz) as usize).max(FEWEST_SAMPLES);
-    let is_out = |at: &usize| log.position_m[*at] < outside_m && log.has_force(*at);
-    let all: Vec<usize> = (0..log.len()).filter(is_out).collect();
-    let stretches = all.chunk_by(|a, b| b - a == 1);
-    let each = stretches.map(|stretch| {
+    let stretches = outside(log)?;
+    let each = stretches.iter().map(|stretch| {
         let means = stretch.chunks_exact(samples).map(|own| {
             let force_n = own.iter().map(|at| log.force_n[*at]).sum::<f64>() / samples as f64;
             (log.time_s[own[samples / 2]], force_n)

@@ -6,11 +6,11 @@
 
 use std::f64::consts::TAU;
 
-use super::setup::first_touch_m;
+use super::setup::outside;
 use crate::log::UniformLog;
 use crate::number::quantity;
 use crate::spectral::{hann, power};
-use crate::stats::{median, range, robust_deviation};
+use crate::stats::{median, robust_deviation};
 
 /// Samples of a segment whose spectrum is taken; half of them are the fewest of free air.
 const SEGMENT: usize = 256;
@@ -21,8 +21,6 @@ const FEWEST_BINS: usize = 8;
 const FALLS: f64 = 25.0;
 /// The corner is where half of the power of the lowest octaves is left.
 const HALF: f64 = 0.5;
-/// Free air ends this share of the travel before the first touch.
-const OUTSIDE: f64 = 0.1;
 /// It counts where the force rests by so many times its scatter from sample to sample.
 const LARGER: f64 = 1.3;
 /// A mode that is faster than this share of the filter's rate may be the filter itself.
@@ -66,11 +64,8 @@ pub(crate) fn may_be_the_filter(log: &UniformLog, rate_per_s: f64) -> bool {
 
 /// Segments of the force in free air.
 fn rests(log: &UniformLog) -> Option<Vec<Vec<f64>>> {
-    let outside_m = first_touch_m(log)? - OUTSIDE * range(&log.position_m);
-    let is_out = |at: &usize| log.position_m[*at] < outside_m && log.has_force(*at);
-    let all: Vec<usize> = (0..log.len()).filter(is_out).collect();
-    let stretches = all.chunk_by(|a, b| b - a == 1);
-    let segments = stretches.flat_map(|own| own.chunks(SEGMENT));
+    let stretches = outside(log)?;
+    let segments = stretches.iter().flat_map(|own| own.chunks(SEGMENT));
     let segments = segments.filter(|own| own.len() >= SEGMENT / 2);
     let forces = segments.map(|own| own.iter().map(|at| log.force_n[*at]).collect());
     Some(forces.collect())

@@ -180,9 +180,25 @@ fn free_samples(log: &UniformLog) -> Option<usize> {
 }
 
 /// Where the probe is (m) when the force first leaves its start; `None` of a log that begins in contact, or has none.
-pub(super) fn first_touch_m(log: &UniformLog) -> Option<f64> {
+fn first_touch_m(log: &UniformLog) -> Option<f64> {
     let touch = free_samples(log).filter(|_| !begins_in_contact(log))?;
     Some(log.position_m[touch])
+}
+
+/// A probe is in free air where it is farther out than its first touch by this share of its travel.
+const OUTSIDE: f64 = 0.1;
+
+/// The stretches of free air of a log, as far as a position tells: samples that lie side by side and have a force. `None` of a
+/// log without a first touch.
+pub(super) fn outside(log: &UniformLog) -> Option<Vec<Vec<usize>>> {
+    let outside_m = first_touch_m(log)? - OUTSIDE * range(&log.position_m);
+    let is_out = |at: &usize| log.position_m[*at] < outside_m && log.has_force(*at);
+    let all: Vec<usize> = (0..log.len()).filter(is_out).collect();
+    Some(
+        all.chunk_by(|a, b| b - a == 1)
+            .map(<[usize]>::to_vec)
+            .collect(),
+    )
 }
 
 /// Whether too little free air was seen at the start to know what the force rests at.

@@ -51,13 +51,16 @@ pub(super) fn mistaken(
 ) -> Result<Option<Finding>, Diagnostic> {
     // Which way a machine goes that touches nothing its own friction says (`data::orientation`).
     let may_turn = !model.environment.is_free();
-    let why = match may_turn && logs.iter().all(|log| falls_inwards(log).is_some()) {
-        true => another_sign(logs, &refit)?,
-        false if is_another_size(model, logs)? => another_unit(model, logs, &refit)?,
-        false => None,
+    let falls = may_turn && logs.iter().all(|log| falls_inwards(log).is_some());
+    if !falls && !is_another_size(model, logs)? {
+        return Ok(None);
+    }
+    let mut finding = refit(logs)?;
+    let why = match falls {
+        true => another_sign(logs, finding.rmse_before_n, refit)?,
+        false => another_unit(model, logs, &finding, refit),
     };
     let Some(why) = why else { return Ok(None) };
-    let mut finding = refit(logs)?;
     finding.advice = format!("Ask again with {}.", why.1);
     finding.mistaken = Some(why.0);
     Ok(Some(finding))
@@ -80,13 +83,12 @@ type Reason = (String, String);
 /// The channel that seems to be the other way round.
 fn another_sign(
     logs: &[UniformLog],
+    as_read_n: f64,
     refit: impl Fn(&[UniformLog]) -> Result<Finding, Diagnostic>,
 ) -> Result<Option<Reason>, Diagnostic> {
-    let left_n = |logs: &[UniformLog]| refit(logs).map(|finding| finding.rmse_before_n);
-    let as_read_n = left_n(logs)?;
     let mut best: Option<(f64, Channel)> = None;
     for channel in [Channel::Force, Channel::Position] {
-        let n = left_n(&times(logs, channel, -1.0))?;
+        let n = refit(&times(logs, channel, -1.0))?.rmse_before_n;
         if best.is_none_or(|(least, _)| n < least) {
             best = Some((n, channel));
         }
@@ -103,16 +105,17 @@ fn another_sign(
     }))
 }
 
-/// The channel that seems to be in another unit.
+/// The channel that seems to be in another unit, beside what is found `as_read`.
 fn another_unit(
     model: &Model,
     logs: &[UniformLog],
+    as_read: &Finding,
     refit: impl Fn(&[UniformLog]) -> Result<Finding, Diagnostic>,
-) -> Result<Option<Reason>, Diagnostic> {
-    let times_given = times_given(model, &refit(logs)?);
+) -> Option<Reason> {
+    let times_given = times_given(model, as_read);
     // A model whose own units are right finds its stiffness again, whatever it starts from.
     if times_given.is_some_and(|times| off(times) < SUSPICIOUS) {
-        return Ok(None);
+        return None;
     }
     let mut units: Vec<(f64, Channel, f64, &str)> = Vec::new();
     let is_free = model.environment.is_free();
@@ -132,7 +135,7 @@ fn another_unit(
     }
     let nearest = units.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     let told = nearest.filter(|own| own.0 < AS_GIVEN);
-    Ok(told.map(|(_, channel, factor, unit)| {
+    told.map(|(_, channel, factor, unit)| {
         let name = name(channel);
         let option = logs[0].columns().option(&[(channel, factor)]);
         let unit = match is_turning {
@@ -144,7 +147,7 @@ fn another_unit(
              effect is asked for ({option})"
         );
         (why, option)
-    }))
+    })
 }
 
 /// How many times the model's the stiffness of a finding is; `None` where it touches nothing. Of a machine that touches nothing,

@@ -11,7 +11,7 @@ pub use words::rest;
 
 pub use run::TeleopReport;
 
-use super::{Document, Provenance, Section, Tone};
+use super::{Document, Provenance, Section, Tone, capitalised};
 use crate::number::setting;
 use crate::teleop::measure::felt::NotCompared;
 use crate::teleop::measure::stability::Rest;
@@ -111,7 +111,7 @@ pub fn verdict(options: &Options, measures: &Measures) -> (Tone, &'static str, S
         gain => format!(", which is shaped by {gain:.2} on purpose"),
     };
     let rest = words::rest(options, measures);
-    let sentence = || format!("{}. {felt}{shaped}.", words::sentence(&rest));
+    let sentence = || format!("{}. {felt}{shaped}.", capitalised(&rest));
     match measures.rests() {
         Rest::Moves => return (Tone::Bad, "unstable", sentence()),
         Rest::CannotTell => return (Tone::Warning, "rest not known", sentence()),

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use estimator_core::estimate::{Estimated, status::Status};
 
 use crate::replay::{EventMark, Touch};
-use crate::report::{Provenance, Tone};
+use crate::report::{Provenance, Tone, capitalised};
 
 /// Everything that the report shows. Columns of a [`Run`] may be empty; of columns that should have the
 /// same length the shortest counts. A figure without data says so.
@@ -162,12 +162,5 @@ pub(crate) fn label(name: &str) -> String {
         "relaxation_rate_2" => " ν₂",
         _ => "",
     };
-    let words = name.replace('_', " ");
-    let mut chars = words.chars();
-    let first: String = chars
-        .next()
-        .into_iter()
-        .flat_map(char::to_uppercase)
-        .collect();
-    format!("{first}{}{symbol}", chars.as_str())
+    capitalised(&name.replace('_', " ")) + symbol
 }

@@ -4,7 +4,7 @@ use estimator_core::physics::effect::EffectId;
 
 use crate::gap::{Finding, MissingEffect, Verdict, changes_in_words, share_in_words};
 use crate::number::{Measured, column, spaced};
-use crate::report::Tone;
+use crate::report::{Tone, capitalised};
 
 /// The tone and the words of the badge.
 pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
@@ -28,9 +28,7 @@ pub(super) fn badge(finding: &Finding) -> (Tone, &'static str) {
 /// The verdict with its numbers.
 pub(super) fn sentence(finding: &Finding) -> String {
     if let Some(why) = &finding.mistaken {
-        let mut letters = why.chars();
-        let first = letters.next().map(|first| first.to_uppercase().to_string());
-        return format!("{}{}.", first.unwrap_or_default(), letters.as_str());
+        return capitalised(why) + ".";
     }
     let (before, after) = errors(finding);
     let times =
@@ -136,12 +134,5 @@ pub(super) fn title(id: EffectId) -> String {
 
 /// The same name at the start of a cell.
 pub(super) fn heading(id: EffectId) -> String {
-    let title = title(id);
-    let mut letters = title.chars();
-    let first: String = letters
-        .next()
-        .into_iter()
-        .flat_map(char::to_uppercase)
-        .collect();
-    first + letters.as_str()
+    capitalised(&title(id))
 }

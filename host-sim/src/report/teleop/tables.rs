@@ -3,7 +3,7 @@
 use super::run::TeleopReport;
 use super::words;
 use crate::number::quantity;
-use crate::report::{Cell, Section, Table};
+use crate::report::{Cell, Section, Table, capitalised};
 use crate::teleop::Measures;
 use crate::teleop::measure::felt::NotCompared;
 use crate::teleop::notice::notices;
@@ -17,7 +17,7 @@ pub(super) fn summary(report: &TeleopReport<'_>) -> Section {
         .table(table)
         .text(limits(report.measures))
         .text(messages(report.measures));
-    let notes = report.notes.iter().map(|note| words::sentence(note) + ".");
+    let notes = report.notes.iter().map(|note| capitalised(note) + ".");
     notes.fold(section, Section::text)
 }
 

@@ -66,10 +66,3 @@ pub(super) fn limit(limit: &Limit, own_s: f64) -> Result<String, &'static str> {
         }
     })
 }
-
-/// A sentence with its first letter large.
-pub(super) fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(letters).collect()
-}
