@@ -6,21 +6,25 @@
 //!
 //! `kinematics` takes depth and speed from the position, `course` makes block means of them and of
 //! the raw force, `start` scans for where to begin, `fit` walks to the minimum over the parameters of
-//! a `family`, `select` compares the laws, `error` says how well the parameters are known, `touch`
+//! a `family`, `select` compares the laws, `behind` does so behind the `low_pass` that a force went
+//! through before it was logged (`filtered` finds it), `error` says how well the parameters are known, `touch`
 //! looks at each touch by itself, and `modulus` makes a material constant of it. What decides is in
 //! `thresholds`.
 
 mod assemble;
+mod behind;
 mod blocks;
 mod course;
 mod dent;
 mod error;
 mod family;
+mod filtered;
 mod fit;
 mod held;
 mod instead;
 mod judge;
 mod lateness;
+mod low_pass;
 mod modulus;
 mod natural;
 mod note;
@@ -48,7 +52,7 @@ pub use instead::batch_instead;
 pub use lateness::lateness;
 pub use modulus::Indenter;
 pub use options::{Options, all_families};
-pub use result::{Batch, Columns, Modulus, ModulusKind, Parameter, TouchFit, Tried};
+pub use result::{Batch, Columns, FoundLowPass, Modulus, ModulusKind, Parameter, TouchFit, Tried};
 pub use thresholds::Thresholds;
 
 use crate::kinematics::{Kinematics, kinematics};
@@ -60,7 +64,7 @@ use select::{Candidate, Fixed, finished, roughly_fitted};
 
 use crate::diagnostic::Diagnostic;
 use crate::estimate::{
-    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, delay_s, replayed, setup, touched,
+    Choices, Lateness, NOISE_ALONE, Outcome, Reason, Setup, replayed, setup, touched,
     touches::departure,
 };
 use crate::inspect::inspect;
@@ -111,8 +115,12 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
         // Noise that is slower than a sample leaves a baseline by itself.
         departure: slower_n.map_or_else(|| departure(log, &replay), |_| None),
         late: None,
+        filtered: None,
     };
     let fitted = given.fitted(empty.clone(), options, fixed);
+    if let Some(behind) = given.behind_low_pass(&fitted, &empty, options, fixed) {
+        return Ok(behind);
+    }
     let Some(late) = given.late(&fitted, replay.contacts(), options, fixed) else {
         return Ok(fitted);
     };
@@ -133,20 +141,28 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
 
 impl Given<'_> {
     /// The best law with its parameters, and what is to be said of it.
-    fn fitted(&self, mut empty: Batch, options: &Options, fixed: &Fixed) -> Batch {
-        let tried = self.tried(options, fixed);
-        let Some(best) = self.best(&tried, fixed) else {
+    fn fitted(&self, empty: Batch, options: &Options, fixed: &Fixed) -> Batch {
+        self.told(empty, &self.tried(options, fixed), options, fixed)
+    }
+
+    /// The same of laws that were tried.
+    pub(super) fn told(
+        &self,
+        mut empty: Batch,
+        tried: &[Candidate],
+        options: &Options,
+        fixed: &Fixed,
+    ) -> Batch {
+        let Some(best) = self.best(tried, fixed) else {
             empty.notes.push("no law has a minimum on this log".into());
             empty.status = Status::Unobservable;
             empty.reason = Some(Reason::Excitation);
             return empty;
         };
-        let batch = self.result(empty, best, &tried, fixed);
-        let mut batch = self.judged(batch, &best.fit);
-        if batch.family == Family::KELVIN_VOIGT
-            && let Some(late_s) = delay_s(self.log)
-        {
-            batch.widen_damper(late_s);
+        let batch = self.result(empty, best, tried, fixed);
+        let mut batch = self.judged(self.without_ringing(batch, &best.fit), &best.fit);
+        if batch.family == Family::KELVIN_VOIGT {
+            batch.widen_damper(self.unknown_delay_s());
         }
         batch.modulus = options.indenter.and_then(|indenter| {
             self.modulus(
@@ -192,7 +208,7 @@ impl Given<'_> {
     /// Every law that was asked for, fitted; a law that relaxes also with a surface that recovers by creep where
     /// that is another force. Exponential responses are tried too where the best power leaves more than noise, since they
     /// take twice as long.
-    fn tried(&self, options: &Options, fixed: &Fixed) -> Vec<Candidate> {
+    pub(super) fn tried(&self, options: &Options, fixed: &Fixed) -> Vec<Candidate> {
         let shaped = |form: Form| {
             let families = options.families.iter();
             let shaped = families.filter_map(move |family| family.shaped(form));
@@ -237,6 +253,7 @@ fn nothing(log: &UniformLog, replay: &Replay, motion: &Kinematics, notes: Vec<St
         parameters: unknown(Family::KELVIN_VOIGT),
         offset: None,
         skew: None,
+        low_pass: None,
         reference_depth_m: f64::from(replay.config.reference.depth_m),
         force_rmse_n: None,
         noise_n: log.force_noise_n(),

@@ -7,8 +7,8 @@ use estimator_core::physics::law::LawId;
 use super::touch;
 use super::{
     blocks::Node, blocks::Use, course::Course, course::long_ago, family::Family, family::OFFSET,
-    family::SURFACE, fit::Fit, fit::Problem, natural::natural, result::Batch, result::Columns,
-    result::Parameter, result::Tried, select::Candidate, select::Fixed,
+    family::SURFACE, filtered::Filtered, fit::Fit, fit::Problem, natural::natural, result::Batch,
+    result::Columns, result::Parameter, result::Tried, select::Candidate, select::Fixed,
 };
 use crate::estimate::{Lateness, NOISE_ALONE, touches::Departure};
 use crate::kinematics::Kinematics;
@@ -40,6 +40,8 @@ pub(super) struct Given<'a> {
     pub(super) departure: Option<Departure>,
     /// How late the force is, if the motion is that of so much earlier.
     pub(super) late: Option<Lateness>,
+    /// Which low-pass the force went through, if the course is that of a force behind it.
+    pub(super) filtered: Option<Filtered>,
 }
 
 /// Bends that hide something are at most this share of the samples: of steps under force control they were 0.5 to 3 %.
@@ -83,6 +85,12 @@ impl Given<'_> {
         order.iter().find(told).or(order.first()).copied()
     }
 
+    /// The parameters of a candidate.
+    pub(super) fn parameters(&self, candidate: &Candidate, fixed: &Fixed) -> Vec<Parameter> {
+        let (parameters, ..) = self.estimated(candidate, fixed, 0.0);
+        sorted(candidate.fit.family, parameters)
+    }
+
     /// The parameters of a candidate, its misfit, its offset and its skew.
     fn estimated(&self, candidate: &Candidate, fixed: &Fixed, spread_m: f64) -> Estimates {
         let family = candidate.fit.family;
@@ -98,9 +106,20 @@ impl Given<'_> {
             true => covariance.opened(&problem, &candidate.fit.free, &self.course.begun_just_now()),
             false => covariance,
         };
+        let covariance = match self.filtered {
+            Some(filtered) => {
+                let scales = filtered.moved(&self.course.scales);
+                let other = Problem {
+                    scales: &scales,
+                    ..problem
+                };
+                covariance.opened_by(&problem, &candidate.fit.free, &other, 1.0)
+            }
+            None => covariance,
+        };
         let mut values = problem.reported(&candidate.fit.free, &covariance, self.reference_depth_m);
         let (skew, offset) = (values.pop(), values.pop());
-        let skew = skew.filter(|_| family.skew().is_some());
+        let skew = skew.filter(|_| family.skew().is_some() && self.filtered.is_none());
         let mut parameters = self.named(family, &values);
         if !self.shows_surface(&problem, &candidate.fit) {
             let surface = parameters.iter_mut().find(|own| own.name == "surface");
@@ -140,6 +159,7 @@ impl Given<'_> {
             parameters: sorted(best.fit.family, parameters),
             offset,
             skew,
+            low_pass: self.filtered.map(|own| own.told()),
             force_rmse_n: Some(rmse),
             misfit,
             selection: selection.collect(),
@@ -230,7 +250,7 @@ impl Given<'_> {
     }
 
     /// The force of a fit at every sample (N), offset included, whatever it was fitted to.
-    fn forces(&self, fit: &Fit) -> Vec<f64> {
+    pub(super) fn forces(&self, fit: &Fit) -> Vec<f64> {
         self.forces_with(fit, &self.motion.speed_mps)
     }
 

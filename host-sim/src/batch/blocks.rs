@@ -29,6 +29,8 @@ const HOLD_SHARE: f64 = 0.02;
 /// Most samples of a block in motion, and far out in free air.
 const MOST_MOVING: usize = 8;
 const MOST_FREE: usize = 64;
+/// And in motion of a force that went through a low-pass.
+const MOST_FILTERED: usize = 2;
 /// Longest block right after a stop (s): of a mode of 100/s its mean is 3 % off.
 const JUST_STOPPED_S: f64 = 8.5e-3;
 /// Slower than this share of the fast speed in contact (its 90 % quantile) is a hold.
@@ -177,9 +179,13 @@ fn joins(
         (MOST_FREE, scales.depth_m)
     } else {
         let moves = motion.speed_mps[at].abs() > HOLD_SPEED * scales.speed_mps;
+        let most_moving = match scales.low_pass {
+            Some(_) => MOST_FILTERED,
+            None => MOST_MOVING,
+        };
         let moving = match (depth > 0.0, moves) {
-            (true, true) => MOST_MOVING,
-            (true, false) => MOST_MOVING.min((JUST_STOPPED_S / scales.period_s) as usize),
+            (true, true) => most_moving,
+            (true, false) => most_moving.min((JUST_STOPPED_S / scales.period_s) as usize),
             (false, _) => 1,
         };
         let change_m = (DEPTH_SHARE * depth).max(3.0 * scales.position_noise_m);

@@ -13,6 +13,7 @@
 use std::ops::Range;
 
 use super::blocks::{MEAN_HALF_WIDTH, Node, Use, nodes};
+use super::low_pass::{Kind, LowPass, Shape};
 use super::scales::{Scales, scales};
 use super::thresholds::{Samples, Thresholds};
 use crate::kinematics::Kinematics;
@@ -56,18 +57,46 @@ impl Course {
             thresholds.samples.firm_touch,
         )?;
         let uses = uses(log, motion, &force_n, &touches, &scales, thresholds.samples);
-        let nodes = nodes(log, motion, &uses, &scales);
         let mut course = Course {
-            nodes,
+            nodes: Vec::new(),
             uses,
             scales,
             touches,
             thresholds,
         };
-        if course.begins_in_contact() {
-            long_ago(&mut course.nodes);
-        }
+        course.lay(log, motion);
         Some(course)
+    }
+
+    fn lay(&mut self, log: &UniformLog, motion: &Kinematics) {
+        self.nodes = nodes(log, motion, &self.uses, &self.scales);
+        if self.begins_in_contact() {
+            long_ago(&mut self.nodes);
+        }
+    }
+
+    /// The same of a force that went through a low-pass, which follows what a law does between means.
+    pub(super) fn low_passed(
+        &self,
+        log: &UniformLog,
+        motion: &Kinematics,
+        corner_hz: f64,
+    ) -> Course {
+        let any = Kind {
+            shape: Shape::Butterworth,
+            order: 1,
+            both_ways: false,
+        };
+        let mut course = self.behind(LowPass::of_power(corner_hz, any));
+        course.lay(log, motion);
+        course
+    }
+
+    /// The same with another low-pass.
+    pub(super) fn behind(&self, low_pass: LowPass) -> Course {
+        let mut course = self.clone();
+        course.scales.low_pass = Some(low_pass);
+        course
     }
 
     /// Whether the first sample is in contact.

@@ -83,7 +83,9 @@ impl Problem<'_> {
         };
         let inverse = inverse(&normal.curvature, &fixed, RIDGE)
             .unwrap_or_else(|| (0..N * N).map(unknown).collect());
-        let coloured = match self.remainder(free) > NOISE_ALONE {
+        // Behind a low-pass the noise is a curve, too.
+        let is_curve = self.scales.low_pass.is_some() || self.remainder(free) > NOISE_ALONE;
+        let coloured = match is_curve {
             true => correlation.max(1.0),
             false => 1.0,
         };
@@ -103,19 +105,15 @@ impl Problem<'_> {
         }
     }
 
-    /// How far the free numbers go for what else a law does along other nodes than its own.
+    /// How far the free numbers go for what else a law does in another problem of as many nodes.
     fn moved_by<const N: usize>(
         &self,
         free: &[f64],
         covariance: &Covariance,
-        others: &[Node],
+        other: &Problem,
     ) -> Vec<f64> {
         let (mut other_n, mut slopes) = (Vec::new(), Vec::new());
-        Problem {
-            nodes: others,
-            ..*self
-        }
-        .along(free, |_, _, force| other_n.push(force));
+        other.along(free, |_, _, force| other_n.push(force));
         self.gradients::<N>(free, |node, weight, residual, gradient| {
             slopes.push((weight, node.force_n - residual, *gradient));
         });
@@ -177,11 +175,26 @@ impl Covariance {
     }
 
     /// Adds what a law leaves open that may have gone anything between its own nodes and others, which are as likely.
-    pub(super) fn opened(mut self, problem: &Problem, free: &[f64], others: &[Node]) -> Covariance {
-        let moves = of_size!(problem, moved_by(free, &self, others));
+    pub(super) fn opened(self, problem: &Problem, free: &[f64], others: &[Node]) -> Covariance {
+        let other = Problem {
+            nodes: others,
+            ..*problem
+        };
+        self.opened_by(problem, free, &other, 1.0 / 3.0)
+    }
+
+    /// Adds what is left open between a problem and another: a variance of so much of the square of the way between them.
+    pub(super) fn opened_by(
+        mut self,
+        problem: &Problem,
+        free: &[f64],
+        other: &Problem,
+        share: f64,
+    ) -> Covariance {
+        let moves = of_size!(problem, moved_by(free, &self, other));
         let n = self.size;
         for (i, entry) in self.open.iter_mut().enumerate() {
-            *entry += moves[i / n] * moves[i % n] / 3.0;
+            *entry += share * moves[i / n] * moves[i % n];
         }
         self
     }

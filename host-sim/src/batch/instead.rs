@@ -39,7 +39,7 @@ pub fn batch_instead(
     // An answer that stands gives way to one that is better founded only.
     let is_answered = matches!(
         cause,
-        Cause::Doubted | Cause::SlowNoise | Cause::Changed | Cause::Unfinished
+        Cause::Doubted | Cause::LowPassed | Cause::SlowNoise | Cause::Changed | Cause::Unfinished
     );
     if is_answered && fitted.status != Status::Converged {
         return Ok(None);
@@ -50,7 +50,7 @@ pub fn batch_instead(
     };
     let is_known = || fitted.parameters.iter().all(is_well_known);
     let is_refused = match cause {
-        Cause::SlowNoise | Cause::Changed => !leaves_at_most(SLOW),
+        Cause::LowPassed | Cause::SlowNoise | Cause::Changed => !leaves_at_most(SLOW),
         Cause::Unfinished => !leaves_at_most(NEARLY_NOISE) || !is_known(),
         // A zero that wanders within the noise at rest is noise.
         Cause::Doubted if estimation.outcome.reason == Some(Reason::Zero) => {
@@ -102,6 +102,8 @@ enum Cause {
     Unexplained,
     /// One explains it, and is doubted all the same.
     Doubted,
+    /// One explains it, and the force went through a low-pass, which only a fit of the whole log knows.
+    LowPassed,
     /// One explains it, and leaves more than the noise of a sample.
     SlowNoise,
     /// One explains it, as that of several materials.
@@ -124,6 +126,7 @@ fn cause(log: &UniformLog, estimation: &Estimation) -> Option<Cause> {
         () if !estimation.is_explained() && evidence.has_nearer_law => Cause::Nearer,
         () if !estimation.is_explained() => Cause::Unexplained,
         () if is_doubted(estimation) => Cause::Doubted,
+        () if log.low_pass_hz.is_some() => Cause::LowPassed,
         () if outcome.status == Status::Converged && is_slow => Cause::SlowNoise,
         () if outcome.segments.len() > 1 => Cause::Changed,
         () if is_unfinished(estimation) => Cause::Unfinished,
@@ -196,6 +199,9 @@ fn instead_in_words(estimation: &Estimation, cause: Cause) -> String {
         Cause::Unfinished => {
             "a recursive method has seen too little to be sure, and a fit of the whole log knows every parameter (of those \
              that there are, "
+        }
+        Cause::LowPassed => {
+            "the force went through a low-pass, which a recursive method does not know (without it "
         }
         Cause::SlowNoise => {
             "the noise is slower than a sample, and a recursive method's standard errors are too small beside it ("

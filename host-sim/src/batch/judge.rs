@@ -9,7 +9,7 @@ use super::result::Batch;
 use crate::estimate::{Evidence, NOISE_ALONE, Reason, judged, may_be_the_filter};
 use crate::inspect::Inspection;
 use crate::signal;
-use crate::stats::rms;
+use crate::stats::{lowest, rms};
 
 /// Exponents beyond these are at the bounds of the fit, ½ and 4.
 const EXPONENTS: std::ops::Range<f64> = 0.55..3.9;
@@ -20,6 +20,8 @@ const MOST_RELAXING: f64 = 0.99;
 /// A surface is late if the force has left its baseline so many standard errors before it.
 const LATE_SIGMAS: f64 = 3.0;
 
+/// A pull of less than so many times what a low-pass swings below rest by is that.
+const RINGS: f64 = 1.5;
 /// Most of a time constant that passes within a sample.
 const FASTEST_A_SAMPLE: f64 = 0.5;
 
@@ -57,6 +59,18 @@ impl Given<'_> {
         batch
     }
 
+    /// The fit without a pull that is the low-pass's own: one of second order and more swings below rest after a release.
+    pub(super) fn without_ringing(&self, mut batch: Batch, fit: &Fit) -> Batch {
+        if self.filtered.is_some() {
+            let rest_n = natural(fit.family, &fit.free, &self.course.scales).offset_n;
+            let rings_n = rest_n - lowest(self.forces(fit));
+            if batch.inspection.pull_n < RINGS * rings_n {
+                batch.inspection.pull_n = 0.0;
+            }
+        }
+        batch
+    }
+
     /// What the counts of the position leave of the force of a fit in contact (N rms): 0.3 N of 1 µm on 1 N/µm. 0 without
     /// counts.
     fn counts_n(&self, fit: &Fit) -> f64 {
@@ -72,6 +86,9 @@ impl Given<'_> {
 
     /// Whether a relaxation of a fit may be that of the low-pass that the force went through.
     fn is_filter(&self, fit: &Fit) -> bool {
+        if self.filtered.is_some() {
+            return false;
+        }
         let law = natural(fit.family, &fit.free, &self.course.scales);
         let mut modes = law.modes.iter().filter(|mode| mode.fraction > 0.0);
         modes.any(|mode| may_be_the_filter(self.log, mode.rate_per_s))

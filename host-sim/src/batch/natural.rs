@@ -16,6 +16,7 @@ use estimator_core::physics::law::{
 
 use super::blocks::Node;
 use super::family::{Family, Form, OFFSET, STIFFNESS, SURFACE};
+use super::low_pass::LowPass;
 use super::scales::Scales;
 
 /// Smallest exponent, and the range above it.
@@ -39,6 +40,8 @@ pub(super) struct Natural<S> {
     /// What its surface does between touches.
     pub(super) recovery: Recovery,
     pub(super) reference_m: f64,
+    /// What its force went through before it was logged.
+    pub(super) low_pass: Option<LowPass>,
 }
 
 /// n from its free number.
@@ -104,6 +107,7 @@ pub(super) fn natural<S: Scalar>(family: Family, free: &[S], scales: &Scales) ->
         skewed: family.skew().is_some(),
         recovery: family.recovery,
         reference_m,
+        low_pass: scales.low_pass,
     }
 }
 
@@ -194,12 +198,23 @@ impl<S: Scalar> Natural<S> {
 
     /// What the load cell reads (N) of a surface that pushes and does not pull, max(law, 0) and the
     /// offset, at every node in turn. A law that remembers is below zero where the material has not
-    /// recovered yet, and the probe is then free.
+    /// recovered yet, and the probe is then free. What it reads went through the low-pass.
     pub(super) fn along(&self, family: Family, nodes: &[Node], mut each: impl FnMut(&Node, S)) {
         let surface = |_: &Node| self.recovery;
-        self.run(family, nodes, surface, |node, force| {
-            each(node, unilateral(force) + self.offset_n);
+        let Some(low_pass) = self.low_pass else {
+            self.run(family, nodes, surface, |node, force| {
+                each(node, unilateral(force) + self.offset_n);
+            });
+            return;
+        };
+        let mut forces = Vec::with_capacity(nodes.len());
+        self.run(family, nodes, surface, |_, force| {
+            forces.push(unilateral(force));
         });
+        low_pass.through(&mut forces, |at| nodes[at].period_s);
+        for (node, force) in nodes.iter().zip(forces) {
+            each(node, force + self.offset_n);
+        }
     }
 
     /// Force of the law alone (N) at every node in turn; from `touched_s` on, of the chapter's surface.
@@ -273,6 +288,7 @@ mod tests {
         position_noise_m: 3e-7,
         longest_s: 2.0,
         period_s: 1e-3,
+        low_pass: None,
     };
 
     fn sine() -> Vec<Node> {

@@ -3,7 +3,9 @@
 use estimator_core::physics::law::Recovery;
 
 use super::assemble::Given;
-use super::{course::Course, options::Options, result::Batch, thresholds::Report};
+use super::{
+    course::Course, filtered::Filtered, options::Options, result::Batch, thresholds::Report,
+};
 use crate::estimate::{Form, NEGATIVE_DAMPING, RELAXES, carrier, stiffening};
 use crate::inspect::suspicions;
 use crate::log::UniformLog;
@@ -43,6 +45,7 @@ pub(super) fn notes(given: &Given, batch: &Batch, options: &Options) -> Vec<Stri
     notes.extend(stiffening(&batch.touches, batch.family.law));
     notes.extend(held(options));
     notes.extend(damping(batch, decide));
+    notes.extend(low_pass(given));
     notes.extend(skew(given, batch));
     notes.extend(adhesion(batch));
     notes.extend(surface(batch, options));
@@ -166,6 +169,22 @@ pub(super) fn late_s(given: &Given, batch: &Batch) -> Option<f64> {
     let late = skew.value.abs();
     let least = decide.least_skew * given.log.period_s();
     (late > decide.skew_sigmas * skew.std_error && late > least).then_some(skew.value)
+}
+
+/// Which low-pass the force went through, where the law is fitted behind it.
+fn low_pass(given: &Given) -> Option<String> {
+    let Filtered { low_pass, ln_error } = given.filtered?;
+    let corner_hz = low_pass.corner_hz;
+    let delay = match low_pass.delay_s() {
+        0.0 => "without delay".into(),
+        delay_s => format!("{} late", quantity(delay_s, 2, "s")),
+    };
+    Some(format!(
+        "the law was fitted behind the low-pass that the force went through before it was logged: {}, corner at {}, {delay}; \
+         what is left tells it, and the standard errors include its own",
+        low_pass.title(),
+        Measured::new(corner_hz, Some(ln_error * corner_hz), "Hz"),
+    ))
 }
 
 fn skew(given: &Given, batch: &Batch) -> Option<String> {

@@ -102,6 +102,21 @@ impl ModulusKind {
     }
 }
 
+/// A low-pass that a force went through before it was logged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundLowPass {
+    /// Where the power is a half, of one way (Hz).
+    pub corner_hz: Estimated<f64>,
+    /// `butterworth` or `bessel`.
+    pub shape: &'static str,
+    /// The number of its poles.
+    pub order: u32,
+    /// Whether it was applied forth and back.
+    pub both_ways: bool,
+    /// By how much it delays what is slow (s).
+    pub delay_s: f64,
+}
+
 /// A fit of a whole log.
 #[derive(Clone, Debug)]
 pub struct Batch {
@@ -117,6 +132,8 @@ pub struct Batch {
     pub offset: Option<Estimated<f64>>,
     /// How late the force is (s) against the position, where the law can tell: Hunt–Crossley.
     pub skew: Option<Estimated<f64>>,
+    /// The low-pass that the force went through before it was logged, where the law was fitted behind one.
+    pub low_pass: Option<FoundLowPass>,
     /// δ₀ (m)
     pub reference_depth_m: f64,
     /// Raw force against the law over the samples that were fitted, in contact (N rms).
@@ -204,7 +221,7 @@ impl Batch {
     }
 
     /// Adds an independent error to the standard error of a parameter, where it is known.
-    fn widen(&mut self, name: &str, by: f64) {
+    pub(super) fn widen(&mut self, name: &str, by: f64) {
         let mut own = self.parameters.iter_mut();
         let own = own.find(|own| own.name == name);
         if let Some(own) = own.and_then(|own| own.estimate.as_mut()) {

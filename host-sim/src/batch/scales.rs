@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::low_pass::LowPass;
 use crate::kinematics::Kinematics;
 use crate::log::UniformLog;
 use crate::stats::{highest, lowest, median};
@@ -30,6 +31,8 @@ pub(super) struct Scales {
     pub(super) longest_s: f64,
     /// Time between samples (s).
     pub(super) period_s: f64,
+    /// What the force went through before it was logged.
+    pub(super) low_pass: Option<LowPass>,
 }
 
 /// The sizes of a log with these touches, its force smoothed; a touch is firm that presses this share of the hardest.
@@ -63,6 +66,7 @@ pub(super) fn scales(
         position_noise_m: motion.noise_m,
         longest_s: longest as f64 * log.period_s(),
         period_s: log.period_s(),
+        low_pass: None,
     })
 }
 

@@ -1,8 +1,8 @@
 //! A force that went through a low-pass before it was logged, or was interpolated: its noise ends at a corner.
 //!
 //! From sample to sample such a force hardly scatters (0.1 mN of 1 mN behind 20 Hz at 1 kHz), and every law left many times
-//! that. Its noise is what it does at rest. What the
-//! filter does to the contact is not undone: one with a delay takes stiffness times delay off a damping.
+//! that. Its noise is what it does at rest. What the filter does to the contact a fit of the whole log knows
+//! (`batch`, `behind`); of a recursion one with a delay takes stiffness times delay off a damping.
 
 use std::f64::consts::TAU;
 
@@ -16,13 +16,12 @@ use crate::stats::{median, robust_deviation};
 const SEGMENT: usize = 256;
 /// Bins of an octave at least.
 const FEWEST_BINS: usize = 8;
-/// The noise falls by this (a ratio of powers, 14 dB) within two octaves: 1/f noise by 6 dB, and by 12 dB above its highest
-/// frequency, where it may be of first order. What is steeper is a filter.
-const FALLS: f64 = 25.0;
-/// The corner is where half of the power of the lowest octaves is left.
-const HALF: f64 = 0.5;
-/// It counts where the force rests by so many times its scatter from sample to sample.
-const LARGER: f64 = 1.3;
+/// The noise falls by this (a ratio of powers, 10 dB) within two octaves: 1/f noise by 6 dB, an element of first order by 12.
+const FALLS: f64 = 10.0;
+/// The power of white noise behind a low-pass of second order, of what is below its corner.
+const ABOVE: f64 = 1.11;
+/// Turns of the search for where the noise ends: what is lowest is half of that.
+const TURNS: usize = 8;
 /// A mode that is faster than this share of the filter's rate may be the filter itself.
 const OF_THE_FILTER: f64 = 0.5;
 
@@ -33,17 +32,15 @@ pub fn low_passed(log: &UniformLog) -> Option<UniformLog> {
     }
     let rests = rests(log)?;
     let corner_hz = corner(&rests)? * log.rate_hz;
-    let noise_n = median(rests.iter().map(|own| scatter(own)));
-    if noise_n < LARGER * log.force_noise_n() {
-        return None;
-    }
+    let noise_n = median(rests.iter().map(|own| scatter(own))).max(log.force_noise_n());
     let mut log = log.clone();
     log.compensated.noise_n = Some(noise_n);
     log.low_pass_hz = Some(corner_hz);
     log.notes.push(format!(
         "the noise of the force ends at about {}: it was low-passed or interpolated before it was logged. It scatters by {} \
          at rest, and what is faster is rounded off; a filter with a delay (of about {}) takes stiffness times delay off \
-         the damping, and its standard error includes that where the motion does not tell. Log the force as it is measured",
+         the damping of a law that is not fitted behind it, and its standard error includes that where the motion does \
+         not tell. Log the force as it is measured",
         quantity(corner_hz, 2, "Hz"),
         quantity(noise_n, 2, "N"),
         quantity(1.0 / (TAU * corner_hz), 2, "s"),
@@ -109,10 +106,26 @@ fn corner(segments: &[Vec<f64>]) -> Option<f64> {
     if falls < FALLS {
         return None;
     }
-    let smooth = spectrum.windows(5).map(|own| median(own.iter().copied()));
-    let below = smooth.collect::<Vec<_>>();
-    let last = below.iter().rposition(|own| *own > HALF * plateau)?;
-    Some((last + 2) as f64 / SEGMENT as f64)
+    Some(bandwidth(&spectrum) / SEGMENT as f64)
+}
+
+/// Up to which bin a noise as large as the lowest would have the power of all, less what a low-pass of second order lets
+/// through above its corner.
+fn bandwidth(spectrum: &[f64]) -> f64 {
+    // Medians leave lines of hum out.
+    let smooth: Vec<f64> = spectrum
+        .windows(3)
+        .map(|own| median(own.iter().copied()))
+        .collect();
+    let all: f64 = smooth.iter().sum();
+    let mut end = 2 * FEWEST_BINS;
+    let mut found = end as f64;
+    for _ in 0..TURNS {
+        let lowest = &smooth[..end];
+        found = all * lowest.len() as f64 / lowest.iter().sum::<f64>();
+        end = ((0.5 * found) as usize).clamp(3, smooth.len());
+    }
+    found / ABOVE
 }
 
 #[cfg(test)]

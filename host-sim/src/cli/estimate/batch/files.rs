@@ -1,7 +1,7 @@
 //! `estimate.json`, `estimate.csv` and `report.html` of a batch fit.
 //!
 //! The fields of the recursive methods, and more: `per_touch`, `youngs_modulus`, `force_offset`,
-//! `force_skew`, `misfit`, and `parameters`, `modes` and `score` in `selection`.
+//! `force_skew`, `force_low_pass`, `misfit`, and `parameters`, `modes` and `score` in `selection`.
 
 use std::io;
 use std::path::Path;
@@ -10,7 +10,7 @@ use estimator_core::estimate::Estimated;
 use serde_json::{Map, Value, json};
 
 use super::show;
-use crate::batch::{Batch, Modulus, Parameter};
+use crate::batch::{Batch, FoundLowPass, Modulus, Parameter};
 use crate::cli::estimate::json::{events, measured, touches};
 use crate::estimate::Reason;
 use crate::json::{number, seconds, write_json};
@@ -123,6 +123,7 @@ pub(super) fn json(batch: &Batch) -> Value {
         "force_offset": estimated(batch.offset, "N"),
         "force_skew": estimated(batch.skew, "s"),
         "skew_s": measured(batch.skew),
+        "force_low_pass": batch.low_pass.as_ref().map(low_pass),
         "misfit": number(batch.misfit),
         // Nothing settles where everything is seen at once.
         "settled_at_s": Value::Null,
@@ -135,6 +136,16 @@ pub(super) fn json(batch: &Batch) -> Value {
         "events": events(&batch.events),
         "selection": selection.collect::<Vec<_>>(),
         "notes": batch.notes,
+    })
+}
+
+fn low_pass(own: &FoundLowPass) -> Value {
+    json!({
+        "corner": estimated(Some(own.corner_hz), "Hz"),
+        "shape": own.shape,
+        "order": own.order,
+        "both_ways": own.both_ways,
+        "delay_s": number(own.delay_s),
     })
 }
 

@@ -1,0 +1,218 @@
+//! Which low-pass a force went through before it was logged: the one behind which the laws leave least.
+//!
+//! The noise at rest says that there is one, and roughly where its corner is ([`crate::estimate::low_passed`]); whether it
+//! has a delay only the contact says. Every kind is tried with the simpler laws, and its corner walks to where what is left
+//! has nothing of it any more: the residuals are regressed on what the force does by the logarithm of the corner, after
+//! everything that the parameters can do is taken off.
+
+use std::cmp::Ordering;
+
+use estimator_core::estimate::Estimated;
+use rayon::prelude::*;
+
+use super::blocks::Use;
+use super::course::Course;
+use super::family::Family;
+use super::fit::{Fit, Problem, STILL};
+use super::low_pass::{Kind, LowPass, Shape};
+use super::regression::Regression;
+use super::result::FoundLowPass;
+use super::scales::Scales;
+use super::select::{Candidate, Fixed, roughly_fitted};
+
+/// What is tried.
+const KINDS: [Kind; 10] = {
+    use Shape::{Bessel, Butterworth};
+    const fn kind(shape: Shape, order: u32, both_ways: bool) -> Kind {
+        Kind {
+            shape,
+            order,
+            both_ways,
+        }
+    }
+    [
+        kind(Butterworth, 1, false),
+        kind(Butterworth, 2, false),
+        kind(Butterworth, 3, false),
+        kind(Butterworth, 4, false),
+        kind(Bessel, 4, false),
+        kind(Butterworth, 1, true),
+        kind(Butterworth, 2, true),
+        kind(Butterworth, 3, true),
+        kind(Butterworth, 4, true),
+        kind(Bessel, 2, true),
+    ]
+};
+/// Most modes of a law that a kind is chosen with.
+const FEW_MODES: usize = 2;
+/// What is left is noise up to so many times that at rest.
+const NEARLY_NOISE: f64 = 1.5;
+/// So many laws, those that leave least behind the first corner, tell where it is.
+const LAWS: usize = 2;
+/// Most steps of a corner, and the longest, of its logarithm.
+const MOST_STEPS: usize = 16;
+const LONGEST_STEP: f64 = 0.5;
+/// A step of less than this share of its standard error is the last.
+const SETTLED: f64 = 0.1;
+/// Two corners are the same within this share of their error.
+const SAME: f64 = 0.5;
+/// For the slope by the logarithm of the corner.
+const NEARBY: f64 = 1e-3;
+/// A corner beyond this many times what the noise shows, or below its inverse, is something else.
+const FARTHEST: f64 = 3.0;
+
+/// A low-pass, with the standard error of the logarithm of its corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Filtered {
+    pub(super) low_pass: LowPass,
+    pub(super) ln_error: f64,
+}
+
+impl Filtered {
+    /// Whether two corners are the same, to a part of their errors.
+    pub(super) fn is_at(&self, other: &Filtered) -> bool {
+        let way = (self.low_pass.corner_hz / other.low_pass.corner_hz).ln();
+        way.abs() <= SAME * self.ln_error
+    }
+
+    /// For a reader.
+    pub(super) fn told(&self) -> FoundLowPass {
+        let LowPass { corner_hz, kind } = self.low_pass;
+        FoundLowPass {
+            corner_hz: Estimated {
+                value: corner_hz,
+                std_error: self.ln_error * corner_hz,
+            },
+            shape: kind.shape.name(),
+            order: kind.order,
+            both_ways: kind.both_ways,
+            delay_s: self.low_pass.delay_s(),
+        }
+    }
+
+    /// Sizes with the corner one standard error higher.
+    pub(super) fn moved(&self, scales: &Scales) -> Scales {
+        Scales {
+            low_pass: Some(self.low_pass.moved(self.ln_error.exp())),
+            ..*scales
+        }
+    }
+}
+
+/// The low-pass of each kind behind which the laws leave least, that one first which leaves least of all. Corners are looked
+/// for from each of `corners_hz` on, until what is left is no more than noise.
+pub(super) fn filtered(
+    course: &Course,
+    families: &[Family],
+    fixed: &Fixed,
+    corners_hz: &[f64],
+    noise_n: f64,
+) -> Vec<Filtered> {
+    let simple = families.iter().filter(|own| own.modes <= FEW_MODES);
+    let simple: Vec<Family> = simple.copied().collect();
+    let families = if simple.is_empty() { families } else { &simple };
+    let counted = course.nodes.iter().filter(|own| own.used != Use::Out);
+    let enough = (NEARLY_NOISE * noise_n / course.scales.noise_n).powi(2) * counted.count() as f64;
+    let mut best: [Option<(Filtered, Fit)>; KINDS.len()] = Default::default();
+    for corner_hz in corners_hz {
+        best.par_iter_mut().zip(KINDS).for_each(|(best, kind)| {
+            let begin = LowPass::of_power(*corner_hz, kind);
+            let mut first = roughly_fitted(&course.behind(begin), families, fixed);
+            first.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+            let first = first.into_iter().take(LAWS);
+            let tuned = first.filter_map(|one| tuned(course, begin, one, fixed));
+            *best = tuned.chain(best.take()).min_by(least);
+        });
+        if best.iter().flatten().any(|(_, fit)| fit.cost < enough) {
+            break;
+        }
+    }
+    let mut found: Vec<(Filtered, Fit)> = best.into_iter().flatten().collect();
+    found.sort_by(least);
+    found.into_iter().map(|(own, _)| own).collect()
+}
+
+fn least(a: &(Filtered, Fit), b: &(Filtered, Fit)) -> Ordering {
+    a.1.cost.total_cmp(&b.1.cost)
+}
+
+/// A corner walked to where the residuals of a law have nothing of it, from `begin` on; `None` where it does not come to
+/// rest nearby.
+pub(super) fn tuned(
+    course: &Course,
+    begin: LowPass,
+    candidate: Candidate,
+    fixed: &Fixed,
+) -> Option<(Filtered, Fit)> {
+    let mut course = course.behind(begin);
+    let stay = fixed.of(candidate.fit.family, &course.scales);
+    let (mut low_pass, mut from, mut step) = (begin, candidate.fit, 0.0f64);
+    let mut best: Option<(Filtered, Fit)> = None;
+    for _ in 0..MOST_STEPS {
+        course.scales.low_pass = Some(low_pass);
+        let problem = Problem {
+            family: from.family,
+            nodes: &course.nodes,
+            weights: &candidate.weights,
+            scales: &course.scales,
+            fixed: &stay,
+        };
+        let fit = problem.fit(from.free, STILL);
+        from = match best {
+            Some((before, ref kept)) if kept.cost < fit.cost => {
+                // Too far: half of the way.
+                step *= 0.5;
+                if step.abs() < SETTLED * before.ln_error {
+                    return best;
+                }
+                low_pass = before.low_pass.moved(step.exp());
+                kept.clone()
+            }
+            _ => {
+                let found = by_corner(&course, low_pass, &problem, &fit)?;
+                let own = Filtered {
+                    low_pass,
+                    ln_error: found.std_error,
+                };
+                if found.slope.abs() < SETTLED * found.std_error {
+                    return Some((own, fit));
+                }
+                best = Some((own, fit.clone()));
+                step = found.slope.clamp(-LONGEST_STEP, LONGEST_STEP);
+                low_pass = low_pass.moved(step.exp());
+                fit
+            }
+        };
+        let way = low_pass.corner_hz / begin.corner_hz;
+        if !(FARTHEST.recip()..FARTHEST).contains(&way) {
+            return None;
+        }
+    }
+    None
+}
+
+/// The residuals on what the force of a fit does by the logarithm of the corner.
+fn by_corner(
+    course: &Course,
+    low_pass: LowPass,
+    problem: &Problem,
+    fit: &Fit,
+) -> Option<Regression> {
+    let forces = |factor: f64| {
+        let mut scales = course.scales;
+        scales.low_pass = Some(low_pass.moved(factor));
+        let mut forces = Vec::new();
+        let own = Problem {
+            scales: &scales,
+            ..*problem
+        };
+        own.along(&fit.free, |_, _, force| forces.push(force));
+        forces
+    };
+    let both = std::iter::zip(forces(NEARBY.exp()), forces((-NEARBY).exp()));
+    let column: Vec<f64> = both
+        .map(|(more, less)| (more - less) / (2.0 * NEARBY))
+        .collect();
+    let alike = vec![0.0; column.len()];
+    problem.regression(&fit.free, &column, &alike)
+}
