@@ -19,6 +19,7 @@ use super::regression::Regression;
 use super::result::FoundLowPass;
 use super::scales::Scales;
 use super::select::{Candidate, Fixed, roughly_fitted};
+use crate::stats::lowest;
 
 /// What is tried.
 const KINDS: [Kind; 10] = {
@@ -45,8 +46,13 @@ const KINDS: [Kind; 10] = {
 };
 /// Most modes of a law that a kind is chosen with.
 const FEW_MODES: usize = 2;
+/// So many block means tell the kind; 5000 take a second.
+const MOST_NODES: usize = 20_000;
 /// What is left is noise up to so many times that at rest.
 const NEARLY_NOISE: f64 = 1.5;
+/// Where the first corner leaves more than this share of what is left without a low-pass, another one is not looked for: a
+/// walk from it reaches three times as far.
+const HOPELESS: f64 = 0.8;
 /// So many laws, those that leave least behind the first corner, tell where it is.
 const LAWS: usize = 2;
 /// Most steps of a corner, and the longest, of its logarithm.
@@ -100,19 +106,23 @@ impl Filtered {
 }
 
 /// The low-pass of each kind behind which the laws leave least, that one first which leaves least of all. Corners are looked
-/// for from each of `corners_hz` on, until what is left is no more than noise.
+/// for from each of `corners_hz` on, until what is left is no more than noise, or not clearly less than without.
 pub(super) fn filtered(
     course: &Course,
     families: &[Family],
     fixed: &Fixed,
     corners_hz: &[f64],
-    noise_n: f64,
+    (noise_n, without_n): (f64, f64),
 ) -> Vec<Filtered> {
+    let course = &course.beginning(MOST_NODES);
     let simple = families.iter().filter(|own| own.modes <= FEW_MODES);
     let simple: Vec<Family> = simple.copied().collect();
     let families = if simple.is_empty() { families } else { &simple };
     let counted = course.nodes.iter().filter(|own| own.used != Use::Out);
-    let enough = (NEARLY_NOISE * noise_n / course.scales.noise_n).powi(2) * counted.count() as f64;
+    let counted = counted.count() as f64;
+    let cost = |left_n: f64| (left_n / course.scales.noise_n).powi(2) * counted;
+    let enough = cost(NEARLY_NOISE * noise_n);
+    let hopeless = cost(HOPELESS * without_n);
     let mut best: [Option<(Filtered, Fit)>; KINDS.len()] = Default::default();
     for corner_hz in corners_hz {
         best.par_iter_mut().zip(KINDS).for_each(|(best, kind)| {
@@ -123,7 +133,9 @@ pub(super) fn filtered(
             let tuned = first.filter_map(|one| tuned(course, begin, one, fixed));
             *best = tuned.chain(best.take()).min_by(least);
         });
-        if best.iter().flatten().any(|(_, fit)| fit.cost < enough) {
+        let least = best.iter().flatten().map(|(_, fit)| fit.cost);
+        let least = lowest(least);
+        if least < enough || least > hopeless {
             break;
         }
     }
@@ -134,6 +146,15 @@ pub(super) fn filtered(
 
 fn least(a: &(Filtered, Fit), b: &(Filtered, Fit)) -> Ordering {
     a.1.cost.total_cmp(&b.1.cost)
+}
+
+impl Course {
+    /// The first of its block means.
+    fn beginning(&self, most: usize) -> Course {
+        let mut course = self.clone();
+        course.nodes.truncate(most);
+        course
+    }
 }
 
 /// A corner walked to where the residuals of a law have nothing of it, from `begin` on; `None` where it does not come to
