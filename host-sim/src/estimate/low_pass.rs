@@ -22,6 +22,8 @@ const FALLS: f64 = 10.0;
 const ABOVE: f64 = 1.11;
 /// Turns of the search for where the noise ends: what is lowest is half of that.
 const TURNS: usize = 8;
+/// It counts where the force rests by so many times its scatter from sample to sample.
+const LARGER: f64 = 1.3;
 /// A mode that is faster than this share of the filter's rate may be the filter itself.
 const OF_THE_FILTER: f64 = 0.5;
 
@@ -32,7 +34,10 @@ pub fn low_passed(log: &UniformLog) -> Option<UniformLog> {
     }
     let rests = rests(log)?;
     let corner_hz = corner(&rests)? * log.rate_hz;
-    let noise_n = median(rests.iter().map(|own| scatter(own))).max(log.force_noise_n());
+    let noise_n = median(rests.iter().map(|own| scatter(own)));
+    if noise_n < LARGER * log.force_noise_n() {
+        return None;
+    }
     let mut log = log.clone();
     log.compensated.noise_n = Some(noise_n);
     log.low_pass_hz = Some(corner_hz);
