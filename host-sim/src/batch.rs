@@ -141,24 +141,26 @@ pub fn batch(log: &UniformLog, base: Config, options: &Options) -> Result<Batch,
 
 impl Given<'_> {
     /// The best law with its parameters, and what is to be said of it.
-    fn fitted(&self, empty: Batch, options: &Options, fixed: &Fixed) -> Batch {
-        self.told(empty, &self.tried(options, fixed), options, fixed)
-    }
-
-    /// The same of laws that were tried.
-    pub(super) fn told(
-        &self,
-        mut empty: Batch,
-        tried: &[Candidate],
-        options: &Options,
-        fixed: &Fixed,
-    ) -> Batch {
-        let Some(best) = self.best(tried, fixed) else {
+    fn fitted(&self, mut empty: Batch, options: &Options, fixed: &Fixed) -> Batch {
+        let tried = self.tried(options, fixed);
+        let Some(best) = self.best(&tried, fixed) else {
             empty.notes.push("no law has a minimum on this log".into());
             empty.status = Status::Unobservable;
             empty.reason = Some(Reason::Excitation);
             return empty;
         };
+        self.told(empty, best, &tried, options, fixed)
+    }
+
+    /// The same of laws that were tried, and the best of them.
+    pub(super) fn told(
+        &self,
+        empty: Batch,
+        best: &Candidate,
+        tried: &[Candidate],
+        options: &Options,
+        fixed: &Fixed,
+    ) -> Batch {
         let batch = self.result(empty, best, tried, fixed);
         let mut batch = self.judged(self.without_ringing(batch, &best.fit), &best.fit);
         if batch.family == Family::KELVIN_VOIGT {

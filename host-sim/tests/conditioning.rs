@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, estimated, flowing, parameter, pressed, white};
+use common::{Folder, estimated, flowing, parameter, presses_m, white};
 use serde_json::Value;
 
 /// A spring and a damper, how deep they are pressed, and what is read.
@@ -35,16 +35,7 @@ const SEEN: Seen = Seen {
 impl Seen {
     /// Presses of 1.45 s each at 1 kHz, of three depths, after 0.6 s of rest and before as much again.
     fn log(&self) -> String {
-        let place_m = |t: f64| {
-            let at = (t - 0.6).max(0.0);
-            let press = (at / 1.45) as u32;
-            let depth = [1.0, 0.7, 0.85][press as usize % 3];
-            let way = match press < self.presses {
-                true => pressed(at.rem_euclid(1.45), 0.3, 0.4),
-                false => 0.0,
-            };
-            self.depth_m * (-0.4 + (0.4 + depth) * way)
-        };
+        let place_m = |t: f64| presses_m(t, self.depth_m, self.presses);
         let end = 1200 + 1450 * self.presses;
         let force = |at: u32| {
             let t = 1e-3 * f64::from(at);

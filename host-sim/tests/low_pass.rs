@@ -5,7 +5,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{Folder, estimated, flowing, parameter, pressed, white};
+use common::{Folder, estimated, flowing, parameter, presses_m, white};
 use serde_json::Value;
 
 const RATE_HZ: f64 = 1000.0;
@@ -31,14 +31,7 @@ const ROUND: Contact = Contact {
 };
 
 fn place_m(t: f64) -> f64 {
-    let at = (t - 0.6).max(0.0);
-    let press = (at / 1.45) as u32;
-    let depth = [1.0, 0.7, 0.85][press as usize % 3];
-    let way = match press < 5 {
-        true => pressed(at.rem_euclid(1.45), 0.3, 0.4),
-        false => 0.0,
-    };
-    4e-3 * (-0.4 + (0.4 + depth) * way)
+    presses_m(t, 4e-3, 5)
 }
 
 impl Contact {

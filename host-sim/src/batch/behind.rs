@@ -8,7 +8,7 @@
 use super::assemble::Given;
 use super::course::Course;
 use super::filtered::{Filtered, filtered, tuned};
-use super::fit::{Problem, STILL};
+use super::fit::STILL;
 use super::options::Options;
 use super::result::Batch;
 use super::select::{Candidate, Fixed};
@@ -63,7 +63,7 @@ impl Given<'_> {
             let best = given.best(&tried, fixed)?;
             let (turned, _) = tuned(&fine, found.low_pass, best.clone(), fixed)?;
             if turned.is_at(&found) {
-                let mut own = given.told(empty.clone(), &tried, options, fixed);
+                let mut own = given.told(empty.clone(), best, &tried, options, fixed);
                 given.widen_by_kinds(&mut own, best, others, fixed);
                 return (own.force_rmse_n? < LESS * without_n).then_some(own);
             }
@@ -103,12 +103,8 @@ impl Given<'_> {
             let course = self.course.behind(other.low_pass);
             let given = self.behind(&course, *other);
             let stay = fixed.of(best.fit.family, &course.scales);
-            let problem = Problem {
-                scales: &course.scales,
-                ..self.problem(best, &stay)
-            };
             let candidate = Candidate {
-                fit: problem.fit(best.fit.free.clone(), STILL),
+                fit: given.problem(best, &stay).fit(best.fit.free.clone(), STILL),
                 ..best.clone()
             };
             if given.rmse(&candidate) > RIVAL * least_n {

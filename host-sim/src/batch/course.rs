@@ -13,7 +13,7 @@
 use std::ops::Range;
 
 use super::blocks::{MEAN_HALF_WIDTH, Node, Use, nodes};
-use super::low_pass::{Kind, LowPass, Shape};
+use super::low_pass::{Kind, LowPass};
 use super::scales::{Scales, scales};
 use super::thresholds::{Samples, Thresholds};
 use crate::kinematics::Kinematics;
@@ -82,21 +82,18 @@ impl Course {
         motion: &Kinematics,
         corner_hz: f64,
     ) -> Course {
-        let any = Kind {
-            shape: Shape::Butterworth,
-            order: 1,
-            both_ways: false,
-        };
-        let mut course = self.behind(LowPass::of_power(corner_hz, any));
+        let any = LowPass::of_power(corner_hz, Kind::butterworth(1, false));
+        let mut course = self.behind(any);
         course.lay(log, motion);
         course
     }
 
     /// The same with another low-pass.
     pub(super) fn behind(&self, low_pass: LowPass) -> Course {
-        let mut course = self.clone();
-        course.scales.low_pass = Some(low_pass);
-        course
+        Course {
+            scales: self.scales.behind(low_pass),
+            ..self.clone()
+        }
     }
 
     /// Whether the first sample is in contact.

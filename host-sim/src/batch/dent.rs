@@ -29,8 +29,7 @@ impl Course {
             scales: &self.scales,
             fixed: &[],
         };
-        let mut with_probe = Vec::new();
-        problem.along(&candidate.fit.free, |_, _, force| with_probe.push(force));
+        let with_probe = problem.forces(&candidate.fit.free);
         let other = Problem {
             family: creeping,
             ..problem

@@ -112,8 +112,8 @@ impl Problem<'_> {
         covariance: &Covariance,
         other: &Problem,
     ) -> Vec<f64> {
-        let (mut other_n, mut slopes) = (Vec::new(), Vec::new());
-        other.along(free, |_, _, force| other_n.push(force));
+        let other_n = other.forces(free);
+        let mut slopes = Vec::new();
         self.gradients::<N>(free, |node, weight, residual, gradient| {
             slopes.push((weight, node.force_n - residual, *gradient));
         });

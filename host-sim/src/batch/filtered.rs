@@ -14,7 +14,7 @@ use super::blocks::Use;
 use super::course::Course;
 use super::family::Family;
 use super::fit::{Fit, Problem, STILL};
-use super::low_pass::{Kind, LowPass, Shape};
+use super::low_pass::{Kind, LowPass};
 use super::regression::Regression;
 use super::result::FoundLowPass;
 use super::scales::Scales;
@@ -22,28 +22,18 @@ use super::select::{Candidate, Fixed, roughly_fitted};
 use crate::stats::lowest;
 
 /// What is tried.
-const KINDS: [Kind; 10] = {
-    use Shape::{Bessel, Butterworth};
-    const fn kind(shape: Shape, order: u32, both_ways: bool) -> Kind {
-        Kind {
-            shape,
-            order,
-            both_ways,
-        }
-    }
-    [
-        kind(Butterworth, 1, false),
-        kind(Butterworth, 2, false),
-        kind(Butterworth, 3, false),
-        kind(Butterworth, 4, false),
-        kind(Bessel, 4, false),
-        kind(Butterworth, 1, true),
-        kind(Butterworth, 2, true),
-        kind(Butterworth, 3, true),
-        kind(Butterworth, 4, true),
-        kind(Bessel, 2, true),
-    ]
-};
+const KINDS: [Kind; 10] = [
+    Kind::butterworth(1, false),
+    Kind::butterworth(2, false),
+    Kind::butterworth(3, false),
+    Kind::butterworth(4, false),
+    Kind::bessel(4, false),
+    Kind::butterworth(1, true),
+    Kind::butterworth(2, true),
+    Kind::butterworth(3, true),
+    Kind::butterworth(4, true),
+    Kind::bessel(2, true),
+];
 /// Most modes of a law that a kind is chosen with.
 const FEW_MODES: usize = 2;
 /// So many block means tell the kind; 5000 take a second.
@@ -98,10 +88,7 @@ impl Filtered {
 
     /// Sizes with the corner one standard error higher.
     pub(super) fn moved(&self, scales: &Scales) -> Scales {
-        Scales {
-            low_pass: Some(self.low_pass.moved(self.ln_error.exp())),
-            ..*scales
-        }
+        scales.behind(self.low_pass.moved(self.ln_error.exp()))
     }
 }
 
@@ -165,17 +152,16 @@ pub(super) fn tuned(
     candidate: Candidate,
     fixed: &Fixed,
 ) -> Option<(Filtered, Fit)> {
-    let mut course = course.behind(begin);
     let stay = fixed.of(candidate.fit.family, &course.scales);
     let (mut low_pass, mut from, mut step) = (begin, candidate.fit, 0.0f64);
     let mut best: Option<(Filtered, Fit)> = None;
     for _ in 0..MOST_STEPS {
-        course.scales.low_pass = Some(low_pass);
+        let scales = course.scales.behind(low_pass);
         let problem = Problem {
             family: from.family,
             nodes: &course.nodes,
             weights: &candidate.weights,
-            scales: &course.scales,
+            scales: &scales,
             fixed: &stay,
         };
         let fit = problem.fit(from.free, STILL);
@@ -190,7 +176,7 @@ pub(super) fn tuned(
                 kept.clone()
             }
             _ => {
-                let found = by_corner(&course, low_pass, &problem, &fit)?;
+                let found = by_corner(low_pass, &problem, &fit.free)?;
                 let own = Filtered {
                     low_pass,
                     ln_error: found.std_error,
@@ -213,27 +199,19 @@ pub(super) fn tuned(
 }
 
 /// The residuals on what the force of a fit does by the logarithm of the corner.
-fn by_corner(
-    course: &Course,
-    low_pass: LowPass,
-    problem: &Problem,
-    fit: &Fit,
-) -> Option<Regression> {
+fn by_corner(low_pass: LowPass, problem: &Problem, free: &[f64]) -> Option<Regression> {
     let forces = |factor: f64| {
-        let mut scales = course.scales;
-        scales.low_pass = Some(low_pass.moved(factor));
-        let mut forces = Vec::new();
+        let scales = problem.scales.behind(low_pass.moved(factor));
         let own = Problem {
             scales: &scales,
             ..*problem
         };
-        own.along(&fit.free, |_, _, force| forces.push(force));
-        forces
+        own.forces(free)
     };
     let both = std::iter::zip(forces(NEARBY.exp()), forces((-NEARBY).exp()));
     let column: Vec<f64> = both
         .map(|(more, less)| (more - less) / (2.0 * NEARBY))
         .collect();
     let alike = vec![0.0; column.len()];
-    problem.regression(&fit.free, &column, &alike)
+    problem.regression(free, &column, &alike)
 }

@@ -92,6 +92,13 @@ impl Problem<'_> {
         });
     }
 
+    /// The force (N) of the law at every node that counts.
+    pub(super) fn forces(&self, free: &[f64]) -> Vec<f64> {
+        let mut forces = Vec::new();
+        self.along(free, |_, _, force| forces.push(force));
+        forces
+    }
+
     /// Σ w r².
     pub(super) fn cost(&self, free: &[f64]) -> f64 {
         let mut cost = 0.0;

@@ -19,7 +19,6 @@ const STIFFENING: std::ops::Range<f64> = 0.02..30.0;
 const MOST_RELAXING: f64 = 0.99;
 /// A surface is late if the force has left its baseline so many standard errors before it.
 const LATE_SIGMAS: f64 = 3.0;
-
 /// A pull of less than so many times what a low-pass swings below rest by is that.
 const RINGS: f64 = 1.5;
 /// Most of a time constant that passes within a sample.

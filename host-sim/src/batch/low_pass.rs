@@ -47,11 +47,31 @@ pub(super) struct Kind {
     pub(super) both_ways: bool,
 }
 
+impl Kind {
+    /// After Butterworth.
+    pub(super) const fn butterworth(order: u32, both_ways: bool) -> Kind {
+        Kind {
+            shape: Shape::Butterworth,
+            order,
+            both_ways,
+        }
+    }
+
+    /// After Bessel.
+    pub(super) const fn bessel(order: u32, both_ways: bool) -> Kind {
+        Kind {
+            shape: Shape::Bessel,
+            order,
+            both_ways,
+        }
+    }
+}
+
 /// A low-pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LowPass {
     /// Where the power is a half, of one way (Hz).
-    pub corner_hz: f64,
+    pub(super) corner_hz: f64,
     pub(super) kind: Kind,
 }
 
@@ -141,16 +161,9 @@ impl LowPass {
         let order = f64::from(self.kind.order);
         let butterworth = move |k: u32| {
             let angle = PI * (2.0 * f64::from(k) + order - 1.0) / (2.0 * order);
-            let (sine, cosine) = angle.sin_cos();
             // The middle one of an odd order is real.
-            (
-                cosine,
-                if 2 * k == self.kind.order + 1 {
-                    0.0
-                } else {
-                    sine
-                },
-            )
+            let is_real = 2 * k == self.kind.order + 1;
+            (angle.cos(), if is_real { 0.0 } else { angle.sin() })
         };
         let bessel = move |k: u32| match self.kind.order {
             2 => BESSEL_2[k as usize - 1],
@@ -252,15 +265,7 @@ mod tests {
     use super::*;
 
     /// Amplitude and phase (rad) of a sine of 10 Hz behind a filter of 20 Hz, by least squares over its last second.
-    fn response(order: u32, both_ways: bool) -> (f64, f64) {
-        response_of(Kind {
-            shape: Shape::Butterworth,
-            order,
-            both_ways,
-        })
-    }
-
-    fn response_of(kind: Kind) -> (f64, f64) {
+    fn response(kind: Kind) -> (f64, f64) {
         // Steps of 0.5 and 1 ms.
         let period_s = |at: usize| 5e-4 * (1 + at % 2) as f64;
         let times_s: Vec<f64> = (0..4000)
@@ -293,46 +298,42 @@ mod tests {
     fn a_sine_comes_out_as_butterworths_filter_has_it() {
         for order in 1..=4 {
             let power = 1.0 / (1.0 + 0.5f64.powi(2 * order as i32));
-            let (amplitude, phase) = response(order, false);
+            let (amplitude, phase) = response(Kind::butterworth(order, false));
             // Straight lines between nodes take (ωh)²/12 off, 3·10⁻⁴.
             assert!(
                 (amplitude - power.sqrt()).abs() < 1e-3,
                 "{order}: {amplitude}"
             );
             assert!(phase < -0.3, "{order}: {phase}");
-            let (amplitude, phase) = response(order, true);
+            let (amplitude, phase) = response(Kind::butterworth(order, true));
             assert!((amplitude - power).abs() < 1e-3, "{order}: {amplitude}");
             assert!(phase.abs() < 2e-3, "{order}: {phase}");
         }
         // Half way to its corner one pole is arctan ½ late.
-        let (_, phase) = response(1, false);
+        let (_, phase) = response(Kind::butterworth(1, false));
         assert!((phase + 0.5f64.atan()).abs() < 1e-3, "{phase}");
     }
 
     #[test]
     fn bessels_filters_have_half_of_the_power_at_their_corner_and_one_delay() {
         for order in [2, 4] {
-            let kind = Kind {
-                shape: Shape::Bessel,
-                order,
-                both_ways: false,
-            };
+            let kind = Kind::bessel(order, false);
             let own = LowPass {
                 corner_hz: 20.0,
                 kind,
             };
-            let response = |hz: f64| -> Complex<f64> {
+            let expected = |hz: f64| -> Complex<f64> {
                 let each = |pole: Complex<f64>| -pole / (Complex::new(0.0, TAU * hz) - pole);
                 own.all().map(each).product()
             };
-            assert!((response(20.0).norm_sqr() - 0.5).abs() < 1e-5, "{order}");
-            let delay_s = -response(2.0).arg() / (TAU * 2.0);
+            assert!((expected(20.0).norm_sqr() - 0.5).abs() < 1e-5, "{order}");
+            let delay_s = -expected(2.0).arg() / (TAU * 2.0);
             assert!(
                 (delay_s / own.delay_s() - 1.0).abs() < 1e-4,
                 "{order}: {delay_s}"
             );
-            let (amplitude, _) = response_of(kind);
-            let expected = response(10.0).norm();
+            let (amplitude, _) = response(kind);
+            let expected = expected(10.0).norm();
             assert!((amplitude - expected).abs() < 1e-3, "{order}: {amplitude}");
         }
     }
@@ -340,14 +341,9 @@ mod tests {
     #[test]
     fn a_ramp_is_late_by_the_delay_and_a_rest_stays() {
         for order in 1..=4 {
-            let kind = Kind {
-                shape: Shape::Butterworth,
-                order,
-                both_ways: false,
-            };
             let own = LowPass {
                 corner_hz: 5.0,
-                kind,
+                kind: Kind::butterworth(order, false),
             };
             let mut forces: Vec<f64> = (0..3000).map(|at| 1e-3 * f64::from(at)).collect();
             own.through(&mut forces, |_| 1e-3);

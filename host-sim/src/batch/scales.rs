@@ -35,6 +35,16 @@ pub(super) struct Scales {
     pub(super) low_pass: Option<LowPass>,
 }
 
+impl Scales {
+    /// Those of a force that went through a low-pass.
+    pub(super) fn behind(&self, low_pass: LowPass) -> Scales {
+        Scales {
+            low_pass: Some(low_pass),
+            ..*self
+        }
+    }
+}
+
 /// The sizes of a log with these touches, its force smoothed; a touch is firm that presses this share of the hardest.
 pub(super) fn scales(
     log: &UniformLog,

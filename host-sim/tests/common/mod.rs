@@ -194,6 +194,19 @@ pub(crate) fn pressed(at: f64, way_s: f64, hold_s: f64) -> f64 {
     }
 }
 
+/// Where a probe is (m) that rests for 0.6 s and then presses so often, 1.45 s each, to three depths of up to `depth_m`
+/// under a surface at 0.
+pub(crate) fn presses_m(t: f64, depth_m: f64, presses: u32) -> f64 {
+    let at = (t - 0.6).max(0.0);
+    let press = (at / 1.45) as u32;
+    let depth = [1.0, 0.7, 0.85][press as usize % 3];
+    let way = match press < presses {
+        true => pressed(at.rem_euclid(1.45), 0.3, 0.4),
+        false => 0.0,
+    };
+    depth_m * (-0.4 + (0.4 + depth) * way)
+}
+
 /// Runs `estimate` on a log and reads its numbers.
 pub(crate) fn estimated(folder: &Folder, log: &str, options: &str) -> Value {
     folder.succeeds(&format!("estimate {log} --out out {options}"));
