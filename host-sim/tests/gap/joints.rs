@@ -1,9 +1,7 @@
 //! `gap` on joints that turn, with an encoder as coarse as joints have: 14 bits of a turn. Their torques are written down here,
 //! with frictions, weights and loops of their own.
 
-mod common;
-
-use common::{Folder, complained, csv, flowing, grown, said, tables};
+use crate::common::{Folder, complained, csv, flowing, grown, said, tables};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

@@ -1,9 +1,7 @@
 //! `estimate` on a material that relaxes at all times, as no law with a few modes does. The contact is summed here, by
 //! nothing of this project.
 
-mod common;
-
-use common::{Folder, estimated, flowing, parameter, pressed, white};
+use crate::common::{Folder, estimated, flowing, parameter, pressed, white};
 
 /// The force falls as (1 + t/1 ms)^−0.2: its times (s), and what falls with each, of the force at once. By least squares
 /// over 0.1 ms to 100 s, within 5 %.

@@ -1,9 +1,7 @@
 //! For every wrong file and every wrong argument the command prints one screen with file, line, column,
 //! value and remedy, exits with status 2, and writes nothing.
 
-mod common;
-
-use common::{Folder, MODEL, complained, csv, flowing, press, said};
+use crate::common::{Folder, MODEL, complained, csv, flowing, press, said};
 use std::process::{Output, Stdio};
 
 /// A screen: lines and columns.

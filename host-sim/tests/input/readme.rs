@@ -1,11 +1,9 @@
 //! The README's way from nothing to a first estimate, as it is printed there.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::{Folder, complained, press, said};
+use crate::common::{Folder, complained, press, said};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

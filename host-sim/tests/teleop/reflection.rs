@@ -1,14 +1,9 @@
 //! Impedance reflection between two boards: one identifies what it touches, the other renders it; and
 //! boards whose firmware does not know of it.
 
-mod common;
-#[cfg(unix)]
-#[path = "common/terminal.rs"]
-mod terminal_end;
-
 use std::sync::{Arc, Mutex};
 
-use common::Folder;
+use crate::common::Folder;
 use estimator_core::board::frame::Frame;
 use estimator_core::board::link::{Answer, BYTES_PER_MS, Command, Refusal};
 use estimator_core::board::reflection::{Impedance, Output, Packet, Speed};
@@ -389,7 +384,7 @@ fn one_boards_packets_are_rendered_by_another_over_two_pseudo_terminals() {
         let name = other.name().unwrap();
         // It holds a lock on the port.
         drop(other);
-        let running = terminal_end::serve(own, board(Hand::Palpating), Arc::clone(&stop));
+        let running = crate::terminal_end::serve(own, board(Hand::Palpating), Arc::clone(&stop));
         (Device::new(Serial::open(&name).unwrap()), running)
     };
     let ((mut slave, slave_runs), (mut master, master_runs)) = (connect(), connect());

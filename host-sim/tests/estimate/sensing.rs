@@ -1,11 +1,9 @@
 //! `estimate` and `gap` on springs, dampers and gels as sensors show them: late, in coarse counts, drifting, sampled
 //! seldom for how fast they are tapped. The contacts are summed here, by nothing of this project.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::{Folder, estimated, named, number, parameter, white};
+use crate::common::{Folder, estimated, named, number, parameter, white};
 use serde_json::Value;
 
 const SURFACE_M: f64 = 0.5e-3;

@@ -1,8 +1,6 @@
 //! Logs that can be read but hold a mistake: the estimate is honest, and a note names the mistake.
 
-mod common;
-
-use common::{Folder, complained, csv, flowing, press, said};
+use crate::common::{Folder, complained, csv, flowing, press, said};
 
 /// What a rig records by mistake, and the words that `estimate` and `check` have to say about it.
 #[rustfmt::skip]

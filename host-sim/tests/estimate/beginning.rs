@@ -1,9 +1,7 @@
 //! `estimate` on logs that begin in contact: with what was before them, and without a resting force. The contacts are
 //! summed here, by nothing of this project.
 
-mod common;
-
-use common::{Folder, estimated, flowing, parameter, rounded, white};
+use crate::common::{Folder, estimated, flowing, parameter, rounded, white};
 use serde_json::Value;
 
 /// What is touched: 10 mm away.

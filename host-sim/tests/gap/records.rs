@@ -1,11 +1,9 @@
 //! `palpate gap` on records from outside this project: it finds what is known about them, and reports what
 //! it cannot explain.
 
-mod common;
-
 use std::path::Path;
 
-use common::{Folder, complained, named, record};
+use crate::common::{Folder, complained, named, record};
 use estimator_core::physics::effect::EffectId;
 use palpate::gap::{Grade, Options, Verdict, gap};
 use palpate::log::{Log, ReadOptions, UniformLog};

@@ -1,9 +1,7 @@
 //! `estimate` and `check` on logs from outside this project: the numbers have the right scale, and the reason
 //! why a law does not fit is named. Only this test reads the truth of the simulated rigs.
 
-mod common;
-
-use common::{Folder, complained, flowing, record, said};
+use crate::common::{Folder, complained, flowing, record, said};
 use serde_json::Value;
 
 const AFM: &str = "afm_relaxation_rheos/data.csv.gz";

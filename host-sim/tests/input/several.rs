@@ -1,8 +1,6 @@
 //! Several logs with one table, and the ways in which a program asks: JSON, quiet, completions, manuals.
 
-mod common;
-
-use common::{Folder, MODEL, complained, csv, flowing, press, said};
+use crate::common::{Folder, MODEL, complained, csv, flowing, press, said};
 use serde_json::Value;
 
 /// Two presses of 2 N/mm in `runs`, one more in a folder below, and a file that is no log.

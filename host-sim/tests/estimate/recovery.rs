@@ -1,9 +1,7 @@
 //! `estimate` on a material that is touched again before it has recovered: its surface creeps back and nothing pulls it,
 //! or it follows the probe. Both are summed here, by nothing of this project.
 
-mod common;
-
-use common::{Folder, estimated, flowing, parameter, pressed, white};
+use crate::common::{Folder, estimated, flowing, parameter, pressed, white};
 use serde_json::Value;
 
 /// A spring (N/m) in series with a spring (N/m) beside a damper (N s/m): κ₁, κ₂, λ.
@@ -142,7 +140,7 @@ fn a_dent_is_no_missing_effect() {
         ("second_stiffness", SOLID.1),
         ("damping", SOLID.2),
     ] {
-        let value = common::number(&json, &format!("/base/after/{name}/value"));
+        let value = crate::common::number(&json, &format!("/base/after/{name}/value"));
         assert!((value / is - 1.0).abs() < 0.01, "{name}: {value} of {is}");
     }
 }
@@ -151,8 +149,8 @@ fn a_dent_is_no_missing_effect() {
 fn a_friction_beside_a_dent_is_named_alone() {
     let (json, model) = gap(rubbing(&presses(0.3, false)));
     assert_eq!(json["verdict"], "missing_effects", "{json:#}");
-    assert_eq!(common::named(&json), ["coulomb_friction"]);
-    let force_n = common::number(&json, "/effects/0/params/force/value");
+    assert_eq!(crate::common::named(&json), ["coulomb_friction"]);
+    let force_n = crate::common::number(&json, "/effects/0/params/force/value");
     assert!((force_n / 0.2 - 1.0).abs() < 0.05, "{force_n} of 0.2");
     assert!(model.contains("recovery = \"creep\""), "{model}");
 }
@@ -160,7 +158,11 @@ fn a_friction_beside_a_dent_is_named_alone() {
 #[test]
 fn a_surface_that_follows_the_probe_is_left_as_it_is() {
     let (json, model) = gap(rubbing(&presses(0.3, true)));
-    assert_eq!(common::named(&json), ["coulomb_friction"], "{json:#}");
+    assert_eq!(
+        crate::common::named(&json),
+        ["coulomb_friction"],
+        "{json:#}"
+    );
     assert_eq!(json["recovery"], "with_probe");
     assert!(!model.contains("recovery"), "{model}");
 }

@@ -1,9 +1,7 @@
 //! `estimate` on forces that are more than the contact: of an amplifier that settles, a zero that wanders, a low-pass before
 //! the log, and of a position whose counts are newtons. The contacts are summed here, by nothing of this project.
 
-mod common;
-
-use common::{Folder, estimated, flowing, parameter, presses_m, white};
+use crate::common::{Folder, estimated, flowing, parameter, presses_m, white};
 use serde_json::Value;
 
 /// A spring and a damper, how deep they are pressed, and what is read.

@@ -1,9 +1,7 @@
 //! `estimate` on contacts as they are: tissue that stiffens and relaxes, a cell, a law that no recursion
 //! explains, force and position that are not of one instant, parameters that are held.
 
-mod common;
-
-use common::{Folder, estimated, flowing, number, parameter, record, white};
+use crate::common::{Folder, estimated, flowing, number, parameter, record, white};
 use serde_json::Value;
 
 const AFM: &str = "afm_relaxation_rheos/data.csv.gz";

@@ -1,9 +1,7 @@
 //! `gap` where something steps or is read wrong in the log of an indenter: a zero that is set several times, a sample that
 //! slips, a force in another unit or with another sign. None of it is an effect of the catalogue.
 
-mod common;
-
-use common::{Folder, complained, csv, flowing, named, pressed, said, white};
+use crate::common::{Folder, complained, csv, flowing, named, pressed, said, white};
 use serde_json::Value;
 
 /// What happens to an indenter.

@@ -1,9 +1,7 @@
 //! `gap` on machines that nobody at Palpate had in mind: a stage, an ankle's spring, a cylinder, three records of which one
 //! differs. Their forces are written down here, with friction, springs and noise of their own.
 
-mod common;
-
-use common::{Folder, complained, csv, flowing, grown, said, tables};
+use crate::common::{Folder, complained, csv, flowing, grown, said, tables};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

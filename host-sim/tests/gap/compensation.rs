@@ -1,12 +1,10 @@
 //! From a hidden effect to a board without bias: the board is recorded, `palpate gap` finds the effect, the
 //! finding goes to the board, and the board estimates without bias on the same motion.
 
-mod common;
-
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use common::{Folder, complained, said};
+use crate::common::{Folder, complained, said};
 use estimator_core::board::frame::Frame;
 use estimator_core::board::link::BYTES_PER_MS;
 use estimator_core::board::link::Command;

@@ -1,11 +1,9 @@
 //! `estimate` on forces that went through a filter before they were logged: what the filter is, and what the contact behind
 //! it. Contacts and filters are summed here, sample by sample, by nothing of this project.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{Folder, estimated, flowing, parameter, presses_m, white};
+use crate::common::{Folder, estimated, flowing, parameter, presses_m, white};
 use serde_json::Value;
 
 const RATE_HZ: f64 = 1000.0;

@@ -1,9 +1,7 @@
 //! `estimate` on forces whose noise flickers: 1/f, as amplifiers have it. The contacts are summed here, by nothing of this
 //! project.
 
-mod common;
-
-use common::{Folder, estimated, flowing, parameter, pressed, white};
+use crate::common::{Folder, estimated, flowing, parameter, pressed, white};
 use serde_json::Value;
 
 /// 1/f noise of a standard deviation of 1 over 1 kHz: first-order noise of an octave each, 0.05 to 100 Hz.

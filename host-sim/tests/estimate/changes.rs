@@ -1,8 +1,6 @@
 //! `estimate` on logs in which the material changes. The contacts are summed here, by nothing of this project.
 
-mod common;
-
-use common::{Folder, estimated, parameter, pressed, white};
+use crate::common::{Folder, estimated, parameter, pressed, white};
 
 /// Presses at 1 kHz into springs, each with a damper of 6 N s/m beside it; 5 mN of noise.
 fn presses(stiffnesses: &[f64]) -> String {

@@ -1,8 +1,6 @@
 //! `palpate teleop` as a person runs it: what it says and writes, and what it refuses before it computes.
 
-mod common;
-
-use common::{Folder, complained, said};
+use crate::common::{Folder, complained, said};
 use palpate::teleop::environment::{Environment, Material};
 use palpate::teleop::{Grid, Options, SchemeId, compare, json};
 use serde_json::Value;

@@ -1,8 +1,6 @@
 //! Machines that turn: radians and newton metres in every text, JSON field and axis, and what they have not.
 
-mod common;
-
-use common::{Folder, complained, said};
+use crate::common::{Folder, complained, said};
 use serde_json::Value;
 
 /// A lever in a bearing: what the base knows, and what the rig has.

@@ -1,9 +1,7 @@
 //! What people bring: one palpation of a gel of K 1350, written in the ways of other machines. Without a flag
 //! where names or units say it, with the flag of the question where not, K comes out within 1 %.
 
-mod common;
-
-use common::{Folder, MODEL, complained, csv, flowing, press, said};
+use crate::common::{Folder, MODEL, complained, csv, flowing, press, said};
 use std::process::{Output, Stdio};
 use std::sync::OnceLock;
 

@@ -1,9 +1,5 @@
 //! The bridge of `palpate teleop` as two processes on a network, each with a board at a pseudo-terminal, and one of
 //! them killed: the master's board fades out by itself, says so, and comes back.
-#![cfg(unix)]
-
-mod common;
-
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::Folder;
+use crate::common::Folder;
 use estimator_core::Fault;
 use estimator_core::board::frame::{Frame, MAX_ENCODED, encode};
 use estimator_core::board::link::{BYTES_PER_MS, Command};

@@ -1,9 +1,7 @@
 //! `gap` on logs that it cannot use, or that look wrong: refused with a remedy, or fitted with a note.
 //! The fits alone would give a verdict on any of them.
 
-mod common;
-
-use common::{Folder, complained, csv, flowing, press, said};
+use crate::common::{Folder, complained, csv, flowing, press, said};
 use std::process::Output;
 
 const BASE: &str = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1800.0\ndamping = 1.0\n";

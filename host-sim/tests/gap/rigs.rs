@@ -1,9 +1,7 @@
 //! The command `gap` on rigs with a known truth: verdict, effect, parameters, files. Only these tests read
 //! the truth.
 
-mod common;
-
-use common::{Folder, complained, flowing, named, record, said};
+use crate::common::{Folder, complained, flowing, named, record, said};
 use palpate::motion::Motion;
 use serde_json::Value;
 
