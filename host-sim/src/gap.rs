@@ -31,6 +31,7 @@ mod decide;
 mod dents;
 mod experiment;
 mod finding;
+mod held;
 mod lost_counts;
 mod model;
 mod noise;
@@ -173,6 +174,7 @@ fn asked(
         floors: &floors.fast,
         low_pass,
         scales: &scales,
+        known: None,
         thresholds,
     };
     let step = samples.div_ceil(SEARCHED_SAMPLES);

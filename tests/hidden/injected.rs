@@ -102,9 +102,9 @@ fn what_cannot_be_is_refused() {
     assert!(inject("perpetual_motion", &clean, 0.1).is_err());
 }
 
-fn small(only: &[&str], every: usize) -> Vec<Examined> {
+fn small(only: &[&str], every: usize, size: f64) -> Vec<Examined> {
     let question = Question {
-        sizes: vec![5.0],
+        sizes: vec![size],
         only: only.iter().map(|name| (*name).to_string()).collect(),
         every,
         keep: None,
@@ -115,7 +115,7 @@ fn small(only: &[&str], every: usize) -> Vec<Examined> {
 
 /// All that a thinned record must show: its own model again finds nothing, and what is put into it is named.
 fn named(only: &[&str], every: usize) {
-    let examined = small(only, every);
+    let examined = small(only, every, 5.0);
     let text = table::injected::text(&examined);
     let [one] = examined.as_slice() else {
         panic!("{text}")
@@ -146,9 +146,25 @@ fn a_cogging_in_a_servos_record_is_named() {
 fn a_friction_in_a_foams_record_is_new_beside_what_the_foams_model_left() {
     // Against the noise alone four effects without a friction left less than the model had left before. The size is
     // not right: the friction that is put in sticks before it slides.
-    let examined = small(&["nist/0da", "coulomb_friction"], 1);
+    let examined = small(&["nist/0da", "coulomb_friction"], 1, 5.0);
     let text = table::injected::text(&examined);
     let outcome = examined[0].injected[0].outcome.as_ref();
     let outcome = outcome.unwrap_or_else(|e| panic!("{e}"));
     assert!(outcome.named && !outcome.companion, "{text}");
+}
+
+#[test]
+fn what_a_base_that_is_known_cannot_follow_is_told_from_what_it_could() {
+    // With numbers that moved freely a drag was open or a relaxation instead of the cogging, and the drag by direction a
+    // hysteretic damping.
+    let cell = small(&["cell1-0001", "cogging"], 1, 2.0);
+    let foam = small(&["nist/3da", "asymmetric_drag"], 1, 2.0);
+    let text = table::injected::text(&[cell.clone(), foam.clone()].concat());
+    let outcome = |examined: &[Examined]| {
+        let outcome = examined[0].injected[0].outcome.clone();
+        outcome.unwrap_or_else(|e| panic!("{e}"))
+    };
+    let (cogging, drag) = (outcome(&cell), outcome(&foam));
+    assert!(cogging.named && !cogging.companion, "{text}");
+    assert!(drag.open && !drag.companion, "{text}");
 }

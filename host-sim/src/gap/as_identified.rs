@@ -13,7 +13,8 @@ use std::borrow::Cow;
 
 use super::decide::decision::Decision;
 use super::finding::Verdict;
-use super::model::{fit::Fit, shape::Term};
+use super::held::Held;
+use super::model::{fit::Fit, known::Known, shape::Term};
 use super::noise::floor::NoiseFloor;
 use super::noise::floors::{largest_correlation, largest_noise_n};
 use super::noise::known::most_correlation;
@@ -67,6 +68,7 @@ pub(super) fn with_bandwidth(model: &Model, options: &Options) -> (Options, Opti
 /// sample.
 pub(super) struct AsIdentified {
     remainder: Remainder,
+    known: Option<Known>,
     rates_hz: Vec<f64>,
     step: usize,
 }
@@ -82,6 +84,7 @@ impl AsIdentified {
         let remainder = model.remainder?;
         (remainder.bandwidth_hz == options.bandwidth_hz).then(|| AsIdentified {
             remainder,
+            known: Known::of(model, 1.0),
             rates_hz: logs.iter().map(|log| log.rate_hz).collect(),
             step,
         })
@@ -147,15 +150,25 @@ impl AsIdentified {
         let decision = &one.decision;
         let found = !decision.best.added_ids().is_empty();
         let bound = if found { least } else { most };
-        let mut answer = if decision.ratio.0 <= bound && is_as_before(decision, &decision.base) {
-            one.without_effects(&beside.fine)
-        } else if explains(decision, most) || found && is_as_before(decision, &decision.best) {
-            one
-        } else {
-            let several = asked(MOST_ADDED, 0.2, 0.5);
-            let is_one = explains(&several.decision, most) && is_one_certain(&several.decision);
-            is_one.then_some(several)?
+        let is_explained = |decision: &Decision| {
+            let found = !decision.best.added_ids().is_empty();
+            explains(decision, most) || found && is_as_before(decision, &decision.best)
         };
+        let moved = if decision.ratio.0 <= bound && is_as_before(decision, &decision.base) {
+            Some(one.without_effects(&beside.fine))
+        } else if is_explained(decision) {
+            Some(one)
+        } else {
+            let several = asked(MOST_ADDED, 0.2, 0.4);
+            let is_one = explains(&several.decision, most) && is_one_certain(&several.decision);
+            is_one.then_some(several)
+        };
+        let held = Held::of(self.known.as_ref(), &beside);
+        let held = held.and_then(|held| {
+            let progress = Within::new(rounds.progress, 0.4, 0.5);
+            held.answer(environment, given, moved.as_ref(), is_explained, &progress)
+        });
+        let mut answer = held.or(moved)?;
         answer.decision.stand_beside_remainder(&rounds.fine);
         Some(answer)
     }

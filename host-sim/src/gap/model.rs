@@ -6,6 +6,7 @@ pub(crate) mod dataset;
 pub(crate) mod error;
 pub(crate) mod fit;
 pub(crate) mod given;
+pub(crate) mod known;
 pub(crate) mod problem;
 pub(crate) mod shape;
 pub(crate) mod simulate;

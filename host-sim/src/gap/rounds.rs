@@ -12,6 +12,7 @@ use super::decide::selection::decide;
 use super::finding::{Candidate, NEARLY_NOISE, Verdict};
 use super::model::dataset::Dataset;
 use super::model::fit::Fit;
+use super::model::known::Known;
 use super::model::shape::Term;
 use super::noise::floor::NoiseFloor;
 use super::progress::{Progress, Within};
@@ -86,6 +87,13 @@ impl<'a> Rounds<'a> {
             correlation,
             ..*self
         }
+    }
+
+    /// The same beside what is known of the numbers, at either resolution.
+    pub(super) fn knowing(self, coarse: &'a Known, fine: &'a Known) -> Rounds<'a> {
+        let mut knowing = self;
+        (knowing.coarse.known, knowing.fine.known) = (Some(coarse), Some(fine));
+        knowing
     }
 
     /// What is missing in an environment with effects.

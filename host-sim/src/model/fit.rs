@@ -13,6 +13,12 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// The standard error of a parameter, in its unit, if a fit found one.
+    pub(crate) fn error_of(&self, name: &str) -> Option<f64> {
+        let own = self.std_error.iter().find(|(own, _)| own == name);
+        own.map(|(_, error)| *error)
+    }
+
     /// `fixed` and `std_error` of a table whose parameters are `known`.
     pub(super) fn from_table(table: &Table<'_>, known: &[String]) -> Result<Fit, Diagnostic> {
         let fixed = table.texts("fixed")?;

@@ -19,8 +19,10 @@ pub(super) fn prediction_variance(
     fit: &Fit,
     correlation: f64,
 ) -> f64 {
-    let linear = training.linearize(&fit.shape, &fit.numbers);
+    let mut linear = training.linearize(&fit.shape, &fit.numbers);
     let curvature = training.normal_equations(&linear).curvature;
+    // What is known of the numbers is nothing that is predicted.
+    linear.readings.clear();
     let Some(inverse) = inverse(&curvature, &fit.at_bound(), RIDGE) else {
         return 0.0;
     };
@@ -86,6 +88,7 @@ mod tests {
             logs: &logs,
             weights,
             low_pass: None,
+            known: None,
         };
         let numbers = shape.start();
         let fit = problem(&training).fit(&shape, numbers);

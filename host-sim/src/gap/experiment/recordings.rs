@@ -70,6 +70,7 @@ impl Recordings {
             floors: &self.floors,
             low_pass: None,
             scales,
+            known: None,
             thresholds,
         };
         Discriminability::new(shape, numbers, dataset, &self.repeats)

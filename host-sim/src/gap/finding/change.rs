@@ -207,21 +207,16 @@ fn known(model: &Model) -> Vec<(String, f64, Option<f64>)> {
     // Where the rig stands is no property of it.
     let of_law = model.environment.parameters().into_iter();
     let of_law = of_law.filter(|own| own.name != "surface").map(|own| {
-        let error = error_of(&model.environment.fit.std_error, &own.name);
+        let error = model.environment.fit.error_of(&own.name);
         (own.name, own.value, error)
     });
     let of_effects = model.effects.iter().flat_map(|effect| {
         effect.parameters.iter().map(|(name, value)| {
-            let error = error_of(&effect.fit.std_error, name);
+            let error = effect.fit.error_of(name);
             (format!("{}.{name}", effect.id), *value, error)
         })
     });
     of_law.chain(of_effects).collect()
-}
-
-fn error_of(errors: &[(String, f64)], name: &str) -> Option<f64> {
-    let own = errors.iter().find(|(own, _)| own == name);
-    own.map(|(_, error)| *error)
 }
 
 #[cfg(test)]

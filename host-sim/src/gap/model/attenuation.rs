@@ -121,6 +121,7 @@ mod tests {
             logs: std::slice::from_ref(data),
             weights: &vec![1.0; data.len()],
             low_pass: None,
+            known: None,
         };
         let fit = problem.fit(&shape, shape.start());
         let of = |fit: &Fit| fit.shape.terms_at(&fit.numbers)[0].row[0];

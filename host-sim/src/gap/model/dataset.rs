@@ -1,7 +1,9 @@
 //! The logs of one rig at one resolution, with all that is known of them without a model.
 
 use crate::gap::data::{fit_data::FitData, low_pass::LowPass, scales::Scales};
-use crate::gap::model::{fit::Fit, problem::Problem, weights::variances, weights::weights};
+use crate::gap::model::{
+    fit::Fit, known::Known, problem::Problem, weights::variances, weights::weights,
+};
 use crate::gap::noise::floor::NoiseFloor;
 use crate::gap::thresholds::Thresholds;
 
@@ -14,6 +16,8 @@ pub(crate) struct Dataset<'a> {
     /// The low-pass that the forces of the logs have been through, and that predictions go through.
     pub(crate) low_pass: Option<LowPass>,
     pub(crate) scales: &'a Scales,
+    /// What is known of the base's numbers beside the logs.
+    pub(crate) known: Option<&'a Known>,
     /// What decides.
     pub(crate) thresholds: &'a Thresholds,
 }
@@ -25,6 +29,7 @@ impl<'a> Dataset<'a> {
             logs: self.logs,
             weights,
             low_pass: self.low_pass,
+            known: self.known,
         }
     }
 

@@ -7,7 +7,9 @@ use estimator_core::physics::rig::Rig;
 use rayon::prelude::*;
 
 use crate::gap::data::{fit_data::FitData, low_pass::LowPass};
-use crate::gap::model::{shape::Shape, simulate::forces_of, simulate::run_rig};
+use crate::gap::model::{
+    known::Known, known::Reading, shape::Shape, simulate::forces_of, simulate::run_rig,
+};
 use crate::lsq::{NormalEquations, basis::dot};
 
 /// Most columns of the Jacobian that one run of the rig gives. A run with four to eight took 2.2 times as long as one
@@ -22,6 +24,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) weights: &'a [f64],
     /// The low-pass that predictions and gradients go through, as the forces of the logs have.
     pub(crate) low_pass: Option<LowPass>,
+    /// What is known of the numbers beside the logs.
+    pub(crate) known: Option<&'a Known>,
 }
 
 /// The residuals and the Jacobian at some values of the free numbers.
@@ -30,18 +34,34 @@ pub(crate) struct Linearization {
     pub(crate) residuals: Vec<f64>,
     /// The derivatives of the predicted force, a column for each free number.
     pub(crate) columns: Vec<Vec<f64>>,
+    /// What is known of the free numbers beside the logs.
+    pub(crate) readings: Vec<Reading>,
 }
 
 impl Problem<'_> {
+    /// The same with this known beside the logs.
+    pub(crate) fn knowing<'b>(&'b self, known: &'b Known) -> Problem<'b> {
+        Problem {
+            known: Some(known),
+            ..*self
+        }
+    }
+
     /// The samples with a weight.
     pub(crate) fn used(&self) -> Vec<usize> {
         let all = 0..self.weights.len();
         all.filter(|at| self.weights[*at] > 0.0).collect()
     }
 
-    /// Σ w r².
+    /// Σ w r², with what is known beside the logs.
     pub(crate) fn cost(&self, shape: &Shape, numbers: &[f64]) -> f64 {
-        self.weighted_square(&self.residuals(shape, numbers))
+        let readings = self.readings(shape, numbers);
+        self.weighted_square(&self.residuals(shape, numbers)) + squares(&readings)
+    }
+
+    fn readings(&self, shape: &Shape, numbers: &[f64]) -> Vec<Reading> {
+        let known = self.known.map(|known| known.readings(shape, numbers));
+        known.unwrap_or_default()
     }
 
     /// Σ w r² of residuals; the largest number where that is not finite.
@@ -136,7 +156,11 @@ impl Problem<'_> {
             }
             _ => self.residuals(shape, numbers),
         };
-        Linearization { residuals, columns }
+        Linearization {
+            residuals,
+            columns,
+            readings: self.readings(shape, numbers),
+        }
     }
 
     /// Fills at most `N` columns of the Jacobian, of which the first is column `from`. Returns the residuals.
@@ -191,10 +215,19 @@ impl Problem<'_> {
                 curvature[column * n + row] = entry;
             }
         }
+        for reading in &linear.readings {
+            let at = reading.number;
+            curvature[at * n + at] += reading.slope.powi(2);
+            downhill[at] += reading.slope * reading.residual;
+        }
         NormalEquations {
-            cost: self.weighted_square(&linear.residuals),
+            cost: self.weighted_square(&linear.residuals) + squares(&linear.readings),
             curvature,
             downhill,
         }
     }
+}
+
+fn squares(readings: &[Reading]) -> f64 {
+    readings.iter().map(|own| own.residual.powi(2)).sum()
 }

@@ -127,6 +127,7 @@ mod tests {
             floors: &[NoiseFloor::of(&log, &thresholds.floor)],
             low_pass: None,
             scales: &scales,
+            known: None,
             thresholds: &thresholds,
         };
         let drag = whole(EffectId::QuadraticDrag, [in_contact, 0.0, 0.0, 0.0, 0.0], 1);

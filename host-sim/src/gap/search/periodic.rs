@@ -186,7 +186,7 @@ impl LinearizedModel<'_> {
         angle: impl Fn(usize) -> f64,
         n: usize,
     ) -> Option<FittedWave> {
-        let mut sine = vec![0.0; self.roots.len()];
+        let mut sine = vec![0.0; self.residuals.len()];
         let mut cosine = sine.clone();
         for row in 0..n {
             let scale = self.roots[row] * carrier[row];

@@ -47,16 +47,24 @@ impl<'a> LinearizedModel<'a> {
         let weighted = |column: &[f64]| -> Vec<f64> {
             column.iter().zip(&roots).map(|(c, w)| c * w).collect()
         };
+        // Behind the samples stands what is known beside them, which no effect changes.
+        let beside = |at: usize| {
+            let each = linear.readings.iter();
+            each.map(move |own| if own.number == at { own.slope } else { 0.0 })
+        };
         let normal = problem.normal_equations(&linear);
         let blocked = blocked(&fit.shape.limits(), &fit.numbers, &normal.downhill);
         let mut basis: Vec<Vec<f64>> = Vec::new();
         // A number that its bound keeps from moving can do nothing: a damping of 0 that a lag would have
         // negative.
-        let columns = linear.columns.iter().zip(&blocked);
-        for (column, _) in columns.filter(|(_, blocked)| !**blocked) {
-            add_column(&mut basis, weighted(column), &[]);
+        let columns = linear.columns.iter().zip(&blocked).enumerate();
+        for (at, (column, _)) in columns.filter(|(_, (_, blocked))| !**blocked) {
+            let mut column = weighted(column);
+            column.extend(beside(at));
+            add_column(&mut basis, column, &[]);
         }
         let mut residuals = weighted(&linear.residuals);
+        residuals.extend(linear.readings.iter().map(|own| own.residual));
         project_out(&mut residuals, &basis);
         let rig = fit.shape.rig(&fit.numbers);
         LinearizedModel {
@@ -133,6 +141,7 @@ impl<'a> LinearizedModel<'a> {
         };
         let each = change.iter_mut().zip(&self.roots);
         each.for_each(|(change, root)| *change *= root);
+        change.resize(self.residuals.len(), 0.0);
         change
     }
 }

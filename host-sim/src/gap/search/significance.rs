@@ -178,6 +178,7 @@ mod tests {
                 floors: &floors,
                 low_pass: None,
                 scales: &scales,
+                known: None,
                 thresholds,
             },
             weights: vec![1.0; log.len()],
