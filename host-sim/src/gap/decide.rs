@@ -12,3 +12,4 @@ mod prediction;
 pub(crate) mod rivals;
 pub(crate) mod selection;
 mod slow;
+mod zero;

@@ -7,7 +7,7 @@ use estimator_core::physics::effect::EffectId;
 use super::held_out::held_out_error;
 use crate::gap::finding::Verdict;
 use crate::gap::model::{dataset::Dataset, error::std_errors, fit::Fit, weights::weights};
-use crate::gap::search::{evidence::Evidence, relatives::stands_for};
+use crate::gap::search::{evidence::Evidence, relatives::is_another_zero, relatives::stands_for};
 use crate::gap::thresholds::Thresholds;
 use crate::stats::rms;
 
@@ -139,7 +139,23 @@ impl Decision {
     /// delay is.
     pub(crate) fn clear_names(&self) -> impl Iterator<Item = bool> {
         let each = self.best.added_ids().into_iter().zip(&self.alternatives);
-        each.map(|(id, others)| others.iter().all(|other| stands_for(id, *other)))
+        each.map(|(id, others)| {
+            let mut others = others.iter();
+            others.all(|other| stands_for(id, *other) && !is_another_zero(id, *other))
+        })
+    }
+
+    /// Leaves open whether an added effect is another one, and in what speaks for it too: where something remains the
+    /// evidence grades a name, and not the rivals at the floor.
+    pub(crate) fn open_with_evidence(&mut self, at: usize, other: EffectId) {
+        if self.verdict == Verdict::PartlyExplained {
+            let id = self.best.added_ids()[at];
+            let mut own = self.evidence.iter_mut();
+            if let Some(own) = own.find(|own| own.id == id) {
+                own.alternatives.push(other);
+            }
+        }
+        self.open(at, other);
     }
 
     /// Leaves open whether an added effect is another one: the verdict is no longer certain.

@@ -7,7 +7,6 @@
 use estimator_core::physics::effect::EffectId;
 
 use super::decision::Decision;
-use crate::gap::finding::Verdict;
 use crate::gap::model::{
     dataset::Dataset, fit::Fit, problem::Problem, simulate::depths, weights::weights,
 };
@@ -31,14 +30,7 @@ pub(super) fn open_where_early(dataset: &Dataset<'_>, mut decision: Decision) ->
         return decision;
     }
     decision.may_be_a_damper = true;
-    // Where something remains the evidence grades a name, and not the rivals at the floor.
-    if decision.verdict == Verdict::PartlyExplained {
-        let mut own = decision.evidence.iter_mut();
-        if let Some(own) = own.find(|own| own.id == EffectId::TimeDelay) {
-            own.alternatives.push(EffectId::DepthDependentDamping);
-        }
-    }
-    decision.open(at, EffectId::DepthDependentDamping);
+    decision.open_with_evidence(at, EffectId::DepthDependentDamping);
     decision
 }
 

@@ -27,6 +27,17 @@ pub(crate) fn discriminability_margin(
     margin * correlation * (best.cost / count).max(1.0)
 }
 
+/// The same, with what a model left and is allowed for.
+pub(super) fn margin(dataset: &Dataset<'_>, best: &Fit, count: f64, correlation: f64) -> f64 {
+    let decide = &dataset.thresholds.rivalry;
+    let margin = |correlation| discriminability_margin(best, count, correlation, decide.margin);
+    match dataset.floors.iter().any(|floor| floor.left.is_some()) {
+        true => margin(correlation.min(most_correlation(count)))
+            .max((decide.beside_remainder - 1.0) * best.cost),
+        false => margin(correlation),
+    }
+}
+
 /// The fits with another effect in the place of one.
 pub(super) struct Rivals {
     /// For every added effect, the ids that fit as well in its place.
@@ -49,12 +60,7 @@ pub(super) fn rivals(
 ) -> Rivals {
     let decide = &dataset.thresholds.rivalry;
     let count = all.weights.iter().filter(|w| **w > 0.0).count() as f64;
-    let margin = |correlation| discriminability_margin(best, count, correlation, decide.margin);
-    let margin = match dataset.floors.iter().any(|floor| floor.left.is_some()) {
-        true => margin(correlation.min(most_correlation(count)))
-            .max((decide.beside_remainder - 1.0) * best.cost),
-        false => margin(correlation),
-    };
+    let margin = margin(dataset, best, count, correlation);
     let is_one_speed = is_one_speed(dataset, best);
     let most = result.best.cost * followed(decide, is_one_speed) + margin;
     let close = result.rivals.iter().filter(|fit| fit.cost < most);

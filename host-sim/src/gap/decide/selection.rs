@@ -11,6 +11,7 @@ use super::decision::Decision;
 use super::early::open_where_early;
 use super::evaluate::{evaluate, held_out_rmse_n};
 use super::rivals::result_without;
+use super::zero::open_where_zero_drifts;
 use crate::gap::finding::Verdict;
 use crate::gap::model::{
     attenuation::corrected, dataset::Dataset, error::std_errors, fit::Fit, weights::weights,
@@ -55,6 +56,7 @@ pub(crate) fn decide(
             },
             None => {
                 let decision = open_where_form_is_uncertain(decision);
+                let decision = open_where_zero_drifts(dataset, decision);
                 return open_where_early(dataset, decision);
             }
         }

@@ -20,7 +20,7 @@ use crate::gap::options::Options;
 use crate::gap::say::{
     estimates::Estimates, gone::gone, left::left, log_residuals::LogResiduals, regions::regions,
 };
-use crate::gap::search::evidence::Evidence;
+use crate::gap::search::{evidence::Evidence, relatives::is_another_zero};
 use crate::model::{Model, Remainder};
 use crate::stats::rms;
 
@@ -128,7 +128,8 @@ fn graded(
             // A lag for a delay names the place, a friction of the drive for a loop of the material does not.
             let place = evidence.id.info().stage;
             let mut others = evidence.alternatives.iter();
-            let is_elsewhere = others.any(|other| other.info().stage != place);
+            let is_elsewhere = others
+                .any(|other| other.info().stage != place || is_another_zero(evidence.id, *other));
             let is_open = is_elsewhere || !evidence.is_strong && evidence.is_strong_group;
             let grade = if is_open { Grade::Open } else { Grade::Strong };
             (grade, evidence.alternatives.clone())

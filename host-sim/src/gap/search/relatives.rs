@@ -34,6 +34,13 @@ pub(crate) fn oppose_motion(one: EffectId, other: EffectId) -> bool {
     one != other && opposes(one) && opposes(other)
 }
 
+/// Whether one is a zero that is off and the other one that drifts: the place is the same, and what is to be taken off is
+/// not, so that either leaves the other open.
+pub(crate) fn is_another_zero(one: EffectId, other: EffectId) -> bool {
+    let is_zero = |id: EffectId| id.info().family == Family::ForceZero;
+    one != other && is_zero(one) && is_zero(other)
+}
+
 /// Whether two effects differ by less than the errors of a rig: they make the force late, or both make a loop
 /// that is a share of the load.
 pub(crate) fn are_alike(one: EffectId, other: EffectId) -> bool {
