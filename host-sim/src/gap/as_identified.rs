@@ -14,7 +14,7 @@ use std::borrow::Cow;
 use super::decide::decision::Decision;
 use super::finding::Verdict;
 use super::held::Held;
-use super::model::{fit::Fit, known::Known, shape::Term};
+use super::model::{dataset::Dataset, fit::Fit, known::Known, shape::Term};
 use super::noise::floor::NoiseFloor;
 use super::noise::floors::{largest_correlation, largest_noise_n};
 use super::noise::known::most_correlation;
@@ -132,40 +132,18 @@ impl AsIdentified {
         let samples: usize = logs.iter().map(|log| log.len()).sum();
         let mut beside = rounds.with(&floors, correlation.min(most_correlation(samples as f64)));
         (beside.coarse.thresholds, beside.fine.thresholds) = (&thresholds, &thresholds);
-        let asked = |most_added: usize, from: f64, to: f64| {
-            let progress = Within::new(rounds.progress, from, to);
-            let asked = Rounds {
-                most_added,
-                ..beside
-            };
-            asked.round(environment, given, &progress)
-        };
         let least = thresholds.explained.coloured;
-        let most = least * thresholds.explained.residuals;
-        // Held-out parts say it, and so must the rest.
-        let was_n = self.rms_n(rounds.fine.floors);
-        let is_as_before =
-            |answer: &Decision, fit: &Fit| answer.left_by_n(fit, &beside.fine) <= least * was_n;
-        let one = asked(1, 0.05, 0.2);
-        let decision = &one.decision;
-        let found = !decision.best.added_ids().is_empty();
-        let bound = if found { least } else { most };
-        let is_explained = |decision: &Decision| {
-            let found = !decision.best.added_ids().is_empty();
-            explains(decision, most) || found && is_as_before(decision, &decision.best)
+        let as_before = AsBefore {
+            dataset: beside.fine,
+            least,
+            most: least * thresholds.explained.residuals,
+            was_n: self.rms_n(rounds.fine.floors),
         };
-        let moved = if decision.ratio.0 <= bound && is_as_before(decision, &decision.base) {
-            Some(one.without_effects(&beside.fine))
-        } else if is_explained(decision) {
-            Some(one)
-        } else {
-            let several = asked(MOST_ADDED, 0.2, 0.4);
-            let is_one = explains(&several.decision, most) && is_one_certain(&several.decision);
-            is_one.then_some(several)
-        };
+        let moved = as_before.answer(&beside, environment, given);
         let held = Held::of(self.known.as_ref(), &beside);
         let held = held.and_then(|held| {
             let progress = Within::new(rounds.progress, 0.4, 0.5);
+            let is_explained = |decision: &Decision| as_before.is_explained(decision);
             held.answer(environment, given, moved.as_ref(), is_explained, &progress)
         });
         let mut answer = held.or(moved)?;
@@ -179,13 +157,68 @@ impl AsIdentified {
     }
 }
 
-/// Whether effects leave no more than `most` times what the model left.
-fn explains(decision: &Decision, most: f64) -> bool {
-    let is_explained = matches!(
-        decision.verdict,
-        Verdict::MissingEffects | Verdict::Ambiguous
-    );
-    is_explained && decision.ratio.1 <= most
+/// What a log leaves against what the model left before.
+struct AsBefore<'a> {
+    /// The logs, with floors that allow for what the model left.
+    dataset: Dataset<'a>,
+    /// How many times as much is as little, in the whole log and where something is new.
+    least: f64,
+    /// The same on held-out parts.
+    most: f64,
+    /// What the model left, with the noise (N rms).
+    was_n: f64,
+}
+
+impl AsBefore<'_> {
+    /// What is new beside numbers of the base that move; `None` where it is not one effect.
+    fn answer(
+        &self,
+        beside: &Rounds<'_>,
+        environment: &Environment,
+        given: &[Term],
+    ) -> Option<Answer> {
+        let asked = |most_added: usize, from: f64, to: f64| {
+            let progress = Within::new(beside.progress, from, to);
+            let asked = Rounds {
+                most_added,
+                ..*beside
+            };
+            asked.round(environment, given, &progress)
+        };
+        let one = asked(1, 0.05, 0.2);
+        let decision = &one.decision;
+        let found = !decision.best.added_ids().is_empty();
+        let bound = if found { self.least } else { self.most };
+        if decision.ratio.0 <= bound && self.is_as_before(decision, &decision.base) {
+            return Some(one.without_effects(&self.dataset));
+        }
+        if self.is_explained(decision) {
+            return Some(one);
+        }
+        let several = asked(MOST_ADDED, 0.2, 0.4);
+        let is_one = self.explains(&several.decision) && is_one_certain(&several.decision);
+        is_one.then_some(several)
+    }
+
+    /// Held-out parts say it, and so must the rest.
+    fn is_as_before(&self, decision: &Decision, fit: &Fit) -> bool {
+        decision.left_by_n(fit, &self.dataset) <= self.least * self.was_n
+    }
+
+    /// Whether effects leave no more than the model did, on held-out parts or in the whole log.
+    fn is_explained(&self, decision: &Decision) -> bool {
+        let found = !decision.best.added_ids().is_empty();
+        self.explains(decision) || found && self.is_as_before(decision, &decision.best)
+    }
+
+    /// The same on held-out parts.
+    fn explains(&self, decision: &Decision) -> bool {
+        let is_explained = matches!(
+            decision.verdict,
+            Verdict::MissingEffects | Verdict::Ambiguous
+        );
+        is_explained && decision.ratio.1 <= self.most
+    }
 }
 
 /// Whether one thing is certain, whatever is open beside it. Several follow the remainder where it is not alike
