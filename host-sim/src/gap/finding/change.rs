@@ -1,8 +1,9 @@
 //! What has changed on a rig since its model was identified.
 
-use estimator_core::physics::effect::{EffectId, Repeats};
+use estimator_core::physics::effect::EffectId;
 
 use super::parameter::ParameterEstimate;
+use crate::gap::model::known::is_of_the_start;
 use crate::gap::thresholds::{Changes, Thresholds};
 use crate::model::Model;
 use crate::number::{Measured, quantity};
@@ -105,7 +106,9 @@ pub(crate) fn changes(
             let earlier = known[..at].iter().filter(|other| other.0 == *name).count();
             let now = now.iter().filter(|now| now.name == *name).nth(earlier)?;
             now.std_error?;
-            if is_of_the_start(name) {
+            let own = name.split_once('.');
+            let effect = own.and_then(|(effect, own)| Some((EffectId::from_name(effect)?, own)));
+            if effect.is_some_and(|(id, own)| is_of_the_start(id, own)) {
                 return None;
             }
             Some(Change {
@@ -162,14 +165,6 @@ impl ChangesSince {
 /// The effect that a number is of; `None` for one of the law.
 fn effect_of(name: &str) -> Option<&str> {
     name.split_once('.').map(|(effect, _)| effect)
-}
-
-/// Whether a number only says when a log was started: the phase of a hum, or of a surface that breathes.
-fn is_of_the_start(name: &str) -> bool {
-    let Some((effect, "phase")) = name.split_once('.') else {
-        return false;
-    };
-    EffectId::from_name(effect).is_some_and(|id| id.info().repeats == Repeats::InTime)
 }
 
 /// What has changed since the base model was identified, a sentence each; nothing where it never was.

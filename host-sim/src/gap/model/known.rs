@@ -70,8 +70,7 @@ impl Known {
                 let std_error = effect.fit.error_of(name)?;
                 let infos = id.info().parameters;
                 let parameter = infos.iter().position(|info| info.name == name)?;
-                let is_of_the_start = *name == "phase" && id.info().repeats == Repeats::InTime;
-                (!is_of_the_start).then_some(KnownNumber {
+                (!is_of_the_start(id, name)).then_some(KnownNumber {
                     place: Place::Given(id, earlier, parameter),
                     value: *value,
                     std_error,
@@ -121,6 +120,11 @@ impl Known {
         })
         .collect()
     }
+}
+
+/// Whether a number of an effect only says when a log was started: the phase of a hum, or of a surface that breathes.
+pub(in crate::gap) fn is_of_the_start(id: EffectId, parameter: &str) -> bool {
+    parameter == "phase" && id.info().repeats == Repeats::InTime
 }
 
 impl Place {
