@@ -229,14 +229,6 @@ mod tests {
         Model::from_toml(&TomlFile::parse(toml.into(), path).unwrap(), path).unwrap()
     }
 
-    #[test]
-    fn when_a_log_was_started_is_no_change_of_the_rig() {
-        assert!(is_of_the_start("periodic_disturbance.phase"));
-        assert!(is_of_the_start("surface_motion.phase"));
-        assert!(!is_of_the_start("periodic_disturbance.amplitude"));
-        assert!(!is_of_the_start("cogging.phase") && !is_of_the_start("stiffness"));
-    }
-
     fn friction(value: f64, std_error: Option<f64>) -> ParameterEstimate {
         ParameterEstimate {
             name: "coulomb_friction.force".into(),

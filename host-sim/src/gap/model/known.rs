@@ -201,6 +201,13 @@ mod tests {
     }
 
     #[test]
+    fn the_phase_of_what_repeats_in_time_says_when_a_log_was_started() {
+        let (hum, breathing) = (EffectId::PeriodicDisturbance, EffectId::SurfaceMotion);
+        assert!(is_of_the_start(hum, "phase") && is_of_the_start(breathing, "phase"));
+        assert!(!is_of_the_start(hum, "amplitude") && !is_of_the_start(EffectId::Cogging, "phase"));
+    }
+
+    #[test]
     fn a_number_that_is_known_and_seen_comes_out_between() {
         let law = &IDENTIFIED[..IDENTIFIED.find("[[").unwrap()];
         let model = model(&format!("{law}fixed = [\"damping\", \"surface\"]\n"));
