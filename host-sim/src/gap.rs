@@ -13,7 +13,7 @@
 //! - `decide` refits at the log's own rate, checks on held-out parts, and compares with rivals. Where something
 //!   remains, the effects with strong evidence stand, each for itself.
 //! - `rounds` asks again for what remains beside what is named, until nothing more is. Where the model says what it left
-//!   when it was identified, `as_identified` allows for that first.
+//!   when it was identified, `as_identified` allows for that first, and `held` asks beside the numbers of its file as well.
 //! - `units` asks first whether the log is in another unit than the model, or with another sign.
 //! - `lost_counts`, `zero_steps`, `surface_steps` and `dents` ask again where counts were lost, where the zero or the surface
 //!   has stepped, and where a material was touched again before it had recovered: none of that is an effect of the catalogue.

@@ -84,7 +84,7 @@ impl AsIdentified {
         let remainder = model.remainder?;
         (remainder.bandwidth_hz == options.bandwidth_hz).then(|| AsIdentified {
             remainder,
-            known: Known::of(model, 1.0),
+            known: Known::of(model),
             rates_hz: logs.iter().map(|log| log.rate_hz).collect(),
             step,
         })
@@ -140,8 +140,8 @@ impl AsIdentified {
             was_n: self.rms_n(rounds.fine.floors),
         };
         let moved = as_before.answer(&beside, environment, given);
-        let held = Held::of(self.known.as_ref(), &beside);
-        let held = held.and_then(|held| {
+        let held = self.known.as_ref().and_then(|known| {
+            let held = Held::of(known, &beside);
             let progress = Within::new(rounds.progress, 0.4, 0.5);
             let is_explained = |decision: &Decision| as_before.is_explained(decision);
             held.answer(environment, given, moved.as_ref(), is_explained, &progress)
@@ -187,8 +187,11 @@ impl AsBefore<'_> {
         };
         let one = asked(1, 0.05, 0.2);
         let decision = &one.decision;
-        let found = !decision.best.added_ids().is_empty();
-        let bound = if found { self.least } else { self.most };
+        let bound = if decision.adds_any() {
+            self.least
+        } else {
+            self.most
+        };
         if decision.ratio.0 <= bound && self.is_as_before(decision, &decision.base) {
             return Some(one.without_effects(&self.dataset));
         }
@@ -207,8 +210,8 @@ impl AsBefore<'_> {
 
     /// Whether effects leave no more than the model did, on held-out parts or in the whole log.
     fn is_explained(&self, decision: &Decision) -> bool {
-        let found = !decision.best.added_ids().is_empty();
-        self.explains(decision) || found && self.is_as_before(decision, &decision.best)
+        self.explains(decision)
+            || decision.adds_any() && self.is_as_before(decision, &decision.best)
     }
 
     /// The same on held-out parts.

@@ -7,7 +7,7 @@
 
 use super::decide::decision::Decision;
 use super::model::dataset::Dataset;
-use super::model::{fit::Fit, known::Known, shape::Term, weights::weights};
+use super::model::{fit::Fit, fit::cost_of_number, known::Known, shape::Term, weights::weights};
 use super::progress::Progress;
 use super::rounds::{Answer, Rounds};
 use crate::model::Environment;
@@ -20,18 +20,17 @@ pub(super) struct Held<'a> {
 }
 
 impl<'a> Held<'a> {
-    /// `None` where nothing is known of the base.
-    pub(super) fn of(known: Option<&Known>, rounds: &Rounds<'a>) -> Option<Held<'a>> {
+    /// What is `known` of the base, beside logs.
+    pub(super) fn of(known: &Known, rounds: &Rounds<'a>) -> Held<'a> {
         let samples = |dataset: &Dataset<'_>| -> f64 {
             dataset.logs.iter().map(|log| log.len() as f64).sum()
         };
         let finer = samples(&rounds.fine) / samples(&rounds.coarse);
-        let known = known?;
-        Some(Held {
+        Held {
             rounds: *rounds,
             coarse: known.with_correlation(rounds.correlation),
             fine: known.with_correlation(finer * rounds.correlation),
-        })
+        }
     }
 
     /// The one effect that explains the log beside numbers that are held, where that is likelier than that numbers have
@@ -46,7 +45,7 @@ impl<'a> Held<'a> {
         progress: &dyn Progress,
     ) -> Option<Answer> {
         let moved = moved.map(|moved| &moved.decision);
-        if moved.is_some_and(|moved| moved.best.added_ids().is_empty()) {
+        if moved.is_some_and(|moved| !moved.adds_any()) {
             return None;
         }
         let one = Rounds {
@@ -56,7 +55,7 @@ impl<'a> Held<'a> {
         let knowing = one.knowing(&self.coarse, &self.fine);
         let answer = knowing.round(environment, given, progress);
         let decision = &answer.decision;
-        let stands = !decision.best.added_ids().is_empty() && is_explained(decision);
+        let stands = decision.adds_any() && is_explained(decision);
         (stands && self.is_likelier(decision, moved)).then_some(answer)
     }
 
@@ -66,8 +65,8 @@ impl<'a> Held<'a> {
         let weights = weights(&held.variances);
         let problem = self.rounds.fine.problem(&weights);
         let each = self.fine.correlation();
-        let independent = (problem.used().len() as f64 / each).max(2.0);
-        let score = |cost: f64, numbers: f64| cost / each + numbers * independent.ln();
+        let of_number = cost_of_number(held.samples(), each);
+        let score = |cost: f64, numbers: f64| cost / each + numbers * of_number;
         let added = |fit: &Fit| fit.numbers.len() as f64 - held.base.numbers.len() as f64;
         let cost = problem
             .knowing(&self.fine)

@@ -1,10 +1,10 @@
 //! Effects of a decision that take nothing off, or whose size may as well be 0.
 
-use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::EffectId;
 
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
 use crate::gap::model::shape::{Free, Term};
-use crate::gap::model::{dataset::Dataset, fit::Fit, start::whole, weights::weights};
+use crate::gap::model::{dataset::Dataset, fit::Fit, start::of_size, weights::weights};
 use crate::gap::search::{forms::in_plain_form, relatives::simpler};
 
 /// The fit without the effect that is needed least, if that effect takes nothing off.
@@ -30,9 +30,13 @@ pub(crate) fn fit_without_harmful_effect(decision: &Decision) -> Option<&Fit> {
 
 /// The difference in Σ w r² within which a fit is not told from the best.
 fn margin(decision: &Decision) -> f64 {
-    let count = decision.variances.iter().filter(|v| **v > 0.0).count() as f64;
     let margin = decision.thresholds.rivalry.margin;
-    discriminability_margin(&decision.best, count, decision.correlation, margin)
+    discriminability_margin(
+        &decision.best,
+        decision.samples(),
+        decision.correlation,
+        margin,
+    )
 }
 
 /// Whether the held-out part is foretold worse with all effects than without any, where each seems to be needed beside
@@ -111,9 +115,7 @@ pub(crate) fn fit_with_offset(dataset: &Dataset<'_>, decision: &Decision) -> Opt
         |number: usize| terms[number].id == EffectId::ForceDrift && terms[number].free[1];
     let (at, number) = added.find(|(_, number)| comes_to_rest(*number))?;
     let [rate, time_constant, ..] = terms[number].row;
-    let mut row = [0.0; MOST_PARAMETERS];
-    row[0] = rate * time_constant;
-    terms[number] = whole(EffectId::ForceOffset, row, 1);
+    terms[number] = of_size(EffectId::ForceOffset, rate * time_constant);
     let offset = nearer_to_best(dataset, decision, at, terms)?;
     let is_told = offset.cost - best.cost > margin(decision);
     (!is_told || is_over_at_once(best, number)).then_some(offset)
@@ -152,6 +154,13 @@ pub(crate) fn fit_in_plain_form(
     nearer_to_best(dataset, decision, at, terms)
 }
 
+/// The best fit with other terms, under the weights of a decision.
+pub(super) fn refitted_with(dataset: &Dataset<'_>, decision: &Decision, terms: Vec<Term>) -> Fit {
+    let (shape, start) = decision.best.with_terms(terms, dataset.scales);
+    let weights = weights(&decision.variances);
+    dataset.problem(&weights).fit(&shape, start)
+}
+
 /// The fit with other terms, if it is nearer to the best than to the fit without the added effect at a place.
 fn nearer_to_best(
     dataset: &Dataset<'_>,
@@ -160,9 +169,7 @@ fn nearer_to_best(
     terms: Vec<Term>,
 ) -> Option<Fit> {
     let best = &decision.best;
-    let (shape, start) = best.with_terms(terms, dataset.scales);
-    let weights = weights(&decision.variances);
-    let other = dataset.problem(&weights).fit(&shape, start);
+    let other = refitted_with(dataset, decision, terms);
     (2.0 * other.cost < best.cost + decision.without[at].cost).then_some(other)
 }
 
@@ -210,9 +217,7 @@ pub(super) mod tests {
     /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
     pub(in crate::gap::decide) fn decision(errors: &[f64], without: &[f64]) -> Decision {
         let (model, scales) = contact();
-        let mut row = [0.0; MOST_PARAMETERS];
-        row[0] = 1.0;
-        let terms = vec![whole(EffectId::ForceOffset, row, 1); errors.len()];
+        let terms = vec![of_size(EffectId::ForceOffset, 1.0); errors.len()];
         let shape = Shape::new(&model.environment, terms, &scales);
         let environment = shape.environment_count();
         let fit = |cost: f64| Fit {

@@ -135,6 +135,16 @@ impl Decision {
         }
     }
 
+    /// How many samples count.
+    pub(crate) fn samples(&self) -> f64 {
+        self.variances.iter().filter(|v| **v > 0.0).count() as f64
+    }
+
+    /// Whether it adds any effect to the base.
+    pub(crate) fn adds_any(&self) -> bool {
+        !self.best.added().is_empty()
+    }
+
     /// For each added effect, whether nothing but what stands for it could be in its place: a lag names the place where a
     /// delay is.
     pub(crate) fn clear_names(&self) -> impl Iterator<Item = bool> {

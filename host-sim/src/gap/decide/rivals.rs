@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::one_speed::is_one_speed;
 use crate::gap::data::scales::Scales;
-use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
+use crate::gap::model::{dataset::Dataset, fit::Fit, fit::cost_of_number, problem::Problem};
 use crate::gap::noise::known::most_correlation;
 use crate::gap::search::relatives::{are_late, is_lateness, oppose_motion, related, simpler};
 use crate::gap::search::{run::SearchResult, sets::added_effects};
@@ -74,7 +74,7 @@ pub(super) fn rivals(
             )
         })
         .collect();
-    let per_number = correlation * (count / correlation).max(2.0).ln();
+    let per_number = correlation * cost_of_number(count, correlation);
     let at_one_speed = match is_one_speed {
         true => margin.max((decide.at_one_speed - 1.0) * best.cost),
         false => margin,

@@ -4,11 +4,12 @@
 //! nearly all of its time what is left of either may be the same: a base takes the rest on as a relaxation. A drift through
 //! the 1600 s of a foam's record was an offset of 0.1 N, strong, and left as little.
 
-use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
+use estimator_core::physics::effect::EffectId;
 
+use super::acceptance::refitted_with;
 use super::decision::Decision;
 use super::rivals::margin;
-use crate::gap::model::{dataset::Dataset, shape::Term, start::whole, weights::weights};
+use crate::gap::model::{dataset::Dataset, shape::Term, start::of_size};
 
 /// The decision, in which an offset and a drift that leave as little stand for each other.
 pub(super) fn open_where_zero_drifts(dataset: &Dataset<'_>, mut decision: Decision) -> Decision {
@@ -29,12 +30,8 @@ fn as_well(dataset: &Dataset<'_>, decision: &Decision, number: usize) -> Option<
     let other = other(&terms[number], dataset.scales.duration_s)?;
     let id = other.id;
     terms[number] = other;
-    let (shape, start) = best.with_terms(terms, dataset.scales);
-    let weights = weights(&decision.variances);
-    let problem = dataset.problem(&weights);
-    let count = problem.used().len() as f64;
-    let margin = margin(dataset, best, count, decision.correlation);
-    (problem.fit(&shape, start).cost < best.cost + margin).then_some(id)
+    let margin = margin(dataset, best, decision.samples(), decision.correlation);
+    (refitted_with(dataset, decision, terms).cost < best.cost + margin).then_some(id)
 }
 
 /// The drift of an offset through a log of so many seconds, and the offset of a drift that does not come to rest.
@@ -45,7 +42,5 @@ fn other(term: &Term, duration_s: f64) -> Option<Term> {
         EffectId::ForceDrift if !term.free[1] => (EffectId::ForceOffset, 0.5 * size * duration_s),
         _ => return None,
     };
-    let mut row = [0.0; MOST_PARAMETERS];
-    row[0] = size;
-    Some(whole(id, row, 1))
+    Some(of_size(id, size))
 }

@@ -1,9 +1,7 @@
 //! What has changed on a rig since its model was identified.
 
-use estimator_core::physics::effect::EffectId;
-
 use super::parameter::ParameterEstimate;
-use crate::gap::model::known::is_of_the_start;
+use crate::gap::model::known::{Number, numbers};
 use crate::gap::thresholds::{Changes, Thresholds};
 use crate::model::Model;
 use crate::number::{Measured, quantity};
@@ -97,26 +95,22 @@ pub(crate) fn changes(
     now: &[ParameterEstimate],
     decide: &Changes,
 ) -> Option<ChangesSince> {
-    let known = known(model);
-    let changes = known
-        .iter()
-        .enumerate()
-        .filter_map(|(at, (name, value, error))| {
-            // Modes of a spectrum share their names, and stand in the order of the model.
-            let earlier = known[..at].iter().filter(|other| other.0 == *name).count();
-            let now = now.iter().filter(|now| now.name == *name).nth(earlier)?;
-            now.std_error?;
-            let own = name.split_once('.');
-            let effect = own.and_then(|(effect, own)| Some((EffectId::from_name(effect)?, own)));
-            if effect.is_some_and(|(id, own)| is_of_the_start(id, own)) {
-                return None;
-            }
-            Some(Change {
-                was: (*value, (*error)?),
-                now: now.clone(),
-                is_gone: false,
-            })
-        });
+    let known = numbers(model);
+    let of_the_rig = known.iter().enumerate();
+    let of_the_rig = of_the_rig.filter(|(_, number)| !number.is_of_the_start());
+    let changes = of_the_rig.filter_map(|(at, number)| {
+        // Modes of a spectrum share their names, and stand in the order of the model.
+        let is_same = |other: &&Number| other.name == number.name;
+        let earlier = known[..at].iter().filter(is_same).count();
+        let mut now = now.iter().filter(|now| now.name == number.name);
+        let now = now.nth(earlier)?;
+        now.std_error?;
+        Some(Change {
+            was: (number.value, number.std_error?),
+            now: now.clone(),
+            is_gone: false,
+        })
+    });
     // What an effect does is shared among its numbers: one means little beside another that is at its bound.
     let beside_a_bound = |name: &str| {
         let own = effect_of(name);
@@ -125,7 +119,7 @@ pub(crate) fn changes(
                 .iter()
                 .any(|other| other.at_bound && effect_of(&other.name) == own)
     };
-    let is_identified = known.iter().any(|(_, _, error)| error.is_some());
+    let is_identified = known.iter().any(|number| number.std_error.is_some());
     is_identified.then(|| {
         let judged = changes.filter(|change| !beside_a_bound(&change.now.name));
         let (certain, uncertain): (Vec<Change>, Vec<Change>) =
@@ -194,24 +188,6 @@ pub fn changes_in_words(changed: Option<&ChangesSince>) -> Vec<String> {
         return std::iter::once(nothing).chain(likely).collect();
     }
     counted.iter().map(Change::in_words).chain(likely).collect()
-}
-
-/// Names, values and, where the model file has them, standard errors of the parameters, named as in
-/// [`Finding::base_after`](super::Finding::base_after).
-fn known(model: &Model) -> Vec<(String, f64, Option<f64>)> {
-    // Where the rig stands is no property of it.
-    let of_law = model.environment.parameters().into_iter();
-    let of_law = of_law.filter(|own| own.name != "surface").map(|own| {
-        let error = model.environment.fit.error_of(&own.name);
-        (own.name, own.value, error)
-    });
-    let of_effects = model.effects.iter().flat_map(|effect| {
-        effect.parameters.iter().map(|(name, value)| {
-            let error = effect.fit.error_of(name);
-            (format!("{}.{name}", effect.id), *value, error)
-        })
-    });
-    of_law.chain(of_effects).collect()
 }
 
 #[cfg(test)]

@@ -16,6 +16,12 @@ const LEAST_SHARE: f64 = 3e-5;
 /// A gain of 1 in Σ w r² is worth one standard error.
 const LEAST_GAIN: f64 = 1e-4;
 
+/// What a free number costs in Σ w r² of independent residuals, of which there are so many `samples` over the
+/// `correlation`: Schwarz's criterion (BIC).
+pub(in crate::gap) fn cost_of_number(samples: f64, correlation: f64) -> f64 {
+    (samples / correlation).max(2.0).ln()
+}
+
 /// Smallest ridge of the inverse of a curvature.
 pub(crate) const RIDGE: f64 = 1e-12;
 
@@ -56,7 +62,11 @@ impl Fit {
         term: usize,
         is_at: impl Fn(&Free, f64) -> bool,
     ) -> bool {
-        let owner = Owner::Effect(term, 1);
+        self.is_at(Owner::Effect(term, 1), is_at)
+    }
+
+    /// Whether a number is free and somewhere.
+    pub(in crate::gap) fn is_at(&self, owner: Owner, is_at: impl Fn(&Free, f64) -> bool) -> bool {
         let mut each = self.shape.free.iter().zip(&self.numbers);
         each.any(|(free, number)| free.owner == owner && is_at(free, *number))
     }

@@ -18,6 +18,13 @@ pub(in crate::gap) fn whole(id: EffectId, row: [f64; MOST_PARAMETERS], count: us
     }
 }
 
+/// A term of which nothing but its size is free, or anything.
+pub(in crate::gap) fn of_size(id: EffectId, size: f64) -> Term {
+    let mut row = [0.0; MOST_PARAMETERS];
+    row[0] = size;
+    whole(id, row, 1)
+}
+
 /// The values from which a fit may start with one number of an effect.
 pub(in crate::gap) fn starts_of_number(id: EffectId, at: usize, scales: &Scales) -> Vec<f64> {
     let size = |number: Scaled| number.value(|scale| scales.size(scale));

@@ -12,7 +12,7 @@ use crate::gap::finding::{
     regions_in_words,
 };
 use crate::gap::model::{
-    dataset::Dataset, error::std_errors, fit::Fit, problem::Problem, shape::Owner,
+    dataset::Dataset, error::std_errors, fit::Fit, problem::Problem, shape::Free, shape::Owner,
     simulate::depths, surface_step::SurfaceStep, surface_step::off_by, weights::weights,
     zero_step::ZeroStep,
 };
@@ -100,18 +100,13 @@ fn in_words(decision: &Decision) -> Vec<String> {
 /// The forms that effects of the model have taken on, a sentence each. One whose number is at its bound says nothing: a
 /// cable that hardens over five times the travel is one that does not.
 fn forms_in_words(best: &Fit) -> Vec<String> {
-    let at_bound = best.at_bound();
-    let is_at_bound = &|owner: Owner| {
-        let mut each = best.shape.free.iter().zip(&at_bound);
-        each.any(|(free, at_bound)| *at_bound && free.owner == owner)
-    };
     let terms = best.shape.terms.iter().enumerate();
     let given = terms.filter(|(_, term)| term.given);
     let taken_on = given.flat_map(|(number, term)| {
         let info = term.id.info();
         let places = (0..MOST_PARAMETERS).filter(|at| term.open[*at] && term.free[*at]);
         places.filter_map(move |at| {
-            if is_at_bound(Owner::Effect(number, at)) {
+            if best.is_at(Owner::Effect(number, at), Free::is_at_bound) {
                 return None;
             }
             let Role::Form(plain, _) = info.fits[at].role else {

@@ -5,7 +5,9 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::finding::Candidate;
-use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem, shape::Term};
+use crate::gap::model::{
+    dataset::Dataset, fit::Fit, fit::cost_of_number, problem::Problem, shape::Term,
+};
 use crate::gap::progress::Progress;
 use crate::gap::search::{
     physical::is_fourier_series, sets::added_effects, sets::keep_first,
@@ -253,8 +255,8 @@ impl Search<'_> {
 
     /// The cost with a penalty on free numbers: BIC in units of independent residuals.
     pub(crate) fn score(&self, fit: &Fit) -> f64 {
-        let independent = (self.noise_cost / self.correlation).max(2.0);
-        fit.cost / self.correlation + fit.numbers.len() as f64 * independent.ln()
+        let each = cost_of_number(self.noise_cost, self.correlation);
+        fit.cost / self.correlation + fit.numbers.len() as f64 * each
     }
 
     /// Whether a fit leaves hardly more than the noise.
