@@ -29,6 +29,7 @@ mod as_identified;
 mod data;
 mod decide;
 mod dents;
+mod episodes;
 mod experiment;
 mod finding;
 mod held;
@@ -47,9 +48,9 @@ mod zero_steps;
 
 pub use experiment::plan::{FurtherMotion, Plan, PlannedEffect, plan};
 pub use finding::{
-    AdvisedMotion, Candidate, Change, ChangesSince, Curves, Finding, Grade, MOTION, MissingEffect,
-    Next, ParameterEstimate, Pattern, Region, Support, Verdict, changes_in_words, regions_in_words,
-    share_in_words, times_larger,
+    AdvisedMotion, Candidate, Change, ChangesSince, Curves, Episode, Finding, Grade, MOTION,
+    MissingEffect, Next, ParameterEstimate, Pattern, Region, Support, Verdict, changes_in_words,
+    regions_in_words, share_in_words, times_larger,
 };
 pub use noise::floor::NoiseFloor;
 pub use options::Options;
@@ -66,6 +67,7 @@ use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, hangs, input, leaps, orientation, ringing, spikes};
+use decide::episode::episode;
 use noise::floors::{Floors, largest_correlation};
 use rounds::{Answer, Rounds};
 use say::{builder, each_log, plausibility::implausible};
@@ -136,13 +138,15 @@ fn workflow(
     }
     let (closed, lost) = lost_counts::taken_back(&bridged, |logs| left_n(model, logs))?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
-    let ask = |model: &Model| {
-        zero_steps::taken_off(&closed, |logs| {
-            let ask = |logs: &[UniformLog]| asked(model, logs, options, progress);
-            surface_steps::taken_off(model, logs, ask, refit)
-        })
-    };
-    let mut finding = dents::allowed_for(model, ask, |model| left_n(model, &closed))?;
+    let mut finding = episodes::left_out(&closed, |logs| {
+        let ask = |model: &Model| {
+            zero_steps::taken_off(logs, |logs| {
+                let ask = |logs: &[UniformLog]| asked(model, logs, options, progress);
+                surface_steps::taken_off(model, logs, ask, refit)
+            })
+        };
+        dents::allowed_for(model, ask, |model| left_n(model, logs))
+    })?;
     finding.notes.splice(0..0, notes);
     Ok(finding)
 }
@@ -196,6 +200,9 @@ fn asked(
     progress.at(0.95, "regions and errors");
     let (decision, ladder) = (&answer.decision, answer.ladder);
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
+    if finding.verdict.leaves_a_remainder() && low_pass.is_none() {
+        finding.episode = episode(&rounds.fine, &answer.closest);
+    }
     notes.extend(implausible(model, &whole[0], &finding, thresholds));
     finding.differs = each_log::in_words(&rounds.fine, decision, whole);
     if finding.differs.is_some() && finding.verdict == Verdict::Unexplained {

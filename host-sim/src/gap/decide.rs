@@ -5,6 +5,7 @@ pub(crate) mod acceptance;
 mod adequacy;
 pub(crate) mod decision;
 mod early;
+pub(crate) mod episode;
 mod evaluate;
 mod held_out;
 mod one_speed;

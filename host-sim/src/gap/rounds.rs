@@ -44,6 +44,8 @@ pub(super) struct Answer {
     pub(super) decision: Decision,
     /// The sets of effects that came closest.
     pub(super) ladder: Vec<Candidate>,
+    /// The fit of the set that came closest, named or not.
+    pub(super) closest: Fit,
     /// The fit of what the first round began with.
     base: Fit,
 }
@@ -147,10 +149,12 @@ impl<'a> Rounds<'a> {
         let result = search.run(base.clone());
         let ladder = search.ladder(&base, &result);
         let evidence = search.evidence(&base, &result);
+        let closest = result.best.clone();
         progress.at(0.9, "held-out part and rivals");
         Answer {
             decision: decide(&self.fine, &base, result, &evidence),
             ladder,
+            closest,
             base,
         }
     }
@@ -172,6 +176,7 @@ impl<'a> Rounds<'a> {
         let Answer {
             decision: beside,
             ladder,
+            closest,
             ..
         } = more;
         // Only what the owner gave is given.
@@ -199,6 +204,7 @@ impl<'a> Rounds<'a> {
         Some(Answer {
             ladder: joined(&answer.ladder, ladder, &named.added_ids()),
             decision,
+            closest,
             base: answer.base.clone(),
         })
     }

@@ -7,7 +7,8 @@ use serde_json::{Map, Value, json};
 
 use super::motion as advised_motion;
 use crate::gap::{
-    Candidate, Change, Curves, Finding, MOTION, MissingEffect, ParameterEstimate, Pattern, Region,
+    Candidate, Change, Curves, Episode, Finding, MOTION, MissingEffect, ParameterEstimate, Pattern,
+    Region,
 };
 use crate::json::{number, write_json};
 use crate::kind;
@@ -141,6 +142,7 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
         },
         "slow_remainder": finding.slow_remainder.map(number),
         "nothing_new": finding.nothing_new,
+        "left_out": finding.left_out.iter().map(episode).collect::<Vec<_>>(),
         "recovery": finding.model.environment.recovery.unwrap_or_default().name(),
         "base": {
             "before": parameters(&finding.base_before),
@@ -155,6 +157,14 @@ pub fn json(finding: &Finding, seconds: f64) -> Value {
         "motion": finding.advised.as_ref().map(|_| MOTION),
         "notes": finding.notes,
         "seconds": number(seconds),
+    })
+}
+
+fn episode(episode: &Episode) -> Value {
+    json!({
+        "log": episode.log,
+        "from_s": number(episode.from_s),
+        "until_s": number(episode.until_s),
     })
 }
 

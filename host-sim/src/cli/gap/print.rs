@@ -78,6 +78,10 @@ pub(super) fn verdict(finding: &Finding) -> String {
         Verdict::Unexplained if finding.differs.is_some() => {
             "unexplained: the logs are not of one rig as it was; see the note on what each of them says".into()
         }
+        Verdict::Unexplained if !finding.left_out.is_empty() => format!(
+            "unexplained: nothing is missing{}",
+            finding.outside_in_words()
+        ),
         Verdict::Unexplained if finding.may_be_slow_noise() => format!(
             "unexplained: {:.2} times what noise and the motion's errors allow remains, which may be slow noise of \
              the force or an effect that is not in the catalogue",
@@ -111,8 +115,10 @@ fn partly_explained(finding: &Finding, names: &str) -> String {
             }
         ),
     };
-    let text =
-        format!("partly explained: {names} {explains} {share} of the disagreement; {remains}");
+    let outside = finding.outside_in_words();
+    let text = format!(
+        "partly explained: {names} {explains} {share} of the disagreement{outside}; {remains}"
+    );
     match regions_in_words(finding.remaining.get(..1).unwrap_or_default()) {
         words if words.is_empty() => text,
         words => format!("{text}: {}", words.replace("of the excess ", "of it ")),

@@ -43,7 +43,7 @@ fn marks(log: &UniformLog) -> Vec<[bool; 2]> {
 }
 
 /// The log without some of its samples.
-fn without(log: &UniformLog, hangs: &[[bool; 2]]) -> UniformLog {
+pub(in crate::gap) fn without(log: &UniformLog, hangs: &[[bool; 2]]) -> UniformLog {
     let mut log = log.clone();
     let gaps = log.in_gap.iter_mut().zip(hangs);
     gaps.for_each(|(gap, hang)| *gap |= hang.contains(&true));

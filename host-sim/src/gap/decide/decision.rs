@@ -125,6 +125,12 @@ impl Decision {
         let ratio = |fit: &Fit| held_out_error(&problem, fit, &self.held_out).ratio;
         self.ratio = (ratio(&self.base), ratio(&self.best));
         self.evidence = self.named_evidence();
+        self.let_rivals_grade();
+    }
+
+    /// What could stand in the place of each effect says how sure its name is, and no evidence beside what remains.
+    pub(crate) fn let_rivals_grade(&mut self) {
+        let clear: Vec<bool> = self.clear_names().collect();
         let each = self.best.added_ids().into_iter().zip(&self.alternatives);
         for ((id, alternatives), is_clear) in each.zip(clear) {
             for own in self.evidence.iter_mut().filter(|own| own.id == id) {

@@ -12,7 +12,7 @@ use super::early::open_where_early;
 use super::evaluate::{evaluate, held_out_rmse_n};
 use super::rivals::result_without;
 use super::zero::open_where_zero_drifts;
-use crate::gap::finding::Verdict;
+use crate::gap::finding::{NEARLY_NOISE, Verdict};
 use crate::gap::model::{
     attenuation::corrected, dataset::Dataset, error::std_errors, fit::Fit, weights::weights,
 };
@@ -130,6 +130,9 @@ fn accepted_decision(
         }
         if is_strong_together(&decision) {
             decision.verdict = Verdict::PartlyExplained;
+            if decision.alternatives.iter().any(|own| !own.is_empty()) {
+                decision.let_rivals_grade();
+            }
             return (decision, result);
         }
         // Something remains: each effect stands for itself.
@@ -154,20 +157,26 @@ fn is_swap_undone(before: &Fit, swapped: &Fit, left: &Fit) -> bool {
 }
 
 /// Whether the effects explain nearly all of it together, and each is needed: a spectrum of relaxation, an
-/// exponent and a bond take 99 % off under a cantilever, and hardly one of them half.
+/// exponent and a bond take 99 % off under a cantilever, and hardly one of them half. Near the noise a large share is enough
+/// for each, and one of them may be open: a weight and a friction left 1.3 times the noise of a lift, 1.5 % of what there was,
+/// and beside a remainder that predicts itself a friction, which is slow, takes little off.
 fn is_strong_together(decision: &Decision) -> bool {
     let decide = &decision.thresholds.evidence;
     let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
     let left = excess(decision.ratio.1) / excess(decision.ratio.0).max(f64::MIN_POSITIVE);
     let added = decision.best.added();
     let each = || added.iter().map(|number| decision.evidence_for(*number));
-    let is_sound = added.len() == 1 || each().all(|own| own.is_some_and(|own| own.is_strong_group));
+    let is_near = decision.ratio.1 < NEARLY_NOISE;
+    let are_large = is_near && each().all(|own| own.is_some_and(|own| own.is_large));
+    let are_sound = each().all(|own| own.is_some_and(|own| own.is_strong_group));
+    let is_sound = added.len() == 1 || are_sound || are_large;
     let least = match is_sound {
         true => decide.together,
         false => decide.together_unsound,
     };
     let is_unambiguous = decision.alternatives.iter().all(Vec::is_empty);
-    1.0 - left >= least && is_unambiguous && each().all(|own| own.is_some_and(|own| own.is_needed))
+    let is_clear = is_unambiguous || are_large && decision.clear_names().any(|is_clear| is_clear);
+    1.0 - left >= least && is_clear && each().all(|own| own.is_some_and(|own| own.is_needed))
 }
 
 /// The best fit with the effects that are named though something remains, and whether others were dropped.
@@ -206,8 +215,13 @@ mod tests {
 
     const IDS: [EffectId; 2] = [EffectId::Adhesion, EffectId::StribeckFriction];
 
-    /// Whether effects that explain so much are named together, each with evidence of its own or not.
+    /// Whether effects that explain so much of ten times the noise are named together, each with evidence of its own or not.
     fn is_together(share: f64, sound: &[bool]) -> bool {
+        is_together_of(10.0, share, sound, false)
+    }
+
+    /// The same of so many times the noise, where each takes a large share or none does.
+    fn is_together_of(before: f64, share: f64, sound: &[bool], is_large: bool) -> bool {
         let mut decision = decision(&vec![0.1; sound.len()], &vec![2e4; sound.len()]);
         let terms = &mut decision.best.shape.terms;
         terms
@@ -220,11 +234,15 @@ mod tests {
             alternatives: Vec::new(),
             is_strong: *is_sound,
             is_strong_group: *is_sound,
+            is_large,
             is_needed: true,
             faint_waves: Vec::new(),
         };
         decision.evidence = IDS.into_iter().zip(sound).map(evidence).collect();
-        decision.ratio = (10.0, (1.0 + 99.0 * (1.0 - share)).sqrt());
+        decision.ratio = (
+            before,
+            (1.0 + (before.powi(2) - 1.0) * (1.0 - share)).sqrt(),
+        );
         is_strong_together(&decision)
     }
 
@@ -255,6 +273,10 @@ mod tests {
         // A friction beside an adhesion of no catalogue's form made 97 % of it.
         assert!(!is_together(0.97, &[true, false]));
         assert!(is_together(0.99, &[false, false]));
+        // Near the noise a large share of each is enough: 1.4 times of 6 remain, and 1.7 times of 8.
+        assert!(is_together_of(6.0, 0.97, &[false, false], true));
+        assert!(!is_together_of(6.0, 0.97, &[false, false], false));
+        assert!(!is_together_of(8.0, 0.97, &[false, false], true));
         // One effect is not called so for a companion.
         assert!(is_together(0.96, &[false]));
     }

@@ -3,11 +3,13 @@
 use estimator_core::physics::effect::EffectId;
 
 use super::change::ChangesSince;
+use super::episode::Episode;
 use super::parameter::ParameterEstimate;
 use super::region::{Region, regions_in_words};
 use crate::gap::noise::floor::NoiseFloor;
 use crate::model::Model;
 use crate::motion::{Limits, Motion};
+use crate::number::quantity;
 
 /// Times what is allowed up to which a remainder may be noise that a floor does not know: it is known to a quarter.
 pub(in crate::gap) const NEARLY_NOISE: f64 = 1.5;
@@ -205,6 +207,10 @@ pub struct Finding {
     pub notes: Vec<String>,
     /// Instants (s) of the steps of the surface that were taken off, and by what each is still off (m), to first order.
     pub(crate) surface_off: Vec<(f64, f64)>,
+    /// The short stretch that holds most of what the closest set leaves, where something remains.
+    pub(crate) episode: Option<Episode>,
+    /// Stretches that nothing explains, which were left out.
+    pub left_out: Vec<Episode>,
     /// Why the log seems to be in another unit, or with another sign, than the model: then no effect is asked for.
     pub mistaken: Option<String>,
 }
@@ -233,6 +239,15 @@ impl Finding {
                  noise makes them"
             )
         })
+    }
+
+    /// " outside 2.8 s that nothing explains" where stretches were left out, and nothing else.
+    pub fn outside_in_words(&self) -> String {
+        let all_s: f64 = self.left_out.iter().map(Episode::length_s).sum();
+        match self.left_out.is_empty() {
+            true => String::new(),
+            false => format!(" outside {} that nothing explains", quantity(all_s, 2, "s")),
+        }
     }
 
     /// Whether what is not explained may as well be slow noise of the force: it is little, in no part of the log more than

@@ -79,6 +79,8 @@ pub(crate) fn finding(
         curves: builder.curves(),
         notes: [in_words(decision), replaced].concat(),
         surface_off: off_by(&builder.problem, &decision.best),
+        episode: None,
+        left_out: Vec::new(),
         mistaken: None,
         effects,
     };

@@ -33,6 +33,8 @@ pub(crate) struct Evidence {
     pub(crate) is_strong: bool,
     /// Whether it or one of its alternatives is.
     pub(crate) is_strong_group: bool,
+    /// Whether it takes a large share off, in most blocks, whatever the remainder predicts of itself.
+    pub(crate) is_large: bool,
     /// Whether the best set without it is worse at all, and it is no wave that does not stand for itself.
     pub(crate) is_needed: bool,
     /// Of several waves of this kind the frequencies (Hz) or pitches (m) of those that take little off alone.
@@ -131,6 +133,7 @@ impl Search<'_> {
             // A wave fits any remainder, whatever it stands beside.
             is_needed: gain.lead >= decide.needed && (is_sound_group || is_alone || !repeats(id)),
             is_strong_group: is_sound_group || is_alone,
+            is_large: agrees && gain.is_large_share(decide) && gain.lead >= decide.lead,
             faint_waves: self.faint_waves(id, weighing),
             alternatives: alternatives.unwrap_or_default(),
             id,
@@ -226,13 +229,15 @@ struct Gain {
 }
 
 impl Gain {
-    /// Whether it is large, in most blocks, and beside the remainder.
+    /// Whether it is a large share, in most blocks.
+    fn is_large_share(&self, decide: &thresholds::Evidence) -> bool {
+        self.share >= decide.share && self.blocks >= decide.blocks
+    }
+
+    /// The same, beside the remainder as well.
     fn is_large(&self, decide: &thresholds::Evidence) -> bool {
         let (times, sigmas) = self.beside;
-        self.share >= decide.share
-            && self.blocks >= decide.blocks
-            && times >= decide.beside
-            && sigmas >= decide.beside_sigmas
+        self.is_large_share(decide) && times >= decide.beside && sigmas >= decide.beside_sigmas
     }
 
     /// Whether it speaks for an effect: it is large; or so sharp that no remainder moves like it; or in every

@@ -89,6 +89,8 @@ fn finding(verdict: Verdict) -> Finding {
     let has_effects = !matches!(verdict, Verdict::NoMissingEffect | Verdict::Unexplained);
     Finding {
         mistaken: None,
+        episode: None,
+        left_out: Vec::new(),
         surface_off: Vec::new(),
         verdict,
         effects: if has_effects { vec![named] } else { Vec::new() },

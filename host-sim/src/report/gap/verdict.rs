@@ -63,15 +63,22 @@ pub(super) fn sentence(finding: &Finding) -> String {
             changes(finding),
             times(finding.ratio_before)
         ),
+        Verdict::Unexplained if !finding.left_out.is_empty() => format!(
+            "Nothing is missing{}: with its parameters fitted the base model's error on held-out parts is \
+             {before} in the rest, {}.",
+            spaced(&finding.outside_in_words()),
+            times(finding.ratio_before)
+        ),
         Verdict::Unexplained => format!(
             "Something is missing that no effect of the catalogue explains: with its parameters fitted \
              the base model's error on held-out parts is {before}, {}.",
             times(finding.ratio_before)
         ),
         Verdict::PartlyExplained => format!(
-            "The model lacks {names}, which takes {} of the disagreement off. What remains no effect of \
+            "The model lacks {names}, which takes {} of the disagreement{} off. What remains no effect of \
              the catalogue explains. {shrinks}",
-            spaced(&share_in_words(finding.explained_share().unwrap_or(0.0)))
+            spaced(&share_in_words(finding.explained_share().unwrap_or(0.0))),
+            spaced(&finding.outside_in_words())
         ),
     };
     match finding.slow_remainder_in_words() {

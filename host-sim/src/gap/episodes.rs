@@ -1,0 +1,73 @@
+//! A stretch in which something else happens: a stop is hit, a hand is on the rig, a cable snags.
+//!
+//! A lift ran against its stop for a second of eighty, with five times the force that it needs elsewhere, and neither its
+//! weight nor its friction, 98 % of the rest, was named. Where one short stretch holds most of what the closest set leaves, and
+//! effects stand out without it that do not with it, those are named, and it is said that nothing explains the stretch.
+
+use std::borrow::Cow;
+
+use super::data::hangs::without;
+use super::finding::{Episode, Finding, Grade, Verdict};
+use crate::diagnostic::Diagnostic;
+use crate::log::UniformLog;
+use crate::number::quantity;
+
+/// Most stretches that are left out. Not measured.
+const MOST: usize = 3;
+
+/// The finding on logs without such stretches, and what is said of them; `ask` finds what is missing.
+///
+/// # Errors
+/// Those of `ask`.
+pub(super) fn left_out(
+    logs: &[UniformLog],
+    ask: impl Fn(&[UniformLog]) -> Result<Finding, Diagnostic>,
+) -> Result<Finding, Diagnostic> {
+    let first = ask(logs)?;
+    let mut logs = Cow::Borrowed(logs);
+    let mut finding = first.clone();
+    let mut episodes: Vec<Episode> = Vec::new();
+    while let Some(episode) = finding.episode.filter(|_| episodes.len() < MOST) {
+        let log = &mut logs.to_mut()[episode.log];
+        *log = without(log, &marks(log, episode));
+        finding = ask(&logs)?;
+        episodes.push(episode);
+    }
+    let is_rest_explained = finding.verdict == Verdict::NoMissingEffect;
+    if !is_rest_explained && !names_more(&finding, &first) {
+        return Ok(first);
+    }
+    // Something remains, if only there.
+    finding.verdict = match is_rest_explained {
+        true => Verdict::Unexplained,
+        false => Verdict::PartlyExplained,
+    };
+    let certain = finding.effects.iter_mut();
+    let certain = certain.filter(|own| own.grade == Grade::Certain);
+    certain.for_each(|own| own.grade = Grade::Strong);
+    finding.notes.splice(0..0, episodes.iter().map(in_words));
+    finding.left_out = episodes;
+    Ok(finding)
+}
+
+/// Whether a finding names all that another does, and more.
+fn names_more(finding: &Finding, other: &Finding) -> bool {
+    let is_named = |id| finding.effects.iter().any(|own| own.id == id);
+    finding.effects.len() > other.effects.len() && other.effects.iter().all(|own| is_named(own.id))
+}
+
+/// Where an episode hides the force.
+fn marks(log: &UniformLog, episode: Episode) -> Vec<[bool; 2]> {
+    let is_in = |time_s: &f64| (episode.from_s..=episode.until_s).contains(time_s);
+    let each = log.time_s.iter().map(is_in);
+    each.map(|is_in| [is_in, false]).collect()
+}
+
+fn in_words(episode: &Episode) -> String {
+    format!(
+        "for {} from {:.2} s on the force does what it does nowhere else in the log, as where a stop is hit or a hand is on \
+         the rig: left out, and not explained",
+        quantity(episode.length_s(), 2, "s"),
+        episode.from_s
+    )
+}
