@@ -77,3 +77,40 @@ fn whole(squares: &[f64], rows: Range<usize>, most: usize) -> Option<Range<usize
     }
     (end - start <= most).then_some(start..end)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A thousand squares of 1, with half a sine of up to 400 at 300 to 340.
+    fn squares() -> Vec<f64> {
+        let wave = |at: i32| (std::f64::consts::PI * f64::from(at - 300) / 40.0).sin();
+        let square = |at: i32| match (300..340).contains(&at) {
+            true => 1.0 + (20.0 * wave(at)).powi(2),
+            false => 1.0,
+        };
+        (0..1000).map(square).collect()
+    }
+
+    #[test]
+    fn the_shortest_rows_with_half_of_it_are_in_its_middle() {
+        let squares = squares();
+        // Half of the area of a squared half sine is in the middle 26 % of it, 10.6 of 40 rows.
+        let excess = squares.iter().sum::<f64>() - 1000.0;
+        let rows = shortest_with(&squares, 0.5 * excess).unwrap();
+        assert_eq!(rows.len(), 11);
+        assert!((312..317).contains(&rows.start), "{rows:?}");
+        assert_eq!(shortest_with(&squares, 1.01 * excess), None);
+    }
+
+    #[test]
+    fn what_is_around_them_belongs_to_them_until_it_is_as_the_rest() {
+        let squares = squares();
+        let all = whole(&squares, 315..326, 50).unwrap();
+        assert!(
+            (292..=301).contains(&all.start) && (339..=348).contains(&all.end),
+            "{all:?}"
+        );
+        assert_eq!(whole(&squares, 315..326, 30), None);
+    }
+}
