@@ -14,6 +14,7 @@ use tests::hidden::score::{further, library, run, sweep, table};
 
 const USAGE: &str = "\
 hidden write DIR [--cases N] [--kind single|mismatched|pair|triple|none|unknown|poor|weak|pair_mismatched|foreign|machine|machine_mismatched] [--seed S] [--jobs J] [--brief]
+             [--hand]   (one that pushes each rig once)
              [--length A] [--force B] [--time C]   (a metre, newton, second in the files' units)
 hidden record RIG --motion FILE --out DIR   (the same rig under another motion, to DIR/further.csv)
 hidden score DIR… [--palpate PATH] [--out OUT] [--jobs J] [--args \"…\"] [--reuse] [--list] [--richer]
@@ -71,12 +72,16 @@ fn write(arguments: &[String]) -> Result<(), String> {
     let kind = kind(option(arguments, "--kind").unwrap_or("single"))?;
     let brief = arguments.iter().any(|a| a == "--brief");
     let draw = if brief { Case::brief } else { Case::generate };
+    let is_pushed = arguments.iter().any(|a| a == "--hand");
     let drawn = |index| {
         let mut case = draw(kind, seed, index);
         if !case.units.turns {
             case.units = units;
         }
-        case
+        match is_pushed {
+            true => case.pushed(),
+            false => case,
+        }
     };
     save_all(Path::new(dir), cases, jobs, drawn, |line| {
         println!("{line}")

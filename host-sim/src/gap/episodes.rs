@@ -33,12 +33,11 @@ pub(super) fn left_out(
         finding = ask(&logs)?;
         episodes.push(episode);
     }
-    let is_rest_explained = finding.verdict == Verdict::NoMissingEffect;
-    if !is_rest_explained && !names_more(&finding, &first) {
+    if episodes.is_empty() || !says_more(&finding, &first) {
         return Ok(first);
     }
     // Something remains, if only there.
-    finding.verdict = match is_rest_explained {
+    finding.verdict = match finding.effects.is_empty() {
         true => Verdict::Unexplained,
         false => Verdict::PartlyExplained,
     };
@@ -46,14 +45,17 @@ pub(super) fn left_out(
     let certain = certain.filter(|own| own.grade == Grade::Certain);
     certain.for_each(|own| own.grade = Grade::Strong);
     finding.notes.splice(0..0, episodes.iter().map(in_words));
+    finding.advice = format!("Look at what happened there. Elsewhere: {}", finding.advice);
     finding.left_out = episodes;
     Ok(finding)
 }
 
-/// Whether a finding names all that another does, and more.
-fn names_more(finding: &Finding, other: &Finding) -> bool {
+/// Whether a finding names all that another does, and more, or explains the rest with it.
+fn says_more(finding: &Finding, other: &Finding) -> bool {
     let is_named = |id| finding.effects.iter().any(|own| own.id == id);
-    finding.effects.len() > other.effects.len() && other.effects.iter().all(|own| is_named(own.id))
+    let is_more = finding.effects.len() > other.effects.len();
+    (is_more || !finding.verdict.leaves_a_remainder())
+        && other.effects.iter().all(|own| is_named(own.id))
 }
 
 /// Where an episode hides the force.

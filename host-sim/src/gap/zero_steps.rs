@@ -22,6 +22,10 @@ const AS_MUCH: f64 = 1.05;
 /// An effect does as well as a step if it leaves less than this many times as much (rms). The best in the place of five
 /// steps left 1.8 to 12 times as much.
 const BY_ONE_EFFECT: f64 = 1.25;
+/// A step is taken back soon if that is within this share of the log: as an episode that nothing explains.
+const SOON: f64 = 0.05;
+/// It is taken back if less than this share of it stays. Not measured.
+const BACK: f64 = 0.2;
 /// Most steps that are taken off. Not measured.
 const MOST: usize = 4;
 /// Samples within which the instant is sought again: a search takes one of eight where a log has 240 000.
@@ -44,7 +48,7 @@ pub(super) fn taken_off(
         for step in &mut new {
             (without, step.0) = self::without(&without, step.0, step.1);
         }
-        if new.is_empty() {
+        if new.is_empty() || comes_back(&new, &log) {
             break;
         }
         let next = ask(std::slice::from_ref(&without))?;
@@ -60,6 +64,16 @@ pub(super) fn taken_off(
     }
     finding.notes.splice(0..0, steps.into_iter().map(in_words));
     Ok(finding)
+}
+
+/// Whether a step is taken back by the next, soon after it: that is no zero but something that happens meanwhile. A hand that
+/// pushed a stage for 0.3 s of 20 made steps of 9 and −9 N.
+fn comes_back(steps: &[(f64, f64)], log: &UniformLog) -> bool {
+    let soon_s = SOON * log.len() as f64 * log.period_s();
+    steps.windows(2).any(|pair| {
+        let [(from_s, there_n), (to_s, back_n)] = [pair[0], pair[1]];
+        to_s - from_s < soon_s && (there_n + back_n).abs() < BACK * there_n.abs()
+    })
 }
 
 /// A log without a force (N) from about an instant (s) on, and the instant: the sample near it at which the force jumps

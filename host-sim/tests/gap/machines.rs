@@ -271,7 +271,7 @@ fn a_hand_on_the_stage_hides_no_spring_and_makes_none() {
     let (json, said) = asked(&identified(), &[pushed]);
     assert_eq!(json["verdict"], "unexplained", "{said}");
     assert!(
-        said.contains("unexplained: nothing is missing outside 0.3"),
+        said.contains("unexplained: nothing is missing outside 2"),
         "{said}"
     );
     assert_eq!(json["changed"].as_array().unwrap().len(), 0, "{said}");

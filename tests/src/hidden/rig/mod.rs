@@ -8,6 +8,7 @@ pub(crate) mod drive;
 pub mod effect;
 pub mod fit;
 pub mod form;
+mod hand;
 pub mod harder;
 pub mod inject;
 pub mod kind;
