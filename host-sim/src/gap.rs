@@ -15,6 +15,7 @@
 //! - `rounds` asks again for what remains beside what is named, until nothing more is. Where the model says what it left
 //!   when it was identified, `as_identified` allows for that first, and `held` asks beside the numbers of its file as well.
 //! - `units` asks first whether the log is in another unit than the model, or with another sign.
+//! - `episodes` asks again without a short stretch that nothing explains.
 //! - `lost_counts`, `zero_steps`, `surface_steps` and `dents` ask again where counts were lost, where the zero or the surface
 //!   has stepped, and where a material was touched again before it had recovered: none of that is an effect of the catalogue.
 //! - `experiment` predicts which effects a motion shows: `plan` before any log, `advise` after one.
@@ -67,7 +68,6 @@ use data::fit_data::FitData;
 use data::low_pass::LowPass;
 use data::scales::Scales;
 use data::{budget, hangs, input, leaps, orientation, ringing, spikes};
-use decide::episode::episode;
 use noise::floors::{Floors, largest_correlation};
 use rounds::{Answer, Rounds};
 use say::{builder, each_log, plausibility::implausible};
@@ -200,9 +200,8 @@ fn asked(
     progress.at(0.95, "regions and errors");
     let (decision, ladder) = (&answer.decision, answer.ladder);
     let mut finding = builder::finding(model, &rounds.fine, decision, ladder, options);
-    if finding.verdict.leaves_a_remainder() && low_pass.is_none() {
-        finding.episode = episode(&rounds.fine, &answer.closest);
-    }
+    let fits = [&answer.closest, &decision.base];
+    finding.episode = episodes::of(finding.verdict, &rounds.fine, fits);
     notes.extend(implausible(model, &whole[0], &finding, thresholds));
     finding.differs = each_log::in_words(&rounds.fine, decision, whole);
     if finding.differs.is_some() && finding.verdict == Verdict::Unexplained {

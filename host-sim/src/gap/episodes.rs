@@ -7,7 +7,9 @@
 use std::borrow::Cow;
 
 use super::data::hangs::without;
+use super::decide::episode::episode;
 use super::finding::{Episode, Finding, Grade, Verdict};
+use super::model::{dataset::Dataset, fit::Fit};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
 use crate::number::quantity;
@@ -48,6 +50,14 @@ pub(super) fn left_out(
     finding.advice = format!("Look at what happened there. Elsewhere: {}", finding.advice);
     finding.left_out = episodes;
     Ok(finding)
+}
+
+/// The stretch that is to be left out, where something remains: of what the closest set leaves, or of what the base does,
+/// since effects that follow what happens there spread what remains of it. Behind a low-pass it is everywhere.
+pub(super) fn of(verdict: Verdict, dataset: &Dataset<'_>, fits: [&Fit; 2]) -> Option<Episode> {
+    let is_asked = verdict.leaves_a_remainder() && dataset.low_pass.is_none();
+    let mut fits = fits.into_iter().filter(|_| is_asked);
+    fits.find_map(|fit| episode(dataset, fit))
 }
 
 /// Whether a finding names all that another does, and more, or explains the rest with it.

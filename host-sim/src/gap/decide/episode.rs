@@ -48,13 +48,16 @@ fn shortest_with(squares: &[f64], excess: f64) -> Option<Range<usize>> {
     let mut before = 0.0;
     for (at, square) in squares.iter().enumerate() {
         before += square - 1.0;
-        while let Some((start, _)) = starts.pop_front_if(|(_, own)| before - *own >= excess) {
-            let rows = start..at + 1;
+        while let Some((start, _)) = starts.front().filter(|own| before - own.1 >= excess) {
+            let rows = *start..at + 1;
             if best.as_ref().is_none_or(|best| rows.len() < best.len()) {
                 best = Some(rows);
             }
+            starts.pop_front();
         }
-        while starts.pop_back_if(|(_, own)| *own >= before).is_some() {}
+        while starts.back().is_some_and(|own| own.1 >= before) {
+            starts.pop_back();
+        }
         starts.push_back((at + 1, before));
     }
     best

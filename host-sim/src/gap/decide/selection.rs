@@ -129,11 +129,7 @@ fn accepted_decision(
             continue;
         }
         if is_strong_together(&decision) {
-            decision.verdict = Verdict::PartlyExplained;
-            if decision.alternatives.iter().any(|own| !own.is_empty()) {
-                decision.let_rivals_grade();
-            }
-            return (decision, result);
+            return (named_together(decision), result);
         }
         // Something remains: each effect stands for itself.
         let (best, dropped) = with_strong_effects(dataset, &decision.best, evidence);
@@ -145,6 +141,15 @@ fn accepted_decision(
         let before = before_swap.clone().filter(is_undone);
         result = SearchResult::alone(before.unwrap_or(best));
     }
+}
+
+/// The decision with its effects named together; what could stand in the place of one opens it.
+fn named_together(mut decision: Decision) -> Decision {
+    decision.verdict = Verdict::PartlyExplained;
+    if decision.alternatives.iter().any(|own| !own.is_empty()) {
+        decision.let_rivals_grade();
+    }
+    decision
 }
 
 /// Whether what a swap brought in has no evidence, so that what it took the place of stands there still. A friction by

@@ -38,7 +38,6 @@ pub(crate) fn finding(
     let base_errors = std_errors(&builder.problem, &decision.base);
     let estimates = Estimates::of(&decision.best, &decision.std_errors);
     let remaining = builder.remaining();
-    let effects = builder.effects(&estimates);
     let noise_floor_n = builder.noise_floor_n();
     let base_after = estimates.of_base();
     let decide = &dataset.thresholds.changes;
@@ -82,7 +81,7 @@ pub(crate) fn finding(
         episode: None,
         left_out: Vec::new(),
         mistaken: None,
-        effects,
+        effects: builder.effects(&estimates),
     };
     (finding.advice, finding.advised) = advice(&finding, dataset, decision);
     finding

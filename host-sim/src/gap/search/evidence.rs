@@ -92,11 +92,10 @@ impl Search<'_> {
         let with = best_with(all, best, id);
         let without = best_without(all, &[id]);
         let gain = self.gain(without, with, weighing);
-        let rival = newcomer(without, &ids, &[id]);
         let support = Support {
             share: gain.share,
             blocks: gain.blocks,
-            next: rival.map(|id| Next {
+            next: newcomer(without, &ids, &[id]).map(|id| Next {
                 id,
                 share: self.share(plain, without),
             }),
