@@ -16,6 +16,7 @@ const OF_INSIDE: f64 = 0.02;
 const OF_OUTSIDE: f64 = 4.0;
 /// Fewest samples that are looked at next to it.
 const FEWEST: usize = 8;
+
 /// The short stretch of one of the logs that holds most of what a fit leaves, if there is one.
 pub(in crate::gap) fn episode(dataset: &Dataset<'_>, fit: &Fit) -> Option<Episode> {
     let weights = weights(&dataset.variances(fit));
