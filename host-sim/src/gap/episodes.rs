@@ -39,10 +39,13 @@ pub(super) fn left_out(
         return Ok(first);
     }
     // Something remains, if only there.
-    finding.verdict = match finding.effects.is_empty() {
-        true => Verdict::Unexplained,
-        false => Verdict::PartlyExplained,
-    };
+    finding.verdict = Verdict::PartlyExplained;
+    if finding.effects.is_empty() {
+        finding.verdict = Verdict::Unexplained;
+        // What is not explained counts.
+        (finding.rmse_before_n, finding.rmse_after_n) = (first.rmse_before_n, first.rmse_after_n);
+        (finding.ratio_before, finding.ratio_after) = (first.ratio_before, first.ratio_after);
+    }
     let certain = finding.effects.iter_mut();
     let certain = certain.filter(|own| own.grade == Grade::Certain);
     certain.for_each(|own| own.grade = Grade::Strong);

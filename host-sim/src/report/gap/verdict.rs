@@ -64,8 +64,7 @@ pub(super) fn sentence(finding: &Finding) -> String {
             times(finding.ratio_before)
         ),
         Verdict::Unexplained if !finding.left_out.is_empty() => format!(
-            "Nothing is missing{}: with its parameters fitted the base model's error on held-out parts is \
-             {before} in the rest, {}.",
+            "Nothing is missing{}: with that stretch the base model's error on held-out parts is {before}, {}.",
             spaced(&finding.outside_in_words()),
             times(finding.ratio_before)
         ),
