@@ -4,6 +4,7 @@
 //! it: where it is nearly all that remains it is taken off, said, and the rest is asked for again, beside an amount that
 //! every fit finds anew.
 
+use super::decide::episode::SHORT;
 use super::finding::{Curves, Finding, Region};
 use crate::diagnostic::Diagnostic;
 use crate::log::UniformLog;
@@ -22,9 +23,7 @@ const AS_MUCH: f64 = 1.05;
 /// An effect does as well as a step if it leaves less than this many times as much (rms). The best in the place of five
 /// steps left 1.8 to 12 times as much.
 const BY_ONE_EFFECT: f64 = 1.25;
-/// A step is taken back soon if that is within this share of the log: as an episode that nothing explains.
-const SOON: f64 = 0.05;
-/// It is taken back if less than this share of it stays. Not measured.
+/// A step is taken back if less than this share of it stays. Not measured.
 const BACK: f64 = 0.2;
 /// Most steps that are taken off. Not measured.
 const MOST: usize = 4;
@@ -66,10 +65,10 @@ pub(super) fn taken_off(
     Ok(finding)
 }
 
-/// Whether a step is taken back by the next, soon after it: that is no zero but something that happens meanwhile. A hand that
-/// pushed a stage for 0.3 s of 20 made steps of 9 and −9 N.
+/// Whether a step is taken back by the next, as soon as an episode is over: that is no zero but something that happens
+/// meanwhile. A hand that pushed a stage for 0.3 s of 20 made steps of 9 and −9 N.
 fn comes_back(steps: &[(f64, f64)], log: &UniformLog) -> bool {
-    let soon_s = SOON * log.len() as f64 * log.period_s();
+    let soon_s = SHORT * log.len() as f64 * log.period_s();
     steps.windows(2).any(|pair| {
         let [(from_s, there_n), (to_s, back_n)] = [pair[0], pair[1]];
         to_s - from_s < soon_s && (there_n + back_n).abs() < BACK * there_n.abs()

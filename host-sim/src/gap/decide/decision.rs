@@ -113,8 +113,8 @@ impl Decision {
     /// Its names stand beside a remainder that was allowed for; `dataset` has the floors without it.
     pub(crate) fn stand_beside_remainder(&mut self, dataset: &Dataset<'_>) {
         self.is_beside_remainder = true;
-        let clear: Vec<bool> = self.clear_names().collect();
-        self.verdict = match clear.contains(&true) {
+        let is_any_clear = self.clear_names().any(|is_clear| is_clear);
+        self.verdict = match is_any_clear {
             _ if self.without.is_empty() => Verdict::Unexplained,
             true => Verdict::PartlyExplained,
             false => Verdict::Ambiguous,

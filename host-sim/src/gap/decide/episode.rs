@@ -9,7 +9,7 @@ use crate::gap::model::{dataset::Dataset, fit::Fit, weights::weights};
 /// It holds this share of what stands above the noise. Derived: most of it.
 const MOST: f64 = 0.5;
 /// It is at most this share of its log. A lift ran against its stop for 1.2 % of 80 s. Not measured beyond.
-const SHORT: f64 = 0.05;
+pub(in crate::gap) const SHORT: f64 = 0.05;
 /// A part next to it belongs to it if its mean square is at least this share of its own, and so many times that of the rest.
 /// Not measured; half a sine of force ends so within 5 % of its length.
 const OF_INSIDE: f64 = 0.02;

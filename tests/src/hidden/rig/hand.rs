@@ -1,6 +1,7 @@
 //! A hand that pushes the rig once, which no model of the rig explains.
 
 use super::case::Case;
+use super::fit::rms;
 use super::random::Random;
 use std::f64::consts::PI;
 
@@ -14,11 +15,9 @@ impl Case {
     pub fn pushed(mut self) -> Case {
         let mut random = Random::new(self.seed, self.index << 16 | STREAM);
         let count = self.rows.len() as f64;
-        let force = |row: &[f64; 3]| row[2];
-        let mean = self.rows.iter().map(force).sum::<f64>() / count;
-        let square = |row: &[f64; 3]| (row[2] - mean).powi(2);
-        let deviation = (self.rows.iter().map(square).sum::<f64>() / count).sqrt();
-        let most = random.sign() * random.between(3.0, 8.0) * deviation;
+        let mean = self.rows.iter().map(|row| row[2]).sum::<f64>() / count;
+        let off: Vec<f64> = self.rows.iter().map(|row| row[2] - mean).collect();
+        let most = random.sign() * random.between(3.0, 8.0) * rms(&off);
         let (from, length) = (random.between(0.2, 0.8), random.between(0.008, 0.02));
         for (at, row) in self.rows.iter_mut().enumerate() {
             let share = (at as f64 / count - from) / length;
