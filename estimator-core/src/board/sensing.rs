@@ -60,6 +60,8 @@ pub struct Limits {
     pub stuck_moving_us: u64,
     /// See `stuck_moving_us` (m).
     pub stuck_way_m: f32,
+    /// The same code for this long, and then one that is off by more than `spike_n`, was one as well; 0: never.
+    pub hung_us: u64,
     /// A force that stands out of its neighbours by more is a spike (N); 0: never.
     pub spike_n: f32,
     /// A faster motion between two samples is a jump; 0: never.
@@ -82,6 +84,7 @@ impl Limits {
         stuck_us: 0,
         stuck_moving_us: 0,
         stuck_way_m: 0.0,
+        hung_us: 0,
         spike_n: 0.0,
         fastest_m_per_us: 0.0,
         jump_m: 0.0,
@@ -252,7 +255,8 @@ impl Conversion {
         let stuck_n = self.limits.stuck_n;
         let position_stuck = stuck_n > 0.0 && force_n - now.least_n > stuck_n;
         // At the end of its range a converter repeats its code without hanging.
-        let force_stuck = self.force_stuck(&now) && self.saturation(codes) == Faults::NONE;
+        let force_stuck = (self.force_stuck(&now) || self.force_hung(&last, &now))
+            && self.saturation(codes) == Faults::NONE;
         let faults = only(jumped, Fault::PositionJump)
             | only(force_stuck, Fault::ForceStuck)
             | only(position_stuck, Fault::PositionStuck);
@@ -266,6 +270,14 @@ impl Conversion {
         let stuck = limits.stuck_us > 0 && still_us >= limits.stuck_us;
         let moving = limits.stuck_moving_us > 0 && still_us >= limits.stuck_moving_us;
         stuck || (moving && way_m >= limits.stuck_way_m)
+    }
+
+    /// Whether the force goes on after it hung: noise repeats a code as often, but does not leap then.
+    fn force_hung(&self, last: &Last, now: &Last) -> bool {
+        let limits = &self.limits;
+        let held_us = now.time_us.saturating_sub(last.force_since_us);
+        let leap_n = (now.force as f32 - last.force as f32).abs() * self.n_per_code.abs();
+        limits.hung_us > 0 && held_us >= limits.hung_us && leap_n > limits.spike_n
     }
 }
 
@@ -326,8 +338,6 @@ mod tests {
     #[test]
     fn every_fault_of_a_sensor_shows_when_its_condition_holds_and_only_then() {
         type Bend = fn(i32) -> Codes;
-        let held = |i: i32| (200..1400).contains(&i);
-        let _ = held;
         let table: [(Fault, Bend, core::ops::Range<i32>); 5] = [
             (
                 Fault::ForceSaturated,
@@ -629,6 +639,42 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_converter_that_hung_too_shortly_to_be_stuck_shows_by_its_leap() {
+        let hung_us = 4_500;
+        let conversion = Conversion::new(
+            0.005,
+            0.0,
+            1e-6,
+            Limits {
+                hung_us,
+                ..limits()
+            },
+        );
+        // GIVEN presses of which the converter misses some readings, at 10 mN and at 345 mN a sample
+        let shown_at = |held: core::ops::Range<i32>, steep: i32| {
+            let mut watch = Watch::default();
+            let mut shown = heapless::Vec::<i32, 8>::new();
+            for i in 0..480 {
+                let at = if held.contains(&i) { held.start - 1 } else { i };
+                let force = pressed(at).force + steep * (at - 300).max(0);
+                let read = Codes {
+                    force,
+                    ..pressed(i)
+                };
+                let faults = conversion.sample(&mut watch, &read).faults;
+                if faults.has(Fault::ForceStuck) {
+                    shown.push(i).unwrap();
+                }
+            }
+            shown
+        };
+        // THEN five show with the next one where it leaps, three do not, and nothing does where it goes on as before.
+        assert_eq!(shown_at(310..315, 69), [315]);
+        assert!(shown_at(310..313, 69).is_empty());
+        assert!(shown_at(310..315, 0).is_empty());
     }
 
     #[test]

@@ -16,6 +16,9 @@ const FINEST_CODES: f64 = 4_194_304.0;
 /// Chance that noise repeats a code for as long as a stuck converter: one sample in 10¹⁰ is one in
 /// four months at 1 kHz.
 const BY_CHANCE: f64 = 1e-10;
+/// The same for as long as one that hung, where a leap follows that noise makes less than once in 10¹¹ samples. A converter
+/// that hung for 5 ms of a first press, six readings, made a damping 7 % wrong, `converged` for a second.
+const HUNG_BY_CHANCE: f64 = 1e-4;
 /// Samples of the blocks over which it is found how often a code repeats, and the share of them that may
 /// be worse: a converter that hung for a twentieth of the log does not hide.
 const BLOCK: usize = 100;
@@ -66,7 +69,9 @@ impl LogSensors {
             .collect();
         let period_us = 1e6 / log.rate_hz;
         let us = |samples: usize| ((samples as f64 - 1.5) * period_us) as u64;
-        let stuck = stuck_samples(&codes);
+        let often = repeated(&codes);
+        let stuck = often.map(|often| samples(often, BY_CHANCE));
+        let hung = often.map(|often| samples(often, HUNG_BY_CHANCE));
         // Noise that does not reach a code, and none at all, leave flat tops that are no rails.
         let visible = noise_n > 0.5 * n_per_code && stuck.is_some();
         let (lowest, highest) = match visible {
@@ -80,6 +85,7 @@ impl LogSensors {
             stuck_us: stuck.map_or(0, |samples| us(AT_REST * samples)),
             stuck_moving_us: stuck.map_or(0, us),
             stuck_way_m: way_m as f32,
+            hung_us: hung.map_or(0, |samples| us(samples + 1)),
             spike_n: spike_n as f32,
             jump_m: way_m.max(signal::sharpest(&position)) as f32,
             standstill: Standstill {
@@ -107,9 +113,14 @@ fn code(channel: &[f64]) -> f64 {
     signal::step(channel).unwrap_or(fine).max(fine)
 }
 
-/// For how many samples a code must repeat before noise has not done it; `None` if noise shows in too
-/// few of them to say.
-fn stuck_samples(codes: &[i64]) -> Option<usize> {
+/// For how many samples a code must repeat before noise, which repeats one so often, has not done it but by chance.
+fn samples(often: f64, by_chance: f64) -> usize {
+    let repeats = (by_chance.ln() / often.max(1e-6).ln()).ceil() as usize;
+    (repeats + 1).max(SHORTEST_RUN)
+}
+
+/// How often noise repeats a code; `None` if it shows in too few samples to say.
+fn repeated(codes: &[i64]) -> Option<f64> {
     // At the ends of a range codes repeat for another reason.
     let (lowest, highest) = (codes.iter().min(), codes.iter().max());
     let inside = |code: &i64| Some(code) != lowest && Some(code) != highest;
@@ -119,11 +130,7 @@ fn stuck_samples(codes: &[i64]) -> Option<usize> {
         repeated as f64 / (BLOCK - 1) as f64
     });
     let often = quantile(blocks, 1.0 - WORST_BLOCKS);
-    if codes.len() < 2 * BLOCK || often > MOST_REPEATED {
-        return None;
-    }
-    let by_chance = (BY_CHANCE.ln() / often.max(1e-6).ln()).ceil() as usize + 1;
-    Some(by_chance.max(SHORTEST_RUN))
+    (codes.len() >= 2 * BLOCK && often <= MOST_REPEATED).then_some(often)
 }
 
 /// The codes between which the converter is within its range: beyond them its ends, where the same code

@@ -138,7 +138,11 @@ impl<'a> Readings<'a> {
             }
             Fault::PositionJump => self.mark(at - LATE..at - LATE + 1, fault),
             Fault::PositionStuck => self.mark_since(&log.position_m, at - LATE - 1, fault),
-            Fault::ForceStuck => self.mark_since(&log.force_n, at, fault),
+            // One that hung shows by the leap with which it goes on.
+            Fault::ForceStuck => {
+                let goes_on = at > 0 && log.force_n[at] != log.force_n[at - 1];
+                self.mark_since(&log.force_n, at - usize::from(goes_on), fault);
+            }
             _ => self.mark(at..at + 1, fault),
         }
     }
@@ -275,5 +279,30 @@ mod tests {
             "{:?}",
             stuck.first()
         );
+    }
+
+    #[test]
+    fn a_converter_that_hung_for_five_readings_of_a_press_is_marked_there() {
+        // GIVEN presses at 60 N/s with 20 mN of noise in counts of 5 mN, in the second of which the force hangs
+        const HUNG: Range<usize> = 1420..1426;
+        let time: Vec<f64> = (0..6000).map(|at| f64::from(at) * 1e-3).collect();
+        let way = |t: f64| (0.5 - (t % 1.0 - 0.5).abs() - 0.2).max(-0.05);
+        let position: Vec<f64> = time
+            .iter()
+            .map(|t| (2e4 * way(*t)).round() * 1e-6)
+            .collect();
+        let noise = |at: usize| ((at * 7919 % 101) as f64 - 50.0) * 0.15;
+        let each = time.iter().enumerate();
+        let mut force: Vec<f64> = each
+            .map(|(at, t)| (1.2e4 * way(*t).max(0.0) + noise(at)).round() * 5e-3)
+            .collect();
+        let held = force[HUNG.start];
+        force[HUNG].fill(held);
+        let log = Log::from_channels(time, position, force).uniform().unwrap();
+        let readings = Readings::of(&log);
+        // THEN it is stuck there, and nowhere else.
+        let is_stuck = |at: &usize| readings.faults.at(*at).has(Fault::ForceStuck);
+        let stuck: Vec<usize> = (0..log.len()).filter(is_stuck).collect();
+        assert!(stuck.iter().copied().eq(HUNG), "{stuck:?}");
     }
 }
