@@ -16,7 +16,8 @@ mod verdict;
 
 use super::estimate::label;
 use super::{Document, Provenance, Section};
-use crate::gap::{Curves, Finding};
+use crate::gap::Finding;
+use bins::LogCurves;
 
 /// The most logs that are drawn. The tables hold for all logs.
 const MOST_LOGS: usize = 4;
@@ -28,7 +29,6 @@ pub struct GapReport<'a> {
     pub title: &'a str,
     /// What was found.
     pub finding: &'a Finding,
-    /// How the rig moves: it decides the units of axes and tables.
     /// Names of the logs, in the order of [`Finding::curves`].
     pub names: &'a [String],
     /// What the report was made from.
@@ -43,10 +43,9 @@ impl GapReport<'_> {
         let section = Section::new(heading)
             .text(verdict::sentence(finding))
             .table(tables::against(finding, truths));
-        let Some(curves) = finding.curves.first() else {
+        let Some(log) = LogCurves::of(finding, 0) else {
             return section;
         };
-        let log = bins::LogCurves::of(curves, !finding.effects.is_empty());
         let residuals = figures::residuals_over_time(&log).into_iter().take(1);
         let by = figures::by_depth_and_speed(&log).into_iter().take(2);
         residuals.chain(by).fold(section, Section::figure)
@@ -64,13 +63,13 @@ impl GapReport<'_> {
             tables::base(finding),
         ];
         let document = Document::new(self.title).verdict(tone, badge, verdict::sentence(finding));
-        let logs = finding.curves.iter().enumerate().take(MOST_LOGS);
-        let logs = logs.flat_map(|(at, curves)| {
+        let logs = (0..MOST_LOGS).filter_map(|at| Some((at, LogCurves::of(finding, at)?)));
+        let logs = logs.flat_map(|(at, log)| {
             let name = match finding.curves.len() {
                 1 => "",
                 _ => self.names.get(at).map_or("", String::as_str),
             };
-            self.log(name, curves)
+            self.log(name, &log)
         });
         sections
             .into_iter()
@@ -81,16 +80,14 @@ impl GapReport<'_> {
             .provenance(self.provenance.clone())
     }
 
-    fn log(&self, name: &str, curves: &Curves) -> [Section; 2] {
-        let finding = self.finding;
-        let log = bins::LogCurves::of(curves, !finding.effects.is_empty());
+    fn log(&self, name: &str, log: &LogCurves<'_>) -> [Section; 2] {
         let heading = |what: &str| match name {
             "" => what.to_string(),
             name => format!("{what}: {name}"),
         };
-        let mut over_time = figures::residuals_over_time(&log)
+        let mut over_time = figures::residuals_over_time(log)
             .into_iter()
-            .chain([figures::force_over_time(&log)])
+            .chain([figures::force_over_time(log)])
             .fold(Section::new(heading("Over time")), Section::figure);
         if self.finding.curves.len() > MOST_LOGS && !name.is_empty() {
             over_time = over_time.text(format!(
@@ -102,11 +99,11 @@ impl GapReport<'_> {
             "By {}, speed and frequency",
             log.place().name
         )));
-        for map in map::maps(&log) {
+        for map in map::maps(log) {
             by = by.heat_map(map);
         }
-        let spectrum = spectrum::figure(&log, self.finding);
-        by = figures::by_depth_and_speed(&log)
+        let spectrum = spectrum::figure(log, self.finding);
+        by = figures::by_depth_and_speed(log)
             .into_iter()
             .chain([spectrum])
             .fold(by, Section::figure);

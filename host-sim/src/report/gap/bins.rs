@@ -1,11 +1,13 @@
 //! The residuals of a log, and their means over depth or speed, which a scatter plot would hide.
 
-use crate::gap::Curves;
+use crate::gap::{Curves, Finding};
 use crate::phase::Course;
 use crate::stats::{highest, lowest, median};
 
 /// A mean is taken over at least this many samples.
 const FEWEST: usize = 8;
+/// What is in the place of a phase where a log was left out.
+pub(super) const LEFT_OUT: &str = "left out";
 
 /// The curves of a log, and what the figures derive from them.
 pub(super) struct LogCurves<'a> {
@@ -20,6 +22,8 @@ pub(super) struct LogCurves<'a> {
     pub(super) course: Course,
     /// Median of the speeds of samples that move (m/s).
     pub(super) typical_mps: f64,
+    /// From and until when (s) the log was left out.
+    pub(super) left_out: Vec<(f64, f64)>,
 }
 
 /// Where the rig is in its travel: how deep it presses or, where nothing is touched, its position.
@@ -37,7 +41,18 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> LogCurves<'a> {
-    pub(super) fn of(curves: &'a Curves, has_effects: bool) -> LogCurves<'a> {
+    /// Those of the log of this number.
+    pub(super) fn of(finding: &'a Finding, number: usize) -> Option<LogCurves<'a>> {
+        let curves = finding.curves.get(number)?;
+        let own = finding.left_out.iter().filter(|own| own.log == number);
+        Some(LogCurves {
+            left_out: own.map(|own| (own.from_s, own.until_s)).collect(),
+            ..LogCurves::whole(curves, !finding.effects.is_empty())
+        })
+    }
+
+    /// Those of a log of which nothing was left out.
+    fn whole(curves: &'a Curves, has_effects: bool) -> LogCurves<'a> {
         let residuals = |modelled_n: &[f64]| -> Vec<f64> {
             let pairs = curves.measured_n.iter().zip(modelled_n);
             let each = pairs.zip(&curves.allowed_n);
@@ -54,16 +69,19 @@ impl<'a> LogCurves<'a> {
             changed: has_effects && curves.before_n != curves.after_n,
             course,
             typical_mps: median(moving),
+            left_out: Vec::new(),
         }
     }
 
-    /// The phases of the contact one after another, each with its first and last time (s). Touch and
-    /// lift-off are instants at the scale of a picture and count as loading and unloading.
+    /// The phases of the contact one after another, each with its first and last time (s), and where none is since the
+    /// log was left out. Touch and lift-off are instants at the scale of a picture and count as loading and unloading.
     pub(super) fn phases(&self) -> Vec<(&'static str, f64, f64)> {
         let mut runs: Vec<(&'static str, f64, f64)> = Vec::new();
         let samples = self.curves.depth_m.iter().zip(&self.curves.speed_mps);
         for ((depth, speed), time) in samples.zip(&self.curves.time_s) {
+            let is_in = |(from, until): &(f64, f64)| (from..=until).contains(&time);
             let now = match self.course.phase(*depth, *speed) {
+                _ if self.left_out.iter().any(is_in) => LEFT_OUT,
                 "touch" => "loading",
                 "lift_off" => "unloading",
                 other => other,

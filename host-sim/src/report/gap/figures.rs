@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::bins::LogCurves;
+use super::bins::{LEFT_OUT, LogCurves};
 use crate::report::Figure;
 use crate::report::plot::{Axis, Chart, Ink, Series, Size, Span, StripTone, Stroke};
 use crate::stats::quantile;
@@ -37,7 +37,10 @@ pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     let after = |name: &str| Series::new(name, AFTER, Stroke::Thin, time, &log.after_n);
     if !log.changed {
         let chart = allowed(drawn(&[&log.after_n]).size(Size::Wide)).series(after("base model"));
-        let caption = format!("Measured force minus that of the base model. {ALLOWED} {SHADED}");
+        let caption = format!(
+            "Measured force minus that of the base model. {ALLOWED} {}",
+            shaded(log)
+        );
         return vec![Figure::new("Residual over time", &chart).caption(caption)];
     }
     let both = drawn(&[&log.before_n, &log.after_n])
@@ -54,7 +57,8 @@ pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
     vec![
         Figure::new("Residual over time", &both).caption(format!(
             "Measured minus modelled force: of the base model (before) and with the effects (after), each \
-             fitted to the whole log. {SHADED}"
+             fitted to the whole log. {}",
+            shaded(log)
         )),
         Figure::new("Residual with the effects", &with_effects).caption(format!("The residual after, on a scale of its own. {ALLOWED}")),
     ]
@@ -62,8 +66,17 @@ pub(super) fn residuals_over_time<'a>(log: &'a LogCurves<'a>) -> Vec<Figure> {
 
 const ALLOWED: &str =
     "Grey: two standard deviations of what noise and the errors of the motion allow.";
-const SHADED: &str = "Strip: grey free air, purple loading (or forward, where nothing is touched), yellow hold, green \
-    unloading (or back). Shaded: the held-out parts, on which the errors of the verdict were taken.";
+/// What is drawn beside the residuals.
+fn shaded(log: &LogCurves<'_>) -> String {
+    let left_out = match log.left_out.is_empty() {
+        true => "",
+        false => ", red what was left out",
+    };
+    format!(
+        "Strip: grey free air, purple loading (or forward, where nothing is touched), yellow hold, green unloading (or back)\
+         {left_out}. Shaded: the held-out parts, on which the errors of the verdict were taken."
+    )
+}
 
 /// An axis that shows all but the worst thousandth of the residuals.
 fn axis(shown: &[&[f64]]) -> Axis {
@@ -79,6 +92,7 @@ fn span((phase, from, to): (&str, f64, f64)) -> Span {
         "unloading" => ("out", StripTone::Good),
         "forward" => ("forward", StripTone::Info),
         "backward" => ("back", StripTone::Good),
+        LEFT_OUT => (LEFT_OUT, StripTone::Bad),
         _ => ("free", StripTone::Neutral),
     };
     Span {

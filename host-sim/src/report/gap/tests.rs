@@ -2,7 +2,8 @@ use estimator_core::physics::effect::EffectId;
 
 use super::*;
 use crate::gap::{
-    Candidate, Grade, MissingEffect, NoiseFloor, ParameterEstimate, Region, Support, Verdict,
+    Candidate, Curves, Episode, Grade, MissingEffect, NoiseFloor, ParameterEstimate, Region,
+    Support, Verdict,
 };
 
 /// Two seconds of presses at 1 kHz whose base model lacks 0.4 N of friction.
@@ -261,8 +262,8 @@ fn the_page_shows_what_moved_what_was_tried_and_every_picture() {
 
 #[test]
 fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() {
-    let curves = curves();
-    let log = bins::LogCurves::of(&curves, true);
+    let finding = finding(Verdict::MissingEffects);
+    let log = bins::LogCurves::of(&finding, 0).unwrap();
     let maps: Vec<String> = map::maps(&log)
         .iter()
         .map(|map| format!("{map:?}"))
@@ -273,6 +274,28 @@ fn the_map_puts_friction_of_twenty_times_the_noise_into_every_cell_that_moves() 
     // 0.4 N over 0.02 N.
     assert!(before.contains("20 ×"), "{before}");
     assert!(!after.contains("20 ×"), "{after}");
+}
+
+#[test]
+fn a_stretch_that_was_left_out_stands_red_in_the_strip() {
+    let whole = finding(Verdict::PartlyExplained);
+    assert!(!html(&whole).contains("left out"));
+    let episode = |log| Episode {
+        log,
+        from_s: 0.7,
+        until_s: 1.1,
+    };
+    let part = Finding {
+        left_out: vec![episode(0)],
+        ..whole.clone()
+    };
+    let part = html(&part);
+    assert!(part.contains("red what was left out") && part.contains(">left out<"));
+    let of_another = Finding {
+        left_out: vec![episode(1)],
+        ..whole
+    };
+    assert!(!html(&of_another).contains("left out"));
 }
 
 #[test]
