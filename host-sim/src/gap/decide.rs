@@ -13,4 +13,5 @@ mod prediction;
 pub(crate) mod rivals;
 pub(crate) mod selection;
 mod slow;
+mod windows;
 mod zero;

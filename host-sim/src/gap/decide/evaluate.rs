@@ -4,9 +4,10 @@ use rayon::prelude::*;
 
 use super::adequacy::is_explained;
 use super::decision::Decision;
-use super::held_out::{HeldOutError, held_out, held_out_error, trained, weights_of};
+use super::held_out::{HeldOutError, held_out_error, trained, weights_of};
 use super::rivals::{Rivals, rivals};
 use super::slow::slow_remainder;
+use super::windows::held_out;
 use crate::gap::finding::Verdict;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem, weights::weights};
 use crate::gap::search::run::SearchResult;
