@@ -70,8 +70,8 @@ impl LogSensors {
         let period_us = 1e6 / log.rate_hz;
         let us = |samples: usize| ((samples as f64 - 1.5) * period_us) as u64;
         let often = repeated(&codes);
-        let stuck = often.map(|often| samples(often, BY_CHANCE));
-        let hung = often.map(|often| samples(often, HUNG_BY_CHANCE));
+        let stuck = often.map(|often| shortest_run(often, BY_CHANCE));
+        let hung = often.map(|often| shortest_run(often, HUNG_BY_CHANCE));
         // Noise that does not reach a code, and none at all, leave flat tops that are no rails.
         let visible = noise_n > 0.5 * n_per_code && stuck.is_some();
         let (lowest, highest) = match visible {
@@ -114,7 +114,7 @@ fn code(channel: &[f64]) -> f64 {
 }
 
 /// For how many samples a code must repeat before noise, which repeats one so often, has not done it but by chance.
-fn samples(often: f64, by_chance: f64) -> usize {
+fn shortest_run(often: f64, by_chance: f64) -> usize {
     let repeats = (by_chance.ln() / often.max(1e-6).ln()).ceil() as usize;
     (repeats + 1).max(SHORTEST_RUN)
 }

@@ -36,7 +36,7 @@ pub(in crate::gap) fn episode(dataset: &Dataset<'_>, fit: &Fit) -> Option<Episod
         false => 1.0,
     };
     let squares: Vec<f64> = residuals.iter().zip(&weights).map(square).collect();
-    let excess = above_noise(&squares);
+    let excess = squares.iter().sum::<f64>() - squares.len() as f64;
     let mut start = 0;
     let stretches = dataset.logs.iter().enumerate().filter_map(|(at, log)| {
         let squares = &squares[start..start + log.len()];
@@ -59,22 +59,24 @@ pub(in crate::gap) fn episode(dataset: &Dataset<'_>, fit: &Fit) -> Option<Episod
     (!happens_again(squares, &phases, rows)).then_some(episode)
 }
 
-/// How far squares are above those of the noise, together.
-fn above_noise(squares: &[f64]) -> f64 {
-    squares.iter().map(|square| square - 1.0).sum()
-}
-
 /// Whether rows in which the phase changes, or next to them, are about as far above the noise where it changes elsewhere.
 fn happens_again(squares: &[f64], phases: &[usize], rows: Range<usize>) -> bool {
     let length = rows.len();
     let near = rows.start.saturating_sub(length / 2)..rows.end + length / 2;
     let changes = (1..phases.len()).filter(|at| phases[at - 1] != phases[*at]);
     let (here, elsewhere): (Vec<usize>, Vec<usize>) = changes.partition(|at| near.contains(at));
-    let enough = AGAIN * above_noise(&squares[rows.clone()]);
+    // A noisy speed changes its phase at every other sample: each part by two of the sums before it.
+    let mut before = vec![0.0];
+    before.extend(squares.iter().scan(0.0, |sum, square| {
+        *sum += square - 1.0;
+        Some(*sum)
+    }));
+    let above = |part: &Range<usize>| before[part.end] - before[part.start];
+    let enough = AGAIN * above(&rows);
     let is_as_far = |from: usize| {
         let part = from..(from + length).min(squares.len());
         let is_apart = part.end <= rows.start || part.start >= rows.end;
-        is_apart && above_noise(&squares[part]) >= enough
+        is_apart && above(&part) >= enough
     };
     let mut around = elsewhere.into_iter().flat_map(|at| {
         let from = at.saturating_sub(length);

@@ -5,7 +5,7 @@
 //! Then another of each three is held out, such that they see what the log sees.
 
 use crate::gap::data::fit_data::FitData;
-use crate::phase::Course;
+use crate::phase::{PHASES, phases_of};
 use crate::stats::extent;
 
 /// Windows of a log.
@@ -17,11 +17,11 @@ const MIDDLE: [usize; WINDOWS / OF] = [1; WINDOWS / OF];
 
 /// Parts of the travel, each on the way forward, back, and at rest: the places of a log.
 const PARTS: usize = 4;
-const PLACES: usize = 3 * PARTS;
-/// Windows see too little if they and the others share less of the log than this, where other windows share so much more. Of
-/// 20 records and 16 simulated rigs 31 have 0.45 to 0.96; a drive's two and the tool's have 0.08 to 0.13, and others reach
-/// 0.57 and more there. Of three rigs between them two are named by either, and one by the middle ones alone: the others hold its
-/// touches, at which the right effect leaves twice what is allowed.
+const PLACES: usize = PHASES.len() * PARTS;
+/// Windows see too little if they and the others share less of the log than this, where other windows share so much more.
+/// Of 20 records and 16 simulated rigs 31 have 0.45 to 0.96; a drive's two and the tool's have 0.08 to 0.13, and others
+/// reach 0.57 and more there. Of three rigs between them two are named by either, and one by the middle ones alone: the
+/// others hold its touches, at which the right effect leaves twice what is allowed.
 const TOO_LITTLE: f64 = 0.2;
 const MUCH_MORE: f64 = 0.2;
 
@@ -64,18 +64,12 @@ struct Seen([[f64; PLACES]; WINDOWS]);
 impl Seen {
     fn of(log: &FitData) -> Seen {
         let (lowest_m, highest_m) = extent(&log.position_m);
-        let course = Course::of(&[], &log.speed_mps);
+        let ways = phases_of(&vec![0.0; log.len()], &log.speed_mps);
         let mut counts = [[0.0; PLACES]; WINDOWS];
-        let each = log.position_m.iter().zip(&log.speed_mps);
-        for (at, (position_m, speed_mps)) in each.enumerate() {
-            let way = (position_m - lowest_m) / (highest_m - lowest_m).max(f64::MIN_POSITIVE);
-            let part = ((way * PARTS as f64) as usize).min(PARTS - 1);
-            let direction = match *speed_mps > 0.0 {
-                _ if course.is_still(*speed_mps) => 0,
-                true => 1,
-                false => 2,
-            };
-            counts[at * WINDOWS / log.len()][3 * part + direction] += 1.0;
+        for (at, (position_m, way)) in log.position_m.iter().zip(ways).enumerate() {
+            let share = (position_m - lowest_m) / (highest_m - lowest_m).max(f64::MIN_POSITIVE);
+            let part = ((share * PARTS as f64) as usize).min(PARTS - 1);
+            counts[at * WINDOWS / log.len()][PHASES.len() * part + way] += 1.0;
         }
         Seen(counts)
     }

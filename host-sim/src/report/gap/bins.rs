@@ -44,15 +44,6 @@ impl<'a> LogCurves<'a> {
     /// Those of the log of this number.
     pub(super) fn of(finding: &'a Finding, number: usize) -> Option<LogCurves<'a>> {
         let curves = finding.curves.get(number)?;
-        let own = finding.left_out.iter().filter(|own| own.log == number);
-        Some(LogCurves {
-            left_out: own.map(|own| (own.from_s, own.until_s)).collect(),
-            ..LogCurves::whole(curves, !finding.effects.is_empty())
-        })
-    }
-
-    /// Those of a log of which nothing was left out.
-    fn whole(curves: &'a Curves, has_effects: bool) -> LogCurves<'a> {
         let residuals = |modelled_n: &[f64]| -> Vec<f64> {
             let pairs = curves.measured_n.iter().zip(modelled_n);
             let each = pairs.zip(&curves.allowed_n);
@@ -62,15 +53,16 @@ impl<'a> LogCurves<'a> {
         let speeds = curves.speed_mps.iter().map(|v| v.abs());
         let course = Course::of(&curves.depth_m, &curves.speed_mps);
         let moving = speeds.filter(|v| v.is_finite() && !course.is_still(*v));
-        LogCurves {
+        let episodes = finding.left_out.iter().filter(|own| own.log == number);
+        Some(LogCurves {
             curves,
             before_n: residuals(&curves.before_n),
             after_n: residuals(&curves.after_n),
-            changed: has_effects && curves.before_n != curves.after_n,
+            changed: !finding.effects.is_empty() && curves.before_n != curves.after_n,
             course,
             typical_mps: median(moving),
-            left_out: Vec::new(),
-        }
+            left_out: episodes.map(|own| (own.from_s, own.until_s)).collect(),
+        })
     }
 
     /// The phases of the contact one after another, each with its first and last time (s), and where none is since the
