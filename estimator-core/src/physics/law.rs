@@ -32,7 +32,7 @@ pub use kelvin_voigt::KelvinVoigt;
 pub use quasi_linear::{QuasiLinear, QuasiLinearState};
 pub use recovery::Recovery;
 pub(crate) use recovery::dent_n;
-pub(crate) use relaxation::high_passed;
+pub(crate) use relaxation::Decay;
 pub use relaxation::{MOST_MODES, RelaxationMode};
 pub use row::{DEFAULT_REFERENCE_DEPTH_M, LawInfo, RELAXATION, STIFFENING_RATE, SURFACE};
 pub use zener::{Zener, ZenerState};

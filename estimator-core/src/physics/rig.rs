@@ -11,11 +11,13 @@
 
 mod contact;
 mod effects;
+mod pace;
 
 pub use super::law::{Damping, Environment, MOST_MODES};
 use contact::Contact;
 pub use contact::{ContactState, Touch};
 pub use effects::{Effects, MOST_EFFECTS};
+pub use pace::Pace;
 
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::{Effect, LoadPathMemory, Motion, Rubbing};
@@ -132,16 +134,26 @@ impl<S: Scalar> Rig<S> {
     /// The reading one period (s) after the last one; `read` is the motion as the encoder gives it.
     /// The first step starts the memories: whatever its period, nothing has moved before it.
     pub fn step(&self, state: &mut RigState<S>, read: Motion<S>, period_s: S) -> Reading<S> {
+        self.step_at(&self.pace(period_s), state, read)
+    }
+
+    /// What a period (s) does to all that decays in this rig, for [`Rig::step_at`].
+    pub fn pace(&self, period_s: S) -> Pace<S> {
+        Pace::of(&self.environment, &self.effects, period_s)
+    }
+
+    /// The same at the [`Rig::pace`] of the period: of this rig, or one that decays alike.
+    pub fn step_at(&self, pace: &Pace<S>, state: &mut RigState<S>, read: Motion<S>) -> Reading<S> {
         let motor = self.motor_side(read);
         if !state.started {
             (state.motor_m, state.far_m) = (motor.position_m, motor.position_m);
         }
-        let touch = self.touch(state, &motor, period_s);
+        let touch = self.touch(state, &motor, pace);
         let load_n = touch.force_n + self.load_path_n(state, &motor, touch.force_n);
         if !state.started {
             (state.load_n, state.reading_n) = (load_n, load_n);
         }
-        let force_n = self.reading(state, load_n, period_s);
+        let force_n = self.reading(state, load_n, pace);
         state.motor_m = motor.position_m;
         state.started = true;
         Reading { force_n, touch }
@@ -149,7 +161,7 @@ impl<S: Scalar> Rig<S> {
 
     /// The contact alone, one period after `state`, which stays as it is: what a motor would feel there.
     pub fn trial(&self, state: &RigState<S>, motor: &Motion<S>, period_s: S) -> Touch<S> {
-        self.touch(&mut { *state }, motor, period_s)
+        self.touch(&mut { *state }, motor, &self.pace(period_s))
     }
 
     /// The motor side behind its encoder.
@@ -163,15 +175,16 @@ impl<S: Scalar> Rig<S> {
         motion
     }
 
-    fn contact(&self) -> Contact<'_, S> {
+    fn contact<'a>(&'a self, pace: &'a Pace<S>) -> Contact<'a, S> {
         Contact {
             environment: &self.environment,
             effects: &self.effects,
+            pace,
         }
     }
 
     /// From the motor side to the contact force.
-    fn touch(&self, state: &mut RigState<S>, motor: &Motion<S>, period_s: S) -> Touch<S> {
+    fn touch(&self, state: &mut RigState<S>, motor: &Motion<S>, pace: &Pace<S>) -> Touch<S> {
         let mut tip = (motor.position_m, motor.speed_mps);
         let mut yields = false;
         for effect in self.effects() {
@@ -186,22 +199,29 @@ impl<S: Scalar> Rig<S> {
             }
         }
         if yields {
-            self.yielding(state, tip, motor.time_s, period_s)
+            self.yielding(state, tip, motor.time_s, pace)
         } else {
-            self.contact()
-                .step(&mut state.contact, tip, motor.time_s, period_s)
+            self.contact(pace)
+                .step(&mut state.contact, tip, motor.time_s)
         }
     }
 
     /// A contact behind a spring: tip = x − u(F), solved for the deflection u at the end of the
     /// period by Newton's method. u̇ is the slope of the parabola through the last three
     /// deflections, which is exact to second order and stable for any period.
-    fn yielding(&self, state: &mut RigState<S>, tip: (S, S), time_s: S, period_s: S) -> Touch<S> {
+    fn yielding(
+        &self,
+        state: &mut RigState<S>,
+        tip: (S, S),
+        time_s: S,
+        pace: &Pace<S>,
+    ) -> Touch<S> {
         /// Newton's steps at most, and the share of the deflection below which a step is the last: it
         /// squares. The gradients of dual numbers lag one step behind the value.
         const STEPS: usize = 4;
         const LAST: f64 = 1e-6;
         let [u1, u2] = state.deflection_m;
+        let period_s = pace.period_s;
         let (now, then) = (S::one() / period_s, S::one() / state.period_s);
         let both = S::one() / (period_s + state.period_s);
         // A spring that is not yet deflected knows no slope: at touch it has a corner.
@@ -213,7 +233,7 @@ impl<S: Scalar> Rig<S> {
         let rate = |u: S| slope * u - weights[0] * u1 + weights[1] * u2;
         let contact = |from: &mut ContactState<S>, u: S| {
             let yielded = (tip.0 - u, tip.1 - rate(u));
-            self.contact().step(from, yielded, time_s, period_s)
+            self.contact(pace).step(from, yielded, time_s)
         };
         let mut u = u1;
         for _ in 0..STEPS {
@@ -270,11 +290,13 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// From the force to its reading: lag, then limit.
-    fn reading(&self, state: &mut RigState<S>, load_n: S, period_s: S) -> S {
+    fn reading(&self, state: &mut RigState<S>, load_n: S, pace: &Pace<S>) -> S {
         let mut lagged_n = load_n;
-        for effect in self.effects() {
-            if let Effect::ForceLag(lag) = effect {
-                lagged_n = lag.reading_n(state.reading_n, state.load_n, load_n, period_s);
+        for (effect, decay) in self.effects().zip(&pace.effects) {
+            if let Effect::ForceLag(_) = effect {
+                // Exact for a force that is linear in between.
+                let (behind_n, change_n) = (state.load_n - state.reading_n, load_n - state.load_n);
+                lagged_n = load_n - decay.high_passed(behind_n, change_n);
             }
         }
         (state.load_n, state.reading_n) = (load_n, lagged_n);

@@ -29,7 +29,11 @@ pub(super) fn left_out(
     let mut logs = Cow::Borrowed(logs);
     let mut finding = first.clone();
     let mut episodes: Vec<Episode> = Vec::new();
-    while let Some(episode) = finding.episode.filter(|_| episodes.len() < MOST) {
+    // What is gone without one stretch does not come back without two, and each is asked for with all dents and steps.
+    while let Some(episode) = finding.episode
+        && episodes.len() < MOST
+        && names_all(&finding, &first)
+    {
         let log = &mut logs.to_mut()[episode.log];
         *log = without(log, &marks(log, episode));
         finding = ask(&logs)?;
@@ -65,10 +69,13 @@ pub(super) fn of(verdict: Verdict, dataset: &Dataset<'_>, fits: [&Fit; 2]) -> Op
 
 /// Whether a finding names all that another does, and more, or explains the rest with it.
 fn says_more(finding: &Finding, other: &Finding) -> bool {
-    let is_named = |id| finding.effects.iter().any(|own| own.id == id);
     let is_more = finding.effects.len() > other.effects.len();
-    (is_more || !finding.verdict.leaves_a_remainder())
-        && other.effects.iter().all(|own| is_named(own.id))
+    (is_more || !finding.verdict.leaves_a_remainder()) && names_all(finding, other)
+}
+
+fn names_all(finding: &Finding, other: &Finding) -> bool {
+    let is_named = |id| finding.effects.iter().any(|own| own.id == id);
+    other.effects.iter().all(|own| is_named(own.id))
 }
 
 /// Where an episode hides the force.

@@ -2,7 +2,7 @@
 
 use super::row::effect;
 use crate::maths::scalar::Scalar;
-use crate::physics::law::high_passed;
+use crate::physics::law::Decay;
 
 effect! {
     /// A low-pass of first order on the force.
@@ -19,17 +19,8 @@ effect! {
 }
 
 impl<S: Scalar> ForceLag<S> {
-    /// The reading (N) one period after `reading_n`, while the force went from `before_n` to
-    /// `force_n`: exact for a force that is linear in between.
-    pub(crate) fn reading_n(&self, reading_n: S, before_n: S, force_n: S, period_s: S) -> S {
-        // The difference e = F − y has ė = Ḟ − e/τ.
-        let rate_per_s = S::one() / self.time_constant_s;
-        let behind = high_passed(
-            before_n - reading_n,
-            force_n - before_n,
-            rate_per_s,
-            period_s,
-        );
-        force_n - behind
+    /// What a period (s) does to e = F − y, which has ė = Ḟ − e/τ.
+    pub(crate) fn decay(&self, period_s: S) -> Decay<S> {
+        Decay::over(S::one() / self.time_constant_s, period_s)
     }
 }

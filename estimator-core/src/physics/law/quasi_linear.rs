@@ -66,8 +66,9 @@ impl<S: Scalar, const R: usize> RelaxingLaw<S> for QuasiLinear<S, R> {
 
     fn step_creeping(&self, state: &mut Self::State, depth_m: S, _speed_mps: S, period_s: S) -> S {
         let elastic_n = self.elastic.force_n(depth_m);
-        let modes = self.modes.iter().copied().zip(state.unrelaxed_n);
-        let dent_n = dent_n(modes, state.elastic_n, period_s);
+        let each = self.modes.iter().zip(state.unrelaxed_n);
+        let modes = each.map(|(mode, w)| (mode.fraction, mode.decay(period_s), w));
+        let dent_n = dent_n(modes, state.elastic_n);
         let force_n = self.relaxed(state, elastic_n.max_of(dent_n), period_s);
         if elastic_n > dent_n {
             force_n

@@ -1,6 +1,6 @@
 //! How the surface of a material that relaxes comes back where a probe has left it.
 
-use super::{RelaxationMode, RelaxingLaw, relaxation::high_passed};
+use super::{RelaxingLaw, relaxation::Decay};
 use crate::maths::scalar::Scalar;
 
 /// What the surface does between touches. Until the probe leaves it for the first time, and long after, both are the same.
@@ -46,19 +46,13 @@ impl Recovery {
 }
 
 /// The elastic force E (N) of a dent one period (s) later if nothing presses: that with which
-/// E − Σcᵢ(E − wᵢ) = 0, (9), where wᵢ follows E from `elastic_n` on. Linear in E, whatever its form; of a law that is
-/// linear in the depth all of them may be depths (m).
-pub(crate) fn dent_n<S: Scalar>(
-    modes: impl Iterator<Item = (RelaxationMode<S>, S)>,
-    elastic_n: S,
-    period_s: S,
-) -> S {
+/// E − Σcᵢ(E − wᵢ) = 0, (9), where wᵢ follows E from `elastic_n` on; of each mode cᵢ, what the period does to it, and wᵢ.
+/// Linear in E, whatever its form; of a law that is linear in the depth all of them may be depths (m).
+pub(crate) fn dent_n<S: Scalar>(modes: impl Iterator<Item = (S, Decay<S>, S)>, elastic_n: S) -> S {
     let (mut held_n, mut slope) = (S::zero(), S::one());
-    for (mode, w) in modes {
-        let follows = (-(mode.rate_per_s * period_s)).exprel();
-        let kept_n = high_passed(w, -elastic_n, mode.rate_per_s, period_s);
-        held_n = held_n + mode.fraction * kept_n;
-        slope = slope - mode.fraction * (S::one() - follows);
+    for (fraction, decay, w) in modes {
+        held_n = held_n + fraction * decay.high_passed(w, -elastic_n);
+        slope = slope - fraction * (S::one() - decay.mean);
     }
     // Σcᵢ < 1, so that the slope is above 0.
     S::zero().max_of(-held_n / slope)
@@ -66,7 +60,7 @@ pub(crate) fn dent_n<S: Scalar>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Elastic, QuasiLinear, Zener};
+    use super::super::{Elastic, QuasiLinear, RelaxationMode, Zener};
     use super::*;
 
     const MATERIAL: Zener<f64> = Zener {

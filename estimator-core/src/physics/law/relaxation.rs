@@ -22,14 +22,50 @@ impl<S: Scalar> RelaxationMode<S> {
             rate_per_s: S::zero(),
         }
     }
+
+    /// What a period (s) does to it.
+    pub(crate) fn decay(&self, period_s: S) -> Decay<S> {
+        Decay::over(self.rate_per_s, period_s)
+    }
 }
 
-/// The course of ẇ = u̇ − νw over one period in which u changes by `change`, evenly: exact, however long.
-// A board without relaxing methods has it for rendering alone: 300 bytes each time.
-#[cfg_attr(not(feature = "relaxing"), inline(never))]
+/// What one period of a length does to a mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Decay<S> {
+    /// e^{−νT}: what is kept of what there was.
+    kept: S,
+    /// Its mean over the period: what is kept of what comes evenly.
+    pub(crate) mean: S,
+}
+
+impl<S: Scalar> Decay<S> {
+    /// Nothing is lost in no time.
+    pub(crate) fn none() -> Decay<S> {
+        Decay {
+            kept: S::one(),
+            mean: S::one(),
+        }
+    }
+
+    // A board without relaxing methods has it for rendering alone: 300 bytes each time.
+    #[cfg_attr(not(feature = "relaxing"), inline(never))]
+    pub(crate) fn over(rate_per_s: S, period_s: S) -> Decay<S> {
+        let x = -(rate_per_s * period_s);
+        Decay {
+            kept: x.exp(),
+            mean: x.exprel(),
+        }
+    }
+
+    /// The course of ẇ = u̇ − νw over the period, in which u changes by `change`, evenly: exact, however long.
+    pub(crate) fn high_passed(&self, w: S, change: S) -> S {
+        w * self.kept + change * self.mean
+    }
+}
+
+/// The same for one step by itself.
 pub(crate) fn high_passed<S: Scalar>(w: S, change: S, rate_per_s: S, period_s: S) -> S {
-    let x = -(rate_per_s * period_s);
-    w * x.exp() + change * x.exprel()
+    Decay::over(rate_per_s, period_s).high_passed(w, change)
 }
 
 #[cfg(test)]

@@ -99,8 +99,9 @@ impl<S: Scalar> RelaxingLaw<S> for Zener<S> {
         period_s: S,
     ) -> S {
         // The law is linear in the depth, and so is the dent.
-        let mode = core::iter::once((self.mode(), state.unrelaxed_m));
-        let dent_m = dent_n(mode, state.depth_m, period_s);
+        let mode = self.mode();
+        let mode = (mode.fraction, mode.decay(period_s), state.unrelaxed_m);
+        let dent_m = dent_n(core::iter::once(mode), state.depth_m);
         let force_n = self.relaxed(state, depth_m.max_of(dent_m), period_s);
         if depth_m > dent_m { force_n } else { S::zero() }
     }

@@ -2,10 +2,9 @@
 
 use crate::maths::scalar::Scalar;
 use crate::physics::effect::Effect;
-use crate::physics::law::{
-    Damping, Environment, MOST_MODES, Recovery, RelaxationMode, dent_n, high_passed,
-};
+use crate::physics::law::{Damping, Decay, Environment, MOST_MODES, Recovery, dent_n};
 use crate::physics::rig::effects::{Effects, MOST_EFFECTS};
+use crate::physics::rig::pace::Pace;
 
 /// A contact at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +21,7 @@ pub struct Touch<S> {
 pub(super) struct Contact<'a, S> {
     pub(super) environment: &'a Environment<S>,
     pub(super) effects: &'a Effects<S>,
+    pub(super) pace: &'a Pace<S>,
 }
 
 /// What a contact remembers.
@@ -53,18 +53,11 @@ impl<S: Scalar> ContactState<S> {
 
 impl<S: Scalar> Contact<'_, S> {
     /// The contact one period later, the tip being at `tip.0` (m) with the speed `tip.1` (m/s).
-    pub(super) fn step(
-        &self,
-        state: &mut ContactState<S>,
-        tip: (S, S),
-        time_s: S,
-        period_s: S,
-    ) -> Touch<S> {
+    pub(super) fn step(&self, state: &mut ContactState<S>, tip: (S, S), time_s: S) -> Touch<S> {
         let (depth_m, speed_mps) = self.depth(state, tip, time_s);
         let change_m = S::zero().max_of(depth_m) - S::zero().max_of(state.depth_m);
         state.depth_m = depth_m;
-        let (mut pushed_n, is_reached) =
-            self.relaxed(state, (depth_m, speed_mps), change_m, period_s);
+        let (mut pushed_n, is_reached) = self.relaxed(state, (depth_m, speed_mps), change_m);
         if let Some(damping) = self.damping() {
             pushed_n = pushed_n + damping.force_n(depth_m, speed_mps);
         }
@@ -154,49 +147,48 @@ impl<S: Scalar> Contact<'_, S> {
 
     /// The relaxed force F⁽ᵉ⁾ − Σcᵢ(F⁽ᵉ⁾ − wᵢ) (N), (9), over the environment's modes and the effects'; and whether the
     /// probe has reached the surface, which may still be dented.
-    fn relaxed(
-        &self,
-        state: &mut ContactState<S>,
-        motion: (S, S),
-        change_m: S,
-        period_s: S,
-    ) -> (S, bool) {
+    fn relaxed(&self, state: &mut ContactState<S>, motion: (S, S), change_m: S) -> (S, bool) {
         let mut elastic_n = self.elastic(state, motion, change_m);
         let mut is_reached = true;
         if self.environment.recovery == Recovery::ByCreep {
-            let dent_n = self.dent_n(state, period_s);
+            let dent_n = self.dent_n(state);
             is_reached = elastic_n > dent_n;
             elastic_n = elastic_n.max_of(dent_n);
         }
         let change_n = elastic_n - state.elastic_n;
         state.elastic_n = elastic_n;
         let mut force_n = elastic_n;
-        let mut relax = |mode: &RelaxationMode<S>, w: &mut S| {
-            *w = high_passed(*w, change_n, mode.rate_per_s, period_s);
-            force_n = force_n - mode.fraction * (elastic_n - *w);
+        let mut relax = |fraction: S, decay: &Decay<S>, w: &mut S| {
+            *w = decay.high_passed(*w, change_n);
+            force_n = force_n - fraction * (elastic_n - *w);
         };
-        for (mode, w) in self.environment.modes.iter().zip(&mut state.modes) {
+        let own = self.environment.modes.iter().zip(&self.pace.modes);
+        for ((mode, decay), w) in own.zip(&mut state.modes) {
             if mode.fraction != S::zero() {
-                relax(mode, w);
+                relax(mode.fraction, decay, w);
             }
         }
-        for (effect, w) in self.effects.iter().zip(&mut state.effects) {
-            if let Effect::StressRelaxation(relaxation) = effect {
-                relax(&relaxation.mode(), w);
+        let added = self.effects.iter().zip(&self.pace.effects);
+        for ((effect, decay), w) in added.zip(&mut state.effects) {
+            if let Effect::StressRelaxation(mode) = effect {
+                relax(mode.fraction, decay, w);
             }
         }
         (force_n, is_reached)
     }
 
     /// The elastic force (N) at which a probe meets a surface that has crept back for one period more.
-    fn dent_n(&self, state: &ContactState<S>, period_s: S) -> S {
-        let own = self.environment.modes.iter().copied().zip(state.modes);
-        let effects = self.effects.iter().zip(state.effects);
-        let added = effects.filter_map(|(effect, w)| match effect {
-            Effect::StressRelaxation(relaxation) => Some((relaxation.mode(), w)),
+    fn dent_n(&self, state: &ContactState<S>) -> S {
+        let own = self.environment.modes.iter().zip(self.pace.modes);
+        let own = own.zip(state.modes);
+        let own = own.map(|((mode, decay), w)| (mode.fraction, decay, w));
+        let added = self.effects.iter().zip(self.pace.effects);
+        let added = added.zip(state.effects);
+        let added = added.filter_map(|((effect, decay), w)| match effect {
+            Effect::StressRelaxation(mode) => Some((mode.fraction, decay, w)),
             _ => None,
         });
-        dent_n(own.chain(added), state.elastic_n, period_s)
+        dent_n(own.chain(added), state.elastic_n)
     }
 
     /// The environment's damping, with the exponent that an effect gives it.

@@ -382,3 +382,33 @@ fn a_bond_pulls_as_far_as_a_hold_has_relaxed_and_tears() {
     assert!((1e-5..5e-4).contains(&torn_at_m), "{torn_at_m} m");
     assert_eq!(last_n, 0.0);
 }
+
+#[test]
+fn one_pace_serves_a_whole_log() {
+    // GIVEN a law that relaxes, one more mode behind a spring, and a lag
+    let effect =
+        |id: EffectId, values: [f64; 2]| Effect::new(id, &[values[0], values[1], 0.0, 0.0, 0.0]);
+    let law = Zener {
+        stiffness_n_per_m: 1400.0,
+        second_stiffness_n_per_m: 1867.0,
+        damping_ns_per_m: 98.0,
+    };
+    let rig = Rig::bare(Environment::from(law))
+        .with(effect(EffectId::StressRelaxation, [0.3, 5.0]))
+        .with(effect(EffectId::SeriesCompliance, [1e4, 0.0]))
+        .with(effect(EffectId::ForceLag, [5e-3, 0.0]));
+    let (pace, other) = (rig.pace(PERIOD_S), rig.pace(2.0 * PERIOD_S));
+    let (mut kept, mut each, mut wrong) = (rig.at_rest(), rig.at_rest(), rig.at_rest());
+    let mut largest_n = 0.0_f64;
+    for at in 0..2000 {
+        let force_n = rig.step_at(&pace, &mut kept, palpation(at)).force_n;
+        // THEN it is what each step by itself gives, to the bit, and another period's is not.
+        assert_eq!(
+            force_n,
+            rig.step(&mut each, palpation(at), PERIOD_S).force_n
+        );
+        let off_n = rig.step_at(&other, &mut wrong, palpation(at)).force_n - force_n;
+        largest_n = largest_n.max(off_n.abs());
+    }
+    assert!(largest_n > 0.1, "{largest_n} N");
+}

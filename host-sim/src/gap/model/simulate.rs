@@ -6,6 +6,9 @@ use estimator_core::physics::rig::{Reading, Rig, RigState};
 use crate::gap::data::fit_data::FitData;
 use crate::gap::model::shape::Shape;
 
+/// Periods that differ by this share are the same one: differences of stamps differ by 10⁻¹⁶ of an hour, 10⁻¹⁰ of 5 ms.
+const ROUNDING: f64 = 1e-9;
+
 /// Runs a rig along a log and hands over its reading at each sample.
 pub(crate) fn run_rig<S: Scalar>(rig: &Rig<S>, log: &FitData, each: impl FnMut(usize, Reading<S>)) {
     run_from(rig, rig.at_rest(), log, each);
@@ -19,6 +22,8 @@ fn run_from<S: Scalar>(
 ) {
     let delay_s = rig.delay_s();
     let mut rig = *rig;
+    let mut paced_s = log.period_s;
+    let mut pace = rig.pace(S::from_f64(paced_s));
     let mut slips = log.surface_steps.iter().peekable();
     for at in 0..log.len() {
         while let Some((_, by_m)) = slips.next_if(|own| own.0 <= log.time_s[at]) {
@@ -28,8 +33,12 @@ fn run_from<S: Scalar>(
             Some(delay_s) => log.delayed_motion(at, delay_s),
             None => log.motion(at),
         };
-        let step_s = S::from_f64(log.step_s(at));
-        each(at, rig.step(&mut state, motion, step_s));
+        let step_s = log.step_s(at);
+        if (step_s - paced_s).abs() > ROUNDING * paced_s {
+            paced_s = step_s;
+            pace = rig.pace(S::from_f64(paced_s));
+        }
+        each(at, rig.step_at(&pace, &mut state, motion));
     }
 }
 
