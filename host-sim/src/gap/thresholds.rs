@@ -173,7 +173,8 @@ thresholds! {
             lines: 0.3,
             /// Beside effects that suffice (`explained.sufficient`) another one takes off more than this share
             /// of what is left, since that is mostly the form of the first: a Stribeck friction where the
-            /// catalogue says Coulomb. Not measured.
+            /// catalogue says Coulomb. So does the first one where a base leaves no more than is allowed. Not
+            /// measured.
             beside_sufficient: 0.15,
             /// Effects that leave more than this share of the base's Σ w r² do not suffice, however near the
             /// noise. Not measured.

@@ -48,8 +48,8 @@ pub(crate) fn is_harmful(decision: &Decision) -> bool {
     !decision.without.is_empty() && gain < -decision.thresholds.acceptance.harm
 }
 
-/// The place of an added effect whose size may as well be 0, if nothing else could stand in its place or
-/// the held-out part hardly misses it.
+/// The place of an added effect whose size may as well be 0, if nothing else could stand in its place, the held-out part
+/// hardly misses it, or nothing had to be explained.
 pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Option<usize> {
     let decide = &decision.thresholds.acceptance;
     let best = &decision.best;
@@ -62,13 +62,14 @@ pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Optio
         has_size(decision, number, sigmas) && !is_at_its_end(best, number)
     };
     // Modes of one spectrum share their size, and no name depends on one of them; but one must be known.
+    let is_base_enough = decision.ratio.0.powi(2) <= decision.thresholds.explained.nothing_more;
     let added = best.added();
     let id_of = |number: usize| best.shape.terms[number].id;
     let is_one_known = |id: EffectId| added.iter().any(|at| id_of(*at) == id && is_known(*at));
     let rivalry = decision.alternatives.iter().zip(&decision.gains);
     let mut each = added.iter().zip(rivalry);
     each.position(|(number, (alternatives, gain))| {
-        let is_open = !alternatives.is_empty() && *gain > decide.missed;
+        let is_open = !is_base_enough && !alternatives.is_empty() && *gain > decide.missed;
         !is_open && !is_one_known(id_of(*number))
     })
 }

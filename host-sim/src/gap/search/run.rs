@@ -98,7 +98,9 @@ impl Search<'_> {
         }
     }
 
-    /// Adds one effect after the other to the base, until that ends.
+    /// Adds one effect after the other to the base, until that ends. One is asked for where the base leaves no more than
+    /// is allowed, too: on rigs with counts of 5 µm, or with counts that toggle, 1.3 times the errors were allowed, and
+    /// effects that took 27 to 42 % off the squares were not looked for.
     fn forward(&mut self, base: &Fit) -> Forward {
         let mut state = Forward {
             best: base.clone(),
@@ -108,7 +110,7 @@ impl Search<'_> {
         // Effects that only work together take little off one by one.
         let mut idle = 0;
         for level in 0..self.most_added {
-            if self.is_adequate(&state.best) {
+            if self.is_adequate(&state.best) && (level > 0 || self.is_beside_remainder()) {
                 break;
             }
             let before = state.best.cost;
@@ -257,6 +259,11 @@ impl Search<'_> {
     pub(crate) fn score(&self, fit: &Fit) -> f64 {
         let each = cost_of_number(self.noise_cost, self.correlation);
         fit.cost / self.correlation + fit.numbers.len() as f64 * each
+    }
+
+    /// Whether what the model left when it was identified is allowed for: there nothing is new below that.
+    fn is_beside_remainder(&self) -> bool {
+        self.dataset.floors.iter().any(|floor| floor.left.is_some())
     }
 
     /// Whether a fit leaves hardly more than the noise.
