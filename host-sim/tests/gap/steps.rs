@@ -17,11 +17,17 @@ struct Happens<'a> {
     friction_n: f64,
     /// The sensor's time (s) by which the force is earlier than the position, as a damper in contact shows it.
     damper_s: f64,
+    /// The force (N/mm) of a stiffer layer at half of the depth.
+    layer_n_per_mm: f64,
+    /// A count of the encoder (m), whose readings toggle; 0 for one that reads all.
+    count_m: f64,
 }
 
 /// Nine presses 2 s apart, each to a depth and with a speed of its own, on 1.35 N/mm with an exponent of 1.35 that damps.
 fn rows(happens: Happens<'_>) -> Vec<[f64; 3]> {
     const PERIOD_S: f64 = 1e-3;
+    /// So far from those of the force the readings' own noise is drawn.
+    const AWAY: u32 = 100_000;
     let way = |t: f64| {
         let number = (t / 2.0).floor();
         let deepest = 1.5e-3 + 1.5e-3 * (0.37 * number).fract();
@@ -38,14 +44,19 @@ fn rows(happens: Happens<'_>) -> Vec<[f64; 3]> {
         let depth = (way(t) - since(happens.slips, t)).max(0.0) / 1e-3;
         let swapped = happens.swapped.filter(|own| own.0 <= t);
         let (stiffer, more_damped) = swapped.map_or((1.0, 1.0), |own| (own.1, own.2));
-        let stiff = 1.35 * stiffer * depth.powf(1.35);
+        let layer = happens.layer_n_per_mm * (depth - 1.5).max(0.0);
+        let stiff = 1.35 * stiffer * depth.powf(1.35) + layer;
         let damped = (0.02 * more_damped * depth.powf(1.35)
             + 1.8 * happens.damper_s * depth.powf(0.35))
             * 1e3
             * v;
         let friction = happens.friction_n * (v / 2e-4).tanh();
         let force = (stiff + damped).max(0.0) + friction + since(happens.zero_steps, t);
-        [t, way(t), force + 5e-3 * white(at)]
+        let read = match happens.count_m > 0.0 {
+            true => happens.count_m * (way(t) / happens.count_m + 0.3 * white(at + AWAY)).round(),
+            false => way(t),
+        };
+        [t, read, force + 5e-3 * white(at)]
     };
     (0..18_000).map(row).collect()
 }
@@ -61,6 +72,25 @@ fn asked(log: String) -> (Value, String) {
     assert_eq!(done.status.code(), Some(0), "{}", complained(&done));
     let json = serde_json::from_str(&folder.read("out/gap.json")).unwrap();
     (json, flowing(&said(&done)))
+}
+
+#[test]
+fn a_layer_is_found_below_what_a_coarse_encoder_is_allowed() {
+    let coarse = |layer_n_per_mm: f64| {
+        asked(csv(rows(Happens {
+            layer_n_per_mm,
+            count_m: 20e-6,
+            ..Happens::default()
+        })))
+    };
+    let (json, said) = coarse(0.34);
+    // GIVEN a base that leaves no more than noise and counts of 20 µm allow
+    let before = json["floor_ratio"]["before"].as_f64().unwrap();
+    assert!(before < 1.0, "{said}");
+    // THEN the layer is named, and nothing where there is none.
+    assert_eq!(named(&json), ["buried_layer"], "{said}");
+    let (json, said) = coarse(0.0);
+    assert_eq!(json["verdict"], "no_missing_effect", "{said}");
 }
 
 #[test]

@@ -265,6 +265,16 @@ pub(super) mod tests {
             ..unknown
         };
         assert_eq!(effect_without_size(&open), None);
+        // Where the base is enough it is none,
+        let spared = Decision {
+            ratio: (1.0, 0.9),
+            ..open
+        };
+        assert_eq!(effect_without_size(&spared), Some(0));
+        let open = Decision {
+            ratio: (2.0, 1.0),
+            ..spared
+        };
         // AND one that is hardly missed is not.
         let idle = Decision {
             gains: vec![0.03],

@@ -105,6 +105,7 @@ mod tests {
             unseen,
             correlation: 1.0,
             band_share: 1.0,
+            rounding_n: 0.0,
             slow: None,
             left: None,
             why: String::new(),

@@ -48,6 +48,7 @@ impl Recordings {
             unseen: 1.0,
             used_n: sensor.noise_n,
             band_share: 1.0,
+            rounding_n: 0.0,
             slow: None,
             left: None,
             coloured: false,

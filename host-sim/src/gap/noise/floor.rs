@@ -46,6 +46,8 @@ pub struct NoiseFloor {
     pub correlation: f64,
     /// The share of its variance that a low-pass leaves; 1 without one.
     pub band_share: f64,
+    /// Standard deviation (N) of what rounding to the steps of the readings makes; 0 where they have none.
+    pub rounding_n: f64,
     /// Slower noise that stretches of the motion show where there is no rest.
     pub(crate) slow: Option<SlowNoise>,
     /// What a model left when it was identified, where `used_n` allows for that.
@@ -141,6 +143,12 @@ impl NoiseFloor {
     /// Standard deviation (N) of the noise of the force that is fitted.
     pub(crate) fn noise_n(&self) -> f64 {
         self.used_n * self.band_share.sqrt()
+    }
+
+    /// Whether the noise is smaller than half a step of the readings: what rounding leaves then follows the force, and is
+    /// no noise. Derived: half a step, and the rounding of a whole one, are twice that rounding.
+    pub(crate) fn is_mostly_rounding(&self) -> bool {
+        self.used_n < 2.0 * self.rounding_n
     }
 
     /// The same without a low-pass.
@@ -254,6 +262,7 @@ impl NoiseFloor {
             high_pass_n,
             rest_n,
             band_share: 1.0,
+            rounding_n,
             slow: match rest {
                 Some(_) => None,
                 None => SlowNoise::beside(high_pass_n, log, decide).filter(|slow| slow.is_all),

@@ -107,6 +107,7 @@ fn finding(verdict: Verdict) -> Finding {
             unseen: 1.0,
             used_n: 0.02,
             band_share: 1.0,
+            rounding_n: 0.0,
             slow: None,
             left: None,
             coloured: false,
