@@ -2,7 +2,7 @@
 
 use super::row::effect;
 use crate::maths::scalar::Scalar;
-use crate::physics::law::RelaxationMode;
+use crate::physics::law::Decay;
 
 effect! {
     /// One more relaxation mode. A rig can have several of them: a spectrum.
@@ -21,11 +21,8 @@ effect! {
 }
 
 impl<S: Scalar> StressRelaxation<S> {
-    /// The mode that it adds.
-    pub(crate) fn mode(&self) -> RelaxationMode<S> {
-        RelaxationMode {
-            fraction: self.fraction,
-            rate_per_s: self.rate_per_s,
-        }
+    /// What a period (s) does to it.
+    pub(crate) fn decay(&self, period_s: S) -> Decay<S> {
+        Decay::over(self.rate_per_s, period_s)
     }
 }

@@ -5,7 +5,7 @@ use super::contact_law::RelaxingLaw;
 use super::elastic::Elastic;
 use super::environment::Environment;
 use super::recovery::dent_n;
-use super::relaxation::{MOST_MODES, RelaxationMode, high_passed};
+use super::relaxation::{Decay, MOST_MODES, RelaxationMode};
 use super::row::{EXPONENT, LawInfo, LawRow, RELAXATION, STIFFENING_RATE, STIFFNESS};
 use crate::maths::scalar::Scalar;
 
@@ -32,13 +32,24 @@ pub struct QuasiLinearState<S, const R: usize> {
 }
 
 impl<S: Scalar, const R: usize> QuasiLinear<S, R> {
-    /// Force (N) after a period (s) in which the elastic force went evenly to `elastic_n`.
-    fn relaxed(&self, state: &mut QuasiLinearState<S, R>, elastic_n: S, period_s: S) -> S {
+    /// What a period (s) does to each mode.
+    fn decays(&self, period_s: S) -> [Decay<S>; R] {
+        self.modes.map(|mode| mode.decay(period_s))
+    }
+
+    /// Force (N) after a period that does this to the modes, in which the elastic force went evenly to `elastic_n`.
+    fn relaxed(
+        &self,
+        state: &mut QuasiLinearState<S, R>,
+        elastic_n: S,
+        decays: &[Decay<S>; R],
+    ) -> S {
         let change_n = elastic_n - state.elastic_n;
         state.elastic_n = elastic_n;
         let mut force_n = elastic_n;
-        for (mode, w) in self.modes.iter().zip(&mut state.unrelaxed_n) {
-            *w = high_passed(*w, change_n, mode.rate_per_s, period_s);
+        let modes = self.modes.iter().zip(decays);
+        for ((mode, decay), w) in modes.zip(&mut state.unrelaxed_n) {
+            *w = decay.high_passed(*w, change_n);
             force_n = force_n - mode.fraction * (elastic_n - *w);
         }
         force_n
@@ -56,7 +67,7 @@ impl<S: Scalar, const R: usize> RelaxingLaw<S> for QuasiLinear<S, R> {
     }
 
     fn step(&self, state: &mut Self::State, depth_m: S, _speed_mps: S, period_s: S) -> S {
-        let force_n = self.relaxed(state, self.elastic.force_n(depth_m), period_s);
+        let force_n = self.relaxed(state, self.elastic.force_n(depth_m), &self.decays(period_s));
         if depth_m > S::zero() {
             force_n
         } else {
@@ -66,10 +77,11 @@ impl<S: Scalar, const R: usize> RelaxingLaw<S> for QuasiLinear<S, R> {
 
     fn step_creeping(&self, state: &mut Self::State, depth_m: S, _speed_mps: S, period_s: S) -> S {
         let elastic_n = self.elastic.force_n(depth_m);
-        let each = self.modes.iter().zip(state.unrelaxed_n);
-        let modes = each.map(|(mode, w)| (mode.fraction, mode.decay(period_s), w));
+        let decays = self.decays(period_s);
+        let each = self.modes.iter().zip(decays).zip(state.unrelaxed_n);
+        let modes = each.map(|((mode, decay), w)| (mode.fraction, decay, w));
         let dent_n = dent_n(modes, state.elastic_n);
-        let force_n = self.relaxed(state, elastic_n.max_of(dent_n), period_s);
+        let force_n = self.relaxed(state, elastic_n.max_of(dent_n), &decays);
         if elastic_n > dent_n {
             force_n
         } else {

@@ -63,11 +63,6 @@ impl<S: Scalar> Decay<S> {
     }
 }
 
-/// The same for one step by itself.
-pub(crate) fn high_passed<S: Scalar>(w: S, change: S, rate_per_s: S, period_s: S) -> S {
-    Decay::over(rate_per_s, period_s).high_passed(w, change)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,9 +2,8 @@
 
 use super::{
     contact_law::RelaxingLaw, elastic::Elastic, environment::Environment,
-    quasi_linear::QuasiLinear, recovery::dent_n, relaxation::RelaxationMode,
-    relaxation::high_passed, row::DAMPING, row::LawInfo, row::LawRow, row::SECOND_STIFFNESS,
-    row::STIFFNESS,
+    quasi_linear::QuasiLinear, recovery::dent_n, relaxation::Decay, relaxation::RelaxationMode,
+    row::DAMPING, row::LawInfo, row::LawRow, row::SECOND_STIFFNESS, row::STIFFNESS,
 };
 use crate::maths::scalar::Scalar;
 use crate::physics::parameter::{Bounds, ParameterInfo};
@@ -53,15 +52,15 @@ impl<S: Scalar> Zener<S> {
         }
     }
 
-    /// Force (N) after a period (s) in which the depth went evenly to `depth_m` (m).
-    fn relaxed(&self, state: &mut ZenerState<S>, depth_m: S, period_s: S) -> S {
-        let mode = self.mode();
-        state.unrelaxed_m = high_passed(
-            state.unrelaxed_m,
-            depth_m - state.depth_m,
-            mode.rate_per_s,
-            period_s,
-        );
+    /// Force (N) of its mode after a period that does this to it, in which the depth went evenly to `depth_m` (m).
+    fn relaxed(
+        &self,
+        state: &mut ZenerState<S>,
+        depth_m: S,
+        (mode, decay): (RelaxationMode<S>, Decay<S>),
+    ) -> S {
+        let change_m = depth_m - state.depth_m;
+        state.unrelaxed_m = decay.high_passed(state.unrelaxed_m, change_m);
         state.depth_m = depth_m;
         self.stiffness_n_per_m * (depth_m - mode.fraction * (depth_m - state.unrelaxed_m))
     }
@@ -83,7 +82,9 @@ impl<S: Scalar> RelaxingLaw<S> for Zener<S> {
     }
 
     fn step(&self, state: &mut ZenerState<S>, depth_m: S, _speed_mps: S, period_s: S) -> S {
-        let force_n = self.relaxed(state, S::zero().max_of(depth_m), period_s);
+        let mode = self.mode();
+        let decay = mode.decay(period_s);
+        let force_n = self.relaxed(state, S::zero().max_of(depth_m), (mode, decay));
         if depth_m > S::zero() {
             force_n
         } else {
@@ -100,9 +101,10 @@ impl<S: Scalar> RelaxingLaw<S> for Zener<S> {
     ) -> S {
         // The law is linear in the depth, and so is the dent.
         let mode = self.mode();
-        let mode = (mode.fraction, mode.decay(period_s), state.unrelaxed_m);
-        let dent_m = dent_n(core::iter::once(mode), state.depth_m);
-        let force_n = self.relaxed(state, depth_m.max_of(dent_m), period_s);
+        let decay = mode.decay(period_s);
+        let only = core::iter::once((mode.fraction, decay, state.unrelaxed_m));
+        let dent_m = dent_n(only, state.depth_m);
+        let force_n = self.relaxed(state, depth_m.max_of(dent_m), (mode, decay));
         if depth_m > dent_m { force_n } else { S::zero() }
     }
 

@@ -32,7 +32,7 @@ impl<S: Scalar> Pace<S> {
         }
         for (effect, decay) in effects.iter().zip(&mut pace.effects) {
             match effect {
-                Effect::StressRelaxation(relaxation) => *decay = relaxation.mode().decay(period_s),
+                Effect::StressRelaxation(mode) => *decay = mode.decay(period_s),
                 Effect::ForceLag(lag) => *decay = lag.decay(period_s),
                 _ => {}
             }

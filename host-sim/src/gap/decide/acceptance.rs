@@ -61,8 +61,8 @@ pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Optio
         };
         has_size(decision, number, sigmas) && !is_at_its_end(best, number)
     };
+    let is_base_enough = decision.is_noise(decision.ratio.0);
     // Modes of one spectrum share their size, and no name depends on one of them; but one must be known.
-    let is_base_enough = decision.ratio.0.powi(2) <= decision.thresholds.explained.nothing_more;
     let added = best.added();
     let id_of = |number: usize| best.shape.terms[number].id;
     let is_one_known = |id: EffectId| added.iter().any(|at| id_of(*at) == id && is_known(*at));

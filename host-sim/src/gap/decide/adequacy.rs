@@ -96,19 +96,11 @@ mod tests {
 
     fn floor(coloured: bool, uncertainty: f64, unseen: f64) -> NoiseFloor {
         NoiseFloor {
-            high_pass_n: 1e-3,
             rest_n: Some(1e-3),
-            lines_n: 0.0,
-            used_n: 1e-3,
             coloured,
             uncertainty,
             unseen,
-            correlation: 1.0,
-            band_share: 1.0,
-            rounding_n: 0.0,
-            slow: None,
-            left: None,
-            why: String::new(),
+            ..NoiseFloor::white(1e-3, "")
         }
     }
 

@@ -141,6 +141,11 @@ impl Decision {
         }
     }
 
+    /// Whether residuals of so many times what is allowed are hardly more than that.
+    pub(crate) fn is_noise(&self, ratio: f64) -> bool {
+        ratio.powi(2) <= self.thresholds.explained.nothing_more
+    }
+
     /// How many samples count.
     pub(crate) fn samples(&self) -> f64 {
         self.variances.iter().filter(|v| **v > 0.0).count() as f64

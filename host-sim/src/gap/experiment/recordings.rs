@@ -40,21 +40,7 @@ impl Recordings {
         let (log, repeats) = sensor.record(motion);
         all.logs.push(log);
         all.repeats.push(repeats);
-        all.floors.push(NoiseFloor {
-            high_pass_n: sensor.noise_n,
-            rest_n: None,
-            lines_n: 0.0,
-            uncertainty: 0.0,
-            unseen: 1.0,
-            used_n: sensor.noise_n,
-            band_share: 1.0,
-            rounding_n: 0.0,
-            slow: None,
-            left: None,
-            coloured: false,
-            correlation: 1.0,
-            why: "given".into(),
-        });
+        all.floors.push(NoiseFloor::white(sensor.noise_n, "given"));
         all
     }
 

@@ -66,6 +66,25 @@ struct Raw<'a> {
 }
 
 impl NoiseFloor {
+    /// White noise of a standard deviation (N) that is known, and whence.
+    pub(crate) fn white(noise_n: f64, why: &str) -> NoiseFloor {
+        NoiseFloor {
+            high_pass_n: noise_n,
+            rest_n: None,
+            lines_n: 0.0,
+            used_n: noise_n,
+            coloured: false,
+            uncertainty: 0.0,
+            unseen: 1.0,
+            correlation: 1.0,
+            band_share: 1.0,
+            rounding_n: 0.0,
+            slow: None,
+            left: None,
+            why: why.into(),
+        }
+    }
+
     /// Estimates the noise floor of a log.
     pub fn of(log: &UniformLog, decide: &Floor) -> NoiseFloor {
         let even = log;

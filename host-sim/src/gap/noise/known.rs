@@ -53,21 +53,7 @@ mod tests {
     #[test]
     fn variances_and_those_of_means_add_up() {
         // GIVEN 3 mN of white noise at 1 kHz, and 4 mN that stay what they are for 50 ms
-        let white = NoiseFloor {
-            high_pass_n: 3e-3,
-            rest_n: Some(3e-3),
-            lines_n: 0.0,
-            used_n: 3e-3,
-            coloured: false,
-            uncertainty: 0.0,
-            unseen: 1.0,
-            correlation: 1.0,
-            band_share: 1.0,
-            rounding_n: 0.0,
-            slow: None,
-            left: None,
-            why: String::new(),
-        };
+        let white = NoiseFloor::white(3e-3, "");
         let remainder = Remainder {
             rms_n: 4e-3,
             by_phase_n: Default::default(),

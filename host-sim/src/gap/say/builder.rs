@@ -334,7 +334,7 @@ impl<'a> FindingBuilder<'a> {
     /// form, which a later log has as well.
     fn left(&self, bandwidth_hz: Option<f64>) -> Option<Remainder> {
         let decision = self.decision;
-        let is_noise = decision.ratio.1.powi(2) <= decision.thresholds.explained.nothing_more;
+        let is_noise = decision.is_noise(decision.ratio.1);
         if is_noise && !decision.verdict.leaves_a_remainder() {
             return None;
         }

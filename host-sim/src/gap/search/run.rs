@@ -270,7 +270,12 @@ impl Search<'_> {
 
     /// Whether a fit leaves hardly more than the noise.
     pub(crate) fn is_adequate(&self, fit: &Fit) -> bool {
-        fit.cost <= self.dataset.thresholds.explained.nothing_more * self.noise_cost
+        self.is_allowed(fit.cost)
+    }
+
+    /// Whether a cost is hardly more than that of the noise.
+    pub(super) fn is_allowed(&self, cost: f64) -> bool {
+        cost <= self.dataset.thresholds.explained.nothing_more * self.noise_cost
     }
 }
 

@@ -65,11 +65,9 @@ impl Search<'_> {
             .filter(|floor| floor.coloured || floor.lines_n > decide.lines * floor.used_n)
             .map(|floor| f64::max(decide.coloured, thresholds.floor.sigmas * floor.uncertainty))
             .fold(decide.white, f64::max);
-        let explained = &thresholds.explained;
-        let suffices = without < explained.sufficient * self.noise_cost
+        let suffices = without < thresholds.explained.sufficient * self.noise_cost
             && without < decide.sufficient * base_cost;
-        let is_allowed = without <= explained.nothing_more * self.noise_cost;
-        let least = if suffices || is_allowed {
+        let least = if suffices || self.is_allowed(without) {
             coloured.max(decide.beside_sufficient)
         } else {
             coloured
