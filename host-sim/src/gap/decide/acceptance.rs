@@ -84,12 +84,13 @@ fn wanders(term: &Term, duration_s: f64, fewest_periods: f64) -> bool {
 }
 
 /// Whether an effect is a relaxation as fast as one can be, which within a sample is a damper, and the errors of the motion
-/// look like one; or an error of the encoder as long as one can be, which wants to be the form of the law.
+/// look like one; or an error of the encoder, or a cogging, as long as one can be, which wants to be the form of the law,
+/// or a zero.
 fn is_at_its_end(best: &Fit, number: usize) -> bool {
     let id = best.shape.terms[number].id;
     matches!(
         id,
-        EffectId::StressRelaxation | EffectId::EncoderPeriodicError
+        EffectId::StressRelaxation | EffectId::EncoderPeriodicError | EffectId::Cogging
     ) && best.is_second_at(number, Free::is_at_highest)
 }
 

@@ -11,7 +11,7 @@ use super::prediction::prediction_variance;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
 use crate::gap::noise::{floor::NoiseFloor, floors::largest_correlation};
 use crate::gap::thresholds::Thresholds;
-use crate::stats::{correlation, highest, rms};
+use crate::stats::{correlation, highest, rms, robust_deviation};
 
 /// A sample says something of the noise where that makes this share of what is allowed.
 const MOSTLY_NOISE: f64 = 0.8;
@@ -50,14 +50,21 @@ fn errors_of_numbers(
 
 /// How many times what is allowed the residuals are where the probe stands still, at most: what a noise floor does not
 /// know is there in a hold as well. A drag that was no drag left 1.7 times what is allowed in motion and 1.1 times in
-/// holds, and slow noise with a hum was no excuse.
+/// holds, and slow noise with a hum was no excuse. Once, if they are no noise: a hand that pushed on a rig twenty times was
+/// the noise of its rests, and so were chirps.
 fn noise_at_rest(dataset: &Dataset<'_>, all: &Problem<'_>, best: &Fit) -> f64 {
     let speeds = dataset.logs.iter().flat_map(|log| &log.speed_mps);
     // Where the errors of the motion count as well, less is said of the noise.
     let least = MOSTLY_NOISE * highest(all.weights.iter().copied());
     let residuals = all.residuals(&best.shape, &best.numbers);
-    let each = residuals.iter().zip(all.weights).zip(speeds);
-    let still = each.filter(|((_, weight), speed)| **speed == 0.0 && **weight >= least);
+    let each = || residuals.iter().zip(all.weights);
+    let counted = each().filter(|(_, weight)| **weight > 0.0);
+    let counted: Vec<f64> = counted.map(|(r, weight)| r * weight.sqrt()).collect();
+    if are_no_noise(&counted, dataset.thresholds) {
+        return 1.0;
+    }
+    let still = each().zip(speeds);
+    let still = still.filter(|((_, weight), speed)| **speed == 0.0 && **weight >= least);
     let still: Vec<f64> = still.map(|((r, weight), _)| r * weight.sqrt()).collect();
     if still.is_empty() {
         return f64::INFINITY;
@@ -65,6 +72,14 @@ fn noise_at_rest(dataset: &Dataset<'_>, all: &Problem<'_>, best: &Fit) -> f64 {
     let independent = still.len() as f64 / correlation(&still);
     let error = dataset.thresholds.floor.sigmas / (2.0 * independent).sqrt();
     rms(still) * (1.0 + error)
+}
+
+/// Whether most residuals are much smaller than their root mean square, as pushes leave them, or much the same, as a sine.
+fn are_no_noise(residuals: &[f64], thresholds: &Thresholds) -> bool {
+    let typical = robust_deviation(residuals.iter().copied());
+    let share = typical / rms(residuals.iter().copied()).max(f64::MIN_POSITIVE);
+    let decide = &thresholds.explained;
+    !(decide.least_typical..=decide.most_typical).contains(&share)
 }
 
 /// The factor by which residuals may be larger because of what the noise floors do not know; no more than they are
@@ -102,6 +117,22 @@ mod tests {
             unseen,
             ..NoiseFloor::white(1e-3, "")
         }
+    }
+
+    #[test]
+    fn pushes_and_a_sine_are_no_noise() {
+        let noise =
+            |at: usize| ((at * 37 % 101) as f64 - 50.0) / 29.0 * ((at * 53 % 97) as f64 / 56.0);
+        let are_no_noise = |of: &dyn Fn(usize) -> f64| {
+            let residuals: Vec<f64> = (0..4000).map(|at| noise(at) + of(at)).collect();
+            are_no_noise(&residuals, &Thresholds::default())
+        };
+        // GIVEN pushes in a tenth of a log, of 3 times the noise and of 12
+        let push = |at: usize| f64::from(u8::from(at % 1000 < 100));
+        assert!(!are_no_noise(&|at| 3.0 * push(at)) && are_no_noise(&|at| 12.0 * push(at)));
+        // … and a sine as large as the noise, and three times as large
+        let sine = |at: usize| 1.4 * (at as f64 / 3.2).sin();
+        assert!(!are_no_noise(&sine) && are_no_noise(&|at| 3.0 * sine(at)));
     }
 
     #[test]
