@@ -58,6 +58,7 @@ pub use options::Options;
 pub use progress::{Progress, Silent};
 
 use std::borrow::Cow;
+use std::cell::Cell;
 
 use rayon::prelude::*;
 
@@ -71,7 +72,6 @@ use data::{budget, hangs, input, leaps, orientation, ringing, spikes};
 use noise::floors::{Floors, largest_correlation};
 use rounds::{Answer, Rounds};
 use say::{builder, each_log, plausibility::implausible};
-use search::run::MOST_ADDED;
 use search::sets::keep_first;
 use thresholds::{Floor, Input, Rest};
 
@@ -139,13 +139,25 @@ fn workflow(
     let (closed, lost) = lost_counts::taken_back(&bridged, |logs| left_n(model, logs))?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
     let mut finding = episodes::left_out(&closed, |logs| {
-        let ask = |model: &Model| {
+        let ask = |model: &Model, first: Option<Finding>| {
+            let first = Cell::new(first);
             zero_steps::taken_off(logs, |logs| {
-                let ask = |logs: &[UniformLog]| asked(model, logs, options, progress);
+                let ask = |logs: &[UniformLog]| match first.take() {
+                    Some(known) => Ok(known),
+                    None => asked(model, logs, options, progress),
+                };
                 surface_steps::taken_off(model, logs, ask, refit)
             })
         };
-        dents::allowed_for(model, ask, |model| left_n(model, logs))
+        let once = |model: &Model, most_added: usize| {
+            let options = options.clone();
+            let few = Options {
+                most_added,
+                ..options
+            };
+            asked(model, logs, &few, progress)
+        };
+        dents::allowed_for(model, ask, once, |model| left_n(model, logs))
     })?;
     finding.notes.splice(0..0, notes);
     Ok(finding)
@@ -187,7 +199,7 @@ fn asked(
         coarse: dataset(&coarse),
         fine: dataset(&fine),
         ids: &catalogue,
-        most_added: MOST_ADDED,
+        most_added: options.most_added,
         correlation: largest_correlation(&floors.fast, &coarse, step),
         progress,
     };

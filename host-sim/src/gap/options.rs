@@ -2,6 +2,7 @@
 
 use estimator_core::physics::effect::EffectId;
 
+use crate::gap::search::run::MOST_ADDED;
 use crate::gap::thresholds::Thresholds;
 use crate::kind::Kind;
 
@@ -12,6 +13,8 @@ pub struct Options {
     pub bandwidth_hz: Option<f64>,
     /// The effects that may be named.
     pub catalogue: Vec<EffectId>,
+    /// Most effects that a search adds; of fewer than by default it is asked once, without a second round.
+    pub most_added: usize,
     /// What decides.
     pub thresholds: Thresholds,
 }
@@ -29,6 +32,7 @@ impl Default for Options {
         Options {
             bandwidth_hz: None,
             catalogue: EffectId::ALL.to_vec(),
+            most_added: MOST_ADDED,
             thresholds: Thresholds::default(),
         }
     }

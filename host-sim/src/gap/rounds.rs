@@ -16,7 +16,7 @@ use super::model::known::Known;
 use super::model::shape::Term;
 use super::noise::floor::NoiseFloor;
 use super::progress::{Progress, Within};
-use super::search::run::{Search, SearchResult};
+use super::search::run::{MOST_ADDED, Search, SearchResult};
 use super::search::sets::keep_first;
 use crate::model::Environment;
 
@@ -102,7 +102,7 @@ impl<'a> Rounds<'a> {
     pub(super) fn answer(&self, environment: &Environment, given: &[Term]) -> Answer {
         let mut answer = self.round(environment, given, &Within::new(self.progress, 0.05, 0.9));
         for round in 1..MOST_ROUNDS {
-            if !self.is_to_be_asked_again(&answer.decision) {
+            if self.most_added < MOST_ADDED || !self.is_to_be_asked_again(&answer.decision) {
                 break;
             }
             let from = 0.9 + 0.05 * (round - 1) as f64 / MOST_ROUNDS as f64;
