@@ -123,44 +123,67 @@ fn workflow(
     let mut notes = input_notes(model, logs, &options.thresholds.input)?;
     let (measured, hangs) = hangs::left_out(logs);
     let (bridged, spikes) = spikes::bridged(&measured);
-    let nothing = Options {
-        catalogue: Vec::new(),
-        ..options.clone()
-    };
-    let refit = |model: &Model, logs: &[UniformLog]| asked(model, logs, &nothing, &Silent);
-    let left_n = |model: &Model, logs: &[UniformLog]| {
-        refit(model, logs).map(|finding| finding.rmse_before_n)
-    };
-    if let Some(mut finding) = units::mistaken(model, &bridged, |logs| refit(model, logs))? {
+    let left_n = |logs: &[UniformLog]| left_n(model, logs, options);
+    let refit = |logs: &[UniformLog]| base_alone(model, logs, options);
+    if let Some(mut finding) = units::mistaken(model, &bridged, refit)? {
         let first = finding.mistaken.iter().cloned();
         finding.notes.splice(0..0, first.chain(notes));
         return Ok(finding);
     }
-    let (closed, lost) = lost_counts::taken_back(&bridged, |logs| left_n(model, logs))?;
+    let (closed, lost) = lost_counts::taken_back(&bridged, left_n)?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
     let mut finding = episodes::left_out(&closed, |logs| {
-        let ask = |model: &Model, first: Option<Finding>| {
-            let first = Cell::new(first);
-            zero_steps::taken_off(logs, |logs| {
-                let ask = |logs: &[UniformLog]| match first.take() {
-                    Some(known) => Ok(known),
-                    None => asked(model, logs, options, progress),
-                };
-                surface_steps::taken_off(model, logs, ask, refit)
-            })
-        };
-        let once = |model: &Model, most_added: usize| {
-            let options = options.clone();
-            let few = Options {
-                most_added,
-                ..options
-            };
-            asked(model, logs, &few, progress)
-        };
-        dents::allowed_for(model, ask, once, |model| left_n(model, logs))
+        beside_steps_and_dents(model, logs, options, progress)
     })?;
     finding.notes.splice(0..0, notes);
     Ok(finding)
+}
+
+/// The workflow beside what a zero, a surface and a material may have done between touches.
+fn beside_steps_and_dents(
+    model: &Model,
+    logs: &[UniformLog],
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Finding, Diagnostic> {
+    let refit = |model: &Model, logs: &[UniformLog]| base_alone(model, logs, options);
+    let ask = |model: &Model, first: Option<Finding>| {
+        let first = Cell::new(first);
+        zero_steps::taken_off(logs, |logs| {
+            let ask = |logs: &[UniformLog]| match first.take() {
+                Some(known) => Ok(known),
+                None => asked(model, logs, options, progress),
+            };
+            surface_steps::taken_off(model, logs, ask, refit)
+        })
+    };
+    let once = |model: &Model, most_added: usize| {
+        let options = options.clone();
+        let few = Options {
+            most_added,
+            ..options
+        };
+        asked(model, logs, &few, progress)
+    };
+    dents::allowed_for(model, ask, once, |model| left_n(model, logs, options))
+}
+
+/// The finding of a model to which nothing may be added.
+fn base_alone(
+    model: &Model,
+    logs: &[UniformLog],
+    options: &Options,
+) -> Result<Finding, Diagnostic> {
+    let nothing = Options {
+        catalogue: Vec::new(),
+        ..options.clone()
+    };
+    asked(model, logs, &nothing, &Silent)
+}
+
+/// What a model leaves of logs (N rms) to which nothing may be added.
+fn left_n(model: &Model, logs: &[UniformLog], options: &Options) -> Result<f64, Diagnostic> {
+    base_alone(model, logs, options).map(|finding| finding.rmse_before_n)
 }
 
 /// The workflow for logs in which the readings that are wrong are bridged or left out.

@@ -22,8 +22,7 @@ thresholds! {
             /// A position does not move if its range is below this many standard deviations of its noise.
             /// Derived: the range of 10⁵ normal samples is 8.8 standard deviations.
             still_sigmas: 10.0,
-            /// A force shows no touch if its range is below this many standard deviations of its noise. Not
-            /// measured.
+            /// A force shows no touch if its range is below this many standard deviations of its noise. Not measured.
             silent_sigmas: 12.0,
         }
 
@@ -31,9 +30,8 @@ thresholds! {
         rest: Rest {
             /// A log is mostly rest if a larger share of it stands still. Not measured.
             mostly: 0.75,
-            /// A sample stands still if the position around it changes by less than this many standard
-            /// deviations of its noise. A speed would not do, since a position that is held by a loop trembles.
-            /// Not measured.
+            /// A sample stands still if the position around it changes by less than this many standard deviations of
+            /// its noise. A speed would not do, since a position that is held by a loop trembles. Not measured.
             still_sigmas: 6.0,
             /// A sample also stands still if the position around it changes by less than this share of the
             /// travel. Not measured.
@@ -90,9 +88,8 @@ thresholds! {
             /// A sample that is this many standard deviations from its neighbours, or from the trend of a rest,
             /// is a spike and no noise. Not measured.
             spike_sigmas: 4.0,
-            /// Samples of a rest that are this many standard deviations from the line through its medians do
-            /// not count for its trend: a quarter of a rest at 35 standard deviations would be the trend. Not
-            /// measured.
+            /// Samples of a rest that are this many standard deviations from the line through its medians do not count
+            /// for its trend: a quarter of a rest at 35 standard deviations would be the trend. Not measured.
             long_spike_sigmas: 6.0,
             /// A line in time is a disturbance if it holds more than this share of the power at rest. One that
             /// holds less is left in, and the floor is then at most 1.4 times too high. Not measured.
@@ -127,8 +124,7 @@ thresholds! {
 
         /// Which fits a search follows, and when it ends.
         search: Search {
-            /// An effect is refitted if it promises, to first order, more than this share of the excess. Not
-            /// measured.
+            /// An effect is refitted if it promises, to first order, more than this share of the excess. Not measured.
             least_promise: 1e-3,
             /// What an effect promises counts by this factor if its size would be negative: the base may turn
             /// that round, but rarely. Not measured.
@@ -171,10 +167,9 @@ thresholds! {
             /// A log also counts as coloured here if the lines at rest are larger than this share of the noise
             /// floor. Not measured.
             lines: 0.3,
-            /// Beside effects that suffice (`explained.sufficient`) another one takes off more than this share
-            /// of what is left, since that is mostly the form of the first: a Stribeck friction where the
-            /// catalogue says Coulomb. So does the first one where a base leaves no more than is allowed. Not
-            /// measured.
+            /// Beside effects that suffice (`explained.sufficient`) another one takes off more than this share of what
+            /// is left, since that is mostly the form of the first: a Stribeck friction where the catalogue says
+            /// Coulomb. So does the first one where a base leaves no more than is allowed. Not measured.
             beside_sufficient: 0.15,
             /// Effects that leave more than this share of the base's Σ w r² do not suffice, however near the
             /// noise. Not measured.
@@ -210,9 +205,8 @@ thresholds! {
             /// the model of another (two of a drive, three each of a damper and of cells) eight were; four got no name,
             /// and two that of the relaxation which their model lacks.
             coloured: 1.25 over 1.0,
-            /// It is not higher where the median of the residuals' magnitudes says less than this share of their root mean
-            /// square (of normal noise it says as much): what comes in bursts is no noise that a floor does not know. Of 210
-            /// rigs that were answered rightly the least was 0.62; a hand's pushes left 0.36.
+            /// It is not higher where the median of the residuals' magnitudes says less than this share of their rms, as what
+            /// comes in bursts: of 210 rigs that were answered rightly the least was 0.62, a hand's pushes left 0.36.
             least_typical: 0.5,
             /// … nor where it says more: 1.12 at most where a higher bound was needed; of a sine 1.48, of chirps 1.18 and
             /// 1.36.
@@ -289,8 +283,7 @@ thresholds! {
 
         /// Whether effects are accepted.
         acceptance: Acceptance {
-            /// An effect is idle if it takes less than this share off what is left, where much is left. Not
-            /// measured.
+            /// An effect is idle if it takes less than this share off what is left, where much is left. Not measured.
             idle: 0.01,
             /// An effect may as well be 0 if its size is below this many standard errors. Of 810 effects that
             /// were right one was that badly known, of 36 wrong ones ten.
