@@ -158,10 +158,9 @@ fn beside_steps_and_dents(
         })
     };
     let once = |model: &Model, most_added: usize| {
-        let options = options.clone();
         let few = Options {
-            most_added,
-            ..options
+            most_added: most_added.min(options.most_added),
+            ..options.clone()
         };
         asked(model, logs, &few, progress)
     };

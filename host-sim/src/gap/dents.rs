@@ -2,7 +2,8 @@
 //!
 //! What relaxes recovers as slowly, and nothing pulls its surface back: a dent stays, which fills as the material creeps.
 //! The chapter's laws have a surface that follows the probe. No effect of the catalogue is a dent; where a model that
-//! relaxes leaves something, or needs effects that it does not need with a dent, it is asked again with one.
+//! relaxes leaves something, or needs effects that it does not need with a dent, it is asked with one: first, where the model alone leaves
+//! less with one.
 
 use estimator_core::physics::effect::EffectId;
 use estimator_core::physics::law::Recovery;
@@ -38,10 +39,15 @@ pub(super) fn allowed_for(
         return ask(model, None);
     }
     let creeping = creeping(model);
-    let relaxes_alone = model.environment.law.info().relaxes;
-    let first = match relaxes_alone && left_n(&creeping)? < LIKELY * left_n(model)? {
-        true => Some(once(&creeping, MOST_ADDED)?),
+    let creeping_n = match model.environment.law.info().relaxes {
+        true => Some(left_n(&creeping)?),
         false => None,
+    };
+    let first = match creeping_n {
+        Some(creeping_n) if creeping_n < LIKELY * left_n(model)? => {
+            Some(once(&creeping, MOST_ADDED)?)
+        }
+        _ => None,
     };
     if let Some(dented) = &first
         && let Some(undented_n) = undented_n(dented, model, once)?
@@ -52,7 +58,11 @@ pub(super) fn allowed_for(
     if finding.verdict == Verdict::NoMissingEffect || !relaxes(&finding) {
         return Ok(finding);
     }
-    let spares = left_n(&creeping)? < AS_MUCH * finding.rmse_after_n;
+    let creeping_n = match creeping_n {
+        Some(known_n) => known_n,
+        None => left_n(&creeping)?,
+    };
+    let spares = creeping_n < AS_MUCH * finding.rmse_after_n;
     if !spares && left_n(&self::creeping(&finding.model))? > LESS * finding.rmse_after_n {
         return Ok(finding);
     }

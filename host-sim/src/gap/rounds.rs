@@ -102,7 +102,7 @@ impl<'a> Rounds<'a> {
     pub(super) fn answer(&self, environment: &Environment, given: &[Term]) -> Answer {
         let mut answer = self.round(environment, given, &Within::new(self.progress, 0.05, 0.9));
         for round in 1..MOST_ROUNDS {
-            if self.most_added < MOST_ADDED || !self.is_to_be_asked_again(&answer.decision) {
+            if !self.is_to_be_asked_again(&answer.decision) {
                 break;
             }
             let from = 0.9 + 0.05 * (round - 1) as f64 / MOST_ROUNDS as f64;
@@ -116,10 +116,15 @@ impl<'a> Rounds<'a> {
     }
 
     /// Whether what remains beside what is named is more than errors of its form: a friction that differs along the
-    /// way left 1.3 times the noise beside Stribeck's, and a loading curve would have explained that.
+    /// way left 1.3 times the noise beside Stribeck's, and a loading curve would have explained that. Of few effects only the
+    /// first are wanted.
     fn is_to_be_asked_again(&self, decision: &Decision) -> bool {
         let is_far = decision.ratio.1.powi(2) > self.fine.thresholds.search.ran_away;
-        is_far && decision.verdict == Verdict::PartlyExplained && !decision.without.is_empty()
+        let wants_more = self.most_added == MOST_ADDED;
+        wants_more
+            && is_far
+            && decision.verdict == Verdict::PartlyExplained
+            && !decision.without.is_empty()
     }
 
     /// One search and its decision.

@@ -57,14 +57,11 @@ fn noise_at_rest(dataset: &Dataset<'_>, all: &Problem<'_>, best: &Fit) -> f64 {
     // Where the errors of the motion count as well, less is said of the noise.
     let least = MOSTLY_NOISE * highest(all.weights.iter().copied());
     let residuals = all.residuals(&best.shape, &best.numbers);
-    let each = || residuals.iter().zip(all.weights);
-    let counted = each().filter(|(_, weight)| **weight > 0.0);
-    let counted: Vec<f64> = counted.map(|(r, weight)| r * weight.sqrt()).collect();
-    if are_no_noise(&counted, dataset.thresholds) {
+    if are_no_noise(&all.white(&residuals), dataset.thresholds) {
         return 1.0;
     }
-    let still = each().zip(speeds);
-    let still = still.filter(|((_, weight), speed)| **speed == 0.0 && **weight >= least);
+    let each = residuals.iter().zip(all.weights).zip(speeds);
+    let still = each.filter(|((_, weight), speed)| **speed == 0.0 && **weight >= least);
     let still: Vec<f64> = still.map(|((r, weight), _)| r * weight.sqrt()).collect();
     if still.is_empty() {
         return f64::INFINITY;

@@ -38,7 +38,7 @@ pub(super) fn evaluate(dataset: &Dataset<'_>, base: &Fit, result: &SearchResult)
         .iter()
         .map(|error| 1.0 - (after.rmse_n / error.rmse_n).powi(2))
         .collect();
-    let correlation = correlation(&white_residuals(&all, &best));
+    let correlation = correlation(&all.white(&all.residuals(&best.shape, &best.numbers)));
     let Rivals {
         alternatives,
         better,
@@ -110,16 +110,6 @@ pub(super) fn held_out_rmse_n(dataset: &Dataset<'_>, fit: &Fit) -> f64 {
     let weights = dataset.weights(fit);
     let all = dataset.problem(&weights);
     held_out_errors(dataset, &all, &[fit], &[], &held_out(dataset.logs))[0].rmse_n
-}
-
-/// The residuals over their standard deviations, of the samples with a weight.
-fn white_residuals(all: &Problem<'_>, fit: &Fit) -> Vec<f64> {
-    all.residuals(&fit.shape, &fit.numbers)
-        .iter()
-        .zip(all.weights)
-        .filter(|(_, w)| **w > 0.0)
-        .map(|(r, w)| r * w.sqrt())
-        .collect()
 }
 
 fn verdict(is_explained: bool, has_effects: bool, is_ambiguous: bool) -> Verdict {

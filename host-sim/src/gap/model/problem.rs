@@ -88,6 +88,13 @@ impl Problem<'_> {
         residuals
     }
 
+    /// Residuals over their standard deviations, of the samples with a weight.
+    pub(crate) fn white(&self, residuals: &[f64]) -> Vec<f64> {
+        let each = residuals.iter().zip(self.weights);
+        let weighted = each.filter(|(_, weight)| **weight > 0.0);
+        weighted.map(|(r, weight)| r * weight.sqrt()).collect()
+    }
+
     /// Takes off a channel what steps of the zero make of it: its weighted mean between each and the next.
     pub(crate) fn without_steps(&self, channel: &mut [f64]) {
         let mut from = 0;
