@@ -4,6 +4,7 @@
 mod alone;
 mod base;
 pub(crate) mod blocks;
+mod decline;
 pub(crate) mod eliminate;
 pub(crate) mod evidence;
 pub(crate) mod expand;

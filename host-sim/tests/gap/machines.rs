@@ -358,6 +358,18 @@ fn a_friction_that_sticks_with_more_than_it_slides_with_is_stribecks_beside_the_
     );
     let slides_n = base_number(&json, "coulomb_friction.force");
     assert!((slides_n / 2.0 - 1.0).abs() < 0.05, "{slides_n} N\n{said}");
+    // AND all of it where the model has no friction.
+    let (json, said) = asked(&model(&[KNOWN[0], KNOWN[1], KNOWN[3]]), &[machine]);
+    let found = alone(&json, "stribeck_friction", &said);
+    let of = |name: &str| found["params"][name]["value"].as_f64().unwrap();
+    for (name, truth) in [
+        ("kinetic_force", 2.0),
+        ("static_force", 3.2),
+        ("speed", 5e-3),
+    ] {
+        let value = of(name);
+        assert!((value / truth - 1.0).abs() < 0.15, "{name} {value}\n{said}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
-use crate::gap::model::shape::{Free, Term};
+use crate::gap::model::shape::{Free, Owner, Term};
 use crate::gap::model::{dataset::Dataset, fit::Fit, start::of_size, weights::weights};
 use crate::gap::search::{forms::in_plain_form, relatives::simpler};
 
@@ -85,13 +85,15 @@ fn wanders(term: &Term, duration_s: f64, fewest_periods: f64) -> bool {
 
 /// Whether an effect is a relaxation as fast as one can be, which within a sample is a damper, and the errors of the motion
 /// look like one; or an error of the encoder, or a cogging, as long as one can be, which wants to be the form of the law,
-/// or a zero.
+/// or a zero; or a change of curves that takes the whole travel, which a material that every touch softens was.
 fn is_at_its_end(best: &Fit, number: usize) -> bool {
-    let id = best.shape.terms[number].id;
-    matches!(
-        id,
-        EffectId::StressRelaxation | EffectId::EncoderPeriodicError | EffectId::Cogging
-    ) && best.is_second_at(number, Free::is_at_highest)
+    let second = Owner::Effect(number, 1);
+    let of_its_end = match best.shape.terms[number].id {
+        EffectId::StressRelaxation | EffectId::EncoderPeriodicError | EffectId::Cogging => second,
+        EffectId::LoadingCurve => Owner::Effect(number, 2),
+        _ => return false,
+    };
+    best.is_at(of_its_end, Free::is_at_highest)
 }
 
 /// The places of the added effects that may as well be the simpler effect of their family, with that effect: their
@@ -338,14 +340,20 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_relaxation_as_fast_as_one_can_be_is_none() {
+    fn a_relaxation_as_fast_and_a_change_of_curves_as_long_as_one_can_be_are_none() {
         let (model, scales) = contact();
-        let is_too_fast = |rate_per_s: f64| {
-            let row = [0.2, rate_per_s, 0.0, 0.0, 0.0];
-            let term = whole(EffectId::StressRelaxation, row, 2);
-            is_at_its_end(&at_start(&model, &scales, term), 0)
+        let is_at_its_end = |id: EffectId, row: [f64; MOST_PARAMETERS]| {
+            let mut term = whole(id, row, 1);
+            term.free = row.map(|number| number != 0.0);
+            super::is_at_its_end(&at_start(&model, &scales, term), 0)
+        };
+        let is_too_fast = |rate_per_s| {
+            is_at_its_end(EffectId::StressRelaxation, [0.2, rate_per_s, 0.0, 0.0, 0.0])
         };
         assert!(is_too_fast(1e9) && !is_too_fast(30.0) && !is_too_fast(1e-9));
+        let is_too_long =
+            |width_m| is_at_its_end(EffectId::LoadingCurve, [0.2, 0.0, width_m, 0.0, 0.0]);
+        assert!(is_too_long(1.0) && !is_too_long(1e-4));
     }
 
     #[test]

@@ -89,6 +89,7 @@ impl Search<'_> {
         }
         let result = self.with_swaps(best, base_cost);
         let result = self.with_simpler_relative(result, base_cost);
+        let result = self.with_decline(result, base_cost);
         let best = self.without_insignificant_forms(result.best, base_cost);
         SearchResult {
             is_far: self.is_far(&best),
