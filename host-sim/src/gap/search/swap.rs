@@ -1,6 +1,7 @@
 //! Swaps: every other effect is tried in the place of each that was added.
 
 use estimator_core::physics::effect::EffectId;
+use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, shape::FEWEST_CYCLES, shape::Free};
 use crate::gap::search::{run::Search, run::SearchResult, sets::added_effects};
@@ -21,8 +22,9 @@ impl Search<'_> {
     pub(crate) fn with_swaps(&self, mut best: Fit, base_cost: f64) -> SearchResult {
         let mut left = MOST[usize::from(self.is_far(&best))];
         loop {
-            let added = best.added().into_iter();
-            let mut rivals: Vec<Fit> = added.flat_map(|at| self.rivals_of(&best, at)).collect();
+            let added = best.added().into_par_iter();
+            let each: Vec<Vec<Fit>> = added.map(|at| self.rivals_of(&best, at)).collect();
+            let mut rivals = each.concat();
             let has_few_cycles = has_few_cycles(&best);
             if has_few_cycles || rivals.iter().any(|fit| self.is_tied(fit, &best)) {
                 best = self.with_all_forms(best, base_cost);
@@ -57,7 +59,7 @@ impl Search<'_> {
     /// The fits, those that leave less than `most` with the forms that are significant: the forms of two effects that
     /// tie may tell them apart.
     fn with_forms_where_near(&self, fits: Vec<Fit>, most: f64, base_cost: f64) -> Vec<Fit> {
-        fits.into_iter()
+        fits.into_par_iter()
             .map(|fit| match fit.cost < most {
                 true => self.with_all_forms(fit, base_cost),
                 false => fit,
