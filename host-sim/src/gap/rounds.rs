@@ -17,6 +17,7 @@ use super::model::shape::Term;
 use super::noise::floor::NoiseFloor;
 use super::progress::{Progress, Within};
 use super::search::run::{MOST_ADDED, Search, SearchResult};
+use super::search::screen::Screen;
 use super::search::sets::keep_first;
 use crate::model::Environment;
 
@@ -134,8 +135,10 @@ impl<'a> Rounds<'a> {
         given: &[Term],
         progress: &dyn Progress,
     ) -> Answer {
+        let screen = Screen::of(self.coarse.logs);
         let mut search = Search {
             dataset: self.coarse,
+            screen: &screen,
             weights: vec![1.0; self.coarse.logs.iter().map(|log| log.len()).sum()],
             base: environment,
             given,

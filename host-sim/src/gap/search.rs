@@ -17,6 +17,7 @@ pub(crate) mod proposals;
 pub(crate) mod relatives;
 mod remainder;
 pub(crate) mod run;
+pub(crate) mod screen;
 pub(crate) mod sets;
 pub(crate) mod significance;
 pub(crate) mod swap;

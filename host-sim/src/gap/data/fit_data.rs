@@ -227,8 +227,13 @@ impl FitData {
     pub(crate) fn thinned(&self, step: usize) -> FitData {
         FitData {
             period_s: self.period_s * step as f64,
-            ..self.picked((step / 2..self.len()).step_by(step))
+            ..self.picked(FitData::thinned_rows(self.len(), step))
         }
+    }
+
+    /// The samples that [`FitData::thinned`] keeps of so many.
+    pub(crate) fn thinned_rows(count: usize, step: usize) -> impl Iterator<Item = usize> + Clone {
+        (step / 2..count).step_by(step)
     }
 
     /// Keeps the samples at some indices.

@@ -7,14 +7,15 @@ use crate::gap::model::fit::{Fit, MOST_STEPS};
 use crate::gap::model::shape::{Shape, Term};
 use crate::gap::model::start::{starts, starts_from_file};
 use crate::gap::search::physical::is_physical;
-use crate::gap::search::proposals::{LinearizedModel, Proposal};
+use crate::gap::search::proposals::{LinearizedModel, Proposal, ranked};
+use crate::gap::search::relatives::is_lateness;
 use crate::gap::search::run::Search;
 use crate::gap::search::sets::{added_effects, is_last_repeated, keep_kinds, truncate};
 
 /// Effects that are refitted jointly in a forward step.
 const REFITTED: usize = 8;
 /// Fits that are followed further, and those of them that are followed to their minimum.
-const FOLLOWED: [usize; 2] = [5, 3];
+const FOLLOWED: [usize; 2] = [6, 3];
 /// Effects whose fits also start from the values of the model file: a base that ran away alone drags a joint
 /// fit with it.
 const FROM_FILE: usize = 4;
@@ -32,10 +33,13 @@ type Start = (Shape, Vec<f64>, usize);
 impl Search<'_> {
     /// The best fit with each effect that promises anything added to `from`, the best first.
     pub(crate) fn expanded(&self, from: &Fit) -> Vec<Fit> {
+        let whole = self.problem();
+        let weights = self.screen.weights(&whole);
+        let screen = self.screen.problem(&whole, &weights);
         let begun: Vec<Fit> = self
             .starts(from)
             .into_par_iter()
-            .map(|(shape, start, steps)| self.problem().fit_briefly(&shape, start, steps))
+            .map(|(shape, start, steps)| screen.fit_briefly(&shape, start, steps))
             .collect();
         let mut fits = best_of_each_set(begun);
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -121,8 +125,21 @@ impl Search<'_> {
 
     /// The effects that promise most beside a fit, with their best starts.
     fn proposals(&self, from: &Fit, most: usize) -> Vec<Vec<Proposal>> {
-        let model = LinearizedModel::new(self.problem(), from, self.dataset.scales);
-        let mut proposals = model.proposals(self.ids, self.decide().wrong_sign);
+        let whole = self.problem();
+        let weights = self.screen.weights(&whole);
+        let screen = self.screen.problem(&whole, &weights);
+        let of = |problem| LinearizedModel::new(problem, from, self.dataset.scales);
+        let wrong_sign = self.decide().wrong_sign;
+        // What is faster than a screen shows: waves, and a lag of a millisecond where samples are 10 ms apart.
+        let (fast, slow): (Vec<_>, Vec<_>) = self.ids.iter().partition(|id| is_lateness(**id));
+        let mut each = of(screen).of_sizes(&slow, wrong_sign);
+        let left_out = whole.weights.len() as f64 / weights.len() as f64;
+        each.iter_mut()
+            .for_each(|proposal| proposal.gain *= left_out);
+        let whole = of(whole);
+        each.extend(whole.of_sizes(&fast, wrong_sign));
+        each.extend(whole.of_waves(&slow, wrong_sign));
+        let mut proposals = ranked(each);
         let least = self.decide().least_promise * (from.cost - self.noise_cost).max(0.0);
         proposals.retain(|starts| starts[0].gain > least);
         // One more mode of a spectrum needs the others to make room. Neither a first order nor a few

@@ -36,6 +36,21 @@ pub(crate) struct LinearizedModel<'a> {
     pub(super) roots: Vec<f64>,
 }
 
+/// The two best starts of every effect, the best effects first.
+pub(super) fn ranked(mut proposals: Vec<Proposal>) -> Vec<Vec<Proposal>> {
+    proposals.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut ranked: Vec<Vec<Proposal>> = Vec::new();
+    for proposal in proposals {
+        let same = |starts: &&mut Vec<Proposal>| starts[0].term.id == proposal.term.id;
+        match ranked.iter_mut().find(same) {
+            Some(starts) if starts.len() < 2 => starts.push(proposal),
+            Some(_) => {}
+            None => ranked.push(vec![proposal]),
+        }
+    }
+    ranked
+}
+
 impl<'a> LinearizedModel<'a> {
     pub(crate) fn new(
         problem: Problem<'a>,
@@ -80,29 +95,22 @@ impl<'a> LinearizedModel<'a> {
         }
     }
 
-    /// The two best starts of every effect, the best effects first. An effect whose size would be negative
-    /// promises `wrong_sign` times as much.
-    pub(crate) fn proposals(&self, ids: &[EffectId], wrong_sign: f64) -> Vec<Vec<Proposal>> {
-        let mut starts: Vec<Term> = ids
-            .iter()
-            .flat_map(|id| starts(*id, &self.fit.shape, self.scales))
-            .collect();
-        starts.extend(self.periodic_starts(ids));
-        let mut scored: Vec<Proposal> = starts
-            .into_par_iter()
-            .map(|term| self.proposal(term, wrong_sign))
-            .collect();
-        scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let mut ranked: Vec<Vec<Proposal>> = Vec::new();
-        for proposal in scored {
-            let same = |starts: &&mut Vec<Proposal>| starts[0].term.id == proposal.term.id;
-            match ranked.iter_mut().find(same) {
-                Some(starts) if starts.len() < 2 => starts.push(proposal),
-                Some(_) => {}
-                None => ranked.push(vec![proposal]),
-            }
-        }
-        ranked
+    /// What starts with the sizes of the log promise. An effect whose size would be negative promises `wrong_sign` times as
+    /// much.
+    pub(super) fn of_sizes(&self, ids: &[EffectId], wrong_sign: f64) -> Vec<Proposal> {
+        let each = ids.iter();
+        let starts = each.flat_map(|id| starts(*id, &self.fit.shape, self.scales));
+        self.promised(starts.collect(), wrong_sign)
+    }
+
+    /// The same of waves, from the spectrum of the residuals.
+    pub(super) fn of_waves(&self, ids: &[EffectId], wrong_sign: f64) -> Vec<Proposal> {
+        self.promised(self.periodic_starts(ids), wrong_sign)
+    }
+
+    fn promised(&self, starts: Vec<Term>, wrong_sign: f64) -> Vec<Proposal> {
+        let starts = starts.into_par_iter();
+        starts.map(|term| self.proposal(term, wrong_sign)).collect()
     }
 
     /// What a start promises, its size fitted where the force is proportional to one.

@@ -10,7 +10,7 @@ use crate::gap::model::{
 };
 use crate::gap::progress::Progress;
 use crate::gap::search::{
-    physical::is_fourier_series, sets::added_effects, sets::keep_first,
+    physical::is_fourier_series, screen::Screen, sets::added_effects, sets::keep_first,
     sets::keep_simplest_of_each_kind,
 };
 use crate::gap::thresholds;
@@ -24,6 +24,8 @@ pub(crate) const MOST_ADDED: usize = 5;
 /// A search over the catalogue on one resolution of the logs.
 pub(crate) struct Search<'a> {
     pub(crate) dataset: Dataset<'a>,
+    /// What the first steps of its fits see of them.
+    pub(crate) screen: &'a Screen,
     /// 1/N² for each sample, from the best fit so far.
     pub(crate) weights: Vec<f64>,
     /// The environment of the base model.

@@ -105,6 +105,7 @@ mod tests {
     use crate::gap::model::start::whole;
     use crate::gap::progress::Silent;
     use crate::gap::search::run::MOST_ADDED;
+    use crate::gap::search::screen::Screen;
     use crate::gap::{NoiseFloor, Options};
     use crate::log::UniformLog;
     use crate::model::{Environment, Fit as Kept, Parameter};
@@ -172,7 +173,9 @@ mod tests {
         };
         let options = Options::default();
         let thresholds = &options.thresholds;
+        let screen = Screen::of(&logs);
         let mut search = Search {
+            screen: &screen,
             dataset: Dataset {
                 logs: &logs,
                 floors: &floors,
