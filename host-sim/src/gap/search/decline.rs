@@ -10,7 +10,7 @@ use crate::gap::search::physical::is_physical;
 use crate::gap::search::run::{Search, SearchResult};
 
 /// What it starts with: shares of the level force, and of the speed of the log. Starts at 0.03, 0.2 and 0.3 of the speed went
-/// to the same fit on 13 rigs of 14.
+/// to the same fit on 12 rigs of 14.
 const KINETIC: f64 = 0.9;
 const STATIC: f64 = 1.5;
 const SPEED: f64 = 0.1;
