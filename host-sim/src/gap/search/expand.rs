@@ -33,14 +33,11 @@ type Start = (Shape, Vec<f64>, usize);
 impl Search<'_> {
     /// The best fit with each effect that promises anything added to `from`, the best first.
     pub(crate) fn expanded(&self, from: &Fit) -> Vec<Fit> {
-        let whole = self.problem();
-        let weights = self.screen.weights(&whole);
-        let screen = self.screen.problem(&whole, &weights);
-        let begun: Vec<Fit> = self
-            .starts(from)
-            .into_par_iter()
-            .map(|(shape, start, steps)| screen.fit_briefly(&shape, start, steps))
-            .collect();
+        let starts = self.starts(from).into_par_iter();
+        let begun: Vec<Fit> = self.screen.see(self.problem(), |screen| {
+            let fits = starts.map(|(shape, start, steps)| screen.fit_briefly(&shape, start, steps));
+            fits.collect()
+        });
         let mut fits = best_of_each_set(begun);
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         keep_kinds(&mut fits, FOLLOWED[0], is_last_repeated);
@@ -125,18 +122,17 @@ impl Search<'_> {
 
     /// The effects that promise most beside a fit, with their best starts.
     fn proposals(&self, from: &Fit, most: usize) -> Vec<Vec<Proposal>> {
-        let whole = self.problem();
-        let weights = self.screen.weights(&whole);
-        let screen = self.screen.problem(&whole, &weights);
-        let of = |problem| LinearizedModel::new(problem, from, self.dataset.scales);
         let wrong_sign = self.decide().wrong_sign;
+        let scales = self.dataset.scales;
         // What is faster than a screen shows: waves, and a lag of a millisecond where samples are 10 ms apart.
         let (fast, slow): (Vec<_>, Vec<_>) = self.ids.iter().partition(|id| is_lateness(**id));
-        let mut each = of(screen).of_sizes(&slow, wrong_sign);
-        let left_out = whole.weights.len() as f64 / weights.len() as f64;
-        each.iter_mut()
-            .for_each(|proposal| proposal.gain *= left_out);
-        let whole = of(whole);
+        let mut each = self.screen.see(self.problem(), |screen| {
+            let mut each = LinearizedModel::new(screen, from, scales).of_sizes(&slow, wrong_sign);
+            let left_out = self.weights.len() as f64 / screen.weights.len() as f64;
+            each.iter_mut().for_each(|own| own.gain *= left_out);
+            each
+        });
+        let whole = LinearizedModel::new(self.problem(), from, scales);
         each.extend(whole.of_sizes(&fast, wrong_sign));
         each.extend(whole.of_waves(&slow, wrong_sign));
         let mut proposals = ranked(each);

@@ -151,9 +151,8 @@ impl Search<'_> {
     /// Adds one effect to each fit of the beam. Returns false if the search ends with this step.
     fn forward_step(&mut self, state: &mut Forward, base: &Fit, level: usize) -> bool {
         self.report_level(level);
-        let each = state.beam.par_iter().map(|fit| self.expanded(fit));
-        let each: Vec<Vec<Fit>> = each.collect();
-        let mut children = each.concat();
+        let beam = state.beam.par_iter();
+        let mut children: Vec<Fit> = beam.flat_map_iter(|fit| self.expanded(fit)).collect();
         children.sort_by(|a, b| self.score(a).total_cmp(&self.score(b)));
         keep_first(&mut children, added_effects);
         self.tried.extend_from_slice(&children);

@@ -22,25 +22,20 @@ impl Screen {
         Screen { logs, step }
     }
 
-    /// The weights of what the view has of a problem's logs.
-    pub(super) fn weights(&self, problem: &Problem<'_>) -> Vec<f64> {
+    /// What comes of a problem of these logs as this view has it, each sample with its weight.
+    pub(super) fn see<R>(&self, whole: Problem<'_>, run: impl FnOnce(Problem<'_>) -> R) -> R {
         let mut from = 0;
         let mut weights = Vec::new();
-        for log in problem.logs {
-            let own = &problem.weights[from..from + log.len()];
+        for log in whole.logs {
+            let own = &whole.weights[from..from + log.len()];
             weights.extend(FitData::thinned_rows(own.len(), self.step).map(|at| own[at]));
             from += log.len();
         }
-        weights
-    }
-
-    /// The problem as this view has it, with its [`Screen::weights`].
-    pub(super) fn problem<'a>(&'a self, whole: &Problem<'a>, weights: &'a [f64]) -> Problem<'a> {
-        Problem {
+        run(Problem {
             logs: &self.logs,
-            weights,
-            ..*whole
-        }
+            weights: &weights,
+            ..whole
+        })
     }
 }
 
@@ -69,13 +64,12 @@ mod tests {
             low_pass: None,
             known: None,
         };
-        let screen = Screen::of(&logs);
-        let weights = screen.weights(&whole);
-        let thin = screen.problem(&whole, &weights);
-        // THEN every second sample is left, with its own.
-        let forces = thin.logs.iter().flat_map(|log| log.force_n.clone());
-        assert_eq!(forces.collect::<Vec<f64>>(), weights);
-        assert_eq!(weights.len(), 1250 + 1250);
+        Screen::of(&logs).see(whole, |thin| {
+            // THEN every second sample is left, with its own.
+            let forces = thin.logs.iter().flat_map(|log| log.force_n.clone());
+            assert_eq!(forces.collect::<Vec<f64>>(), thin.weights);
+            assert_eq!(thin.weights.len(), 1250 + 1250);
+        });
         // AND a short log stays whole.
         let short = [log(900)];
         assert_eq!(Screen::of(&short).logs[0].len(), 900);

@@ -23,8 +23,8 @@ impl Search<'_> {
         let mut left = MOST[usize::from(self.is_far(&best))];
         loop {
             let added = best.added().into_par_iter();
-            let each: Vec<Vec<Fit>> = added.map(|at| self.rivals_of(&best, at)).collect();
-            let mut rivals = each.concat();
+            let rivals = added.flat_map_iter(|at| self.rivals_of(&best, at));
+            let mut rivals: Vec<Fit> = rivals.collect();
             let has_few_cycles = has_few_cycles(&best);
             if has_few_cycles || rivals.iter().any(|fit| self.is_tied(fit, &best)) {
                 best = self.with_all_forms(best, base_cost);
