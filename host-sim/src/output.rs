@@ -149,8 +149,8 @@ mod tests {
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_no_rubbish() {
-        let folder = std::env::temp_dir().join(format!("palpate-output-{}", std::process::id()));
-        let path = folder.join("a.txt");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
         write_atomically(&path, |w| w.write_all(b"old")).unwrap();
         let failed = write_atomically(&path, |w| {
             w.write_all(b"half of the n")?;
@@ -159,6 +159,5 @@ mod tests {
         assert!(failed.unwrap_err().to_string().contains("disk full"));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
-        fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -163,7 +163,8 @@ mod tests {
 
     #[test]
     fn a_folder_and_a_pattern_mean_the_logs_in_them() {
-        let folder = std::env::temp_dir().join(format!("palpate-logs-{}", std::process::id()));
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = temporary.path().to_path_buf();
         std::fs::create_dir_all(folder.join("b")).unwrap();
         for name in [
             "b/log.csv",
@@ -178,6 +179,5 @@ mod tests {
         assert_eq!(expanded(std::slice::from_ref(&folder)).unwrap(), wanted);
         assert_eq!(expanded(&[folder.join("**/lo*.csv")]).unwrap(), wanted[1..]);
         assert!(expanded(&[folder.join("*.nothing")]).is_err());
-        std::fs::remove_dir_all(folder).unwrap();
     }
 }

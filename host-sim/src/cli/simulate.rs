@@ -136,32 +136,25 @@ mod tests {
     use super::*;
     use crate::log::{Log, ReadOptions};
     use std::fs;
+    use tempfile::TempDir;
 
-    /// A folder that disappears with its test.
-    struct Folder(PathBuf);
+    /// A folder with a model in it.
+    struct Folder(TempDir);
 
     impl Folder {
-        fn with_model(name: &str, model: &str) -> Folder {
-            let unique = format!("palpate-simulate-{}-{name}", std::process::id());
-            let folder = std::env::temp_dir().join(unique);
-            fs::create_dir_all(&folder).unwrap();
-            fs::write(folder.join("model.toml"), model).unwrap();
+        fn with_model(model: &str) -> Folder {
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join("model.toml"), model).unwrap();
             Folder(folder)
         }
 
         fn args(&self, seed: u64) -> SimulateArgs {
             SimulateArgs {
-                model: self.0.join("model.toml"),
+                model: self.0.path().join("model.toml"),
                 motion: "palpation".into(),
                 seed,
-                out: self.0.join(format!("out{seed}")),
+                out: self.0.path().join(format!("out{seed}")),
             }
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
         }
     }
 
@@ -170,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_model_becomes_a_log_that_reads_and_one_seed_one_file() {
-        let folder = Folder::with_model("gel", GEL);
+        let folder = Folder::with_model(GEL);
         let (first, second) = (folder.args(1), folder.args(2));
         record(&first).unwrap();
         record(&second).unwrap();
@@ -203,16 +196,15 @@ mod tests {
             "[environment]\nlaw = \"quasi_linear\"\nstiffness = 3000\nexponent = 1.2\n\
              relaxation = [{modes}]\n"
         );
-        for (name, model, what, line) in [
+        for (model, what, line) in [
             (
-                "effect",
                 effect.as_str(),
                 "unknown effect `coulomb_frictoin`",
                 Some(8),
             ),
-            ("modes", five.as_str(), "more than 4 relaxation modes", None),
+            (five.as_str(), "more than 4 relaxation modes", None),
         ] {
-            let folder = Folder::with_model(name, model);
+            let folder = Folder::with_model(model);
             let args = folder.args(1);
             let error = record(&args).unwrap_err();
             let diagnostic = error.downcast_ref::<Diagnostic>().unwrap();
@@ -224,9 +216,9 @@ mod tests {
 
     #[test]
     fn a_folder_that_cannot_be_made_is_a_failure_not_bad_input() {
-        let folder = Folder::with_model("full", GEL);
+        let folder = Folder::with_model(GEL);
         let mut args = folder.args(1);
-        args.out = folder.0.join("model.toml");
+        args.out = folder.0.path().join("model.toml");
         let error = record(&args).unwrap_err();
         assert!(error.downcast_ref::<Diagnostic>().is_none());
         assert!(error.to_string().contains("cannot write"), "{error}");

@@ -213,15 +213,14 @@ mod tests {
                 format!("{t},{},{}\n", factor * x, 2000.0 * x.max(0.0))
             })
             .collect();
-        let name = format!("palpate-named-{}-{factor}.csv", std::process::id());
-        let path = std::env::temp_dir().join(name);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("named.csv");
         std::fs::write(&path, format!("time,position,force\n{text}")).unwrap();
         let options = crate::log::ReadOptions {
             columns: asked.parse().unwrap(),
             ..Default::default()
         };
         let log = Log::read(&path, &options).unwrap();
-        std::fs::remove_file(&path).unwrap();
         log.uniform().unwrap()
     }
 

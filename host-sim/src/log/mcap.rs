@@ -376,10 +376,6 @@ mod tests {
     use crate::log::{ExtraColumn, ReadOptions};
     use std::fs;
 
-    fn file(name: &str) -> std::path::PathBuf {
-        std::env::temp_dir().join(format!("palpate-mcap-{}-{name}.mcap", std::process::id()))
-    }
-
     #[test]
     fn what_is_read_back_is_what_was_written_to_the_bit() {
         let ramp = |scale: f64| (0..50).map(|i| f64::from(i) * scale).collect::<Vec<_>>();
@@ -388,13 +384,13 @@ mod tests {
             name: "temp_c".into(),
             values: ramp(0.1),
         });
-        let path = file("own");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
         write_mcap(&path, |topics| log.put_into(topics)).unwrap();
         let back = Log::read(&path, &ReadOptions::default()).unwrap();
         assert_eq!(back.time_s, log.time_s);
         assert_eq!(back.position_m, log.position_m);
         assert_eq!(back.extra, log.extra);
-        fs::remove_file(path).unwrap();
     }
 
     #[test]
@@ -404,17 +400,18 @@ mod tests {
             kind: Some(Kind::Rotary),
             ..Log::from_channels(ramp.clone(), ramp.clone(), ramp)
         };
-        let path = file("rotary");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
         write_mcap(&path, |topics| log.put_into(topics)).unwrap();
         let back = Log::read(&path, &ReadOptions::default()).unwrap();
         assert_eq!(back.kind, Some(Kind::Rotary));
         assert_eq!(back.position_m, log.position_m);
-        fs::remove_file(path).unwrap();
     }
 
     #[test]
     fn topics_of_others_are_put_on_one_clock() {
-        let path = file("two");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
         write_mcap(&path, |topics| {
             let force = topics.add("/load", "Load", &["force_N"], &[])?;
             let position = topics.add("/axis", "Axis", &["pos_mm"], &["state"])?;
@@ -442,12 +439,12 @@ mod tests {
             );
         }
         assert!((log.rate_hz() - 1000.0).abs() < 1e-9);
-        fs::remove_file(path).unwrap();
     }
 
     #[test]
     fn messages_that_cannot_be_read_are_named_with_what_to_do() {
-        let path = file("cdr");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
         let mut writer = Writer::new(fs::File::create(&path).unwrap()).unwrap();
         let channel = writer
             .add_channel(0, "/wrench", "cdr", &BTreeMap::new())
@@ -470,6 +467,5 @@ mod tests {
         );
         fs::write(&path, MAGIC).unwrap();
         assert!(Log::read(&path, &ReadOptions::default()).is_err());
-        fs::remove_file(path).unwrap();
     }
 }

@@ -123,8 +123,8 @@ mod tests {
     #[test]
     fn numbers_are_short_and_what_is_read_back_is_what_was_written() {
         for name in ["a.csv", "a.csv.gz"] {
-            let folder = std::env::temp_dir().join(format!("palpate-write-{}", std::process::id()));
-            let path = folder.join(name);
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join(name);
             let log = sample_log();
             log.write_csv(&path).unwrap();
             let back = Log::read(&path, &ReadOptions::default()).unwrap();
@@ -139,7 +139,6 @@ mod tests {
                 assert_eq!(text.lines().nth(1), Some("0,-0.00002,-0.1,21.5"));
                 assert_eq!(text.lines().nth(4), Some("0.003,-0.000017,-0.085,"));
             }
-            fs::remove_dir_all(&folder).unwrap();
         }
     }
 }

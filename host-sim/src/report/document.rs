@@ -1,12 +1,12 @@
 //! The page of a report: the verdict, the tables and figures that support it, the provenance.
 
 use std::fmt::Write as _;
-use std::fs;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::Path;
 
 use super::html::escape;
 use super::{Figure, HeatMap, Provenance, Table};
+use crate::output::write_atomically;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -171,22 +171,7 @@ impl Document {
 
     /// Writes the page. A reader of `path` sees the old file or the new one, never half of a file.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-        let written = fs::File::create(&temporary)
-            .and_then(|mut file| {
-                file.write_all(self.to_html().as_bytes())?;
-                file.sync_all()
-            })
-            .and_then(|()| fs::rename(&temporary, path));
-        written.map_err(|error| {
-            // If the clean-up fails as well, the first error says what is wrong.
-            let _ = fs::remove_file(&temporary);
-            io::Error::new(
-                error.kind(),
-                format!("cannot write the report {}: {error}", path.display()),
-            )
-        })
+        write_atomically(path, |out| out.write_all(self.to_html().as_bytes()))
     }
 }
 
@@ -316,6 +301,7 @@ mod tests {
     use super::*;
     use crate::report::Cell;
     use crate::report::plot::{Axis, Chart, Series};
+    use std::fs;
 
     const EVIL: &str = "<script>alert(\"x\")</script> & 'y'";
 
@@ -401,24 +387,21 @@ mod tests {
 
     #[test]
     fn writing_replaces_the_old_file_and_leaves_nothing_else() {
-        let folder = std::env::temp_dir().join(format!("palpate-report-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        let path = folder.join("report.html");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("report.html");
         fs::write(&path, "old").unwrap();
         everything().write(&path).unwrap();
         assert!(fs::read_to_string(&path).unwrap().starts_with("<!DOCTYPE"));
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
-        fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]
     fn an_error_of_writing_names_the_file() {
-        let error = everything()
-            .write(Path::new("/nowhere/at/all.html"))
-            .unwrap_err();
-        assert!(
-            error.to_string().contains("/nowhere/at/all.html"),
-            "{error}"
-        );
+        // A folder that cannot be made: there is a file of its name.
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let path = file.path().join("report.html");
+        let error = everything().write(&path).unwrap_err();
+        let name = path.display().to_string();
+        assert!(error.to_string().contains(&name), "{error}");
     }
 }

@@ -119,10 +119,10 @@ mod tests {
 
     #[test]
     fn the_hash_is_the_one_that_sha256sum_prints() {
-        let path = std::env::temp_dir().join(format!("palpate-hash-{}", std::process::id()));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
         std::fs::write(&path, "abc").unwrap();
         let input = Input::of_file(&path).unwrap();
-        std::fs::remove_file(&path).unwrap();
         assert_eq!(
             input.hash,
             "sha256:ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"

@@ -6,21 +6,16 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use serde_json::Value;
+use tempfile::TempDir;
 
 /// A folder that disappears with its test.
-pub(crate) struct Folder(PathBuf);
+pub(crate) struct Folder(TempDir);
 
 impl Folder {
     pub(crate) fn new() -> Folder {
-        static NEXT: AtomicU32 = AtomicU32::new(0);
-        let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("palpate-command-{}-{number}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
+        Folder(tempfile::tempdir().unwrap())
     }
 
     /// A folder with one file in it.
@@ -31,11 +26,11 @@ impl Folder {
     }
 
     pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
-        std::fs::write(self.0.join(name), content).unwrap();
+        std::fs::write(self.path(name), content).unwrap();
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+        self.0.path().join(name)
     }
 
     pub(crate) fn read(&self, name: &str) -> String {
@@ -45,7 +40,7 @@ impl Folder {
     /// The command, to be run in this folder.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
-        command.current_dir(&self.0).args(arguments);
+        command.current_dir(self.0.path()).args(arguments);
         command
     }
 
@@ -93,9 +88,8 @@ fn assert_as_described(folder: &Path) {
 impl Drop for Folder {
     fn drop(&mut self) {
         if !std::thread::panicking() {
-            assert_as_described(&self.0);
+            assert_as_described(self.0.path());
         }
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

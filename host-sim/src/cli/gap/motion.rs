@@ -143,21 +143,21 @@ mod tests {
 
     #[test]
     fn an_earlier_run_s_motion_goes_and_somebody_else_s_stays() {
-        let folder = std::env::temp_dir().join(format!("palpate-record-{}", std::process::id()));
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = temporary.path();
         let path = folder.join(MOTION);
         let own = text(&Motion::palpation(4e-3), &note());
         // GIVEN a motion of an earlier run, WHEN none is advised, THEN it goes.
-        put(&folder, Some(&own)).unwrap();
-        put(&folder, Some(&own)).unwrap();
-        put(&folder, None).unwrap();
+        put(folder, Some(&own)).unwrap();
+        put(folder, Some(&own)).unwrap();
+        put(folder, None).unwrap();
         assert!(!path.exists());
-        put(&folder, None).unwrap();
+        put(folder, None).unwrap();
         // GIVEN a motion that somebody wrote, THEN it stays whatever is advised.
         fs::write(&path, "start = 0.0\n").unwrap();
-        put(&folder, None).unwrap();
-        let refused = put(&folder, Some(&own)).unwrap_err();
+        put(folder, None).unwrap();
+        let refused = put(folder, Some(&own)).unwrap_err();
         assert!(refused.to_string().contains("another --out"), "{refused}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "start = 0.0\n");
-        fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -2,29 +2,16 @@
 
 use super::*;
 use std::io::Write;
-use std::path::PathBuf;
 
-/// A file that disappears with its test.
-struct Temporary(PathBuf);
-
-impl Temporary {
-    fn new(name: &str, content: &[u8]) -> Temporary {
-        let unique = format!("palpate-{}-{name}", std::process::id());
-        let path = std::env::temp_dir().join(unique);
-        std::fs::write(&path, content).unwrap();
-        Temporary(path)
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
+fn read_bytes(name: &str, content: &[u8], options: &ReadOptions) -> Result<Log, Diagnostic> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).unwrap();
+    Log::read(&path, options)
 }
 
 fn read_text(name: &str, content: &str, options: &ReadOptions) -> Result<Log, Diagnostic> {
-    let file = Temporary::new(name, content.as_bytes());
-    Log::read(&file.0, options)
+    read_bytes(name, content.as_bytes(), options)
 }
 
 fn strict(name: &str, content: &str) -> Result<Log, Diagnostic> {
@@ -238,11 +225,10 @@ fn a_zipped_log_reads_the_same_and_a_truncated_one_is_an_error() {
     encoder.write_all(text.as_bytes()).unwrap();
     let zipped = encoder.finish().unwrap();
     let options = ReadOptions::default();
-    let whole = Temporary::new("whole.csv.gz", &zipped);
-    let log = Log::read(&whole.0, &options).unwrap();
+    let log = read_bytes("whole.csv.gz", &zipped, &options).unwrap();
     assert_eq!(log.time_s, strict("unzipped", &text).unwrap().time_s);
-    let cut = Temporary::new("cut.csv.gz", &zipped[..zipped.len() - 12]);
-    let error = Log::read(&cut.0, &options).unwrap_err();
+    let cut = &zipped[..zipped.len() - 12];
+    let error = read_bytes("cut.csv.gz", cut, &options).unwrap_err();
     assert!(
         error
             .remedy

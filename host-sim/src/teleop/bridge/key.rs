@@ -93,40 +93,33 @@ mod tests {
     use super::*;
     use std::os::unix::fs::PermissionsExt;
 
-    fn file(name: &str, text: &str, mode: u32) -> std::path::PathBuf {
-        let unique = format!("palpate-key-{}-{name}", std::process::id());
-        let path = std::env::temp_dir().join(unique);
+    /// What is said of a key in a file of this text and mode.
+    fn read(text: &str, mode: u32) -> Result<Key, Diagnostic> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("key");
         fs::write(&path, text).unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
-        path
+        Key::read(&path)
     }
 
     #[test]
     fn a_key_that_others_can_read_is_refused_and_no_error_shows_what_it_holds() {
         let digits = "8f".repeat(32);
-        let good = file("good", &format!("{digits}\n"), 0o600);
-        assert_eq!(Key::read(&good).unwrap(), Key::new([0x8f; 32]));
+        let good = read(&format!("{digits}\n"), 0o600);
+        assert_eq!(good.unwrap(), Key::new([0x8f; 32]));
         for mode in [0o640, 0o604, 0o620, 0o666] {
-            let open = file("open", &digits, mode);
-            let error = Key::read(&open).unwrap_err().to_string();
+            let error = read(&digits, mode).unwrap_err().to_string();
             assert!(
                 error.contains("others can read") && error.contains("chmod 600"),
                 "{error}"
             );
-            fs::remove_file(open).unwrap();
         }
-        for (name, text) in [
-            ("short", "8f8f"),
-            ("zeros", &"00".repeat(32)),
-            ("text", &"x8".repeat(32)),
-        ] {
-            let bad = file(name, text, 0o600);
-            let error = Key::read(&bad).unwrap_err().to_string();
+        for text in ["8f8f", &"00".repeat(32), &"x8".repeat(32)] {
+            let error = read(text, 0o600).unwrap_err().to_string();
             assert!(
                 !error.contains(text) && error.contains("urandom"),
                 "{error}"
             );
-            fs::remove_file(bad).unwrap();
         }
         let missing = Key::read(Path::new("no-such-key")).unwrap_err().to_string();
         assert!(
@@ -134,6 +127,5 @@ mod tests {
             "{missing}"
         );
         assert!(!format!("{:?}", Key::new([0x8f; 32])).contains("8f"));
-        fs::remove_file(good).unwrap();
     }
 }
