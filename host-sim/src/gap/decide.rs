@@ -13,5 +13,6 @@ mod prediction;
 pub(crate) mod rivals;
 pub(crate) mod selection;
 mod slow;
+mod typical;
 mod windows;
 mod zero;

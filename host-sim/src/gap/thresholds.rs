@@ -192,8 +192,7 @@ thresholds! {
             /// of the motion between samples and of the noise floor itself are below. Not measured.
             residuals: 1.12 over 1.0,
             /// Effects suffice if they leave less than this many times the Σ w r² of noise: another one beside
-            /// them has to take more. Derived: the square of `residuals`, rounded. That is 1.2544, and to
-            /// use it would move decisions at this bound.
+            /// them has to take more. Derived: the square of `residuals`, 1.2544, rounded.
             sufficient: 1.25 over 1.0,
             /// A search ends where a fit leaves less than this many times the Σ w r² of noise: weaker effects
             /// are not looked for. Not measured.
@@ -205,11 +204,12 @@ thresholds! {
             /// the model of another (two of a drive, three each of a damper and of cells) eight were; four got no name,
             /// and two that of the relaxation which their model lacks.
             coloured: 1.25 over 1.0,
-            /// It is not higher where the median of the residuals' magnitudes says less than this share of their rms, as what
-            /// comes in bursts: of 210 rigs that were answered rightly the least was 0.62, a hand's pushes left 0.36.
+            /// It is not higher where residuals typically are less than this share of their rms: 0.62 at least where it was
+            /// needed, 0.36 of a hand's pushes.
             least_typical: 0.5,
-            /// … nor where it says more: 1.12 at most where a higher bound was needed; of a sine 1.48, of chirps 1.18 and
-            /// 1.36.
+            /// … or this of an octave: 0.49 at least in 39 rigs that needed it, 0.20 and 0.29 of weak pushes.
+            least_of_octave: 0.4,
+            /// … nor where they are more: 1.12 where a higher bound was needed, of a sine 1.48, of chirps 1.18 and 1.36.
             most_typical: 1.2 over 1.0,
             /// What is left is no noise where means of 32 samples in motion have this many times the power that white
             /// noise gives them. Of 125 of the harder rigs that were answered rightly over white noise five were above,

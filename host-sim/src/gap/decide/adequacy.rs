@@ -8,10 +8,11 @@
 
 use super::held_out::{trained, weights_of};
 use super::prediction::prediction_variance;
+use super::typical::are_no_noise;
 use crate::gap::model::{dataset::Dataset, fit::Fit, problem::Problem};
 use crate::gap::noise::{floor::NoiseFloor, floors::largest_correlation};
 use crate::gap::thresholds::Thresholds;
-use crate::stats::{correlation, highest, rms, robust_deviation};
+use crate::stats::{correlation, highest, rms};
 
 /// A sample says something of the noise where that makes this share of what is allowed.
 const MOSTLY_NOISE: f64 = 0.8;
@@ -71,14 +72,6 @@ fn noise_at_rest(dataset: &Dataset<'_>, all: &Problem<'_>, best: &Fit) -> f64 {
     rms(still) * (1.0 + error)
 }
 
-/// Whether most residuals are much smaller than their root mean square, as pushes leave them, or much the same, as a sine.
-fn are_no_noise(residuals: &[f64], thresholds: &Thresholds) -> bool {
-    let typical = robust_deviation(residuals.iter().copied());
-    let share = typical / rms(residuals.iter().copied()).max(f64::MIN_POSITIVE);
-    let decide = &thresholds.explained;
-    !(decide.least_typical..=decide.most_typical).contains(&share)
-}
-
 /// The factor by which residuals may be larger because of what the noise floors do not know; no more than they are
 /// `at_rest`.
 fn allowance(floors: &[NoiseFloor], thresholds: &Thresholds, at_rest: impl FnOnce() -> f64) -> f64 {
@@ -114,22 +107,6 @@ mod tests {
             unseen,
             ..NoiseFloor::white(1e-3, "")
         }
-    }
-
-    #[test]
-    fn pushes_and_a_sine_are_no_noise() {
-        let noise =
-            |at: usize| ((at * 37 % 101) as f64 - 50.0) / 29.0 * ((at * 53 % 97) as f64 / 56.0);
-        let are_no_noise = |of: &dyn Fn(usize) -> f64| {
-            let residuals: Vec<f64> = (0..4000).map(|at| noise(at) + of(at)).collect();
-            are_no_noise(&residuals, &Thresholds::default())
-        };
-        // GIVEN pushes in a tenth of a log, of 3 times the noise and of 12
-        let push = |at: usize| f64::from(u8::from(at % 1000 < 100));
-        assert!(!are_no_noise(&|at| 3.0 * push(at)) && are_no_noise(&|at| 12.0 * push(at)));
-        // … and a sine as large as the noise, and three times as large
-        let sine = |at: usize| 1.4 * (at as f64 / 3.2).sin();
-        assert!(!are_no_noise(&sine) && are_no_noise(&|at| 3.0 * sine(at)));
     }
 
     #[test]
