@@ -8,6 +8,7 @@ pub(crate) mod fit;
 pub(crate) mod given;
 pub(crate) mod known;
 pub(crate) mod problem;
+mod sensor;
 pub(crate) mod shape;
 pub(crate) mod simulate;
 pub(crate) mod start;

@@ -10,7 +10,7 @@ effect! {
         rate_n_per_s = "rate", NewtonPerSecond, Any, Size, FitRange::ANY;
         /// τ (s); 0: a ramp.
         time_constant_s = "time_constant", Second, NotNegative = 0.0,
-            Form("it is a ramp", OfTheStart), Logarithmic(Times(10.0, Period), Times(3.0, Duration));
+            Form("it is a ramp", Dropped), Logarithmic(Times(10.0, Period), Times(3.0, Duration));
     }
     stage: LoadPath, sign: Either, proportional: true, several: false, repeats: Never, timed: true,
     laws: AnyLaw, needs_derivative: false, family: ForceZero, simpler: None, is_physical: |_| true,

@@ -2,11 +2,11 @@
 //!
 //! The noise contributes the largest of three variances: C = H⁻¹·max(1, misfit²) with H = JᵀWJ; the
 //! sandwich H⁻¹MH⁻¹ with Newey and West's M, which counts what neighbours repeat; and what noise with
-//! the spectrum of the residuals makes of each number (`coloured`). Two contributions are added. One is
+//! the spectrum of the residuals makes of each number (`coloured`). Three contributions are added. One is
 //! half of the bias that the errors of speed and acceleration give the number (see `attenuation`; their
-//! variance is known to a factor of about two). The other comes from the positions at rest: while the
+//! variance is known to a factor of about two). One comes from the positions at rest: while the
 //! probe holds still the encoder's error is one number, and no hold averages it (0.3 µm at 10⁴ N/m are 3
-//! mN, against 0.2 mN of white noise after 2 s).
+//! mN, against 0.2 mN of white noise after 2 s). And one is what the sensors are good for at best (`sensor`).
 
 use std::ops::Range;
 
@@ -15,10 +15,10 @@ use rayon::prelude::*;
 
 use crate::gap::model::{
     attenuation::bias, fit::Fit, fit::RIDGE, problem::Linearization, problem::Problem,
-    shape::Owner, simulate::forces, simulate::forces_of_changed,
+    sensor::errors_n, shape::Owner, simulate::forces, simulate::forces_of_changed,
 };
 use crate::gap::noise::coloured::ResidualSpectrum;
-use crate::lsq::basis::add_column;
+use crate::lsq::basis::{add_column, dot};
 use crate::lsq::covariance::{inverse, long_run_variance};
 use crate::stats::correlation;
 
@@ -51,8 +51,10 @@ pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
             // What a newton at every sample does to this number alone: one series, not n² of them.
             let influence = residuals.influence(problem, &linear, row);
             let noise = residuals.noise_variance(problem, &linear, &influence, row[at]);
-            let variance =
-                noise + residuals.rest_variance(&influence) + (UNKNOWN_BIAS * bias[at]).powi(2);
+            let variance = noise
+                + residuals.rest_variance(&influence)
+                + residuals.sensor_variance(&influence)
+                + (UNKNOWN_BIAS * bias[at]).powi(2);
             let scale = match fit.shape.free[at].logarithmic {
                 true => fit.shape.natural(at, fit.numbers[at]),
                 false => 1.0,
@@ -93,6 +95,8 @@ struct ResidualStatistics {
     spectrum: ResidualSpectrum,
     /// The rests, as places in `used`, and the force (N) that an error of the position makes there.
     rests: Vec<(Range<usize>, Vec<f64>)>,
+    /// The forces (N) that the sensors are off by at each of `used`, by one standard deviation.
+    sensors: [Vec<f64>; 2],
 }
 
 impl ResidualStatistics {
@@ -113,6 +117,8 @@ impl ResidualStatistics {
         for (column, _) in linear.columns.iter().zip(at_bound).filter(|(_, at)| !**at) {
             add_column(&mut fitted, weighted(column), &[]);
         }
+        let here = forces(&fit.shape, &fit.numbers, problem.logs);
+        let sensors = errors_n(problem.logs, &here);
         let freedom = white.len().saturating_sub(fit.numbers.len()).max(1) as f64;
         ResidualStatistics {
             misfit: white.iter().map(|r| r * r).sum::<f64>() / freedom,
@@ -121,6 +127,7 @@ impl ResidualStatistics {
                 .min(used.len() / 8),
             spectrum: ResidualSpectrum::of(&white, &fitted),
             rests: rests(problem, fit, &used),
+            sensors: sensors.map(|error| used.iter().map(|at| error[*at]).collect()),
             used,
         }
     }
@@ -159,14 +166,15 @@ impl ResidualStatistics {
 
     /// The variance that the errors of the positions at rest give a number.
     fn rest_variance(&self, influence: &[f64]) -> f64 {
-        let each = self.rests.iter().map(|(samples, error_n)| {
-            let terms = influence[samples.clone()].iter().zip(error_n);
-            let sum = terms
-                .map(|(influence, error)| influence * error)
-                .sum::<f64>();
-            sum.powi(2)
-        });
-        each.sum()
+        let each = self.rests.iter();
+        each.map(|(samples, error_n)| dot(&influence[samples.clone()], error_n).powi(2))
+            .sum()
+    }
+
+    /// The variance that errors of the sensors give a number, which are the same in every sample.
+    fn sensor_variance(&self, influence: &[f64]) -> f64 {
+        let each = self.sensors.iter();
+        each.map(|error_n| dot(influence, error_n).powi(2)).sum()
     }
 }
 
