@@ -156,6 +156,16 @@ fn a_friction_beside_a_dent_is_named_alone() {
 }
 
 #[test]
+fn a_dent_that_has_nearly_recovered_is_seen_where_the_log_is_explained_without() {
+    // 2.7 retardation times: a surface that follows the probe left 1.01 times what noise allows, and κ₂ 1896 ± 8.
+    let (json, model) = gap(rubbing(&presses(1.4, false)));
+    assert_eq!(crate::common::named(&json), ["coulomb_friction"]);
+    assert!(model.contains("recovery = \"creep\""), "{model}");
+    let stiffness = crate::common::number(&json, "/base/after/second_stiffness/value");
+    assert!((stiffness / SOLID.1 - 1.0).abs() < 0.01, "{stiffness}");
+}
+
+#[test]
 fn a_surface_that_follows_the_probe_is_left_as_it_is() {
     let (json, model) = gap(rubbing(&presses(0.3, true)));
     assert_eq!(

@@ -5,7 +5,7 @@ use estimator_core::physics::effect::EffectId;
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
 use crate::gap::model::shape::{Free, Owner, Term};
 use crate::gap::model::{dataset::Dataset, fit::Fit, start::of_size, weights::weights};
-use crate::gap::search::{forms::in_plain_form, relatives::simpler};
+use crate::gap::search::{forms::in_plain_form, relatives::is_lateness, relatives::simpler};
 
 /// The fit without the effect that is needed least, if that effect takes nothing off.
 pub(crate) fn fit_without_idle_effect(decision: &Decision) -> Option<&Fit> {
@@ -55,9 +55,10 @@ pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Optio
     let best = &decision.best;
     let terms = best.shape.terms_at(&best.numbers);
     let is_known = |number: usize| {
-        let sigmas = match wanders(&terms[number], duration_s, decide.fewest_periods) {
-            true => decide.wander_sigmas,
-            false => decide.size_sigmas,
+        let sigmas = match &terms[number] {
+            term if wanders(term, duration_s, decide.fewest_periods) => decide.wander_sigmas,
+            term if is_lateness(term.id) => decide.late_sigmas,
+            _ => decide.size_sigmas,
         };
         has_size(decision, number, sigmas) && !is_at_its_end(best, number)
     };
@@ -322,14 +323,18 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn what_slow_noise_looks_like_must_be_known_better() {
-        // GIVEN a newton that is known to a quarter, and to a seventh
-        let drifts = |std_error: f64| {
-            let mut drift = decision(&[std_error], &[2e4]);
-            drift.best.shape.terms[0].id = EffectId::ForceDrift;
-            effect_without_size(&drift, 10.0)
+    fn what_slow_noise_looks_like_and_a_lateness_must_be_known_better() {
+        // GIVEN a size of 1 that is known to a quarter, and to an eighth
+        let is_dropped = |id: EffectId, std_error: f64| {
+            let mut decision = decision(&[std_error], &[2e4]);
+            decision.best.shape.terms[0].id = id;
+            effect_without_size(&decision, 10.0)
         };
-        assert_eq!((drifts(1.0 / 4.0), drifts(1.0 / 7.0)), (Some(0), None));
+        for id in [EffectId::ForceDrift, EffectId::TimeDelay] {
+            assert_eq!(is_dropped(id, 1.0 / 4.0), Some(0));
+            assert_eq!(is_dropped(id, 1.0 / 8.0), None);
+        }
+        assert_eq!(is_dropped(EffectId::CoulombFriction, 1.0 / 4.0), None);
         // AND a wave of three periods, and of thirty
         let wave = |hz: f64| {
             let mut row = [0.0; MOST_PARAMETERS];
