@@ -164,7 +164,7 @@ fn beside_steps_and_dents(
         };
         asked(model, logs, &few, progress)
     };
-    dents::allowed_for(model, ask, once, |model| left_n(model, logs, options))
+    dents::allowed_for(model, ask, once, |model| refit(model, logs))
 }
 
 /// The finding of a model to which nothing may be added.
