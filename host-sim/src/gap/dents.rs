@@ -2,8 +2,8 @@
 //!
 //! What relaxes recovers as slowly, and nothing pulls its surface back: a dent stays, which fills as the material creeps.
 //! The chapter's laws have a surface that follows the probe. No effect of the catalogue is a dent; where a model that
-//! relaxes leaves something, or needs effects that it does not need with a dent, it is asked with one: first, where the model alone leaves
-//! less with one.
+//! relaxes leaves something, or less with a dent, or needs effects that it does not need with one, it is asked with one:
+//! first, where the model alone leaves less with one.
 
 use estimator_core::physics::effect::EffectId;
 use estimator_core::physics::law::Recovery;
@@ -104,13 +104,13 @@ fn undented_n(
 /// Whether a model alone leaves less with a dent, of the held-out part or of the whole log. What else is missing may spoil
 /// the one and not the other: beside a permanent set a dent left 1.2 times as much of what was held out, and 0.6 times as
 /// much of the log.
-fn is_likely(creeping: &Finding, model: &Finding) -> bool {
+fn is_likely(creeping: &Finding, following: &Finding) -> bool {
     let whole_n = |finding: &Finding| {
         let remainder = finding.model.remainder.as_ref();
         remainder.map_or(0.0, |own| own.rms_n)
     };
-    creeping.rmse_before_n < LIKELY * model.rmse_before_n
-        || whole_n(creeping) < LIKELY * whole_n(model)
+    creeping.rmse_before_n < LIKELY * following.rmse_before_n
+        || whole_n(creeping) < LIKELY * whole_n(following)
 }
 
 /// The finding with a note of the dent, and of what is left (N rms) without one.

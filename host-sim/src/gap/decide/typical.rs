@@ -1,9 +1,8 @@
 //! Whether what a fit leaves is noise at every scale of time.
 //!
 //! Normal noise of any colour has typical magnitudes: their median is 0.67 of their root mean square. What comes in
-//! bursts has a smaller one, and a sine a larger one. Slow pushes of a hand hide under fast noise, though, and a chirp
-//! under slow noise: differences of means of 4, 8, 16 … samples (Haar's wavelets) show each octave alone, and are hardly
-//! correlated where the noise is 1/f.
+//! bursts has a smaller one, and a sine a larger one. Slow pushes of a hand hide under fast noise, though: differences of
+//! means of 4, 8, 16 … samples (Haar's wavelets) show each octave alone, and are hardly correlated where the noise is 1/f.
 
 use crate::gap::thresholds::Thresholds;
 use crate::stats::{rms, robust_deviation};
@@ -13,7 +12,7 @@ const SHORTEST: usize = 4;
 /// Fewest differences of an octave to judge by: their median is then known to a fifth.
 const FEWEST: usize = 32;
 
-/// Whether residuals come in bursts, or are waves, all together or in an octave.
+/// Whether residuals are waves, or come in bursts, all together or in an octave.
 pub(super) fn are_no_noise(residuals: &[f64], thresholds: &Thresholds) -> bool {
     let decide = &thresholds.explained;
     let all = typical(residuals);
