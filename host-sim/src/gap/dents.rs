@@ -65,7 +65,8 @@ pub(super) fn allowed_for(
         None => alone(&creeping)?,
     };
     let most_n = AS_MUCH * finding.rmse_after_n;
-    let spares = !finding.effects.is_empty() && creeping_alone.rmse_before_n < most_n;
+    let is_complete = finding.verdict == Verdict::NoMissingEffect;
+    let spares = !is_complete && creeping_alone.rmse_before_n < most_n;
     let less = match is_explained(&finding) {
         true => SLIGHTLY_LESS,
         false => LESS,
