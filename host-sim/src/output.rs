@@ -118,7 +118,8 @@ fn write_whole(
     }
     let mut writer = BufWriter::with_capacity(1 << 16, File::create(temporary)?);
     fill(&mut writer)?;
-    writer.flush()
+    // Before it is renamed: a power cut would leave the new name with nothing behind it.
+    writer.into_inner()?.sync_all()
 }
 
 /// Writes `text` to standard output. Whoever reads it may stop before its end (`… | head -1`): that
