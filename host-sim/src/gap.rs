@@ -124,17 +124,16 @@ fn workflow(
     let (measured, hangs) = hangs::left_out(logs);
     let (bridged, spikes) = spikes::bridged(&measured);
     let left_n = |logs: &[UniformLog]| left_n(model, logs, options);
-    let refit = |logs: &[UniformLog]| base_alone(model, logs, options);
-    if let Some(mut finding) = units::mistaken(model, &bridged, refit)? {
+    let alone = |model: &Model, logs: &[UniformLog]| base_alone(model, logs, options);
+    if let Some(mut finding) = units::mistaken(model, &bridged, |logs| alone(model, logs))? {
         let first = finding.mistaken.iter().cloned();
         finding.notes.splice(0..0, first.chain(notes));
         return Ok(finding);
     }
     let (closed, lost) = lost_counts::taken_back(&bridged, left_n)?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
-    let mut finding = episodes::left_out(&closed, |logs| {
-        beside_steps_and_dents(model, logs, options, progress)
-    })?;
+    let ask = |logs: &[UniformLog]| beside_steps_and_dents(model, logs, options, progress);
+    let mut finding = episodes::left_out(model, &closed, ask, alone)?;
     finding.notes.splice(0..0, notes);
     Ok(finding)
 }

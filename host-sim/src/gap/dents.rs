@@ -106,12 +106,8 @@ fn undented_n(
 /// the one and not the other: beside a permanent set a dent left 1.2 times as much of what was held out, and 0.6 times as
 /// much of the log.
 fn is_likely(creeping: &Finding, following: &Finding) -> bool {
-    let whole_n = |finding: &Finding| {
-        let remainder = finding.model.remainder.as_ref();
-        remainder.map_or(0.0, |own| own.rms_n)
-    };
     creeping.rmse_before_n < LIKELY * following.rmse_before_n
-        || whole_n(creeping) < LIKELY * whole_n(following)
+        || creeping.whole_n() < LIKELY * following.whole_n()
 }
 
 /// The finding with a note of the dent, and of what is left (N rms) without one.

@@ -224,6 +224,12 @@ impl Finding {
         }
     }
 
+    /// What its model leaves of the whole logs (N rms); 0 where that is noise.
+    pub(crate) fn whole_n(&self) -> f64 {
+        let remainder = self.model.remainder.as_ref();
+        remainder.map_or(0.0, |own| own.rms_n)
+    }
+
     /// Whether a number is clearly another than in the model.
     pub fn has_changed(&self) -> bool {
         self.changed
