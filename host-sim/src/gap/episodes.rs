@@ -135,3 +135,46 @@ fn in_words(episode: &Episode) -> String {
         episode.from_s
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::{Options, gap};
+    use crate::log::Log;
+    use crate::toml_reader::TomlFile;
+    use std::path::Path;
+
+    /// Strokes of 2 mm at 1 Hz against 1 N/mm, with 1 mN of noise and a friction.
+    fn strokes(friction_n: f64) -> UniformLog {
+        let time: Vec<f64> = (0..4000).map(|at| 1e-3 * f64::from(at)).collect();
+        let phase = |t: f64| std::f64::consts::TAU * t;
+        let noise = |at: u32| f64::from(at.wrapping_mul(2_654_435_761) >> 16) / 32768.0 - 1.0;
+        let position = time.iter().map(|t| 2e-3 * phase(*t).sin());
+        let force = (0..).zip(&time).map(|(at, t)| {
+            2.0 * phase(*t).sin() + friction_n * phase(*t).cos().signum() + 1.7e-3 * noise(at)
+        });
+        let log = Log::from_channels(time.clone(), position.collect(), force.collect());
+        log.uniform().unwrap()
+    }
+
+    #[test]
+    fn what_is_named_shows_elsewhere_only_where_it_is() {
+        let path = Path::new("base.toml");
+        let text = "[environment]\nlaw = \"free\"\n[[effect]]\nid = \"cable_stiffness\"\nstiffness = 900.0\n";
+        let model = Model::from_toml(&TomlFile::parse(text.into(), path).unwrap(), path).unwrap();
+        let options = |catalogue: &[EffectId]| Options {
+            catalogue: catalogue.to_vec(),
+            ..Options::default()
+        };
+        let alone = |other: &Model, log: UniformLog| gap(other, &[log], &options(&[]));
+        // GIVEN a friction that is named
+        let friction = EffectId::CoulombFriction;
+        let finding = gap(&model, &[strokes(0.1)], &options(&[friction])).unwrap();
+        let names: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+        assert_eq!(names, [friction]);
+        // THEN a part of the log that has it shows it, and one that has not does not.
+        let shows = |log: UniformLog| all_show(&finding, &model, |other| alone(other, log.clone()));
+        assert!(shows(strokes(0.1)).unwrap());
+        assert!(!shows(strokes(0.0)).unwrap());
+    }
+}

@@ -9,8 +9,10 @@ use std::time::Instant;
 /// RUSTUP_TOOLCHAIN, RUSTC and CARGO_… would lead another cargo to the wrong compiler, its LD_LIBRARY_PATH
 /// another compiler to the wrong libraries. Variables that a person sets for every cargo stay.
 pub(crate) fn command(program: impl AsRef<Path>, directory: &Path) -> Command {
-    const KEPT: [&str; 7] = [
+    const KEPT: [&str; 9] = [
         "CARGO_HOME",
+        "CARGO_INCREMENTAL",
+        "CARGO_PROFILE_",
         "CARGO_TARGET_DIR",
         "CARGO_TERM_",
         "CARGO_HTTP_",
