@@ -221,11 +221,19 @@ impl<S: Scalar> Rig<S> {
         const STEPS: usize = 4;
         const LAST: f64 = 1e-6;
         let [u1, u2] = state.deflection_m;
-        let period_s = pace.period_s;
+        // A spring that is not yet deflected knows no slope: at touch it has a corner. Since then it has had no more time
+        // than the tip: over a whole period it would be ahead of it, and a damper's force was that of a rigid rig for one
+        // sample, and late after it.
+        let is_new = u1 == S::zero();
+        let period_s = match is_new {
+            true => self
+                .contact(pace)
+                .since_touch_s(&state.contact, tip, time_s),
+            false => pace.period_s,
+        };
         let (now, then) = (S::one() / period_s, S::one() / state.period_s);
         let both = S::one() / (period_s + state.period_s);
-        // A spring that is not yet deflected knows no slope: at touch it has a corner.
-        let (weights, slope) = if u1 == S::zero() {
+        let (weights, slope) = if is_new {
             ([now, S::zero()], now)
         } else {
             ([now + then, then - both], now + both)

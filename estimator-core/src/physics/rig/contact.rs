@@ -54,7 +54,7 @@ impl<S: Scalar> ContactState<S> {
 impl<S: Scalar> Contact<'_, S> {
     /// The contact one period later, the tip being at `tip.0` (m) with the speed `tip.1` (m/s).
     pub(super) fn step(&self, state: &mut ContactState<S>, tip: (S, S), time_s: S) -> Touch<S> {
-        let (depth_m, speed_mps) = self.depth(state, tip, time_s);
+        let (depth_m, speed_mps) = self.depth(&mut state.deepest_m, tip, time_s);
         let change_m = S::zero().max_of(depth_m) - S::zero().max_of(state.depth_m);
         state.depth_m = depth_m;
         let (mut pushed_n, is_reached) = self.relaxed(state, (depth_m, speed_mps), change_m);
@@ -84,12 +84,25 @@ impl<S: Scalar> Contact<'_, S> {
         }
     }
 
+    /// How long ago (s) the tip met the surface, if within the last period; else the period.
+    pub(super) fn since_touch_s(&self, state: &ContactState<S>, tip: (S, S), time_s: S) -> S {
+        /// Of the period: its inverse stays a number.
+        const LEAST: f64 = 1e-12;
+        let (depth_m, speed_mps) = self.depth(&mut { state.deepest_m }, tip, time_s);
+        let period_s = self.pace.period_s;
+        if depth_m > S::zero() && depth_m < speed_mps * period_s {
+            (depth_m / speed_mps).max_of(period_s * S::from_f64(LEAST))
+        } else {
+            period_s
+        }
+    }
+
     /// The penetration δ (m) and its rate δ̇ (m/s).
-    fn depth(&self, state: &mut ContactState<S>, tip: (S, S), time_s: S) -> (S, S) {
+    fn depth(&self, deepest_m: &mut S, tip: (S, S), time_s: S) -> (S, S) {
         let raw_m = tip.0 - self.environment.surface_m;
-        let grows = raw_m > state.deepest_m;
+        let grows = raw_m > *deepest_m;
         if grows {
-            state.deepest_m = raw_m;
+            *deepest_m = raw_m;
         }
         let (mut depth_m, mut speed_mps) = (raw_m, tip.1);
         for effect in self.effects.iter() {
@@ -100,7 +113,7 @@ impl<S: Scalar> Contact<'_, S> {
                     speed_mps = speed_mps - rate_mps;
                 }
                 Effect::PermanentSet(set) => {
-                    let (recession_m, slope) = set.recession_m(state.deepest_m);
+                    let (recession_m, slope) = set.recession_m(*deepest_m);
                     depth_m = depth_m - recession_m;
                     if grows {
                         speed_mps = speed_mps - slope * tip.1;
