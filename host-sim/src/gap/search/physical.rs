@@ -23,6 +23,13 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     let is_shown =
         |term: &Term| term.id != EffectId::SurfaceMotion || is_shown_in_contact(term, fit, scales);
     let mut each = terms.iter().enumerate().filter(|(_, term)| !term.given);
+    let ways_m = match fit.shape.base.is_free() {
+        true => [scales.travel_m; 2],
+        false => {
+            let in_contact_m = scales.deepest_m - fit.shape.surface_at(&fit.numbers);
+            [scales.travel_m, in_contact_m.min(scales.travel_m)]
+        }
+    };
     // Beside a material that is never touched another spring stands for it: of positions with a reversed sign a cable's of
     // -5.9 N/mm was strong.
     let is_touched =
@@ -30,7 +37,9 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     is_touched
         && is_late_one_way(&terms)
         && each.all(|(at, term)| {
-            is_physical(term) && is_shown(term) && is_resolved(term, &terms[..at], scales)
+            is_physical(term)
+                && is_shown(term)
+                && is_resolved(term, &terms[..at], scales.duration_s, ways_m)
         })
 }
 
@@ -61,11 +70,20 @@ fn is_late_one_way(terms: &[Term]) -> bool {
 }
 
 /// Whether a log of this length tells a wave from the others of its kind: two that are nearer to each other than
-/// a cycle over the log are one that swells.
-fn is_resolved(wave: &Term, others: &[Term], scales: &Scales) -> bool {
+/// a cycle over the log, or over its way in all and in contact, are one that swells. An encoder's error shows in contact
+/// only: two over 2.5 and 3 cycles there followed what a lag and another error left, and the lag was a delay.
+fn is_resolved(
+    wave: &Term,
+    others: &[Term],
+    duration_s: f64,
+    [way_m, in_contact_m]: [f64; 2],
+) -> bool {
     let cycles = |term: &Term| match term.id.info().repeats {
-        Repeats::InTime => term.row[1] * scales.duration_s,
-        Repeats::AlongTheWay => scales.travel_m / term.row[1],
+        Repeats::InTime => term.row[1] * duration_s,
+        Repeats::AlongTheWay if term.id == EffectId::EncoderPeriodicError => {
+            in_contact_m / term.row[1]
+        }
+        Repeats::AlongTheWay => way_m / term.row[1],
         Repeats::Never | Repeats::EveryTurn => f64::INFINITY,
     };
     let mut alike = others.iter().filter(|other| other.id == wave.id);
@@ -160,25 +178,22 @@ mod tests {
     fn a_log_resolves_two_waves_of_a_kind_that_are_a_cycle_apart() {
         let wave = |id, second: f64| whole(id, [1.0, second, 0.0, 0.0, 0.0], 3);
         let disturbance = |hz| wave(EffectId::PeriodicDisturbance, hz);
-        let (scales, first) = (scales(), [disturbance(0.40)]);
+        let resolves = |wave: &Term, first: &[Term]| is_resolved(wave, first, 10.0, [0.1, 0.03]);
+        let first = [disturbance(0.40)];
         // GIVEN 10 s THEN 0.40 and 0.41 Hz are one that swells, 0.40 and 0.52 Hz are two.
-        assert!(!is_resolved(&disturbance(0.41), &first, &scales));
-        assert!(is_resolved(&disturbance(0.52), &first, &scales));
+        assert!(!resolves(&disturbance(0.41), &first));
+        assert!(resolves(&disturbance(0.52), &first));
         // AND 0.1 m tells a pitch of 20 mm from one of 12 mm and not from one of 18 mm.
         let first = [wave(EffectId::Cogging, 20e-3)];
-        assert!(!is_resolved(
-            &wave(EffectId::Cogging, 18e-3),
-            &first,
-            &scales
-        ));
-        assert!(is_resolved(
-            &wave(EffectId::Cogging, 12e-3),
-            &first,
-            &scales
-        ));
+        assert!(!resolves(&wave(EffectId::Cogging, 18e-3), &first));
+        assert!(resolves(&wave(EffectId::Cogging, 12e-3), &first));
+        // AND 30 mm in contact do not tell an encoder's 12 mm from 16 mm, but from 8 mm.
+        let error = |pitch_m| wave(EffectId::EncoderPeriodicError, pitch_m);
+        assert!(!resolves(&error(16e-3), &[error(12e-3)]));
+        assert!(resolves(&error(8e-3), &[error(12e-3)]));
         // AND what is no wave may stand twice.
         let mode = wave(EffectId::StressRelaxation, 0.4);
-        assert!(is_resolved(&mode, std::slice::from_ref(&mode), &scales));
+        assert!(resolves(&mode, std::slice::from_ref(&mode)));
     }
 
     #[test]
