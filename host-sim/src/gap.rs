@@ -123,13 +123,13 @@ fn workflow(
     let mut notes = input_notes(model, logs, &options.thresholds.input)?;
     let (measured, hangs) = hangs::left_out(logs);
     let (bridged, spikes) = spikes::bridged(&measured);
-    let left_n = |logs: &[UniformLog]| left_n(model, logs, options);
     let alone = |model: &Model, logs: &[UniformLog]| base_alone(model, logs, options);
     if let Some(mut finding) = units::mistaken(model, &bridged, |logs| alone(model, logs))? {
         let first = finding.mistaken.iter().cloned();
         finding.notes.splice(0..0, first.chain(notes));
         return Ok(finding);
     }
+    let left_n = |logs: &[UniformLog]| Ok(alone(model, logs)?.rmse_before_n);
     let (closed, lost) = lost_counts::taken_back(&bridged, left_n)?;
     notes.extend(hangs.into_iter().chain(spikes).chain(lost));
     let ask = |logs: &[UniformLog]| beside_steps_and_dents(model, logs, options, progress);
@@ -177,11 +177,6 @@ fn base_alone(
         ..options.clone()
     };
     asked(model, logs, &nothing, &Silent)
-}
-
-/// What a model leaves of logs (N rms) to which nothing may be added.
-fn left_n(model: &Model, logs: &[UniformLog], options: &Options) -> Result<f64, Diagnostic> {
-    base_alone(model, logs, options).map(|finding| finding.rmse_before_n)
 }
 
 /// The workflow for logs in which the readings that are wrong are bridged or left out.

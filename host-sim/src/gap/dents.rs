@@ -17,9 +17,10 @@ use crate::number::quantity;
 /// A dent leaves less than this share (rms) of what is left without one. Not measured; a Zener solid that was left alone for
 /// 0.6 of its retardation time left 0.3.
 const LESS: f64 = 0.8;
-/// Beside the same effects, where what is left without one passes for noise, it leaves less than this share. Derived: 2 % of the squares of 500
-/// independent samples, ten times what chance takes. Without it a stiffness was 5 standard errors off, a relaxation 6.
-const SLIGHTLY_LESS: f64 = 0.99;
+/// Beside the same effects, where what is left without one passes for noise, it leaves less than this share. Derived: 2 % of
+/// the squares of 500 independent samples, ten times what chance takes. Without it a stiffness was 5 standard errors off, a
+/// relaxation 6.
+pub(super) const SLIGHTLY_LESS: f64 = 0.99;
 /// A dent is looked for first if a model alone leaves less than this share (rms) with one. Of 23 rigs with a dent in whatever
 /// relaxes 0.5 to 0.94.
 const LIKELY: f64 = 0.95;

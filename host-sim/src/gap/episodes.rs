@@ -10,6 +10,7 @@ use estimator_core::physics::effect::EffectId;
 
 use super::data::hangs::without;
 use super::decide::episode::episode;
+use super::dents::SLIGHTLY_LESS;
 use super::finding::{Episode, Finding, Grade, Verdict};
 use super::model::{dataset::Dataset, fit::Fit};
 use crate::diagnostic::Diagnostic;
@@ -19,9 +20,6 @@ use crate::number::quantity;
 
 /// Most stretches that are left out. Not measured.
 const MOST: usize = 3;
-/// An effect shows in logs if less than this share (rms) is left with it. Derived: 2 % of the squares of 500 independent
-/// samples, ten times what chance takes.
-const SLIGHTLY_LESS: f64 = 0.99;
 
 /// The finding on logs without such stretches, and what is said of them; `ask` finds what is missing in the model, and
 /// `alone` fits a model to which nothing is added.
@@ -90,7 +88,7 @@ fn names_all(finding: &Finding, other: &Finding) -> bool {
     other.effects.iter().all(|own| is_named(own.id))
 }
 
-/// Whether each effect that a finding names is needed elsewhere, too: without it what it had found leaves more there. What
+/// Whether each effect that a finding names is needed elsewhere, too: its model leaves less (rms) there than without. What
 /// only shows where the stretch is cannot be named without. A bond that breaks within 12 ms of a cantilever's record was
 /// asked for again for three quarters of the time, and not found.
 fn all_show(
@@ -98,20 +96,23 @@ fn all_show(
     model: &Model,
     alone: impl Fn(&Model) -> Result<Finding, Diagnostic>,
 ) -> Result<bool, Diagnostic> {
-    let given = model.effects.len();
-    let mut whole = finding.model.clone();
+    let mut ids: Vec<EffectId> = finding.effects.iter().map(|own| own.id).collect();
+    ids.sort();
+    ids.dedup();
+    if ids.is_empty() {
+        return Ok(true);
+    }
     // What it left of the whole logs is no measure of what it leaves here.
-    whole.remainder = None;
+    let whole = Model {
+        remainder: None,
+        ..finding.model.clone()
+    };
     let with_n = alone(&whole)?.whole_n();
-    let mut asked: Vec<EffectId> = Vec::new();
-    for effect in &finding.effects {
-        if asked.contains(&effect.id) {
-            continue;
-        }
-        asked.push(effect.id);
+    for id in ids {
         let mut other = whole.clone();
-        let added = other.effects.split_off(given.min(other.effects.len()));
-        let kept = added.into_iter().filter(|own| own.id != effect.id.name());
+        let given = model.effects.len().min(other.effects.len());
+        let added = other.effects.drain(given..);
+        let kept: Vec<_> = added.filter(|own| own.id != id.name()).collect();
         other.effects.extend(kept);
         if with_n >= SLIGHTLY_LESS * alone(&other)?.whole_n() {
             return Ok(false);

@@ -23,13 +23,9 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     let is_shown =
         |term: &Term| term.id != EffectId::SurfaceMotion || is_shown_in_contact(term, fit, scales);
     let mut each = terms.iter().enumerate().filter(|(_, term)| !term.given);
-    let ways_m = match fit.shape.base.is_free() {
-        true => [scales.travel_m; 2],
-        false => {
-            let in_contact_m = scales.deepest_m - fit.shape.surface_at(&fit.numbers);
-            [scales.travel_m, in_contact_m.min(scales.travel_m)]
-        }
-    };
+    // All of the way where there is nothing to touch.
+    let beyond_m = scales.deepest_m - fit.shape.surface_at(&fit.numbers);
+    let in_contact_m = beyond_m.min(scales.travel_m);
     // Beside a material that is never touched another spring stands for it: of positions with a reversed sign a cable's of
     // -5.9 N/mm was strong.
     let is_touched =
@@ -39,7 +35,7 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
         && each.all(|(at, term)| {
             is_physical(term)
                 && is_shown(term)
-                && is_resolved(term, &terms[..at], scales.duration_s, ways_m)
+                && is_resolved(term, &terms[..at], scales, in_contact_m)
         })
 }
 
@@ -71,18 +67,14 @@ fn is_late_one_way(terms: &[Term]) -> bool {
 
 /// Whether a log of this length tells a wave from the others of its kind: two that are nearer to each other than
 /// a cycle over the log, or over its way in all and in contact, are one that swells. An encoder's error shows in contact
-/// only: two over 2.5 and 3 cycles there followed what a lag and another error left, and the lag was a delay.
-fn is_resolved(
-    wave: &Term,
-    others: &[Term],
-    duration_s: f64,
-    [way_m, in_contact_m]: [f64; 2],
-) -> bool {
+/// only: two of 1.5 and 1.8 cycles there followed what a lag and another error left, and the lag was a delay.
+fn is_resolved(wave: &Term, others: &[Term], scales: &Scales, in_contact_m: f64) -> bool {
+    let way_m = match wave.id {
+        EffectId::EncoderPeriodicError => in_contact_m,
+        _ => scales.travel_m,
+    };
     let cycles = |term: &Term| match term.id.info().repeats {
-        Repeats::InTime => term.row[1] * duration_s,
-        Repeats::AlongTheWay if term.id == EffectId::EncoderPeriodicError => {
-            in_contact_m / term.row[1]
-        }
+        Repeats::InTime => term.row[1] * scales.duration_s,
         Repeats::AlongTheWay => way_m / term.row[1],
         Repeats::Never | Repeats::EveryTurn => f64::INFINITY,
     };
@@ -178,7 +170,8 @@ mod tests {
     fn a_log_resolves_two_waves_of_a_kind_that_are_a_cycle_apart() {
         let wave = |id, second: f64| whole(id, [1.0, second, 0.0, 0.0, 0.0], 3);
         let disturbance = |hz| wave(EffectId::PeriodicDisturbance, hz);
-        let resolves = |wave: &Term, first: &[Term]| is_resolved(wave, first, 10.0, [0.1, 0.03]);
+        let scales = scales();
+        let resolves = |wave: &Term, first: &[Term]| is_resolved(wave, first, &scales, 0.03);
         let first = [disturbance(0.40)];
         // GIVEN 10 s THEN 0.40 and 0.41 Hz are one that swells, 0.40 and 0.52 Hz are two.
         assert!(!resolves(&disturbance(0.41), &first));
