@@ -206,6 +206,10 @@ fn true_parts_that_are_not_asked_for_are_no_wrong_names() {
         let named = format!("[{}]", named.join(","));
         mark(&truth(effects), &answer("missing_effects", &named))
     };
+    // Who names the hum beside what is in no catalogue names nothing wrong, and has missed it.
+    let stranger = r#"["unknown"]"#;
+    assert_eq!(marked(stranger, &[&line(50.02)]), Mark::Missed);
+    assert_eq!(marked(stranger, &[&line(55.0)]), Mark::ConfidentWrong);
     let something = r#"["cogging"]"#;
     assert_eq!(marked(something, &[cogging, &line(50.02)]), Mark::Exact);
     assert_eq!(

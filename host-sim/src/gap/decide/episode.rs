@@ -36,7 +36,7 @@ pub(in crate::gap) fn episode(dataset: &Dataset<'_>, fit: &Fit) -> Option<Episod
         false => 1.0,
     };
     let squares: Vec<f64> = residuals.iter().zip(&weights).map(square).collect();
-    let excess = squares.iter().sum::<f64>() - squares.len() as f64;
+    let excess = excess(&squares, dataset.thresholds.explained.nothing_more)?;
     let mut start = 0;
     let stretches = dataset.logs.iter().enumerate().filter_map(|(at, log)| {
         let squares = &squares[start..start + log.len()];
@@ -57,6 +57,14 @@ pub(in crate::gap) fn episode(dataset: &Dataset<'_>, fit: &Fit) -> Option<Episod
     let depths = depths(&fit.shape, &fit.numbers, std::slice::from_ref(log));
     let phases = phases_of(&depths[0], &log.speed_mps);
     (!happens_again(squares, &phases, rows)).then_some(episode)
+}
+
+/// By how much squares are above those of noise, if they are more than so many `times` as large. Half of less than nothing
+/// is anywhere: a log whose closest set left 0.84 times the noise was asked four times.
+fn excess(squares: &[f64], times: f64) -> Option<f64> {
+    let noise = squares.len() as f64;
+    let sum = squares.iter().sum::<f64>();
+    (sum > times * noise).then_some(sum - noise)
 }
 
 /// Whether rows in which the phase changes, or next to them, are about as far above the noise where it changes elsewhere.
@@ -144,11 +152,19 @@ mod tests {
     fn the_shortest_rows_with_half_of_it_are_in_its_middle() {
         let squares = squares();
         // Half of the area of a squared half sine is in the middle 26 % of it, 10.6 of 40 rows.
-        let excess = squares.iter().sum::<f64>() - 1000.0;
+        let excess = excess(&squares, 1.02).unwrap();
         let rows = shortest_with(&squares, 0.5 * excess).unwrap();
         assert_eq!(rows.len(), 11);
         assert!((312..317).contains(&rows.start), "{rows:?}");
         assert_eq!(shortest_with(&squares, 1.01 * excess), None);
+    }
+
+    #[test]
+    fn nothing_stands_out_of_what_is_no_more_than_noise() {
+        assert_eq!(excess(&[0.7; 1000], 1.02), None);
+        assert_eq!(excess(&[1.01; 1000], 1.02), None);
+        let above = excess(&[1.5; 1000], 1.02).unwrap();
+        assert!((above - 500.0).abs() < 1e-9);
     }
 
     #[test]

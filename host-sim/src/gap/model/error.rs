@@ -32,19 +32,27 @@ const UNKNOWN_BIAS: f64 = 0.5;
 
 /// Standard errors of the free numbers of a fit, in the units of the parameters; `None` at a bound.
 pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
+    std_errors_unless(problem, fit, &fit.at_bound())
+}
+
+/// The same where only some numbers are held: how well a size is known that is 0, since it may not be less.
+pub(crate) fn std_errors_unless(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    held: &[bool],
+) -> Vec<Option<f64>> {
     let n = fit.numbers.len();
     let linear = problem.linearize(&fit.shape, &fit.numbers);
     let normal = problem.normal_equations(&linear);
-    let at_bound = fit.at_bound();
-    let Some(inverse) = inverse(&normal.curvature, &at_bound, RIDGE) else {
+    let Some(inverse) = inverse(&normal.curvature, held, RIDGE) else {
         return vec![None; n];
     };
-    let residuals = ResidualStatistics::new(problem, fit, &linear, &at_bound);
+    let residuals = ResidualStatistics::new(problem, fit, &linear, held);
     let bias = bias(problem, fit);
     (0..n)
         .into_par_iter()
         .map(|at| {
-            if at_bound[at] {
+            if held[at] {
                 return None;
             }
             let row = &inverse[at * n..(at + 1) * n];
@@ -104,7 +112,7 @@ impl ResidualStatistics {
         problem: &Problem<'_>,
         fit: &Fit,
         linear: &Linearization,
-        at_bound: &[bool],
+        held: &[bool],
     ) -> ResidualStatistics {
         let used = problem.used();
         let weighted = |channel: &[f64]| -> Vec<f64> {
@@ -114,7 +122,7 @@ impl ResidualStatistics {
         };
         let white = weighted(&linear.residuals);
         let mut fitted = Vec::new();
-        for (column, _) in linear.columns.iter().zip(at_bound).filter(|(_, at)| !**at) {
+        for (column, _) in linear.columns.iter().zip(held).filter(|(_, held)| !**held) {
             add_column(&mut fitted, weighted(column), &[]);
         }
         let here = forces(&fit.shape, &fit.numbers, problem.logs);

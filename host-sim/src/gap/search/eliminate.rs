@@ -4,7 +4,7 @@ use estimator_core::physics::effect::EffectId;
 use rayon::prelude::*;
 
 use crate::gap::model::{fit::Fit, shape::Shape};
-use crate::gap::search::relatives::simpler;
+use crate::gap::search::relatives::{as_simpler, simpler};
 use crate::gap::search::run::{Search, SearchResult};
 
 impl Search<'_> {
@@ -59,8 +59,11 @@ impl Search<'_> {
             ..*self
         };
         let fits = only_simpler.expanded(&self.without(&result.best, at));
+        // Without the friction a backlash beside it goes to 0, and stays there: from the same numbers it need not.
+        let from_same = self.in_simpler_form(&result.best, at);
+        let fits = fits.into_iter().chain(from_same);
         let threshold = |cost: f64| self.effect_threshold(id, cost, &result.best, base_cost);
-        match fits.into_iter().next() {
+        match fits.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
             Some(fit) if fit.cost - result.best.cost < threshold(fit.cost) => {
                 // What is too little for another effect may leave the form open.
                 let mut rivals = result.rivals;
@@ -73,5 +76,13 @@ impl Search<'_> {
             }
             _ => result,
         }
+    }
+
+    /// The fit with an effect as the simpler one of its family, from the numbers that it has.
+    fn in_simpler_form(&self, best: &Fit, at: usize) -> Option<Fit> {
+        let mut terms = best.shape.terms_at(&best.numbers);
+        terms[at] = as_simpler(&terms[at])?;
+        let (shape, start) = best.with_terms(terms, self.dataset.scales);
+        Some(self.problem().fit(&shape, start))
     }
 }

@@ -2,6 +2,8 @@
 
 use estimator_core::physics::effect::{EffectId, Family};
 
+use crate::gap::model::{shape::Term, start::of_size};
+
 /// Whether one effect is a special case of the other: that is no ambiguity, and the simpler one wins
 /// where it is adequate.
 pub(crate) fn related(one: EffectId, other: EffectId) -> bool {
@@ -12,6 +14,23 @@ pub(crate) fn related(one: EffectId, other: EffectId) -> bool {
 /// The simpler effect of the family that an effect has as a special case.
 pub(crate) fn simpler(id: EffectId) -> Option<EffectId> {
     EffectId::from_name(id.info().simpler?)
+}
+
+/// A term as the simpler effect of its family, with its size and what has the same name: a Stribeck friction that is none
+/// near standstill. `None` where its size is in another unit, as the stiffness of a loop is.
+pub(crate) fn as_simpler(term: &Term) -> Option<Term> {
+    let simpler = simpler(term.id)?;
+    let (own, others) = (term.id.info().parameters, simpler.info().parameters);
+    if own[0].unit != others[0].unit {
+        return None;
+    }
+    let mut plain = of_size(simpler, term.row[0]);
+    for (at, parameter) in others.iter().enumerate() {
+        if let Some(from) = own.iter().position(|own| own.name == parameter.name) {
+            (plain.row[at], plain.free[at]) = (term.row[from], term.free[from]);
+        }
+    }
+    Some(plain)
 }
 
 /// Whether an effect only makes the force late, by its first number (s).
@@ -56,6 +75,24 @@ pub(crate) fn stands_for(one: EffectId, other: EffectId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::model::start::whole;
+
+    #[test]
+    fn a_stribeck_friction_is_coulombs_with_its_kinetic_force_and_forms_and_a_loop_is_not() {
+        let whole = |id, row: [f64; 5]| whole(id, row, 5);
+        let own = whole(EffectId::StribeckFriction, [0.3, 0.5, 1e-2, 2e-4, 3e-5]);
+        let plain = as_simpler(&own).unwrap();
+        assert_eq!(plain.id, EffectId::CoulombFriction);
+        assert_eq!(plain.row, [0.3, 3e-5, 2e-4, 0.0, 0.0]);
+        assert_eq!(plain.free, [true, true, true, false, false]);
+        let held = Term {
+            free: [true, true, true, true, false],
+            ..own
+        };
+        assert!(!as_simpler(&held).unwrap().free[1]);
+        assert_eq!(as_simpler(&of_size(EffectId::BoucWen, 1.0)), None);
+        assert_eq!(as_simpler(&plain), None);
+    }
 
     #[test]
     fn a_lag_stands_for_a_delay_and_a_friction_under_load_for_a_loading_curve_and_no_more() {

@@ -40,6 +40,8 @@ pub fn mark(truth: &Truth, answer: &Answer) -> Mark {
         ("no_missing_effect", true, _) => Mark::Exact,
         ("no_missing_effect", false, _) => Mark::Missed,
         ("missing_effects" | "ambiguous", true, _) if only_tolerated => Mark::Exact,
+        // It names what is there, and says that nothing else is.
+        ("missing_effects", _, true) if only_tolerated => Mark::Missed,
         ("missing_effects", _, true) => Mark::ConfidentWrong,
         (_, true, _) | (_, _, true) if stands => Mark::ConfidentWrong,
         (_, true, _) => Mark::Doubtful,
