@@ -54,24 +54,28 @@ pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Optio
     let decide = &decision.thresholds.acceptance;
     let best = &decision.best;
     let terms = best.shape.terms_at(&best.numbers);
-    let is_known = |number: usize| {
+    let added = best.added();
+    let is_known = |at: usize| {
+        let number = added[at];
         let sigmas = match &terms[number] {
             term if wanders(term, duration_s, decide.fewest_periods) => decide.wander_sigmas,
             term if is_lateness(term.id) => decide.late_sigmas,
             _ => decide.size_sigmas,
         };
+        let sigmas = match decision.gains[at] < decide.missed {
+            true => sigmas.max(decide.hardly_missed_sigmas),
+            false => sigmas,
+        };
         has_size(decision, number, sigmas) && !is_at_its_end(best, number)
     };
     let is_base_enough = decision.is_noise(decision.ratio.0);
     // Modes of one spectrum share their size, and no name depends on one of them; but one must be known.
-    let added = best.added();
-    let id_of = |number: usize| best.shape.terms[number].id;
-    let is_one_known = |id: EffectId| added.iter().any(|at| id_of(*at) == id && is_known(*at));
-    let rivalry = decision.alternatives.iter().zip(&decision.gains);
-    let mut each = added.iter().zip(rivalry);
-    each.position(|(number, (alternatives, gain))| {
-        let is_open = !is_base_enough && !alternatives.is_empty() && *gain > decide.missed;
-        !is_open && !is_one_known(id_of(*number))
+    let id_of = |at: usize| best.shape.terms[added[at]].id;
+    let is_one_known = |id: EffectId| (0..added.len()).any(|at| id_of(at) == id && is_known(at));
+    (0..added.len()).find(|at| {
+        let is_missed = decision.gains[*at] > decide.missed;
+        let is_open = !is_base_enough && !decision.alternatives[*at].is_empty() && is_missed;
+        !is_open && !is_one_known(id_of(*at))
     })
 }
 
@@ -285,6 +289,13 @@ pub(super) mod tests {
             ..open
         };
         assert_eq!(effect_without_size(&idle), Some(0));
+        // What is hardly missed has to be known to an eighth, and a quarter is not enough.
+        let known_to = |std_error: f64| Decision {
+            gains: vec![0.03],
+            ..decision(&[std_error], &[2e4])
+        };
+        assert_eq!(effect_without_size(&known_to(0.25)), Some(0));
+        assert_eq!(effect_without_size(&known_to(0.1)), None);
         assert_eq!(
             effect_without_size(&decision(&[0.5, 0.25], &[2e4, 2e4])),
             None
