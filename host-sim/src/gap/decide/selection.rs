@@ -123,8 +123,7 @@ fn accepted_decision(
         if decision.without.is_empty() || decision.verdict != Verdict::Unexplained {
             return (decision, result);
         }
-        // What makes the error larger explains no part of it, whatever its weights say.
-        if decision.rmse_n.1 >= decision.rmse_n.0 {
+        if explains_nothing(&decision) {
             result = SearchResult::alone(base.clone());
             continue;
         }
@@ -167,8 +166,6 @@ fn is_swap_undone(before: &Fit, swapped: &Fit, left: &Fit) -> bool {
 /// and beside a remainder that predicts itself a friction, which is slow, takes little off.
 fn is_strong_together(decision: &Decision) -> bool {
     let decide = &decision.thresholds.evidence;
-    let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
-    let left = excess(decision.ratio.1) / excess(decision.ratio.0).max(f64::MIN_POSITIVE);
     let added = decision.best.added();
     let each = || added.iter().map(|number| decision.evidence_for(*number));
     let is_near = decision.ratio.1 < NEARLY_NOISE;
@@ -181,7 +178,28 @@ fn is_strong_together(decision: &Decision) -> bool {
     };
     let is_unambiguous = decision.alternatives.iter().all(Vec::is_empty);
     let is_clear = is_unambiguous || are_large && decision.clear_names().any(|is_clear| is_clear);
-    1.0 - left >= least && is_clear && each().all(|own| own.is_some_and(|own| own.is_needed))
+    explained_share(decision) >= least
+        && is_clear
+        && each().all(|own| own.is_some_and(|own| own.is_needed))
+}
+
+/// Whether effects explain no part of what the base leaves: with them the error is larger, whatever its weights say, or
+/// hardly smaller.
+fn explains_nothing(decision: &Decision) -> bool {
+    let share = explained_share(decision).max(explained_of_all(decision));
+    decision.rmse_n.1 >= decision.rmse_n.0 || share < decision.thresholds.evidence.explains
+}
+
+/// The share of what the base leaves above the noise of the held-out part that effects take off.
+fn explained_share(decision: &Decision) -> f64 {
+    let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
+    1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(f64::MIN_POSITIVE)
+}
+
+/// The same of all samples: what acts at the first touch only may be in no held-out window.
+fn explained_of_all(decision: &Decision) -> f64 {
+    let excess = |cost: f64| (cost - decision.samples()).max(0.0);
+    1.0 - excess(decision.best.cost) / excess(decision.base.cost).max(f64::MIN_POSITIVE)
 }
 
 /// The best fit with the effects that are named though something remains, and whether others were dropped.
@@ -269,6 +287,19 @@ mod tests {
         // A newcomer that stays has taken the place, and one that was dropped before may have been another's.
         assert!(!is_swap_undone(&before, &swapped, &fit(&[by_speed])));
         assert!(!is_swap_undone(&before, &before, &fit(&[friction])));
+    }
+
+    #[test]
+    fn what_is_explained_is_a_share_of_what_is_above_the_noise() {
+        // GIVEN 10 000 samples of which the base leaves twice the noise
+        let mut decision = decision(&[0.1], &[2e4]);
+        decision.ratio = (2.0_f64.sqrt(), 1.4_f64.sqrt());
+        decision.best.cost = 1.7e4;
+        assert!((explained_share(&decision) - 0.6).abs() < 1e-9);
+        assert!((explained_of_all(&decision) - 0.3).abs() < 1e-9);
+        // AND no more than all of it.
+        decision.best.cost = 0.5e4;
+        assert_eq!(explained_of_all(&decision), 1.0);
     }
 
     #[test]
