@@ -1,6 +1,6 @@
 //! Where a candidate may start: its row says the numbers, in the sizes of the log.
 
-use estimator_core::physics::effect::{EffectId, Laws, MOST_PARAMETERS};
+use estimator_core::physics::effect::{EffectId, Family, Laws, MOST_PARAMETERS};
 use estimator_core::physics::effect::{StartValues, Starts};
 use estimator_core::physics::{fit_range::Scaled, law::LawId};
 
@@ -48,11 +48,11 @@ pub(in crate::gap) fn is_possible(id: EffectId, shape: &Shape) -> bool {
     (touches || id.info().stage.acts_in_free_air()) && (id.info().several || !has)
 }
 
-/// Whether two effects are one thing of which a rig has one: Bouc and Wen's loop is a friction that sticks
-/// before it slides.
+/// Whether two effects are one thing of which a rig has one: Bouc and Wen's loop is a friction that sticks before it slides,
+/// and Stribeck's has Coulomb's in it. Beside one that was added it was a second name, `certain`, for one friction.
 fn is_one(one: EffectId, other: EffectId) -> bool {
-    let is_loop = |id| id == EffectId::BoucWen;
-    (is_loop(one) || is_loop(other)) && one.info().family == other.info().family
+    let is_dry = |id: EffectId| id.info().family == Family::DryFriction;
+    is_dry(one) && is_dry(other)
 }
 
 /// Whether it is a wave, in time or along the way.
@@ -148,5 +148,38 @@ fn numbers(values: &StartValues, size: impl Fn(Scaled) -> f64) -> Vec<f64> {
             numbers.filter(|number| *number < below).collect()
         }
         StartValues::Held(number) => vec![number],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::data::fit_data::FitData;
+    use crate::log::Log;
+    use crate::model::Model;
+    use crate::toml_reader::TomlFile;
+    use std::path::Path;
+
+    #[test]
+    fn a_rig_has_one_dry_friction_that_was_added_and_more_beside_one_that_is_given() {
+        let time: Vec<f64> = (0..2000).map(|at| 1e-3 * f64::from(at)).collect();
+        let position: Vec<f64> = time.iter().map(|t| 1e-3 * (6.3 * t).sin()).collect();
+        let log = Log::from_channels(time, position.clone(), position);
+        let scales = Scales::of(&[FitData::of(&log.uniform().unwrap())]);
+        let path = Path::new("model.toml");
+        let file = TomlFile::parse("[environment]\nlaw = \"free\"\n".into(), path).unwrap();
+        let environment = Model::from_toml(&file, path).unwrap().environment;
+        let is_possible = |id: EffectId, given: bool| {
+            let friction = Term {
+                given,
+                ..of_size(EffectId::CoulombFriction, 0.4)
+            };
+            is_possible(id, &Shape::new(&environment, vec![friction], &scales))
+        };
+        for richer in [EffectId::StribeckFriction, EffectId::BoucWen] {
+            assert!(!is_possible(richer, false) && is_possible(richer, true));
+        }
+        // A drag is another thing.
+        assert!(is_possible(EffectId::ViscousDrag, false));
     }
 }
