@@ -291,8 +291,8 @@ thresholds! {
             fewest_periods: 6.0,
             /// The same of a lateness: every edge tells it. Of 30 that were right the least was 10, 0.13 s of no use had 5.9.
             late_sigmas: 7.0,
-            /// The same of what the held-out part misses by less than `missed`: of 451 harder rigs sixteen that were right had
-            /// 48 and more, and two that stood for the form of another 3.4 and 3.6.
+            /// The same of what the held-out part misses by less than `missed`: of 480 harder rigs fifteen that were right had
+            /// 44 and more, and two that stood for the form of another 3.4 and 3.6.
             hardly_missed_sigmas: 8.0,
             /// A friction of a richer form is certain if its size is known to this many standard errors, and may be
             /// Coulomb's otherwise: where bristles were hidden the stiffness of Bouc and Wen's loop, which is how it
