@@ -260,9 +260,6 @@ thresholds! {
             /// Effects are named together if they explain this share of the base's excess, and no other effect could stand
             /// in the place of one. Not measured.
             together: 0.95 over 1.0,
-            /// Names that stand beside a remainder explain at least this share of the base's excess: 24 that were right on the
-            /// harder rigs 0.6 and more; an offset that made up for a part of a bond beside four others 0.18 by itself.
-            explains: 0.3,
             /// Several are if one of them has no evidence of its own: a friction made 97 % of an adhesion whose form is in
             /// no catalogue, a spectrum, an exponent and a bond 99 % of a cell's relaxation.
             together_unsound: 0.98 over 1.0,
@@ -270,6 +267,9 @@ thresholds! {
             /// what fitted a fatigue of the material, 95 % of it, reached 1.13, the exponent of cells under a cantilever
             /// 1.17.
             needed: 1.15 over 1.0,
+            /// Names that stand beside a remainder explain at least this share of the base's excess: 23 that were right on the
+            /// harder rigs 0.6 and more; an offset that made up for a part of a bond beside four others 0.18 by itself.
+            explains: 0.3,
             /// The halves of the log give it the same size within this many standard errors. On 36 of the harder rigs true
             /// effects that stand once differed by 2.6 at most.
             halves: 4.0,

@@ -185,32 +185,15 @@ fn nearer_to_best(
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::gap::data::fit_data::FitData;
     use crate::gap::data::scales::Scales;
     use crate::gap::finding::Verdict;
     use crate::gap::model::shape::Shape;
-    use crate::gap::model::start::whole;
-    use crate::log::Log;
+    use crate::gap::model::start::{tests::contact, whole};
     use crate::model::Model;
-    use crate::toml_reader::TomlFile;
     use estimator_core::physics::effect::{EffectId, MOST_PARAMETERS};
-    use std::path::Path;
 
     /// Cost of the best fit to as many samples.
     const SAMPLES: usize = 10_000;
-
-    /// A contact, and the scales of a log that goes 1 mm to and fro.
-    pub(in crate::gap::decide) fn contact() -> (Model, Scales) {
-        let path = Path::new("model.toml");
-        let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
-        let file = TomlFile::parse(text.into(), path).unwrap();
-        let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 1e-3).collect();
-        let position: Vec<f64> = time.iter().map(|t| 1e-3 * (6.3 * t).sin()).collect();
-        let force = position.iter().map(|x| 1e3 * x.max(0.0)).collect();
-        let log = Log::from_channels(time, position, force).uniform().unwrap();
-        let model = Model::from_toml(&file, path).unwrap();
-        (model, Scales::of(&[FitData::of(&log)]))
-    }
 
     /// A fit with an added effect that is where it starts.
     fn at_start(model: &Model, scales: &Scales, term: Term) -> Fit {

@@ -244,8 +244,9 @@ fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<Ef
 
 #[cfg(test)]
 mod tests {
-    use super::super::acceptance::tests::{contact, decision};
+    use super::super::acceptance::tests::decision;
     use super::*;
+    use crate::gap::model::start::tests::contact;
 
     #[test]
     fn what_stood_in_an_effects_place_still_does_when_another_is_dropped() {

@@ -192,14 +192,19 @@ fn explains_nothing(decision: &Decision) -> bool {
 
 /// The share of what the base leaves above the noise of the held-out part that effects take off.
 fn explained_share(decision: &Decision) -> f64 {
-    let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
-    1.0 - excess(decision.ratio.1) / excess(decision.ratio.0).max(f64::MIN_POSITIVE)
+    let (before, after) = decision.ratio;
+    taken_off([before, after].map(|ratio| ratio * ratio))
 }
 
 /// The same of all samples: what acts at the first touch only may be in no held-out window.
 fn explained_of_all(decision: &Decision) -> f64 {
-    let excess = |cost: f64| (cost - decision.samples()).max(0.0);
-    1.0 - excess(decision.best.cost) / excess(decision.base.cost).max(f64::MIN_POSITIVE)
+    taken_off([&decision.base, &decision.best].map(|fit| fit.cost / decision.samples()))
+}
+
+/// The share of what is above the noise that is gone, of squares before and after as multiples of it.
+fn taken_off(squares: [f64; 2]) -> f64 {
+    let [before, after] = squares.map(|times| (times - 1.0).max(0.0));
+    1.0 - after / before.max(f64::MIN_POSITIVE)
 }
 
 /// The best fit with the effects that are named though something remains, and whether others were dropped.

@@ -32,11 +32,11 @@ const UNKNOWN_BIAS: f64 = 0.5;
 
 /// Standard errors of the free numbers of a fit, in the units of the parameters; `None` at a bound.
 pub(crate) fn std_errors(problem: &Problem<'_>, fit: &Fit) -> Vec<Option<f64>> {
-    std_errors_unless(problem, fit, &fit.at_bound())
+    std_errors_holding(problem, fit, &fit.at_bound())
 }
 
 /// The same where only some numbers are held: how well a size is known that is 0, since it may not be less.
-pub(crate) fn std_errors_unless(
+pub(crate) fn std_errors_holding(
     problem: &Problem<'_>,
     fit: &Fit,
     held: &[bool],

@@ -92,19 +92,14 @@ fn starts_among(
     let mut terms: Vec<Term> = all
         .flat_map(|starts| combinations(id, starts, size))
         .collect();
-    if has_its_plain_part(id, shape) {
+    // A Coulomb friction is the kinetic force of Stribeck's: beside each other neither number could be told, nor the static
+    // force above them.
+    if id == EffectId::StribeckFriction && is_given(EffectId::CoulombFriction.name()) {
         for term in &mut terms {
             (term.row[0], term.free[0]) = (0.0, false);
         }
     }
     terms
-}
-
-/// Whether the model has the part of an effect that its first number sizes: a Coulomb friction is the kinetic force of
-/// Stribeck's, and beside each other neither number could be told, nor the static force above them.
-fn has_its_plain_part(id: EffectId, shape: &Shape) -> bool {
-    let has = |other| shape.terms.iter().any(|term| term.id == other);
-    id == EffectId::StribeckFriction && has(EffectId::CoulombFriction)
 }
 
 /// Whether an effect means anything on the law that is fitted.
@@ -152,7 +147,7 @@ fn numbers(values: &StartValues, size: impl Fn(Scaled) -> f64) -> Vec<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::gap) mod tests {
     use super::*;
     use crate::gap::data::fit_data::FitData;
     use crate::log::Log;
@@ -160,21 +155,28 @@ mod tests {
     use crate::toml_reader::TomlFile;
     use std::path::Path;
 
+    /// A contact, and the scales of a log that goes 1 mm to and fro.
+    pub(in crate::gap) fn contact() -> (Model, Scales) {
+        let path = Path::new("model.toml");
+        let text = "[environment]\nlaw = \"kelvin_voigt\"\nstiffness = 1000.0\ndamping = 3.0\n";
+        let file = TomlFile::parse(text.into(), path).unwrap();
+        let time: Vec<f64> = (0..2000).map(|at| f64::from(at) * 1e-3).collect();
+        let position: Vec<f64> = time.iter().map(|t| 1e-3 * (6.3 * t).sin()).collect();
+        let force = position.iter().map(|x| 1e3 * x.max(0.0)).collect();
+        let log = Log::from_channels(time, position, force).uniform().unwrap();
+        let model = Model::from_toml(&file, path).unwrap();
+        (model, Scales::of(&[FitData::of(&log)]))
+    }
+
     #[test]
     fn a_rig_has_one_dry_friction_that_was_added_and_more_beside_one_that_is_given() {
-        let time: Vec<f64> = (0..2000).map(|at| 1e-3 * f64::from(at)).collect();
-        let position: Vec<f64> = time.iter().map(|t| 1e-3 * (6.3 * t).sin()).collect();
-        let log = Log::from_channels(time, position.clone(), position);
-        let scales = Scales::of(&[FitData::of(&log.uniform().unwrap())]);
-        let path = Path::new("model.toml");
-        let file = TomlFile::parse("[environment]\nlaw = \"free\"\n".into(), path).unwrap();
-        let environment = Model::from_toml(&file, path).unwrap().environment;
+        let (model, scales) = contact();
         let is_possible = |id: EffectId, given: bool| {
             let friction = Term {
                 given,
                 ..of_size(EffectId::CoulombFriction, 0.4)
             };
-            is_possible(id, &Shape::new(&environment, vec![friction], &scales))
+            is_possible(id, &Shape::new(&model.environment, vec![friction], &scales))
         };
         for richer in [EffectId::StribeckFriction, EffectId::BoucWen] {
             assert!(!is_possible(richer, false) && is_possible(richer, true));

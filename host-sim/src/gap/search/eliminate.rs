@@ -82,7 +82,6 @@ impl Search<'_> {
     fn in_simpler_form(&self, best: &Fit, at: usize) -> Option<Fit> {
         let mut terms = best.shape.terms_at(&best.numbers);
         terms[at] = as_simpler(&terms[at])?;
-        let (shape, start) = best.with_terms(terms, self.dataset.scales);
-        Some(self.problem().fit(&shape, start))
+        Some(self.with_terms(best, terms))
     }
 }

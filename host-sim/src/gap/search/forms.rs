@@ -279,7 +279,8 @@ impl Search<'_> {
         Some(self.with_terms(fit, terms))
     }
 
-    fn with_terms(&self, fit: &Fit, terms: Vec<Term>) -> Fit {
+    /// Refits with other terms, from the values that they have.
+    pub(super) fn with_terms(&self, fit: &Fit, terms: Vec<Term>) -> Fit {
         let (shape, start) = fit.with_terms(terms, self.dataset.scales);
         self.problem().fit(&shape, start)
     }

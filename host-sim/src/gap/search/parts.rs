@@ -8,7 +8,7 @@
 use estimator_core::physics::effect::EffectId;
 
 use crate::gap::model::dataset::Dataset;
-use crate::gap::model::{error::std_errors, error::std_errors_unless, fit::Fit, shape::Free};
+use crate::gap::model::{error::std_errors, error::std_errors_holding, fit::Fit};
 use crate::gap::thresholds;
 
 /// Most steps of the fit to a part of the logs.
@@ -22,7 +22,7 @@ type Part = (Fit, Vec<Option<f64>>);
 fn held(fit: &Fit) -> Vec<bool> {
     let mut held = fit.at_bound();
     for at in (0..fit.shape.terms.len()).flat_map(|number| fit.shape.sizes_of(number)) {
-        held[at] &= !Free::is_at_lowest(&fit.shape.free[at], fit.numbers[at]);
+        held[at] &= !fit.shape.free[at].is_at_lowest(fit.numbers[at]);
     }
     held
 }
@@ -44,7 +44,7 @@ impl Parts {
                 .collect();
             let problem = dataset.problem(&weights);
             let fit = problem.fit_briefly(&best.shape, best.numbers.clone(), STEPS);
-            let errors = std_errors_unless(&problem, &fit, &held(&fit));
+            let errors = std_errors_holding(&problem, &fit, &held(&fit));
             (fit, errors)
         };
         let both = |is_in: &(dyn Fn(usize) -> bool + Sync)| {
