@@ -10,6 +10,7 @@ pub(crate) mod evidence;
 pub(crate) mod expand;
 pub(crate) mod forms;
 mod given_forms;
+mod nearest;
 mod parts;
 pub(crate) mod periodic;
 pub(crate) mod physical;

@@ -284,11 +284,9 @@ thresholds! {
             idle: 0.01,
             /// An effect may as well be 0 if its size is below so many standard errors: 1 of 810 that were right, 10 of 36 wrong.
             size_sigmas: 3.0,
-            /// The same of what slow noise looks like. In 36 s of 1/f noise two waves of three and four periods were
-            /// known to 4.0 and 5.1, and a ramp to 5.6.
+            /// The same of what noise looks like. In 36 s of 1/f noise two waves of three and four periods were known to
+            /// 4.0 and 5.1, and a ramp to 5.6; a cogging of 24 µm that stood for an offset to 3.7. Waves that were right: 12.
             wander_sigmas: 6.0,
-            /// A wave of fewer periods does. In such noise they had up to 4.1.
-            fewest_periods: 6.0,
             /// The same of a lateness: every edge tells it. Of 30 that were right the least was 10, 0.13 s of no use had 5.9.
             late_sigmas: 7.0,
             /// The same of what the held-out part misses by less than `missed`: of 480 harder rigs fifteen that were right had

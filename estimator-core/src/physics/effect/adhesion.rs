@@ -17,6 +17,10 @@ effect! {
         /// h: the share of F_a that is missing on the way in, and half of it at rest. A bond has none.
         hysteresis = "hysteresis", One, NotNegative = 0.0,
             Form("it pulls as much both ways", TakenOn { start: Number(0.3), first: 1.0 }), FitRange::up_to(Number(1.0));
+        /// v_t (m/s): tanh(δ̇/v_t) in place of the sign; 0: the sign. In a hold a speed of counts that toggle has either.
+        transition_mps = "transition_speed", MetrePerSecond, NotNegative = 0.0,
+            Form("it turns at once", Beside(&[Largest([(4.0, SpeedNoise), (2e-3, Speed)]), Times(0.05, Speed)])),
+            Logarithmic(Times(1e-3, Speed), Times(0.5, Speed));
     }
     stage: Contact, sign: OneWay, proportional: true, several: false, repeats: Never, timed: false,
     laws: AnyLaw, needs_derivative: false, family: Alone, simpler: None, is_physical: |_| true,
@@ -26,7 +30,7 @@ effect! {
         Starts::at(&[At(Times(-1.0, LowestForce)), Each(&[Times(0.05, Travel), Times(0.15, Travel)]), Held(1.0)])
             .where_exceeds(Times(-1.0, LowestForce), Times(0.5, SmallForce)),
     ],
-    law: "−F_a in contact; on the way out −F_a(1 + δ/d_a) for −d_a < δ < 0; bond = 1: none in contact, which pulls up to F_a; hysteresis h: F_a(1 − h) on the way in",
+    law: "−F_a in contact; on the way out −F_a(1 + δ/d_a) for −d_a < δ < 0; bond = 1: none in contact, which pulls up to F_a; hysteresis h: F_a(1 − h) on the way in, with a transition speed F_a(1 − h(1 + tanh(δ̇/v_t))/2)",
     signature: "negative force after lift-off, none before touch",
     motion: "leave the contact slowly, and well clear of it",
 }
@@ -47,12 +51,12 @@ impl<S: Scalar> Adhesion<S> {
         zero
     }
 
-    /// F_a(1 − h(1 + sgn δ̇)/2)
+    /// F_a(1 − h(1 + sgn δ̇)/2), the sign as tanh(δ̇/v_t)
     fn pull_n(&self, speed_mps: S) -> S {
         if self.hysteresis <= S::zero() {
             return self.force_n;
         }
-        let closing = S::from_f64(0.5) * (S::one() + direction(speed_mps, S::zero()));
+        let closing = S::from_f64(0.5) * (S::one() + direction(speed_mps, self.transition_mps));
         self.force_n * S::zero().max_of(S::one() - self.hysteresis * closing)
     }
 
@@ -86,5 +90,31 @@ impl<S: Scalar> Adhesion<S> {
         }
         *state = zero;
         zero
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pull_turns_with_the_speed_where_that_has_a_width() {
+        let pull = |transition_mps: f64, speed_mps: f64| {
+            let adhesion = Adhesion {
+                force_n: 0.5,
+                neck_length_m: 4e-4,
+                bond: 0.0,
+                hysteresis: 0.4,
+                transition_mps,
+            };
+            adhesion.force_n(&mut 0.0, 1e-3, speed_mps)
+        };
+        // GIVEN a sign, THEN a count that toggles in a hold makes all of the difference, 0.2 N.
+        assert!((pull(0.0, 1e-6) + 0.3).abs() < 1e-12);
+        assert!((pull(0.0, -1e-6) + 0.5).abs() < 1e-12);
+        // AND with 1 mm/s hardly any, though fast motion has it all.
+        assert!((pull(1e-3, 1e-6) - pull(1e-3, -1e-6)).abs() < 1e-3);
+        assert!((pull(1e-3, 0.05) + 0.3).abs() < 1e-12);
+        assert!((pull(1e-3, -0.05) + 0.5).abs() < 1e-12);
     }
 }

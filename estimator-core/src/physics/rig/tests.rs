@@ -91,7 +91,7 @@ fn without_effects_it_is_the_law_and_does_not_pull() {
 fn usual(id: EffectId) -> [f64; MOST_PARAMETERS] {
     match id {
         EffectId::ExponentialStiffening => [200.0, 0.0, 0.0, 0.0, 0.0],
-        EffectId::Adhesion => [0.2, 4e-4, 0.0, 0.3, 0.0],
+        EffectId::Adhesion => [0.2, 4e-4, 0.0, 0.3, 2e-3],
         EffectId::BuriedLayer => [2000.0, 1.5e-3, 0.0, 0.0, 0.0],
         EffectId::SeriesCompliance => [12_000.0, 4.0, 0.0, 0.0, 0.0],
         EffectId::ForceSaturation => [3.0, 0.0, 0.0, 0.0, 0.0],

@@ -4,7 +4,9 @@ use estimator_core::physics::effect::EffectId;
 
 use crate::gap::decide::{decision::Decision, rivals::discriminability_margin};
 use crate::gap::model::shape::{Free, Owner, Term};
-use crate::gap::model::{dataset::Dataset, fit::Fit, start::of_size, weights::weights};
+use crate::gap::model::{
+    dataset::Dataset, fit::Fit, start::of_size, start::repeats, weights::weights,
+};
 use crate::gap::search::{forms::in_plain_form, relatives::is_lateness, relatives::simpler};
 
 /// The fit without the effect that is needed least, if that effect takes nothing off.
@@ -50,16 +52,15 @@ pub(crate) fn is_harmful(decision: &Decision) -> bool {
 
 /// The place of an added effect whose size may as well be 0, if nothing else could stand in its place, the held-out part
 /// hardly misses it, or nothing had to be explained.
-pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Option<usize> {
+pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
     let decide = &decision.thresholds.acceptance;
     let best = &decision.best;
-    let terms = best.shape.terms_at(&best.numbers);
     let added = best.added();
     let is_known = |at: usize| {
         let number = added[at];
-        let sigmas = match &terms[number] {
-            term if wanders(term, duration_s, decide.fewest_periods) => decide.wander_sigmas,
-            term if is_lateness(term.id) => decide.late_sigmas,
+        let sigmas = match best.shape.terms[number].id {
+            id if wanders(id) => decide.wander_sigmas,
+            id if is_lateness(id) => decide.late_sigmas,
             _ => decide.size_sigmas,
         };
         let sigmas = match decision.gains[at] < decide.missed {
@@ -79,13 +80,9 @@ pub(crate) fn effect_without_size(decision: &Decision, duration_s: f64) -> Optio
     })
 }
 
-/// Whether an effect is what slow noise looks like in a log: a ramp, or a wave of few periods.
-fn wanders(term: &Term, duration_s: f64, fewest_periods: f64) -> bool {
-    match term.id {
-        EffectId::ForceDrift => true,
-        EffectId::PeriodicDisturbance => term.row[1] * duration_s < fewest_periods,
-        _ => false,
-    }
+/// Whether an effect is what noise looks like in a log: a ramp, or a wave, the best of as many as it can tell.
+fn wanders(id: EffectId) -> bool {
+    id == EffectId::ForceDrift || repeats(id)
 }
 
 /// Whether an effect is a relaxation as fast as one can be, which within a sample is a damper, and the errors of the motion
@@ -245,7 +242,6 @@ pub(super) mod tests {
     #[test]
     fn an_effect_that_may_as_well_be_0_is_none_unless_another_may_stand_for_it() {
         // GIVEN a newton that is known to a quarter, and to a half
-        let effect_without_size = |decision: &Decision| effect_without_size(decision, 10.0);
         assert_eq!(effect_without_size(&decision(&[0.25], &[2e4])), None);
         let unknown = decision(&[0.5], &[2e4]);
         assert_eq!(effect_without_size(&unknown), Some(0));
@@ -310,10 +306,10 @@ pub(super) mod tests {
         let mut bound = decision(&[0.1], &[2e4]);
         bound.std_errors.pop();
         bound.std_errors.push(None);
-        assert_eq!(effect_without_size(&bound, 10.0), Some(0));
+        assert_eq!(effect_without_size(&bound), Some(0));
         // THEN one that is held is what it is.
         bound.best.shape.free.pop();
-        assert_eq!(effect_without_size(&bound, 10.0), None);
+        assert_eq!(effect_without_size(&bound), None);
     }
 
     #[test]
@@ -322,20 +318,13 @@ pub(super) mod tests {
         let is_dropped = |id: EffectId, std_error: f64| {
             let mut decision = decision(&[std_error], &[2e4]);
             decision.best.shape.terms[0].id = id;
-            effect_without_size(&decision, 10.0)
+            effect_without_size(&decision)
         };
-        for id in [EffectId::ForceDrift, EffectId::TimeDelay] {
+        for id in [EffectId::ForceDrift, EffectId::Cogging, EffectId::TimeDelay] {
             assert_eq!(is_dropped(id, 1.0 / 4.0), Some(0));
             assert_eq!(is_dropped(id, 1.0 / 8.0), None);
         }
         assert_eq!(is_dropped(EffectId::CoulombFriction, 1.0 / 4.0), None);
-        // AND a wave of three periods, and of thirty
-        let wave = |hz: f64| {
-            let mut row = [0.0; MOST_PARAMETERS];
-            row[..2].copy_from_slice(&[1.0, hz]);
-            wanders(&whole(EffectId::PeriodicDisturbance, row, 3), 10.0, 6.0)
-        };
-        assert!(wave(0.3) && !wave(3.0));
     }
 
     #[test]

@@ -230,7 +230,7 @@ fn is_worse_throughout(all: &Problem<'_>, best: &Fit, rival: &Fit, sigmas: f64) 
 }
 
 /// The effect in `others` that takes the place of `id` in `ids`, if all other effects are the same.
-fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<EffectId> {
+pub(super) fn replacement(ids: &[EffectId], others: &[EffectId], id: EffectId) -> Option<EffectId> {
     let mut rest = others.to_vec();
     for kept in ids.iter().filter(|kept| **kept != id) {
         let at = rest.iter().position(|other| other == kept)?;

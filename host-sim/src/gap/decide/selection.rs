@@ -10,14 +10,14 @@ use super::acceptance::{
 use super::decision::Decision;
 use super::early::open_where_early;
 use super::evaluate::{evaluate, held_out_rmse_n};
-use super::rivals::result_without;
+use super::rivals::{replacement, result_without};
 use super::zero::open_where_zero_drifts;
 use crate::gap::finding::{NEARLY_NOISE, Verdict};
 use crate::gap::model::{
     attenuation::corrected, dataset::Dataset, error::std_errors, fit::Fit, weights::weights,
 };
 use crate::gap::search::evidence::Evidence;
-use crate::gap::search::run::SearchResult;
+use crate::gap::search::{relatives::simpler, run::SearchResult, sets::added_effects};
 
 /// Decides on the result of a search; `evidence` is that for the effects of its best set.
 pub(crate) fn decide(
@@ -49,7 +49,7 @@ pub(crate) fn decide(
             result.best = offset;
             continue;
         }
-        match effect_without_size(&decision, dataset.scales.duration_s) {
+        match effect_without_size(&decision) {
             Some(at) => match fit_in_plain_form(dataset, &decision, at) {
                 Some(plain) => result.best = plain,
                 None => result = result_without(result, decision.without.swap_remove(at), dataset),
@@ -97,7 +97,9 @@ fn accepted_decision(
         let mut decision = evaluate(dataset, base, &result);
         // At one sample of four a compliance seemed worse than the delay that it is not. There is one
         // swap, so that two fits that get stuck in turn do not swap for ever.
-        if let Some(better) = decision.better.take().filter(|_| before_swap.is_none()) {
+        if before_swap.is_none()
+            && let Some(better) = better(dataset, &decision, base, &result)
+        {
             before_swap = Some(result.best.clone());
             result.rivals.push(result.best);
             result.best = better;
@@ -140,6 +142,32 @@ fn accepted_decision(
         let before = before_swap.clone().filter(is_undone);
         result = SearchResult::alone(before.unwrap_or(best));
     }
+}
+
+/// A rival that leaves less at the log's own rate, or explains the logs with the richer form of an effect where the simpler
+/// one does not: at one sample of four the peak of a friction where it begins to slide was nothing, and at all of them it
+/// left 1.7 times the noise.
+fn better(
+    dataset: &Dataset<'_>,
+    decision: &Decision,
+    base: &Fit,
+    result: &SearchResult,
+) -> Option<Fit> {
+    if decision.better.is_some() || decision.verdict != Verdict::Unexplained {
+        return decision.better.clone();
+    }
+    let ids = added_effects(&result.best);
+    let is_richer = |fit: &&Fit| {
+        let others = added_effects(fit);
+        let mut each = ids.iter();
+        each.any(|id| replacement(&ids, &others, *id).and_then(simpler) == Some(*id))
+    };
+    let explains = |fit: &&Fit| {
+        let alone = SearchResult::alone((*fit).clone());
+        evaluate(dataset, base, &alone).verdict != Verdict::Unexplained
+    };
+    let mut rivals = result.rivals.iter().filter(is_richer);
+    rivals.find(explains).cloned()
 }
 
 /// The decision with its effects named together; what could stand in the place of one opens it.

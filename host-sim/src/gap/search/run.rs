@@ -165,7 +165,9 @@ impl Search<'_> {
         let is_accepted = last
             .is_some_and(|term| self.is_significant(term.id, &state.best, child, state.base_cost));
         if is_accepted {
-            let best = child.clone();
+            let at = self.nearest(&children);
+            children[..=at].rotate_right(1);
+            let best = children[0].clone();
             self.weigh(&best);
             let best = self.problem().fit(&best.shape, best.numbers);
             state.base_cost = self.with_present_cost(base).cost;

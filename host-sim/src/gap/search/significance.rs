@@ -97,7 +97,7 @@ impl Search<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::gap::data::fit_data::FitData;
     use crate::gap::data::scales::Scales;
@@ -146,35 +146,38 @@ mod tests {
         }
     }
 
-    /// What a cogging takes off Σ w r² in units of its threshold, and whether it is significant.
-    fn taken(cogging_n: f64) -> (f64, bool) {
-        let log = steps(cogging_n);
-        let floors = [NoiseFloor::of(&log, &Default::default())];
-        let logs = [FitData::of(&log)];
-        let scales = Scales::of(&logs);
-        let base = Environment {
+    /// A spring of 5 kN/m with a damper.
+    fn spring() -> Environment {
+        let parameter = |name: &str, value, unit| Parameter {
+            name: name.into(),
+            value,
+            unit,
+        };
+        Environment {
             law: LawId::KelvinVoigt,
             values: vec![
-                Parameter {
-                    name: "stiffness".into(),
-                    value: STIFFNESS,
-                    unit: "N/m",
-                },
-                Parameter {
-                    name: "damping".into(),
-                    value: 1.0,
-                    unit: "N s/m",
-                },
+                parameter("stiffness", STIFFNESS, "N/m"),
+                parameter("damping", 1.0, "N s/m"),
             ],
             surface_m: 0.0,
             reference_depth_m: 1e-3,
             recovery: None,
             fit: Kept::default(),
-        };
+        }
+    }
+
+    /// What is asked of a search in a log that knows nothing but its base.
+    pub(in crate::gap::search) fn in_search<T>(
+        log: &UniformLog,
+        base: &Environment,
+        ask: impl FnOnce(&mut Search<'_>) -> T,
+    ) -> T {
+        let floors = [NoiseFloor::of(log, &Default::default())];
+        let logs = [FitData::of(log)];
+        let scales = Scales::of(&logs);
         let options = Options::default();
-        let thresholds = &options.thresholds;
         let screen = Screen::of(&logs);
-        let mut search = Search {
+        ask(&mut Search {
             screen: &screen,
             dataset: Dataset {
                 logs: &logs,
@@ -182,10 +185,10 @@ mod tests {
                 low_pass: None,
                 scales: &scales,
                 known: None,
-                thresholds,
+                thresholds: &options.thresholds,
             },
             weights: vec![1.0; log.len()],
-            base: &base,
+            base,
             given: &[],
             ids: &options.catalogue,
             most_added: MOST_ADDED,
@@ -193,21 +196,26 @@ mod tests {
             noise_cost: 0.0,
             correlation: 1.0,
             tried: Vec::new(),
-        };
-        let fit = search.base_fit();
-        search.weights = search.dataset.weights(&fit);
-        let without = search.refitted(&fit);
-        let mut row = [0.0; MOST_PARAMETERS];
-        row[..3].copy_from_slice(&[cogging_n.max(1e-3), PITCH_M, 0.0]);
-        let terms = vec![whole(EffectId::Cogging, row, 3)];
-        let (shape, start) = without.with_terms(terms, &scales);
-        let with = search.problem().fit(&shape, start);
-        search.noise_cost = with.cost;
-        let threshold =
-            search.effect_threshold(EffectId::Cogging, without.cost, &with, without.cost);
-        let is_significant =
-            search.is_significant(EffectId::Cogging, &without, &with, without.cost);
-        ((without.cost - with.cost) / threshold, is_significant)
+        })
+    }
+
+    /// What a cogging takes off Σ w r² in units of its threshold, and whether it is significant.
+    fn taken(cogging_n: f64) -> (f64, bool) {
+        in_search(&steps(cogging_n), &spring(), |search| {
+            let fit = search.base_fit();
+            search.weights = search.dataset.weights(&fit);
+            let without = search.refitted(&fit);
+            let mut row = [0.0; MOST_PARAMETERS];
+            row[..3].copy_from_slice(&[cogging_n.max(1e-3), PITCH_M, 0.0]);
+            let terms = vec![whole(EffectId::Cogging, row, 3)];
+            let (shape, start) = without.with_terms(terms, search.dataset.scales);
+            let with = search.problem().fit(&shape, start);
+            search.noise_cost = with.cost;
+            let (id, cost) = (EffectId::Cogging, without.cost);
+            let threshold = search.effect_threshold(id, cost, &with, cost);
+            let is_significant = search.is_significant(id, &without, &with, cost);
+            ((cost - with.cost) / threshold, is_significant)
+        })
     }
 
     #[test]
