@@ -67,7 +67,9 @@ pub(crate) fn effect_without_size(decision: &Decision) -> Option<usize> {
             true => sigmas.max(decide.hardly_missed_sigmas),
             false => sigmas,
         };
-        has_size(decision, number, sigmas) && !is_at_its_end(best, number)
+        has_size(decision, number, sigmas)
+            && has_rate(decision, number, decide.size_sigmas)
+            && !is_at_its_end(best, number)
     };
     let is_base_enough = decision.is_noise(decision.ratio.0);
     // Modes of one spectrum share their size, and no name depends on one of them; but one must be known.
@@ -139,11 +141,24 @@ fn has_size(decision: &Decision, number: usize, sigmas: f64) -> bool {
     let best = &decision.best;
     let mut sizes = best.shape.sizes_of(number).peekable();
     let is_held = sizes.peek().is_none();
-    let differs = |at: usize| {
-        let size = best.shape.natural(at, best.numbers[at]);
-        decision.std_errors[at].is_some_and(|error| size.abs() >= sigmas * error)
-    };
-    is_held || sizes.any(differs)
+    is_held || sizes.any(|at| differs_from_0(decision, at, sigmas) == Some(true))
+}
+
+/// Whether the rate of a relaxation differs from 0 by so many standard errors, or is as slow as one can be. Else it is whatever
+/// has changed in a log: of a zero that jumped twice one of 0.06 ± 0.05 1/s was strong. Rates that were right: 7.
+fn has_rate(decision: &Decision, number: usize, sigmas: f64) -> bool {
+    let shape = &decision.best.shape;
+    let is_relaxation = shape.terms[number].id == EffectId::StressRelaxation;
+    let is_rate = |at: &usize| is_relaxation && shape.free[*at].owner == Owner::Effect(number, 1);
+    let mut rates = (0..shape.free.len()).filter(is_rate);
+    rates.all(|at| differs_from_0(decision, at, sigmas) != Some(false))
+}
+
+/// Whether a number differs from 0 by so many standard errors, where that is known.
+fn differs_from_0(decision: &Decision, at: usize, sigmas: f64) -> Option<bool> {
+    let best = &decision.best;
+    let number = best.shape.natural(at, best.numbers[at]);
+    decision.std_errors[at].map(|error| number.abs() >= sigmas * error)
 }
 
 /// The fit with an added effect in its plain form, if that is nearer to the best than to the fit without it: the
@@ -342,6 +357,24 @@ pub(super) mod tests {
         let is_too_long =
             |width_m| is_at_its_end(EffectId::LoadingCurve, [0.2, 0.0, width_m, 0.0, 0.0]);
         assert!(is_too_long(1.0) && !is_too_long(1e-4));
+    }
+
+    #[test]
+    fn a_relaxation_whose_rate_may_as_well_be_0_is_none() {
+        let (model, scales) = contact();
+        let row = [0.2, 0.1, 0.0, 0.0, 0.0];
+        let best = at_start(&model, &scales, whole(EffectId::StressRelaxation, row, 2));
+        // GIVEN a fraction of 0.2 that is known, and a rate of 0.1 1/s to a fifth, to a half, and not at all
+        let dropped = |rate_error: Option<f64>| {
+            let mut decision = decision(&[0.1], &[2e4]);
+            let mut errors = vec![Some(1e-3); best.numbers.len()];
+            *errors.last_mut().unwrap() = rate_error;
+            (decision.best, decision.std_errors) = (best.clone(), errors);
+            effect_without_size(&decision)
+        };
+        assert_eq!(dropped(Some(0.02)), None);
+        assert_eq!(dropped(Some(0.05)), Some(0));
+        assert_eq!(dropped(None), None);
     }
 
     #[test]
