@@ -9,10 +9,6 @@ use crate::stats::rounding_step;
 /// A wave is a harmonic of another if their pitches or frequencies differ by a whole factor within this.
 const HARMONIC: f64 = 0.02;
 
-/// A play has so many counts. One of 1 and one of 1.7 kept a position that toggles from turning the sign of a speed under
-/// a pull that differs by direction; the narrowest that was found and true had 2.2, of 34.
-const FEWEST_COUNTS: f64 = 2.0;
-
 /// Whether the numbers of a fit mean what the names of its effects say. What repeats with the motion is of the
 /// motion, and no disturbance in time.
 pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
@@ -26,7 +22,7 @@ pub(crate) fn is_physical(fit: &Fit, scales: &Scales) -> bool {
     };
     let is_shown = |term: &Term| match term.id {
         EffectId::SurfaceMotion => is_shown_in_contact(term, fit, scales),
-        EffectId::Backlash => term.row[0] >= FEWEST_COUNTS * rounding_step(scales.position_noise_m),
+        EffectId::Backlash => has_counts(term, scales),
         _ => true,
     };
     let mut each = terms.iter().enumerate().filter(|(_, term)| !term.given);
@@ -59,6 +55,13 @@ fn is_shown_in_contact(wave: &Term, fit: &Fit, scales: &Scales) -> bool {
     let is_seen = wave.row[1] * scales.time_beyond_s(surface_m) >= FEWEST_CYCLES
         || scales.passes_beyond(surface_m) >= FEWEST_TOUCHES;
     is_seen && wave.row[0].abs() >= half_count_m
+}
+
+/// Whether a play is of two counts or more. One of 1 and one of 1.7 kept a position that toggles from turning the sign of a
+/// speed under a pull that differs by direction; the narrowest that was found and true had 2.2, of 34.
+fn has_counts(play: &Term, scales: &Scales) -> bool {
+    const FEWEST_COUNTS: f64 = 2.0;
+    play.row[0] >= FEWEST_COUNTS * rounding_step(scales.position_noise_m)
 }
 
 /// Whether effects that make the force late do not make up for each other: a lag and the position as late do so but
@@ -132,6 +135,7 @@ mod tests {
     use crate::gap::data::fit_data::FitData;
     use crate::gap::model::start::whole;
     use crate::log::Log;
+    use crate::stats::rounding_deviation;
     use estimator_core::physics::effect::MOST_PARAMETERS;
 
     #[test]
@@ -194,6 +198,19 @@ mod tests {
         // AND what is no wave may stand twice.
         let mode = wave(EffectId::StressRelaxation, 0.4);
         assert!(resolves(&mode, std::slice::from_ref(&mode)));
+    }
+
+    #[test]
+    fn a_play_of_a_count_is_none() {
+        let scales = Scales {
+            position_noise_m: rounding_deviation(5e-6),
+            ..scales()
+        };
+        let play = |width_m: f64| {
+            let play = whole(EffectId::Backlash, [width_m, 0.0, 0.0, 0.0, 0.0], 1);
+            has_counts(&play, &scales)
+        };
+        assert!(play(11e-6) && !play(8.5e-6));
     }
 
     #[test]

@@ -165,6 +165,7 @@ impl Search<'_> {
         let is_accepted = last
             .is_some_and(|term| self.is_significant(term.id, &state.best, child, state.base_cost));
         if is_accepted {
+            // The errors of the fit before are not those of the children.
             let at = self.nearest(&children);
             children[..=at].rotate_right(1);
             let best = children[0].clone();
