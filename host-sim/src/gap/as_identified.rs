@@ -187,7 +187,8 @@ impl AsBefore<'_> {
         };
         let one = asked(1, 0.05, 0.2);
         let decision = &one.decision;
-        if self.is_nothing_new(decision) && self.is_as_before(decision, &decision.base) {
+        let is_nothing_new = is_nothing_new(decision, self.least, self.most);
+        if is_nothing_new && self.is_as_before(decision, &decision.base) {
             return Some(one.without_effects(&self.dataset));
         }
         if self.is_explained(decision) {
@@ -196,16 +197,6 @@ impl AsBefore<'_> {
         let several = asked(MOST_ADDED, 0.2, 0.4);
         let is_one = self.explains(&several.decision) && is_one_certain(&several.decision);
         is_one.then_some(several)
-    }
-
-    /// Whether held-out parts leave as little as before, or nothing is missing in them: a press of a cell, whose held-out
-    /// parts are unlike the others, left 1.45 times as much there, and 1.00 times in all of it, of its own model.
-    fn is_nothing_new(&self, decision: &Decision) -> bool {
-        let bound = match decision.adds_any() {
-            true => self.least,
-            false => self.most,
-        };
-        decision.ratio.0 <= bound || decision.verdict == Verdict::NoMissingEffect
     }
 
     /// Held-out parts say it, and so must the rest.
@@ -233,4 +224,32 @@ impl AsBefore<'_> {
 /// everywhere: under a cantilever a curve that snaps stood beside seven of eighteen effects.
 fn is_one_certain(decision: &Decision) -> bool {
     decision.clear_names().filter(|is_clear| *is_clear).count() == 1
+}
+
+/// Whether held-out parts leave as little as before, or nothing is missing in them: a press of a cell, whose held-out
+/// parts are unlike the others, left 1.45 times as much there, and 1.00 times in all of it, of its own model.
+fn is_nothing_new(decision: &Decision, least: f64, most: f64) -> bool {
+    let bound = if decision.adds_any() { least } else { most };
+    decision.ratio.0 <= bound || decision.verdict == Verdict::NoMissingEffect
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::decide::acceptance::tests::decision;
+
+    #[test]
+    fn nothing_is_new_where_held_out_parts_leave_little_or_nothing_is_missing_in_them() {
+        let is_nothing = |verdict: Verdict, errors: &[f64], ratio: f64| {
+            let mut asked = decision(errors, &vec![2e4; errors.len()]);
+            (asked.verdict, asked.ratio) = (verdict, (ratio, 1.0));
+            is_nothing_new(&asked, 1.25, 1.4)
+        };
+        assert!(is_nothing(Verdict::Unexplained, &[], 1.39));
+        assert!(!is_nothing(Verdict::Unexplained, &[], 1.45));
+        assert!(is_nothing(Verdict::NoMissingEffect, &[], 1.45));
+        // Beside an effect that is there less is allowed.
+        assert!(!is_nothing(Verdict::MissingEffects, &[0.1], 1.39));
+        assert!(is_nothing(Verdict::MissingEffects, &[0.1], 1.24));
+    }
 }

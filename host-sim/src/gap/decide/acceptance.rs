@@ -195,7 +195,7 @@ fn nearer_to_best(
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::gap) mod tests {
     use super::*;
     use crate::gap::data::scales::Scales;
     use crate::gap::finding::Verdict;
@@ -219,7 +219,7 @@ pub(super) mod tests {
     }
 
     /// Force offsets of 1 N beside a contact, with standard errors (N) and what is left without each.
-    pub(in crate::gap::decide) fn decision(errors: &[f64], without: &[f64]) -> Decision {
+    pub(in crate::gap) fn decision(errors: &[f64], without: &[f64]) -> Decision {
         let (model, scales) = contact();
         let terms = vec![of_size(EffectId::ForceOffset, 1.0); errors.len()];
         let shape = Shape::new(&model.environment, terms, &scales);

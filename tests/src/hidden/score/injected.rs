@@ -128,22 +128,22 @@ pub fn examine(question: &Question, roots: &[PathBuf], say: &dyn Fn(&str)) -> Ve
     let some_effect = EFFECTS.iter().any(|(id, _)| holds(id));
     let mut all = Vec::new();
     for record in records::ALL {
-        let Some(folder) = record.found(roots) else {
+        if record.found(roots).is_none() {
             continue;
-        };
+        }
         if some_record && !holds(&record.name()) {
             continue;
         }
         say(&record.name());
         let ids = EFFECTS.iter().filter(|(id, _)| !some_effect || holds(id));
-        all.push(one_record(&record, &folder, question, ids, say));
+        all.push(one_record(&record, roots, question, ids, say));
     }
     all
 }
 
 fn one_record<'a>(
     record: &Record,
-    folder: &Path,
+    roots: &[PathBuf],
     question: &Question,
     ids: impl Iterator<Item = &'a (&'static str, bool)>,
     say: &dyn Fn(&str),
@@ -157,7 +157,7 @@ fn one_record<'a>(
         clean: Err(String::new()),
         injected: Vec::new(),
     };
-    let read = record.read(folder).and_then(|(log, base)| {
+    let read = record.read(roots).and_then(|(log, base)| {
         let log = thinned(&log, question.every);
         let (clean, owner) = owners_model(&log, &base, &options)?;
         Ok((log, clean, owner))

@@ -60,7 +60,7 @@ const MEAT: Record = Record {
 };
 
 /// All records; those that may not enter the repository are looked for in further folders.
-pub const ALL: [Record; 16] = [
+pub const ALL: [Record; 20] = [
     DRIVE,
     Record {
         file: "data_pulses.csv",
@@ -88,6 +88,14 @@ pub const ALL: [Record; 16] = [
         ..SERVO
     },
     Record {
+        file: "kp400_sin_time_square.csv",
+        ..SERVO
+    },
+    Record {
+        file: "kp400_lift_and_drop.csv",
+        ..SERVO
+    },
+    Record {
         folder: "afm_cell_relaxation",
         file: "data_cell1-0001.csv",
         ..FOAM
@@ -97,9 +105,18 @@ pub const ALL: [Record; 16] = [
         file: "data_cell1-0008.csv",
         ..FOAM
     },
+    Record {
+        folder: "afm_cell_relaxation",
+        file: "data_cell1-0015.csv",
+        ..FOAM
+    },
     DAMPER,
     Record {
         file: "data_1hz_30lb_0.5in.csv",
+        ..DAMPER
+    },
+    Record {
+        file: "data_0.25hz_30lb_1in.csv",
         ..DAMPER
     },
     Record {
@@ -134,25 +151,23 @@ impl Record {
         format!("{folder}/{file}")
     }
 
-    /// The first of the folders that holds the record.
+    /// Where the log is, below the first of the folders that hold it.
     pub(crate) fn found(&self, roots: &[PathBuf]) -> Option<PathBuf> {
-        let folders = roots.iter().map(|root| root.join(self.folder));
-        folders
-            .into_iter()
-            .find(|folder| self.log_in(folder).is_some())
+        let gzipped = format!("{}.gz", self.file);
+        let names = [self.file, gzipped.as_str()];
+        let mut found = names.iter().filter_map(|name| self.among(roots, name));
+        found.next()
     }
 
-    fn log_in(&self, folder: &Path) -> Option<PathBuf> {
-        let names = [self.file.to_string(), format!("{}.gz", self.file)];
-        names
-            .iter()
-            .map(|name| folder.join(name))
-            .find(|path| path.is_file())
+    /// A file of the record's folder below the first of the folders that hold it.
+    fn among(&self, roots: &[PathBuf], name: &str) -> Option<PathBuf> {
+        let mut paths = roots.iter().map(|root| root.join(self.folder).join(name));
+        paths.find(|path| path.is_file())
     }
 
-    /// Reads the log and the base model from the record's folder.
-    pub(crate) fn read(&self, folder: &Path) -> Result<(Log, Model), String> {
-        let path = self.log_in(folder).ok_or("the log is not there")?;
+    /// Reads the log and the base model, which may be below different folders.
+    pub(crate) fn read(&self, roots: &[PathBuf]) -> Result<(Log, Model), String> {
+        let path = self.found(roots).ok_or("the log is not there")?;
         let mut options = ReadOptions::default();
         if !self.columns.is_empty() {
             options.columns = self
@@ -162,7 +177,7 @@ impl Record {
         }
         let log = Log::read(&path, &options).map_err(|e| e.to_string())?;
         let model = match self.base {
-            "" => Model::read(&folder.join("base.toml")),
+            "" => Model::read(&self.among(roots, "base.toml").ok_or("no base.toml")?),
             text => parsed(text),
         };
         Ok((log, model.map_err(|e| e.to_string())?))
