@@ -240,9 +240,23 @@ fn inject(arguments: &[String]) -> Result<(), String> {
         std::fs::create_dir_all(keep).map_err(|e| format!("--keep {}: {e}", keep.display()))?;
     }
     let mut roots = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("data")];
-    roots.extend(option(arguments, "--records").map(PathBuf::from));
+    if let Some(more) = option(arguments, "--records").map(PathBuf::from) {
+        if !more.is_dir() {
+            let more = more.display();
+            return Err(format!(
+                "--records {more}: a folder with folders of records is expected"
+            ));
+        }
+        roots.push(more);
+    }
     let examined = injected::examine(&question, &roots, &|at| eprint!("\r\x1b[K{at} "));
     eprintln!();
+    if examined.is_empty() {
+        let only = question.only.join(",");
+        return Err(format!(
+            "--only {only}: no such record in the repository, or below --records"
+        ));
+    }
     print!("{}", table::injected::text(&examined));
     Ok(())
 }
