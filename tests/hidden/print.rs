@@ -235,19 +235,18 @@ fn inject(arguments: &[String]) -> Result<(), String> {
         every: number(arguments, "--every", 1)?.max(1) as usize,
         keep: option(arguments, "--keep").map(PathBuf::from),
     };
-    // Before the ten minutes that it takes.
-    if let Some(keep) = &question.keep {
-        std::fs::create_dir_all(keep).map_err(|e| format!("--keep {}: {e}", keep.display()))?;
-    }
     let mut roots = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("data")];
-    if let Some(more) = option(arguments, "--records").map(PathBuf::from) {
-        if !more.is_dir() {
-            let more = more.display();
+    if let Some(more) = option(arguments, "--records") {
+        if !Path::new(more).is_dir() {
             return Err(format!(
                 "--records {more}: a folder with folders of records is expected"
             ));
         }
-        roots.push(more);
+        roots.push(more.into());
+    }
+    // Before the ten minutes that it takes.
+    if let Some(keep) = &question.keep {
+        std::fs::create_dir_all(keep).map_err(|e| format!("--keep {}: {e}", keep.display()))?;
     }
     let examined = injected::examine(&question, &roots, &|at| eprint!("\r\x1b[K{at} "));
     eprintln!();

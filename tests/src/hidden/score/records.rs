@@ -154,14 +154,13 @@ impl Record {
     /// Where the log is, below the first of the folders that hold it.
     pub(crate) fn found(&self, roots: &[PathBuf]) -> Option<PathBuf> {
         let gzipped = format!("{}.gz", self.file);
-        let names = [self.file, gzipped.as_str()];
-        let mut found = names.iter().filter_map(|name| self.among(roots, name));
-        found.next()
+        self.among(roots, &[self.file, &gzipped])
     }
 
-    /// A file of the record's folder below the first of the folders that hold it.
-    fn among(&self, roots: &[PathBuf], name: &str) -> Option<PathBuf> {
-        let mut paths = roots.iter().map(|root| root.join(self.folder).join(name));
+    /// The first of some names in the record's folder, below the first of the folders that hold one.
+    fn among(&self, roots: &[PathBuf], names: &[&str]) -> Option<PathBuf> {
+        let folders = roots.iter().map(|root| root.join(self.folder));
+        let mut paths = folders.flat_map(|folder| names.iter().map(move |name| folder.join(name)));
         paths.find(|path| path.is_file())
     }
 
@@ -177,7 +176,7 @@ impl Record {
         }
         let log = Log::read(&path, &options).map_err(|e| e.to_string())?;
         let model = match self.base {
-            "" => Model::read(&self.among(roots, "base.toml").ok_or("no base.toml")?),
+            "" => Model::read(&self.among(roots, &["base.toml"]).ok_or("no base.toml")?),
             text => parsed(text),
         };
         Ok((log, model.map_err(|e| e.to_string())?))
